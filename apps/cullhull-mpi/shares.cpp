@@ -24,8 +24,8 @@ struct FileFacts {
 Input open_one(const InputArguments& arguments, const std::string& file,
                const cullhull::ReadOptions& options) {
   if (file == "-" || ending_of(file) == ".hullstate")
-    throw Error(ErrorCode::invalid_argument,
-                input_name(file) + ": cullhull-mpi reads files of points that all ranks see");
+    throw Error(ErrorCode::invalid_argument, input_name(file),
+                ": cullhull-mpi reads files of points that all ranks see");
   InputArguments one = arguments;
   one.path = file;
   return open_input(one, options);
@@ -79,8 +79,8 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
         continue;
       Input& input = opened[i];
       if (input.file.total() != n)
-        throw Error(ErrorCode::bad_file, files[i] + ": ranks see " + std::to_string(n) + " and " +
-                                             std::to_string(input.file.total()) + " points");
+        throw Error(ErrorCode::bad_file, files[i], ": ranks see ", n, " and ", input.file.total(),
+                    " points");
       if (i == 0) share.format = input.file.format();
       share.blocks.push_back({input.points, first + input.file.first()});
     }

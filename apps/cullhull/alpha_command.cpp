@@ -132,7 +132,7 @@ void find_shape(const AlphaArguments& a, const PointView& points, const cullhull
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        auto o = cullhull::run_as<cullhull::TriangulationOptions>(options);
+        cullhull::TriangulationOptions o{options};
         return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;

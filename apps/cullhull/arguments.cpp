@@ -80,18 +80,16 @@ std::uint64_t parse_size(std::string_view text, std::string_view option) {
     if (!(value >= 0) || value >= 0x1p63 || value != std::floor(value)) break;
     return static_cast<std::uint64_t>(value);
   }
-  throw Error(ErrorCode::invalid_argument,
-              std::string(option) + " needs a whole number such as 500000, 8M or 2GiB, not '" +
-                  std::string(text) + "'");
+  throw Error(ErrorCode::invalid_argument, option,
+              " needs a whole number such as 500000, 8M or 2GiB, not '", text, "'");
 }
 
 std::uint64_t parse_whole(std::string_view text, std::string_view option) {
   std::uint64_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc() && end == text.data() + text.size()) return number;
-  throw Error(ErrorCode::invalid_argument,
-              std::string(option) + " needs a whole number from 0 to 18446744073709551615, not '" +
-                  std::string(text) + "'");
+  throw Error(ErrorCode::invalid_argument, option,
+              " needs a whole number from 0 to 18446744073709551615, not '", text, "'");
 }
 
 std::string place_of(const std::string& path, const std::string& message) {
@@ -187,9 +185,8 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   input.file = cullhull::open_points(arguments.path, options);
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
-    throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but " +
-                                                 arguments.path + " was read as " +
-                                                 input.file.format());
+    throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ",
+                arguments.path, " was read as ", input.file.format());
   input.points = input.file.points();
   const cullhull::Placement& placement = input.file.placement();
   input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
@@ -235,9 +232,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
     if (all.points.count == 0) all.points.scalar = part.scalar;
     if (part.count > 0 && part.scalar != all.points.scalar) all.points.scalar = ScalarType::f64;
     if (part.dimension != parts[0].points.dimension)
-      throw Error(ErrorCode::bad_file,
-                  file + ": points of dimension " + std::to_string(part.dimension) + ", but of " +
-                      std::to_string(parts[0].points.dimension) + " in " + files[0]);
+      throw Error(ErrorCode::bad_file, file, ": points of dimension ", part.dimension, ", but of ",
+                  parts[0].points.dimension, " in ", files[0]);
     all.points.count += part.count;
     const std::vector<double>& weights = parts.back().weights;
     all.weights.insert(all.weights.end(), weights.begin(), weights.end());

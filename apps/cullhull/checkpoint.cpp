@@ -23,7 +23,7 @@ constexpr std::string_view kind = "cullhull checkpoint ", version = "2";
 constexpr std::size_t sum_digits = 16;
 
 [[noreturn]] void broken(const std::string& path, const std::string& why) {
-  throw Error(ErrorCode::bad_file, path + ": " + why + "; remove it to begin anew");
+  throw Error(ErrorCode::bad_file, path, ": ", why, "; remove it to begin anew");
 }
 
 /// FNV-1a, as hexadecimal digits.
@@ -71,9 +71,9 @@ std::optional<Checkpoint> read_checkpoint(const std::string& path) {
   std::error_code unknown;
   if (!std::filesystem::exists(path, unknown)) return std::nullopt;
   if (std::filesystem::is_directory(path, unknown))
-    throw Error(ErrorCode::io, path + ": a folder, where a checkpoint is a file");
+    throw Error(ErrorCode::io, path, ": a folder, where a checkpoint is a file");
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorCode::io, path + ": cannot open the checkpoint");
+  if (!file) throw Error(ErrorCode::io, path, ": cannot open the checkpoint");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   const std::string_view rest = checked(path, text);
   const std::size_t line = std::min(rest.find('\n'), rest.size() - 1);

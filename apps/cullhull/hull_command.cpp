@@ -325,8 +325,8 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
     return arguments.elsewhere->certify(hull, vertex_rows(streamed.state, hull));
   for (const std::string& file : arguments.files)
     if (file == "-" || ending_of(file) == ".hullstate")
-      throw Error(ErrorCode::invalid_argument, "--certify reads all points once more, which " +
-                                                   input_name(file) + " does not have");
+      throw Error(ErrorCode::invalid_argument, "--certify reads all points once more, which ",
+                  input_name(file), " does not have");
   std::vector<double> rows = vertex_rows(streamed.state, hull);
   cullhull::Options options = arguments.run.options();
   options.threads = 1;  // the reading threads do the work
@@ -501,8 +501,8 @@ int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
   if (!arguments.by.empty()) throw Error(ErrorCode::invalid_argument, "--by is for one process");
   if (!why_not.empty() || arguments.stream.stream == "off")
-    throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not) +
-                                                 " needs all points in one process's memory");
+    throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not),
+                " needs all points in one process's memory");
   if (!arguments.stream.checkpoint.empty() || arguments.stream.first_id > 0)
     throw Error(ErrorCode::invalid_argument, "--checkpoint and --first-id are for one process");
   if (arguments.elsewhere->reports) return run_streamed(arguments, plan);

@@ -58,7 +58,7 @@ struct Request {
 };
 
 [[noreturn]] void refuse(const std::string& word, const std::string& why) {
-  throw Error(ErrorCode::invalid_argument, "qconvex " + word + ": " + why);
+  throw Error(ErrorCode::invalid_argument, "qconvex ", word, ": ", why);
 }
 
 /// Q0 to Q14, and other words that change how Qhull computes, but not the result.

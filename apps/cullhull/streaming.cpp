@@ -29,9 +29,8 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
-      throw Error(ErrorCode::invalid_argument,
-                  "--checkpoint " + stream.checkpoint + ": " + input_name(file) +
-                      " is no file that could be read from its middle");
+      throw Error(ErrorCode::invalid_argument, "--checkpoint ", stream.checkpoint, ": ",
+                  input_name(file), " is no file that could be read from its middle");
     text += fmt::format("{} {} {}\n", file, found.bytes, found.changed);
   }
   return text;
@@ -41,9 +40,8 @@ std::optional<Checkpoint> checkpoint_of(const StreamArguments& stream, const std
   if (stream.checkpoint.empty()) return std::nullopt;
   std::optional<Checkpoint> found = read_checkpoint(stream.checkpoint);
   if (found && found->inputs != inputs)
-    throw Error(ErrorCode::invalid_argument,
-                "--checkpoint " + stream.checkpoint +
-                    ": is of other inputs, or of some that have changed; remove it to begin anew");
+    throw Error(ErrorCode::invalid_argument, "--checkpoint ", stream.checkpoint,
+                ": is of other inputs, or of some that have changed; remove it to begin anew");
   return found;
 }
 
@@ -107,10 +105,10 @@ bool StreamArguments::wanted(const std::vector<std::string>& files, const RunArg
                      : states              ? "a .hullstate among the inputs"
                                            : "";
   if (!what.empty() && stream == "off")
-    throw Error(ErrorCode::invalid_argument, what + " reads in blocks, which --stream off forbids");
+    throw Error(ErrorCode::invalid_argument, what, " reads in blocks, which --stream off forbids");
   if (!what.empty() && !why_not.empty())
-    throw Error(ErrorCode::invalid_argument,
-                what + " reads in blocks, but " + why_not + " needs all points in memory");
+    throw Error(ErrorCode::invalid_argument, what, " reads in blocks, but ", why_not,
+                " needs all points in memory");
   if (!what.empty()) return true;
   if (stream == "off" || !why_not.empty()) return false;
   return files.size() > 1 || cullhull::worth_streaming(files, run.options());

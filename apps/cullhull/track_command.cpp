@@ -107,7 +107,7 @@ class FrameNames {
 
  private:
   [[noreturn]] void refuse(const char* reason) const {
-    throw Error(ErrorCode::invalid_argument, "-o " + pattern_ + ": " + reason);
+    throw Error(ErrorCode::invalid_argument, "-o ", pattern_, ": ", reason);
   }
 
   void split() {

@@ -224,7 +224,7 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        auto o = cullhull::run_as<cullhull::ConstrainedOptions>(options);
+        cullhull::ConstrainedOptions o{options};
         o.inside_only = a.inside;
         return naming_file(a.input.path, [&] {
           cullhull::ConstrainedTriangulation made =
@@ -240,7 +240,7 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
 void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
   if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
-                        auto o = cullhull::run_as<cullhull::TriangulationOptions>(options);
+                        cullhull::TriangulationOptions o{options};
                         o.furthest_site = a.furthest;
                         return naming_file(a.input.path, [&] {
                           return out.weights.empty()
@@ -276,7 +276,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
       out.cells = repeat(a.run, 1, clip).result;
     } catch (const Error& e) {
       if (e.code() != ErrorCode::invalid_argument) throw;
-      throw Error(e.code(), a.clip + ": " + e.what());
+      throw Error(e.code(), a.clip, ": ", e.what());
     }
   } else if (wants_cells(a)) {
     const Box box = box_of(a, points, grid);

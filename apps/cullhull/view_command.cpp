@@ -60,7 +60,7 @@ struct ViewArguments {
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
     if (!cells) return std::nullopt;
-    return cullhull::run_as<cullhull::TriangulationOptions>(given);
+    return cullhull::TriangulationOptions{given};
   }
 };
 
@@ -216,7 +216,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
   cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);
   const std::uint64_t frames = sequence.frames();
   if (frames == 0)
-    throw Error(ErrorCode::bad_file, arguments.input.path + ": a sequence without frames");
+    throw Error(ErrorCode::bad_file, arguments.input.path, ": a sequence without frames");
   Shown chosen(frames);
   Scene scene(title_of(arguments.input.path), frames, chosen.shown());
   if (frames > 1) options.progress = nullptr;  // the number of frames is shown instead
@@ -287,8 +287,8 @@ int run(const ViewArguments& arguments) {
     options.progress = progress.callback();
     const std::vector<std::string> hulls = hull_files(arguments.input);
     if (arguments.cells && !hulls.empty())
-      throw Error(ErrorCode::invalid_argument,
-                  "--delaunay: " + arguments.input.path + " is a hull, without its points");
+      throw Error(ErrorCode::invalid_argument, "--delaunay: ", arguments.input.path,
+                  " is a hull, without its points");
     if (hulls.empty() && !may_be_sequence(arguments.input))
       written = view_points(arguments, options);
     else

@@ -31,13 +31,13 @@ struct AlphaShape {
 /// those of the triangulation, one of the furthest site, and an alpha that is negative or NaN.
 /// Source: docs/exactness.md, "Voronoi diagrams".
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
-                       const Options& options = {});
+                       const RunOptions& options = {});
 
 /// For each cell the least double that is at least the radius of its circumscribed sphere, infinite
 /// beyond the range of doubles: the cell is in alpha_shape(alpha) if and only if this is at most
 /// alpha. Errors as above.
 Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
-                          const Options& options = {});
+                          const RunOptions& options = {});
 
 /// What a shape is wanted to be: with a cell at every vertex, or besides all of one piece, cells
 /// being joined through facets.
@@ -47,7 +47,7 @@ enum class AlphaGoal { all_points, one_region };
 /// of these whose shape is of one piece. 0 without cells, and for k = 0. Time O(cells (k^3 + log)).
 /// Errors as above.
 double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
-                      const Options& options = {});
+                      const RunOptions& options = {});
 
 /// The concave hull by the length of edges (the chi-shape of Duckham and others, 2008) of points of
 /// a plane: from the convex hull on, the longest edge of the boundary that is longer than `length`
@@ -58,12 +58,12 @@ double critical_alpha(const PointView& points, const Triangulation& triangulatio
 /// invalid_argument for k > 2, a length that is negative or NaN, points that are not those of the
 /// triangulation, weights that hide points and the furthest site.
 AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
-                        const Options& options = {});
+                        const RunOptions& options = {});
 
 /// The length that is `ratio` of the way from the shortest edge of the triangulation to the longest
 /// (0 to 1; 1 gives infinity, the convex hull), rounded. Errors as above, and for another ratio.
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
-                      const Options& options = {});
+                      const RunOptions& options = {});
 
 /// Regions of the plane bounded by rings of points.
 struct CellPolygons {
@@ -84,7 +84,7 @@ struct CellPolygons {
 /// that polygons are valid as GeoJSON and WKT have it. `cells`: ascending. Errors: invalid_argument
 /// for k > 2 and for points that are not those of the triangulation.
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
-                           std::span<const std::uint32_t> cells, const Options& options = {});
+                           std::span<const std::uint32_t> cells, const RunOptions& options = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

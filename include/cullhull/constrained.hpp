@@ -12,15 +12,10 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-struct ConstrainedOptions {
+/// Only the Delaunay triangulation, the first step, uses threads.
+struct ConstrainedOptions : RunOptions {
   /// Keep only the cells of odd depth, those inside. Points left without a cell become `hidden`.
   bool inside_only = false;
-  /// As in TriangulationOptions. Only the Delaunay triangulation, the first step, uses threads.
-  unsigned threads = 0;
-  std::uint64_t memory_budget = 0;
-  Progress progress;
-  std::stop_token stop;
-  Poll poll;
 };
 
 /// A triangulation that contains given edges, and is Delaunay elsewhere.

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #pragma GCC visibility push(default)
 namespace cullhull {
@@ -25,9 +26,30 @@ enum class ErrorCode {
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  /// The message in parts: text, and integers, which are written in decimal.
+  template <class First, class Second, class... More>
+  Error(ErrorCode code, const First& first, const Second& second, const More&... more)
+      : Error(code, joined(first, second, more...)) {}
   ErrorCode code() const noexcept { return code_; }
 
+  /// The parts as one text.
+  template <class... Parts>
+  static std::string joined(const Parts&... parts) {
+    std::string text;
+    (append(text, parts), ...);
+    return text;
+  }
+
  private:
+  template <class Part>
+  static void append(std::string& text, const Part& part) {
+    static_assert(!std::is_floating_point_v<Part> && !std::is_same_v<Part, bool>);
+    if constexpr (std::is_integral_v<Part> && !std::is_same_v<Part, char>)
+      text += std::to_string(part);
+    else
+      text += part;
+  }
+
   ErrorCode code_;
 };
 

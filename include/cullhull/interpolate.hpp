@@ -28,7 +28,7 @@ class Interpolator {
   /// counts. Errors: as of TriangulationQuery; invalid_argument for no components, and for a
   /// triangulation that is weighted or of the furthest site.
   Interpolator(const PointView& points, const Triangulation& triangulation, const double* values,
-               std::uint32_t components = 1, const Options& options = {});
+               std::uint32_t components = 1, const RunOptions& options = {});
   ~Interpolator();
   Interpolator(Interpolator&&) noexcept;
   Interpolator& operator=(Interpolator&&) noexcept;
@@ -42,13 +42,13 @@ class Interpolator {
   /// no cell is. `out`: points x components.
   void linear(const PointView& points, double* out,
               double outside = std::numeric_limits<double>::quiet_NaN(),
-              const Options& options = {}) const;
+              const RunOptions& options = {}) const;
 
   /// The value of the nearest vertex, exactly the nearest, of several the lowest id. `outside`
   /// where there is no vertex at all.
   void nearest(const PointView& points, double* out,
                double outside = std::numeric_limits<double>::quiet_NaN(),
-               const Options& options = {}) const;
+               const RunOptions& options = {}) const;
 
   /// Sibson's natural neighbours (1981): inserted among the vertices, the point's Voronoi cell
   /// takes from the cell of each vertex a share of its volume, which is the vertex's weight. Values
@@ -59,7 +59,7 @@ class Interpolator {
   /// point in the plane, some ten in space. Source: docs/exactness.md, "Natural neighbours".
   void natural(const PointView& points, double* out,
                double outside = std::numeric_limits<double>::quiet_NaN(),
-               const Options& options = {}) const;
+               const RunOptions& options = {}) const;
 
   /// The weights of one point, d numbers: each within 2^-51 of exact and not negative, so that n of
   /// them add up to 1 within n 2^-51. None outside. Errors as above, not_finite.

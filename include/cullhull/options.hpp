@@ -23,24 +23,28 @@ using Progress = std::function<void(const char* phase, double share)>;
 /// quick. It may request the stop, and must not throw.
 using Poll = std::function<void()>;
 
-struct Options {
+/// How a call runs, whatever it computes.
+struct RunOptions {
+  /// Threads to use; 0 means all the machine offers.
+  unsigned threads = 0;
+  /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
+  std::uint64_t memory_budget = 0;
+  Progress progress;
+  std::stop_token stop;
+  /// For callers that must look for signals themselves. Not called while the calling thread waits
+  /// for other threads: it does not bound the latency of calls that take seconds on several.
+  Poll poll;
+};
+
+struct Options : RunOptions {
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
   Engine engine = Engine::native;
-  /// Threads to use; 0 means all the machine offers.
-  unsigned threads = 0;
   /// The CUDA device for points of the host; -1: the calling thread's current one. Points in a
   /// device's memory are worked on by that device.
   int device = -1;
-  /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
-  std::uint64_t memory_budget = 0;
   /// The rates by which `Backend::automatic` chooses.
   MachineConstants machine;
-  Progress progress;
-  std::stop_token stop;
-  /// For callers that must look for signals themselves. While the calling thread waits for others
-  /// it is not called, so that it is no help in calls that take seconds on several threads.
-  Poll poll;
 };
 
 }  // namespace cullhull

@@ -26,12 +26,12 @@ namespace cullhull {
 /// coordinates hang on the one that stands in, by edges of length zero. Time O(edges log edges).
 Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
                                            const Triangulation& triangulation,
-                                           const Options& options = {});
+                                           const RunOptions& options = {});
 
 /// p and q are joined if no third point is in the closed ball whose diameter is pq (Gabriel and
 /// Sokal 1969). Of equal points only the one that stands in has edges. Time O(cells k^3).
 Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
-                                   const Options& options = {});
+                                   const RunOptions& options = {});
 
 /// p and q are joined if no third point is nearer to both than they are to each other (Toussaint
 /// 1980). Of equal points only the one that stands in has edges. Time as the Gabriel graph's, plus
@@ -39,7 +39,7 @@ Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation&
 /// that has fewer: a few for most sets.
 Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
                                                   const Triangulation& triangulation,
-                                                  const Options& options = {});
+                                                  const RunOptions& options = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

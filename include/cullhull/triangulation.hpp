@@ -18,33 +18,12 @@ namespace cullhull {
 /// The neighbour across a facet of the hull: there is no cell.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
 
-struct TriangulationOptions {
+struct TriangulationOptions : RunOptions {
   /// The triangulation of the furthest-point Voronoi diagram: the upper hull of the lifted points
   /// instead of the lower one. Its vertices are extreme points, all others are hidden. Of the
   /// options the only one that changes the result.
   bool furthest_site = false;
-  /// Threads to use; 0 means all the machine offers.
-  unsigned threads = 0;
-  /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
-  std::uint64_t memory_budget = 0;
-  /// As in Options.
-  Progress progress;
-  std::stop_token stop;
-  Poll poll;
 };
-
-/// Options of one kind that run as those of another do: with their threads, memory budget,
-/// progress, stop and poll. All else is as it is by default.
-template <class To, class From>
-To run_as(const From& given) {
-  To options;
-  options.threads = given.threads;
-  options.memory_budget = given.memory_budget;
-  options.progress = given.progress;
-  options.stop = given.stop;
-  options.poll = given.poll;
-  return options;
-}
 
 struct TriangulationStatistics {
   /// Signs by what decided them (docs/exactness.md, "Lifting"): doubles, double-doubles, integers.

@@ -30,7 +30,7 @@ class TriangulationQuery {
   /// `points`: those the triangulation was made of; `weights` likewise, if it had any: nearest()
   /// needs them.
   TriangulationQuery(const PointView& points, const Triangulation& triangulation,
-                     std::span<const double> weights = {}, const Options& options = {});
+                     std::span<const double> weights = {}, const RunOptions& options = {});
   ~TriangulationQuery();
   TriangulationQuery(TriangulationQuery&&) noexcept;
   TriangulationQuery& operator=(TriangulationQuery&&) noexcept;
@@ -56,10 +56,10 @@ class TriangulationQuery {
 
   /// The same for many: `out` holds an item (barycentric: k + 1) a point, `cells` what find() gave
   /// or any others. In parallel over options.threads, with options.stop and options.progress.
-  void find(const PointView& points, std::uint32_t* out, const Options& options = {}) const;
+  void find(const PointView& points, std::uint32_t* out, const RunOptions& options = {}) const;
   void barycentric(const PointView& points, const std::uint32_t* cells, double* out,
-                   const Options& options = {}) const;
-  void nearest(const PointView& points, std::uint32_t* out, const Options& options = {}) const;
+                   const RunOptions& options = {}) const;
+  void nearest(const PointView& points, std::uint32_t* out, const RunOptions& options = {}) const;
 
  private:
   struct State;

@@ -74,7 +74,7 @@ struct Voronoi {
 /// the triangulation, out_of_budget, cancelled. Thread safe.
 /// Source: docs/exactness.md, "Voronoi diagrams".
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
-                std::span<const double> weights = {}, const Options& options = {});
+                std::span<const double> weights = {}, const RunOptions& options = {});
 
 /// A polygon of the plane, or several, with holes: rings of corners. Inside is what an odd number
 /// of rings surrounds, so that rings need no orientation and no order. Rings may touch, and
@@ -133,13 +133,13 @@ struct ClippedCells {
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
                           std::span<const double> weights = {}, bool shapes = true,
-                          const Options& options = {}, const Voronoi* diagram = nullptr);
+                          const RunOptions& options = {}, const Voronoi* diagram = nullptr);
 
 /// For d = 1 and 3 in the convex hull of the points `region`, which must span d dimensions; for d =
 /// 2 in the polygon with these corners, in their order.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights = {},
-                          bool shapes = true, const Options& options = {},
+                          bool shapes = true, const RunOptions& options = {},
                           const Voronoi* diagram = nullptr);
 
 /// In polygons; d = 2. Cells may have several parts, with dents and holes. Time: some microseconds
@@ -148,7 +148,7 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
 /// offsets that do not ascend, edges that cross, and a region that is a line.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PolygonRings& region, std::span<const double> weights = {},
-                          bool shapes = true, const Options& options = {},
+                          bool shapes = true, const RunOptions& options = {},
                           const Voronoi* diagram = nullptr);
 
 }  // namespace cullhull

@@ -13,10 +13,8 @@ void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
   for (std::uint64_t i = 0; i <= sets; ++i)
     if (offsets[i] > points || (i > 0 && offsets[i] < offsets[i - 1]))
-      throw Error(ErrorCode::invalid_argument, "offset " + std::to_string(i) + " is " +
-                                                   std::to_string(offsets[i]) +
-                                                   "; offsets must ascend and not exceed the " +
-                                                   std::to_string(points) + " points");
+      throw Error(ErrorCode::invalid_argument, "offset ", i, " is ", offsets[i],
+                  "; offsets must ascend and not exceed the ", points, " points");
 }
 
 }  // namespace internal::inline batch

@@ -269,7 +269,7 @@ void BatchMaker::add_chunk(std::uint64_t c, std::uint64_t begin, std::uint64_t e
   } catch (const Error& e) {
     if (e.code() == ErrorCode::cancelled) throw;
     const std::uint64_t set = number ? number(i) : i;
-    errors_[c] = Error(e.code(), "set " + std::to_string(set) + ": " + e.what());
+    errors_[c] = Error(e.code(), "set ", set, ": ", e.what());
   }
 }
 

@@ -71,8 +71,7 @@ class DeviceBatch {
       throw Error(ErrorCode::invalid_argument, "a batch on a device has at most 2^31 - 1 sets");
     for (std::uint64_t i = 0; i < sets_; ++i)
       if (starts_[i + 1] - starts_[i] > most_sets)
-        throw Error(ErrorCode::invalid_argument,
-                    "set " + std::to_string(i) + " has more than 2^31 - 1 points");
+        throw Error(ErrorCode::invalid_argument, "set ", i, " has more than 2^31 - 1 points");
     run_.check();
     find(0, static_cast<std::uint32_t>(sets_), warps_);
     const std::vector<std::uint32_t> open = there_.open_sets();

@@ -530,16 +530,14 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
     refuse("constrained triangulations are of points in the plane, not in dimension " +
            std::to_string(points.dimension));
   ConstrainedTriangulation out;
-  out.triangulation = cullhull::delaunay(points, run_as<TriangulationOptions>(o));
+  out.triangulation = cullhull::delaunay(points, TriangulationOptions{o});
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
     return out;
   }
-  const Options options = run_as<Options>(o);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(o);
+  const Run& run = call.run;
   require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
   force_all(points, constraints, run, out);
   if (o.inside_only) keep_inside(out);

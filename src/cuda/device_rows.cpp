@@ -74,8 +74,7 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
   using namespace internal;
   for (const std::uint64_t id : ids)
     if (id >= points.count)
-      throw Error(ErrorCode::invalid_argument, "there is no point " + std::to_string(id) + " of " +
-                                                   std::to_string(points.count));
+      throw Error(ErrorCode::invalid_argument, "there is no point ", id, " of ", points.count);
   if (ids.empty()) {
     (void)cuda::device();
     return {};

@@ -168,10 +168,8 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
 Triangulation triangulate(const PointView& points, std::span<const double> weights,
                           const TriangulationOptions& o) {
   check_arguments(points);
-  const Options options = run_as<Options>(o);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(o);
+  const Run& run = call.run;
   const auto start = Clock::now();
   run.check();
   check_budget(points, run);

@@ -28,7 +28,7 @@ void check_mpi(int code) {
   int length = 0;
   if (MPI_Error_string(code, text, &length) != MPI_SUCCESS) length = 0;
   throw Error(ErrorCode::io,
-              "MPI: " + std::string(text, static_cast<std::size_t>(std::max(length, 0))));
+              "MPI: ", std::string(text, static_cast<std::size_t>(std::max(length, 0))));
 }
 
 /// Spins at first, then yields, then sleeps for growing times of at most 0.5 ms: a rank may wait
@@ -240,8 +240,7 @@ void Communicator::agree(const std::exception_ptr& failure) {
   told.message.resize(head[1]);
   broadcast(told.message.data(), head[1], speaker);
   if (rank_ == speaker && foreign(failure)) std::rethrow_exception(failure);
-  throw Error(static_cast<ErrorCode>(head[0]),
-              "rank " + std::to_string(speaker) + ": " + told.message);
+  throw Error(static_cast<ErrorCode>(head[0]), "rank ", speaker, ": ", told.message);
 }
 
 }  // namespace cullhull::internal::inline distributed

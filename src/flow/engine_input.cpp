@@ -34,8 +34,8 @@ void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
 
 void require_engine_room(std::uint64_t count, unsigned dimension, const Run& run) {
   if (count >= 0xFFFFFFFF)
-    throw Error(ErrorCode::out_of_budget,
-                std::to_string(count) + " points survive the filter; an engine takes 2^32 - 2");
+    throw Error(ErrorCode::out_of_budget, count,
+                " points survive the filter; an engine takes 2^32 - 2");
   // Coordinates, a copy in the engine's order, keys and ids to sort them by; half as much is left
   // for facets, of which engines use a third of their budget at most before they refuse.
   require_budget(run.budget, count * (2 * dimension * sizeof(double) + 24) / 2 * 3,

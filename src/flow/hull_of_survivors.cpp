@@ -63,8 +63,8 @@ bool few_in_space(const PointView& points, const Survivors& survivors, const Run
 void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
   const Certificate certificate = certify(points, hull, options);
   if (!certificate.valid)
-    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (" +
-                                          certificate.reason + "); use the native engine");
+    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (", certificate.reason,
+                "); use the native engine");
 }
 
 /// The hull by a known hull's triangles. False if it has other vertices, or if the triangles

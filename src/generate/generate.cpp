@@ -227,8 +227,7 @@ const ShapeEntry& find_shape(std::string_view name) {
     if (name == entry.shape.name) return entry;
   std::string known;
   for (const ShapeEntry& entry : entries()) known += std::string(" ") + entry.shape.name;
-  throw Error(ErrorCode::invalid_argument,
-              "unknown shape '" + std::string(name) + "'; known:" + known);
+  throw Error(ErrorCode::invalid_argument, "unknown shape '", name, "'; known:", known);
 }
 
 std::uint64_t parse_grid_size(std::string_view text) {
@@ -236,19 +235,16 @@ std::uint64_t parse_grid_size(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), size);
   if (error != std::errc() || end != text.data() + text.size() || size == 0 ||
       size > (std::uint64_t{1} << 32))
-    throw Error(
-        ErrorCode::invalid_argument,
-        "grid:K needs a whole number K from 1 to 4294967296, not '" + std::string(text) + "'");
+    throw Error(ErrorCode::invalid_argument,
+                "grid:K needs a whole number K from 1 to 4294967296, not '", text, "'");
   return size;
 }
 
 void check_dimension(const ShapeEntry& entry, std::uint32_t dimension) {
   if (dimension >= entry.min_dimension && dimension <= entry.max_dimension) return;
-  throw Error(ErrorCode::invalid_argument, std::string("shape '") + entry.shape.name +
-                                               "' needs dimension " +
-                                               std::to_string(entry.min_dimension) +
-                                               (entry.max_dimension == any ? " or more" : "") +
-                                               ", not " + std::to_string(dimension));
+  throw Error(ErrorCode::invalid_argument, "shape '", entry.shape.name, "' needs dimension ",
+              entry.min_dimension, (entry.max_dimension == any ? " or more" : ""), ", not ",
+              dimension);
 }
 
 void check(const std::stop_token& stop) {
@@ -289,16 +285,14 @@ PointGenerator::PointGenerator(std::string_view shape, std::uint64_t count, std:
   Job job{.dimension = dimension, .count = count, .seed = seed};
   if (colon != std::string_view::npos) {
     if (entry.point != grid_point)
-      throw Error(ErrorCode::invalid_argument,
-                  "only grid takes a parameter, not '" + std::string(shape) + "'");
+      throw Error(ErrorCode::invalid_argument, "only grid takes a parameter, not '", shape, "'");
     job.grid_size = parse_grid_size(shape.substr(colon + 1));
   }
   check_dimension(entry, dimension);
   constexpr std::uint64_t most_coordinates = (std::uint64_t{1} << 60) - 1;
   if (count > most_coordinates / dimension)
-    throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points of dimension " +
-                                                 std::to_string(dimension) +
-                                                 " have 2^60 coordinates or more");
+    throw Error(ErrorCode::invalid_argument, count, " points of dimension ", dimension,
+                " have 2^60 coordinates or more");
   if (entry.prepare != nullptr) entry.prepare(job);
   impl_.reset(new Impl{std::move(job), entry.point});
 }
@@ -312,9 +306,8 @@ void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
                           const std::stop_token& stop) const {
   const Job& job = impl_->job;
   if (first % run_length != 0 || first > job.count || count > job.count - first)
-    throw Error(ErrorCode::invalid_argument, std::to_string(count) + " points from point " +
-                                                 std::to_string(first) + " on, of " +
-                                                 std::to_string(job.count));
+    throw Error(ErrorCode::invalid_argument, count, " points from point ", first, " on, of ",
+                job.count);
   internal::for_each_chunk(count, run_length, internal::resolve_threads(0),
                            [&](std::uint64_t run, std::uint64_t begin, std::uint64_t end) {
     check(stop);

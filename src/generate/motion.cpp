@@ -200,13 +200,11 @@ MovingPoints::MovingPoints(std::string_view shape, std::string_view motion, std:
   if (m.entry == nullptr) {
     std::string known;
     for (const Shape& s : motions()) known += std::string(" ") + s.name;
-    throw Error(ErrorCode::invalid_argument,
-                "unknown motion '" + std::string(motion) + "'; known:" + known);
+    throw Error(ErrorCode::invalid_argument, "unknown motion '", motion, "'; known:", known);
   }
   if (dimension < m.entry->min_dimension)
-    throw Error(ErrorCode::invalid_argument,
-                "motion '" + std::string(motion) + "' needs dimension " +
-                    std::to_string(m.entry->min_dimension) + " or more");
+    throw Error(ErrorCode::invalid_argument, "motion '", motion, "' needs dimension ",
+                m.entry->min_dimension, " or more");
   m.count = count;
   m.dimension = dimension;
   m.frames = frames;

@@ -61,10 +61,8 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
 }
 
 [[noreturn]] void refuse(std::uint64_t point, unsigned coordinate, double value) {
-  throw Error(ErrorCode::not_finite, "point " + std::to_string(point) + ", coordinate " +
-                                         std::to_string(coordinate) + " is " +
-                                         (std::isnan(value) ? "NaN" : "infinite") +
-                                         "; remove or repair such points first");
+  throw Error(ErrorCode::not_finite, "point ", point, ", coordinate ", coordinate, " is ",
+              (std::isnan(value) ? "NaN" : "infinite"), "; remove or repair such points first");
 }
 
 /// The lowest of the values that several threads report.

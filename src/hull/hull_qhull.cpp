@@ -23,7 +23,7 @@ namespace cullhull::internal::inline hull {
 namespace {
 
 [[noreturn]] void not_exact(const std::string& what) {
-  throw Error(ErrorCode::not_exact, "qhull " + what + "; use the native engine");
+  throw Error(ErrorCode::not_exact, "qhull ", what, "; use the native engine");
 }
 
 /// A run of Qhull: its state and its output, both released by the destructor.

@@ -29,10 +29,10 @@ GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<Stat
 GrowingHull::GrowingHull(Hull hull, std::vector<double> vertex_coordinates)
     : GrowingHull(hull.dimension) {
   if (vertex_coordinates.size() != hull.vertices.size() * hull.dimension)
-    throw Error(ErrorCode::invalid_argument,
-                "a hull of " + std::to_string(hull.vertices.size()) + " vertices in dimension " +
-                    std::to_string(hull.dimension) + " needs a row of coordinates for each, not " +
-                    std::to_string(vertex_coordinates.size()) + " numbers");
+    throw Error(ErrorCode::invalid_argument, "a hull of ", hull.vertices.size(),
+                " vertices in dimension ", hull.dimension,
+                " needs a row of coordinates for each, not ", vertex_coordinates.size(),
+                " numbers");
   state_->hull = std::move(hull);
   state_->rows = std::move(vertex_coordinates);
 }
@@ -47,9 +47,8 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   State& s = *state_;
   const std::uint32_t d = s.hull.dimension;
   if (points.dimension != d)
-    throw Error(ErrorCode::invalid_argument,
-                "points of dimension " + std::to_string(points.dimension) +
-                    " added to a hull in dimension " + std::to_string(d));
+    throw Error(ErrorCode::invalid_argument, "points of dimension ", points.dimension,
+                " added to a hull in dimension ", d);
   if (points.count == 0) return 0;
   const std::uint64_t before = s.hull.point_count;
 

@@ -24,8 +24,7 @@ std::vector<double> normalised(const std::vector<double>& rows, unsigned d, doub
     double largest = 0, square = 0;
     for (unsigned j = 0; j < d; ++j) largest = std::max(largest, std::fabs(rows[i + j]));
     if (largest == 0)
-      throw Error(ErrorCode::invalid_argument,
-                  "halfspace " + std::to_string(i / width) + " has no normal: a is 0");
+      throw Error(ErrorCode::invalid_argument, "halfspace ", i / width, " has no normal: a is 0");
     for (unsigned j = 0; j < d; ++j) square += (rows[i + j] / largest) * (rows[i + j] / largest);
     const double length = std::sqrt(square);
     for (unsigned j = 0; j < width; ++j) out[i + j] = rows[i + j] / largest / length;
@@ -62,15 +61,13 @@ std::vector<double> dualise(const std::vector<double>& rows, unsigned d, const d
       size += std::fabs(rows[i + j] * x[j]);
     }
     if (!(sum < -1.01 * static_cast<double>(d + 1) * 0x1p-53 * size - 0x1p-1060))
-      throw Error(
-          ErrorCode::invalid_argument,
-          "the interior point is not strictly inside halfspace " + std::to_string(i / width));
+      throw Error(ErrorCode::invalid_argument,
+                  "the interior point is not strictly inside halfspace ", i / width);
     for (unsigned j = 0; j < d; ++j) {
       out.push_back(rows[i + j] / -sum);
       if (!std::isfinite(out.back()))
-        throw Error(ErrorCode::invalid_argument, "the interior point is too near halfspace " +
-                                                     std::to_string(i / width) +
-                                                     ": its dual point overflows");
+        throw Error(ErrorCode::invalid_argument, "the interior point is too near halfspace ",
+                    i / width, ": its dual point overflows");
     }
   }
   return out;

@@ -102,8 +102,8 @@ void load_columns(const PointView& view, std::uint64_t begin, const std::uint32_
 void refuse_non_finite(const double* p, unsigned d) {
   for (unsigned j = 0; j < d; ++j)
     if (!std::isfinite(p[j]))
-      throw Error(ErrorCode::not_finite, "coordinate " + std::to_string(j) + " is " +
-                                             (std::isnan(p[j]) ? "NaN" : "infinite"));
+      throw Error(ErrorCode::not_finite, "coordinate ", j, " is ",
+                  (std::isnan(p[j]) ? "NaN" : "infinite"));
 }
 
 }  // namespace
@@ -186,9 +186,8 @@ struct HullQuery::State {
   template <class View>
   void check_dimension(const View& view) const {
     if (view.dimension != points.dimension)
-      throw Error(ErrorCode::invalid_argument,
-                  "points of dimension " + std::to_string(view.dimension) +
-                      " asked of a hull in dimension " + std::to_string(points.dimension));
+      throw Error(ErrorCode::invalid_argument, "points of dimension ", view.dimension,
+                  " asked of a hull in dimension ", points.dimension);
   }
   template <class Body>
   void each(const PointView& view, const Options& options, Body&& body) const;
@@ -278,8 +277,8 @@ RayHit HullQuery::State::ray(const double* origin, const double* direction) cons
   const unsigned d = points.dimension;
   if (points.k < d)
     throw Error(ErrorCode::invalid_argument,
-                "rays need a full-dimensional hull; this one lies in a flat of dimension " +
-                    std::to_string(points.k));
+                "rays need a full-dimensional hull; this one lies in a flat of dimension ",
+                points.k);
   if (std::all_of(direction, direction + d, [](double v) { return v == 0; }))
     throw Error(ErrorCode::invalid_argument, "a ray needs a direction that is not zero");
   const RayHit hit = d == 1                 ? ray_on_line(*origin, *direction)

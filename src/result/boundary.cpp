@@ -242,8 +242,7 @@ void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t cou
 }  // namespace
 
 void fail_not_exact(const char* what) {
-  throw Error(ErrorCode::not_exact,
-              std::string("the engine's boundary is not that of the exact hull: ") + what);
+  throw Error(ErrorCode::not_exact, "the engine's boundary is not that of the exact hull: ", what);
 }
 
 void sort_simplices(Boundary& s, const LocalPoints& points, const Run& run) {

@@ -39,9 +39,8 @@ PointView HullState::points() const noexcept {
 void HullState::merge(const HullState& other, const Options& options) {
   if (other.dimension_ == 0) return;
   if (dimension_ != 0 && dimension_ != other.dimension_)
-    throw Error(ErrorCode::invalid_argument,
-                "a state of dimension " + std::to_string(other.dimension_) +
-                    " cannot be merged into one of dimension " + std::to_string(dimension_));
+    throw Error(ErrorCode::invalid_argument, "a state of dimension ", other.dimension_,
+                " cannot be merged into one of dimension ", dimension_);
   if (decimals_ >= 0 && decimals_ == other.decimals_) {
     HullState merged = *this, numbers = other;
     merged.to_grid();
@@ -169,7 +168,7 @@ std::uint64_t checksum(const std::byte* data, std::size_t size) {
 std::size_t padded(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 
 [[noreturn]] void bad_state(const std::string& why) {
-  throw Error(ErrorCode::bad_file, "hull state: " + why);
+  throw Error(ErrorCode::bad_file, "hull state: ", why);
 }
 
 }  // namespace

@@ -141,10 +141,8 @@ struct HullStream::Impl {
 
   [[noreturn]] void refuse(const std::string& why) const {
     const std::lock_guard lock(mutex);
-    throw Error(ErrorCode::out_of_budget,
-                "the stream holds " + std::to_string(extreme.size() + waiting.size()) +
-                    " points that may be extreme, of " + std::to_string(seen) +
-                    " so far, and cannot go on: " + why);
+    throw Error(ErrorCode::out_of_budget, "the stream holds ", extreme.size() + waiting.size(),
+                " points that may be extreme, of ", seen, " so far, and cannot go on: ", why);
   }
 
   // --------------------------------------------------------------------------- blocks

@@ -140,9 +140,8 @@ void NumberedPoints::sort() {
     if (ids[a] != ids[b]) return false;
     if (std::memcmp(rows.data() + a * row_bytes(), rows.data() + b * row_bytes(), row_bytes()) == 0)
       return true;
-    throw Error(ErrorCode::invalid_argument, "two different points have the id " +
-                                                 std::to_string(ids[a]) +
-                                                 ": parts that are merged need ids of their own");
+    throw Error(ErrorCode::invalid_argument, "two different points have the id ", ids[a],
+                ": parts that are merged need ids of their own");
   };
   order.erase(std::unique(order.begin(), order.end(), same), order.end());
   keep(order);

@@ -56,9 +56,8 @@ void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t d
   if (block.dimension == 0)
     throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
   if (dimension != 0 && block.dimension != dimension)
-    throw Error(ErrorCode::invalid_argument,
-                "points of dimension " + std::to_string(block.dimension) +
-                    " among points of dimension " + std::to_string(dimension));
+    throw Error(ErrorCode::invalid_argument, "points of dimension ", block.dimension,
+                " among points of dimension ", dimension);
   if (block.data == nullptr && block.count > 0)
     throw Error(ErrorCode::invalid_argument, "points.data is null");
   if (block.count > 0 && first_id + (block.count - 1) < first_id)

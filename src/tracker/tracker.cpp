@@ -117,7 +117,7 @@ struct HullTracker::Impl {
       compute(*points_of(run), run, now, start);
     } catch (const Error& e) {
       if (e.code() == ErrorCode::cancelled) throw;
-      throw Error(e.code(), "frame " + std::to_string(index) + ": " + e.what());
+      throw Error(e.code(), "frame ", index, ": ", e.what());
     }
     return hull;
   }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <cstring>
-#include <list>
+#include <latch>
 #include <map>
 #include <set>
 #include <stop_token>
@@ -43,12 +43,33 @@ unsigned a_dimension_of(const std::string& shape) {
   return shape == "disk" || shape == "circle" ? 2 : 3;
 }
 
+/// As many calls of other threads as the machine has processors.
+class OtherCalls {
+ public:
+  OtherCalls() {
+    while (threads_.size() < internal::machine_threads())
+      threads_.emplace_back([&] {
+        const internal::CallScope call;
+        begun_.count_down();
+        over_.wait();
+      });
+    begun_.wait();
+  }
+  ~OtherCalls() {
+    over_.count_down();
+    for (std::thread& t : threads_) t.join();
+  }
+
+ private:
+  std::latch begun_{static_cast<std::ptrdiff_t>(internal::machine_threads())}, over_{1};
+  std::vector<std::thread> threads_;
+};
+
 TEST(Generate, SameBitsForEveryThreadCount) {
   for (const Shape& shape : shapes()) {
     const unsigned d = a_dimension_of(shape.name);
     const auto many = generate(shape.name, 20000, d, seed);
-    std::list<internal::CallScope> busy;  // then nobody helps
-    while (busy.size() < internal::machine_threads()) busy.emplace_back();
+    const OtherCalls busy;  // then nobody helps
     EXPECT_EQ(hash(many), hash(generate(shape.name, 20000, d, seed))) << shape.name;
     EXPECT_NE(hash(many), hash(generate(shape.name, 20000, d, seed + 1))) << shape.name;
     for (const double v : many) ASSERT_TRUE(std::isfinite(v)) << shape.name;

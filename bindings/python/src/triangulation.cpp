@@ -16,7 +16,6 @@ namespace binding {
 
 using cullhull::Certificate;
 using cullhull::Options;
-using cullhull::run_as;
 using cullhull::Triangulation;
 using cullhull::TriangulationOptions;
 
@@ -53,7 +52,7 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
   const std::vector<double> heights = weights_of(weights);
   Triangulation result;
   run(settings, length_of_triangulation(points.view()), [&](const Options& options) {
-    TriangulationOptions chosen = run_as<TriangulationOptions>(options);
+    TriangulationOptions chosen{options};
     chosen.furthest_site = furthest_site;
     result = weights.is_none() ? cullhull::delaunay(points.view(), chosen)
                                : cullhull::regular_triangulation(points.view(), heights, chosen);
@@ -65,7 +64,7 @@ Certificate certify(const Cells& cells, const Settings* settings) {
   const cullhull::PointView& points = cells.points().view();
   Certificate certificate;
   run(settings, length_of_triangulation(points), [&](const Options& options) {
-    const TriangulationOptions chosen = run_as<TriangulationOptions>(options);
+    const TriangulationOptions chosen{options};
     certificate = cells.weights_array().is_none()
                       ? cullhull::certify(points, cells.triangulation(), chosen)
                       : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);

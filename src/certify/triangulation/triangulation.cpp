@@ -507,8 +507,8 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
                                   const Triangulation& t, const TriangulationOptions& o) {
   if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
     throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
-  const Options options = run_as<Options>(o);
-  const Run run(options);
+  const Call call(o);
+  const Run& run = call.run;
   Certificate out;
   TriangulationSubject subject(points, weights, t, run);
   try {
@@ -532,9 +532,8 @@ Certificate certify(const PointView& points, const Triangulation& triangulation,
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options) {
   if (weights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
-                                                 " points, but " + std::to_string(weights.size()) +
-                                                 " weights");
+    throw Error(ErrorCode::invalid_argument, "there are ", points.count, " points, but ",
+                weights.size(), " weights");
   return internal::certify::certify_triangulation(points, weights, triangulation, options);
 }
 

@@ -266,11 +266,10 @@ std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const 
 /// What a graph's public function does: checks, then `edges_of(points, triangulation, run)`.
 template <class EdgesOf>
 Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
-                              const Options& options, const EdgesOf& edges_of) {
+                              const RunOptions& options, const EdgesOf& edges_of) {
   require_delaunay(t);
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
   Array<std::uint32_t> out;
   write_edges(edges_of(p, t, run), out);
@@ -285,18 +284,18 @@ using namespace internal;
 
 Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
                                            const Triangulation& triangulation,
-                                           const Options& options) {
+                                           const RunOptions& options) {
   return graph_of(points, triangulation, options, spanning_edges);
 }
 
 Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
-                                   const Options& options) {
+                                   const RunOptions& options) {
   return graph_of(points, triangulation, options, gabriel_edges);
 }
 
 Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
                                                   const Triangulation& triangulation,
-                                                  const Options& options) {
+                                                  const RunOptions& options) {
   return graph_of(points, triangulation, options, lune_edges);
 }
 

@@ -48,7 +48,7 @@ struct Interpolator::State {
     Array<std::uint32_t> cells;
     Array<double> shares;
   };
-  Located locate(const PointView& part, const Options& options) const {
+  Located locate(const PointView& part, const RunOptions& options) const {
     Located found{Array<std::uint32_t>(part.count), Array<double>(part.count * corners)};
     query.find(part, found.cells.data(), options);
     query.barycentric(part, found.cells.data(), found.shares.data(), options);
@@ -57,7 +57,8 @@ struct Interpolator::State {
 };
 
 Interpolator::Interpolator(const PointView& points, const Triangulation& triangulation,
-                           const double* values, std::uint32_t components, const Options& options) {
+                           const double* values, std::uint32_t components,
+                           const RunOptions& options) {
   if (components == 0)
     throw Error(ErrorCode::invalid_argument, "values need at least one component");
   if (values == nullptr && points.count > 0)
@@ -66,11 +67,12 @@ Interpolator::Interpolator(const PointView& points, const Triangulation& triangu
     throw Error(ErrorCode::invalid_argument,
                 "interpolation needs a Delaunay triangulation, neither weighted nor of the "
                 "furthest site");
+  const Call call(options);
   TriangulationQuery query(points, triangulation, {}, options);
   state_ = std::make_unique<State>(
       State{std::move(query), components, triangulation.corners(), triangulation.cells,
             Array<double>(values, values + points.count * components),
-            NaturalTriangulation(points, triangulation, Run(options))});
+            NaturalTriangulation(points, triangulation, call.run)});
 }
 Interpolator::~Interpolator() = default;
 Interpolator::Interpolator(Interpolator&&) noexcept = default;
@@ -80,9 +82,10 @@ std::uint32_t Interpolator::components() const noexcept { return state_->compone
 const TriangulationQuery& Interpolator::query() const noexcept { return state_->query; }
 
 void Interpolator::linear(const PointView& points, double* out, double outside,
-                          const Options& options) const {
+                          const RunOptions& options) const {
   const State& s = *state_;
-  const Run run(options);
+  const Call call(options);
+  const Run& run = call.run;
   s.each_block(points, out, [&](const PointView& part, double* to) {
     const auto located = s.locate(part, options);
     const auto& cells = located.cells;
@@ -104,10 +107,11 @@ void Interpolator::linear(const PointView& points, double* out, double outside,
 }
 
 void Interpolator::natural(const PointView& points, double* out, double outside,
-                           const Options& options) const {
+                           const RunOptions& options) const {
   const State& s = *state_;
   s.require_natural();
-  const Run run(options);
+  const Call call(options);
+  const Run& run = call.run;
   s.each_block(points, out, [&](const PointView& part, double* to) {
     const auto located = s.locate(part, options);
     const auto& cells = located.cells;
@@ -144,7 +148,7 @@ NaturalNeighbours Interpolator::natural_neighbours(const double* point) const {
 }
 
 void Interpolator::nearest(const PointView& points, double* out, double outside,
-                           const Options& options) const {
+                           const RunOptions& options) const {
   const State& s = *state_;
   s.each_block(points, out, [&](const PointView& part, double* to) {
     Array<std::uint32_t> ids(part.count);

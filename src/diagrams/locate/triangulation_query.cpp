@@ -97,11 +97,10 @@ struct TriangulationQuery::State {
   }
   /// Cells or vertices for all points, by body(run): no_cell where the triangulation has none.
   template <class Body>
-  void answer(const PointView& points, std::uint32_t* out, const Options& options,
+  void answer(const PointView& points, std::uint32_t* out, const RunOptions& options,
               const Body& body) const {
-    const Run run(options);
-    const CallScope call;
-    const PageScope pages;
+    const Call call(options);
+    const Run& run = call.run;
     check(points, run);
     if (mesh.corners == 0)
       std::fill_n(out, points.count, no_cell);
@@ -167,10 +166,9 @@ struct TriangulationQuery::State {
 };
 
 TriangulationQuery::TriangulationQuery(const PointView& points, const Triangulation& triangulation,
-                                       std::span<const double> weights, const Options& options) {
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+                                       std::span<const double> weights, const RunOptions& options) {
+  const Call call(options);
+  const Run& run = call.run;
   state_ = std::make_unique<State>(points, triangulation, weights, run);
 }
 TriangulationQuery::~TriangulationQuery() = default;
@@ -199,7 +197,7 @@ std::uint32_t TriangulationQuery::nearest(const double* point) const {
 }
 
 void TriangulationQuery::find(const PointView& points, std::uint32_t* out,
-                              const Options& options) const {
+                              const RunOptions& options) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
     with_dimension<2, 3, 0>(s.mesh.corners - 1, [&](auto k) {
@@ -214,10 +212,10 @@ void TriangulationQuery::find(const PointView& points, std::uint32_t* out,
 }
 
 void TriangulationQuery::barycentric(const PointView& points, const std::uint32_t* cells,
-                                     double* out, const Options& options) const {
+                                     double* out, const RunOptions& options) const {
   const State& s = *state_;
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   s.check(points, run);
   run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<double> point(s.mesh.dimension), row(s.mesh.dimension);
@@ -230,7 +228,7 @@ void TriangulationQuery::barycentric(const PointView& points, const std::uint32_
 }
 
 void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
-                                 const Options& options) const {
+                                 const RunOptions& options) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
     const VertexGraph& graph = s.graph(run);

@@ -77,14 +77,14 @@ double first_single_region(const Triangulation& t, const Array<double>& radii, d
 }  // namespace internal::inline diagrams
 
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
-                       const Options& options) {
+                       const RunOptions& options) {
   using namespace internal;
   const Triangulation& t = triangulation;
   if (!(alpha >= 0))
     throw Error(ErrorCode::invalid_argument, "alpha must be a number that is not negative");
   require_delaunay(t);
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
   AlphaShape out;
   if (t.corners() == 0) return out;
@@ -100,12 +100,12 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
 }
 
 Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
-                          const Options& options) {
+                          const RunOptions& options) {
   using namespace internal;
   const Triangulation& t = triangulation;
   require_delaunay(t);
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
   Array<double> radii(t.size());
   const unsigned k = t.corners() == 0 ? 0 : t.corners() - 1;
@@ -116,7 +116,7 @@ Array<double> alpha_radii(const PointView& points, const Triangulation& triangul
 }
 
 double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
-                      const Options& options) {
+                      const RunOptions& options) {
   using namespace internal;
   const Array<double> radii = alpha_radii(points, triangulation, options);
   const double all = greatest_first_radius(triangulation, radii);

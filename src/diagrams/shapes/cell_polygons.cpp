@@ -146,10 +146,10 @@ class PolygonWriter {
 }  // namespace internal::inline diagrams
 
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
-                           std::span<const std::uint32_t> cells, const Options& options) {
+                           std::span<const std::uint32_t> cells, const RunOptions& options) {
   using namespace internal;
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   const Triangulation& t = triangulation;
   if (t.affine_dimension > 2)
     throw Error(ErrorCode::invalid_argument,

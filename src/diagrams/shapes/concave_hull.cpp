@@ -133,14 +133,14 @@ class Digging {
 using namespace internal;
 
 AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
-                        const Options& options) {
+                        const RunOptions& options) {
   const Triangulation& t = triangulation;
   if (!(length >= 0))
     throw Error(ErrorCode::invalid_argument,
                 "the length of edges must be a number that is not negative");
   require_plane(t);
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
   Array<std::uint8_t> kept(t.size());
   std::fill(kept.begin(), kept.end(), std::uint8_t{1});
@@ -157,13 +157,13 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
 }
 
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
-                      const Options& options) {
+                      const RunOptions& options) {
   const Triangulation& t = triangulation;
   if (!(ratio >= 0 && ratio <= 1))
     throw Error(ErrorCode::invalid_argument, "the ratio of lengths must be between 0 and 1");
   require_plane(t);
-  const Run run(options);
-  const CallScope call;
+  const Call call(options);
+  const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
   if (ratio == 1) return INFINITY;
   if (t.corners() < 3) return 0;

@@ -294,7 +294,7 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
     return {piece};
   }
   drop_shared_edges(outline);
-  auto options = run_as<ConstrainedOptions>(run.options);
+  ConstrainedOptions options{run.options};
   options.inside_only = true;
   const auto found = [&] {
     try {

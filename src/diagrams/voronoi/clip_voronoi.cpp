@@ -510,12 +510,11 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
-                          std::span<const double> weights, bool shapes, const Options& options,
+                          std::span<const double> weights, bool shapes, const RunOptions& options,
                           const Voronoi* diagram) {
   using namespace internal;
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  const Run& run = call.run;
   const Triangulation& t = triangulation;
   check_dimension(t);
   check_box(t, low, high);
@@ -528,7 +527,7 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights, bool shapes,
-                          const Options& options, const Voronoi* diagram) {
+                          const RunOptions& options, const Voronoi* diagram) {
   using namespace internal;
   const Triangulation& t = triangulation;
   check_dimension(t);
@@ -539,9 +538,8 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
     const std::uint64_t one[2] = {0, region.count};
     return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options, diagram);
   }
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  const Run& run = call.run;
   return t.dimension == 1
              ? clip<1>(points, t, hull_region<1>(region, run), weights, shapes, diagram, run)
              : clip<3>(points, t, hull_region<3>(region, run), weights, shapes, diagram, run);
@@ -549,11 +547,10 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PolygonRings& region, std::span<const double> weights, bool shapes,
-                          const Options& options, const Voronoi* diagram) {
+                          const RunOptions& options, const Voronoi* diagram) {
   using namespace internal;
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  const Run& run = call.run;
   const Triangulation& t = triangulation;
   if (t.dimension != 2)
     refuse("a polygon for a diagram in dimension " + std::to_string(t.dimension));

@@ -171,11 +171,10 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
 }  // namespace internal::inline diagrams
 
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
-                std::span<const double> weights, const Options& options) {
+                std::span<const double> weights, const RunOptions& options) {
   using namespace internal;
-  const Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  const Run& run = call.run;
   const Triangulation& t = triangulation;
   const std::uint64_t k = t.corners() == 0 ? 0 : t.corners() - 1;
   require_budget(run.budget,

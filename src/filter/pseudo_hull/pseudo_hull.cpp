@@ -81,9 +81,9 @@ void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned m
                    SubsetRecord* record) {
   const std::uint64_t size = subset.size();
   if (size > pseudo_hull_most_points)
-    throw Error(ErrorCode::out_of_budget, std::to_string(size) +
-                                              " points are too many for one pseudo-hull; "
-                                              "use more subsets");
+    throw Error(ErrorCode::out_of_budget, size,
+                " points are too many for one pseudo-hull; "
+                "use more subsets");
   double* rows = worker.rows.reserve(size * D);
   worker.executor.for_each(static_cast<std::uint32_t>(chunk_count(size, block_size)),
                            [&](std::uint32_t b) {

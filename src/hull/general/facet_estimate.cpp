@@ -209,13 +209,12 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
     for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
     return digits;
   };
-  throw Error(ErrorCode::out_of_budget,
-              "a hull of about " + rounded(e.facets) + " facets is expected (" +
-                  rounded(e.vertices) + " extreme points in dimension " + std::to_string(d) +
-                  "), which needs about " +
-                  rounded(e.facets * static_cast<double>(bytes_per_facet) / 0x1p20) +
-                  " MiB; the memory budget is " + std::to_string(run.budget >> 20) +
-                  " MiB; raise the budget, or ask for the extreme points only");
+  throw Error(ErrorCode::out_of_budget, "a hull of about ", rounded(e.facets),
+              " facets is expected (", rounded(e.vertices), " extreme points in dimension ", d,
+              "), which needs about ",
+              rounded(e.facets * static_cast<double>(bytes_per_facet) / 0x1p20),
+              " MiB; the memory budget is ", run.budget >> 20,
+              " MiB; raise the budget, or ask for the extreme points only");
 }
 
 }  // namespace cullhull::internal::inline hull

@@ -304,11 +304,9 @@ void InsertionNd<D>::reserve(std::size_t facets) {
   // Besides the records and the claims the result takes about as much again.
   const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
   if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
-    throw Error(ErrorCode::out_of_budget, "the hull has more than " + std::to_string(live_) +
-                                              " facets in dimension " + std::to_string(dim()) +
-                                              ", which exceeds the memory budget of " +
-                                              std::to_string(run_.budget >> 20) +
-                                              " MiB; raise the budget or use fewer dimensions");
+    throw Error(ErrorCode::out_of_budget, "the hull has more than ", live_, " facets in dimension ",
+                dim(), ", which exceeds the memory budget of ", run_.budget >> 20,
+                " MiB; raise the budget or use fewer dimensions");
   }
   store_.reserve(capacity);
   claims_.reserve(capacity);

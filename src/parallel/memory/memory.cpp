@@ -22,8 +22,8 @@ std::string size_text(std::uint64_t bytes) {
 
 void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what) {
   if (bytes <= budget) return;
-  throw Error(ErrorCode::out_of_budget, what + " need about " + std::to_string((bytes >> 20) + 1) +
-                                            " MiB, the memory budget is " + size_text(budget));
+  throw Error(ErrorCode::out_of_budget, what, " need about ", (bytes >> 20) + 1,
+              " MiB, the memory budget is ", size_text(budget));
 }
 
 }  // namespace cullhull::internal::inline parallel

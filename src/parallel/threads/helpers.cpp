@@ -171,8 +171,20 @@ OpenWork::~OpenWork() {
   if (open_ != nullptr) Helpers::of_process().close(open_);
 }
 
-CallScope::CallScope() { Helpers::of_process().begin_call(); }
-CallScope::~CallScope() { Helpers::of_process().end_call(); }
+namespace {
+thread_local bool in_call = false;
+}
+
+CallScope::CallScope() : outermost_(!in_call) {
+  if (!outermost_) return;
+  Helpers::of_process().begin_call();
+  in_call = true;
+}
+CallScope::~CallScope() {
+  if (!outermost_) return;
+  in_call = false;
+  Helpers::of_process().end_call();
+}
 
 void Patience::wait_a_little() {
   // A sleep takes some 60 us, however short a time is requested, which is longer than many a serial

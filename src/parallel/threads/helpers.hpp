@@ -35,13 +35,16 @@ class OpenWork {
 };
 
 /// A call at work. While there are as many calls as processors, no helper joins any: all processors
-/// are busy.
+/// are busy. Within another call of the same thread it has no effect.
 class CallScope {
  public:
   CallScope();
   ~CallScope();
   CallScope(const CallScope&) = delete;
   CallScope& operator=(const CallScope&) = delete;
+
+ private:
+  const bool outermost_;
 };
 
 /// Waits for another thread: spins at first, then yields, then sleeps briefly, so that a thread

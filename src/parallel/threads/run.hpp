@@ -2,9 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <type_traits>
 
 #include "parallel/memory/memory.hpp"
+#include "parallel/memory/pages.hpp"
 #include "parallel/threads/control.hpp"
+#include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline parallel {
@@ -66,6 +70,25 @@ struct Run {
   Control control;
   unsigned threads;
   std::uint64_t budget;  ///< bytes
+};
+
+/// One call of a public function: its run, and the threads and memory that are kept while it lasts.
+class Call {
+ public:
+  explicit Call(const Options& options) : run(options) {}
+  explicit Call(const RunOptions& options) : options_(Options{options}), run(*options_) {}
+  template <class Temporary>
+  requires(!std::is_lvalue_reference_v<Temporary>) explicit Call(Temporary&&) = delete;
+
+ private:
+  std::optional<const Options> options_;
+
+ public:
+  const Run run;
+
+ private:
+  CallScope threads_;
+  PageScope pages_;
 };
 
 /// For short work on the calling thread that need not be cancelled.
