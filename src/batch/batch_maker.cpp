@@ -4,8 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "batch/small_sets.hpp"
-
 namespace cullhull::internal::inline batch {
 namespace {
 

@@ -1,4 +1,5 @@
-// How a batch is made: sets hulled on all threads, their results joined end to end.
+// How a batch is made: sets hulled on all threads, small ones straight from points to the lists of
+// the batch, and their results joined end to end.
 #pragma once
 
 #include <cstdint>
@@ -6,12 +7,29 @@
 #include <optional>
 #include <vector>
 
-#include "batch/planar_sets.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/point_view.hpp"
+#include "few/small_polygon.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline batch {
+
+/// The fast path of a batch in the plane: sets go straight from points to the lists of the batch.
+class PlanarSets {
+ public:
+  explicit PlanarSets(const Control& control) : polygon_(control) {}
+
+  /// Appends the hull of a set of points of the plane to `to`: the same bits as convex_hull gives.
+  /// False, with `to` unchanged, where convex_hull must do it (see SmallPolygon::find).
+  bool append(const PointView& set, HullBatch& to);
+
+ private:
+  void write(const PointView& set, const PlanarMeasures& measures, HullBatch& to) const;
+
+  SmallPolygon polygon_;
+};
 
 /// A hull of which vertices are known, from a device.
 struct FoundHull {
@@ -23,6 +41,18 @@ struct FoundHull {
   const std::uint8_t* simplices = nullptr;
   unsigned simplex_count = 0;
 };
+
+// The fast path of a batch: small sets in general position go straight from points to the lists of
+// the batch.
+
+/// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
+/// False, with `to` unchanged, for sets that are not small, not in general position (see
+/// small_hull_3d), not finite, or where a measure needs more than doubles.
+bool append_small_3d(const PointView& set, HullBatch& to);
+
+/// The same for a set of which the simplices are known; with the places among its vertices in the
+/// stead of ids.
+bool append_simplices_3d(const FoundHull& found, HullBatch& to);
 
 /// Hulls one set at a time on the calling thread, by the first way that takes it.
 class SetHuller {

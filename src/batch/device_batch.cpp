@@ -11,7 +11,7 @@
 #include "batch/batch_maker.hpp"
 #include "cuda/backend.hpp"
 #include "cuda/set_hulls.hpp"
-#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
 
 namespace cullhull {
 namespace internal::inline batch {

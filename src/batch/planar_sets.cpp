@@ -1,4 +1,4 @@
-#include "batch/planar_sets.hpp"
+#include "batch/batch_maker.hpp"
 
 namespace cullhull::internal::inline batch {
 namespace {

@@ -1,11 +1,10 @@
-#include "batch/small_sets.hpp"
-
 #include <algorithm>
 #include <array>
 #include <numeric>
 
-#include "few/few_in_space.hpp"
+#include "batch/batch_maker.hpp"
 #include "few/small_3d.hpp"
+#include "few/small_hull.hpp"
 #include "few/small_measures.hpp"
 #include "few/small_surface.hpp"
 

@@ -1,5 +1,3 @@
-#include "flow/device_filter.hpp"
-
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +8,7 @@
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "filter/planner.hpp"
+#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"

@@ -12,7 +12,6 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/error.hpp"
 #include "filter/planner.hpp"
-#include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"

@@ -3,7 +3,7 @@
 #include "cuda/hull_questions.hpp"
 #include "cuda/set_hulls.hpp"
 #include "cullhull/device_points.hpp"
-#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
 #include "tracker/frame_points.hpp"
 
 namespace cullhull {

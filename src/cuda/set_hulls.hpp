@@ -9,7 +9,7 @@
 
 #include "cullhull/device_batch.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline cuda {
 

@@ -20,8 +20,8 @@
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/run.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline delaunay {
 

@@ -7,7 +7,7 @@
 #include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/xorshift.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::internal::inline delaunay {
 namespace {

@@ -16,8 +16,8 @@
 #include "delaunay/write_triangulation.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/clock.hpp"
 #include "parallel/threads/helpers.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {

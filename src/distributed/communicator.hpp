@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "cullhull/extreme_points.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/mpi.hpp"
 
 namespace cullhull::internal::inline distributed {
@@ -84,5 +86,12 @@ class Communicator {
   std::uint64_t piece_bytes_;
   Traffic traffic_;
 };
+
+// Sends results from one rank to all: field by field, bit for bit.
+
+// Overwrites the argument by that of `root`. Where memory fails on one rank, all throw.
+void broadcast(Communicator& ranks, int root, Hull& hull);
+void broadcast(Communicator& ranks, int root, ExtremePoints& points);
+void broadcast(Communicator& ranks, int root, std::vector<double>& numbers);
 
 }  // namespace cullhull::internal::inline distributed

@@ -6,11 +6,9 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/mpi.hpp"
+#include "distributed/communicator.hpp"
 #include "distributed/job.hpp"
-#include "distributed/messages.hpp"
-#include "distributed/survivors.hpp"
-#include "stream/reduce.hpp"
-#include "stream/state_parts.hpp"
+#include "stream/numbered_points.hpp"
 
 namespace cullhull::mpi {
 

@@ -7,13 +7,12 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "distributed/survivors.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "stream/reduce.hpp"
+#include "stream/numbered_points.hpp"
 
 namespace cullhull::internal::inline distributed {
 namespace {

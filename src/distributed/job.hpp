@@ -1,5 +1,5 @@
-// One collective call: the agreement of the ranks, the common map, this rank's part, and the
-// report.
+// One collective call: the agreement of the ranks, the common map and its filter, this rank's part,
+// and the report.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,8 @@
 #include "cullhull/mpi.hpp"
 #include "distributed/communicator.hpp"
 #include "distributed/parts.hpp"
-#include "parallel/threads/clock.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "stream/numbered_points.hpp"
 
 namespace cullhull::internal::inline distributed {
 
@@ -70,5 +71,12 @@ class Job {
   Part common_;
   mpi::Report report_;
 };
+
+// The filter of one rank.
+
+/// The points of a block that are not provably strictly inside the hull of `common` (points of all
+/// ranks) or of the block itself. Error{not_finite} names the first bad point by its id.
+NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& block,
+                            const Options& options);
 
 }  // namespace cullhull::internal::inline distributed

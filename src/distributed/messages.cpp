@@ -1,8 +1,8 @@
-#include "distributed/messages.hpp"
-
 #include <string>
 #include <type_traits>
 #include <utility>
+
+#include "distributed/communicator.hpp"
 
 namespace cullhull::internal::inline distributed {
 namespace {

@@ -1,13 +1,12 @@
-#include "distributed/survivors.hpp"
-
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "flow/filter_stage.hpp"
+#include "distributed/job.hpp"
+#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/helpers.hpp"
-#include "stream/reduce.hpp"
+#include "stream/numbered_points.hpp"
 
 namespace cullhull::internal::inline distributed {
 namespace {

@@ -8,7 +8,7 @@
 #include "exact/points/local_points.hpp"
 #include "extreme/point_columns.hpp"
 #include "extreme/simplex_inverse.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline extreme {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline extreme {
 

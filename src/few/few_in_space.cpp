@@ -1,10 +1,9 @@
-#include "few/few_in_space.hpp"
-
 #include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <utility>
 
+#include "few/small_hull.hpp"
 #include "few/small_measures.hpp"
 #include "parallel/threads/thread_memory.hpp"
 

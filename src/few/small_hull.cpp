@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "few/few_in_space.hpp"
 #include "few/small_polygon.hpp"
-#include "parallel/threads/clock.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 

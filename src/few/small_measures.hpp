@@ -11,7 +11,7 @@
 #include "cullhull/hull.hpp"
 #include "few/small_3d.hpp"
 #include "few/small_shares.hpp"
-#include "result/facets/facet_kernel.hpp"
+#include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
 
 namespace cullhull::internal::inline few {

@@ -8,7 +8,7 @@
 #include "cullhull/point_view.hpp"
 #include "few/inner_disc.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "result/write/polygon_result.hpp"
 
 namespace cullhull::internal::inline few {

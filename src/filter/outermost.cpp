@@ -13,8 +13,6 @@
 #include <cstdint>
 #include <cstring>
 
-#include "filter/outermost_frame.hpp"
-
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline filter::HWY_NAMESPACE {
 namespace {

@@ -23,4 +23,16 @@ struct OutermostSettings {
 std::vector<std::uint64_t> outermost_points(const PointView& points,
                                             const OutermostSettings& settings);
 
+// The data that the search for the outermost points passes to its kernels.
+
+/// The centre of the directions, and the scale that makes the points' extents alike.
+struct OutermostFrame {
+  double centre[3], scale[3];
+};
+
+struct OutermostBlock {
+  static constexpr unsigned size = 64;
+  alignas(64) double axes[3][size];
+};
+
 }  // namespace cullhull::internal::inline filter

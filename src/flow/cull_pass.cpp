@@ -1,7 +1,6 @@
-#include "flow/cull_pass.hpp"
-
 #include "cuda/backend.hpp"
 #include "filter/planner.hpp"
+#include "flow/sample_map.hpp"
 
 namespace cullhull::internal::inline flow {
 

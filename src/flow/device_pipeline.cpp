@@ -5,7 +5,6 @@
 
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
-#include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
 

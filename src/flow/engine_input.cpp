@@ -1,11 +1,10 @@
-#include "flow/engine_input.hpp"
-
 #include <algorithm>
 #include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"
 #include "filter/lattice/lattice_cull.hpp"
+#include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal::inline flow {

@@ -4,12 +4,11 @@
 
 #include "cullhull/extreme_points.hpp"
 #include "extreme/extreme_ids.hpp"
-#include "flow/engine_input.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
-#include "result/write/extreme_rows.hpp"
+#include "result/write/write_simplices.hpp"
 
 namespace cullhull {
 namespace internal::inline flow {

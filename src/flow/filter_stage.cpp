@@ -1,15 +1,13 @@
-#include "flow/filter_stage.hpp"
-
 #include <algorithm>
 #include <memory>
 
-#include "few/few_in_space.hpp"
 #include "few/small_3d.hpp"
+#include "few/small_hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/outermost.hpp"
 #include "filter/planner.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
-#include "flow/cull_pass.hpp"
+#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"

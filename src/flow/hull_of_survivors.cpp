@@ -6,16 +6,13 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
-#include "few/few_in_space.hpp"
-#include "flow/engine_input.hpp"
+#include "few/small_hull.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
-#include "hull/space/moved_surface.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
-#include "result/write/extreme_rows.hpp"
 #include "result/write/polygon_result.hpp"
-#include "result/write/write_triangles.hpp"
+#include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal::inline flow {
 namespace {

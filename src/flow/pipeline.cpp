@@ -1,4 +1,4 @@
-// The flow: validate, cull (filter_stage.hpp), hull and result (hull_of_survivors.cpp).
+// The flow: validate, cull (filter_stage.cpp), hull and result (hull_of_survivors.cpp).
 #include "flow/pipeline.hpp"
 
 #include <utility>

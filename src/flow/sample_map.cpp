@@ -7,7 +7,7 @@
 #include "filter/planner.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
-#include "parallel/xorshift.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::internal::inline flow {
 

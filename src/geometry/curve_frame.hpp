@@ -3,13 +3,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "geometry/curve_keys.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline geometry {
+
+// Positions of points along a Hilbert curve, a block of points at a time.
+
+/// Points of one call.
+inline constexpr std::size_t curve_block = 16;
+
+/// Point k has the cell cells[j * curve_block + k] < 2^bits along axis j < d, d * bits <= 32.
+/// keys[k] becomes its position on a d-dimensional Hilbert curve (Skilling 2004). Overwrites
+/// `cells`. Time: about 5 ns a point for 8 bits in 4D.
+void curve_keys(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* keys);
 
 /// The cube over the low corner of some rows' box whose side is the box's longest; up to 32 axes
 /// count. Halves of coordinates are taken, so that no difference overflows. Keys of equal points

@@ -1,6 +1,5 @@
 // Hilbert keys in lanes, compiled once per instruction set.
-#include "geometry/curve_keys.hpp"
-
+#include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 

@@ -12,8 +12,8 @@
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline geometry {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "geometry/curve_keys.hpp"
+#include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"

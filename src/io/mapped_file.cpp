@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "io/system.hpp"
-#include "parallel/memory/machine_memory.hpp"
+#include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull {

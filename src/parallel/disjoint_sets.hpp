@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline parallel {
 

@@ -2,10 +2,12 @@
 // random, so that branches would be mispredicted.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <utility>
+#include <vector>
 
 namespace cullhull::internal::inline parallel {
 
@@ -59,6 +61,15 @@ inline bool sort_few(T* items) {
   }
   (std::make_index_sequence<MergeExchange<n>::count>());
   return odd != 0;
+}
+
+// A sorted copy.
+
+/// Ascending; linear for sorted input.
+template <class T>
+std::vector<T> sorted(std::vector<T> items) {
+  if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());
+  return items;
 }
 
 }  // namespace cullhull::internal::inline parallel

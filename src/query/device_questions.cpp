@@ -6,7 +6,7 @@
 
 #include "cuda/backend.hpp"
 #include "exact/determinants/cofactors.hpp"
-#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal::inline query {

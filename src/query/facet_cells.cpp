@@ -1,8 +1,7 @@
 // Builds the cells; the kernel that tests points by them is compiled once per instruction set and
 // chosen at run time.
-#include "query/facet_cells.hpp"
-
 #include "parallel/simd_targets.hpp"
+#include "query/facet_search.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE

@@ -1,15 +1,19 @@
-// Finds the facet that a ray from the centre leaves by, and the side of it that a point is on.
+// Finds the facet that a ray from the centre leaves by and the side of it that a point is on, alone
+// or by cells of directions, and the plane with the largest value at a point.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/direction_cube.hpp"
 
 namespace cullhull::internal::inline query {
@@ -131,5 +135,74 @@ inline double FacetSearch::value(std::uint32_t f, const double* x) const {
   for (unsigned j = 1; j < k; ++j) sum += n[j] * x[j];
   return sum;
 }
+
+// The plane with the largest value at a point: for distances from inside.
+
+/// Planes n . x + o in a tree of bounding boxes of their coefficients; a box bounds the value from
+/// above. Finding the nearest facet from inside is no linear program (the cells are those of the
+/// medial axis), hence branch and bound.
+class PlaneTree {
+ public:
+  /// `planes`: count x (d + 1), as in Hull::facet_planes; copied.
+  PlaneTree(const std::vector<double>& planes, unsigned d, const Control& control);
+
+  /// Index of a plane with the largest value at x, and the value. `start`: a plane to begin with.
+  std::uint32_t largest(const double* x, std::uint32_t start, double& value) const;
+
+ private:
+  static constexpr std::uint32_t leaf = 8;  // planes: one SIMD register or two; a guess
+  struct Node {
+    std::uint32_t begin, end, right;  // right child, 0 for a leaf; the left child is the next node
+  };
+  std::uint32_t grow(std::uint32_t begin, std::uint32_t end, const Control& control);
+  double plane_value(std::uint32_t i, const double* x) const;
+  double bound(std::uint32_t node, const double* x) const;
+  void search(std::uint32_t node, const double* x, std::uint32_t& best, double& value) const;
+
+  unsigned d_;
+  std::vector<double> planes_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+  std::vector<double> boxes_;  // nodes x 2 x (d + 1): low, high
+};
+
+// For each cell of directions, the facets that a ray through it may leave by: in batches, points
+// are tested against these few facets instead of climbing.
+
+/// The data of the kernel.
+struct FacetCellTable {
+  static constexpr unsigned max_k = 4;
+  static constexpr unsigned group = 4;  // facets compared at a time
+
+  unsigned k = 0;
+  double low[max_k] = {}, high[max_k] = {};       // the vertices' bounding box
+  double factor[max_k] = {}, centre[max_k] = {};  // of FacetSearch::localise
+  double resolution = 0, per_face = 0;
+  double error_factor = 0;            // the largest of all listed facets
+  std::vector<double> normals;        // facets x k
+  std::vector<std::uint32_t> starts;  // cells + 1, in groups; an empty list: undecided
+  std::vector<std::uint32_t> facets;  // groups x `group`; the last group is padded with the first
+};
+
+class FacetCells {
+ public:
+  /// Points of one call of sides().
+  static constexpr std::uint32_t block = 256;
+
+  /// Null where it would gain nothing: k above 4, or no centre inside (exhaustive()).
+  static std::unique_ptr<FacetCells> build(const FacetSearch& search, const QueryPoints& points,
+                                           const Run& run);
+  /// With fewer points building the cells takes longer than it saves: four points a cell.
+  static std::uint64_t worthwhile(const FacetSearch& search);
+
+  /// For `count` <= block points, coordinate j of point i at columns[j * block + i]: -1 for
+  /// certainly inside, 1 for certainly outside, 0 for undecided. False if some coordinate is not
+  /// finite. Overwrites the columns from `count` to `block`.
+  bool sides(double* columns, std::uint32_t count, std::int8_t* out) const;
+
+ private:
+  FacetCells() = default;
+  FacetCellTable table_;
+};
 
 }  // namespace cullhull::internal::inline query

@@ -17,9 +17,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 #include "query/device_questions.hpp"
-#include "query/facet_cells.hpp"
 #include "query/facet_search.hpp"
-#include "query/plane_tree.hpp"
 #include "query/vertex_search.hpp"
 
 namespace cullhull {

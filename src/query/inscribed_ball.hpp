@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline query {
 

@@ -1,8 +1,8 @@
-#include "query/nearest_in_hull.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "query/vertex_search.hpp"
 
 namespace cullhull::internal::inline query {
 

@@ -1,8 +1,8 @@
-#include "query/plane_tree.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "query/facet_search.hpp"
 
 namespace cullhull::internal::inline query {
 

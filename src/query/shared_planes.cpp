@@ -7,7 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/simplify.hpp"
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 #include "query/hull_arguments.hpp"
 
 namespace cullhull {

@@ -10,11 +10,11 @@
 #include <limits>
 #include <utility>
 
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 #include "parallel/threads/run.hpp"
 #include "query/hull_arguments.hpp"
-#include "query/nearest_in_hull.hpp"
 #include "query/vertex_links.hpp"
+#include "query/vertex_search.hpp"
 
 namespace cullhull {
 namespace internal::inline query {

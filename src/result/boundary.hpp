@@ -1,13 +1,15 @@
-// An engine's boundary on its way to the canonical result: simplices with ascending ids, checked
-// ridges.
+// An engine's boundary on its way to the canonical result: simplices with ascending ids and checked
+// ridges, merged to facets where coplanar, triangulated by pulling, and put in order.
 #pragma once
 
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "cullhull/hull.hpp"
 #include "hull/engine.hpp"
 #include "parallel/threads/run.hpp"
+#include "result/build_hull.hpp"
 
 namespace cullhull::internal::inline result {
 
@@ -48,5 +50,54 @@ inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned
   }
   fail_not_exact("neighbouring facets do not share their ridge");
 }
+
+// Merges coplanar simplices to facets, and triangulates these canonically.
+
+/// The facets before they are put in order. Facet i < singles is simplex i; facet singles + m is
+/// merged list m.
+struct Facets {
+  Boundary surface;
+  std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: simplex i is facet i
+  std::size_t singles = 0;
+  /// k = 2: the two ends, counter-clockwise. k = 3: cyclic, counter-clockwise from outside, from
+  /// the lowest id. Otherwise ascending.
+  Lists<std::uint32_t> vertices;
+  /// k = 2: across vertex 1, across vertex 0. k = 3: across the edge that starts at that vertex.
+  /// Otherwise every facet across a ridge, once.
+  Lists<std::uint32_t> neighbours;
+};
+
+Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
+                      const Run& run);
+
+// Merging of coplanar simplices in 3D.
+
+/// As merge_coplanar, for k = 3 and at least one pair.
+Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run& run);
+
+// Facets in canonical order.
+
+/// Input of the measures besides the hull: its vertices' ids, ascending, and for every simplex the
+/// positions of its vertices among them.
+struct OrderedFacets {
+  std::vector<std::uint64_t> vertices;
+  std::vector<std::uint32_t> index;
+};
+
+/// Sorts the simplices, numbers the facets, and fills every list of the hull. Its vertices ascend,
+/// which is not their final order for k = 2.
+OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull);
+
+/// Triangulation of a polytope by pulling, from vertex sets alone.
+using VertexSet = std::vector<std::uint32_t>;  // ascending
+
+/// Appends to `out` (m + 1 ascending ids each) the triangulation of the m-dimensional polytope with
+/// vertices `vertices` and facets `facets` that pulling its vertices in ascending order gives: cone
+/// from the lowest vertex over the triangulated facets that do not contain it, recursively. It
+/// depends on the face lattice and the ids alone. m >= 1.
+/// Source: C. Lee, "Subdivisions and triangulations of polytopes", Handbook of Discrete and
+/// Computational Geometry, section 16.2 (2017).
+void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& facets,
+          std::vector<std::uint32_t>& out);
 
 }  // namespace cullhull::internal::inline result

@@ -4,12 +4,9 @@
 
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "result/boundary.hpp"
 #include "result/measures/measure.hpp"
-#include "result/merge.hpp"
-#include "result/order_facets.hpp"
-#include "result/write/vertex_list.hpp"
 #include "result/write/write_simplices.hpp"
-#include "result/write/write_triangles.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {

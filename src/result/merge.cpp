@@ -1,12 +1,9 @@
-#include "result/merge.hpp"
-
 #include <algorithm>
 #include <numeric>
 
 #include "exact/orientation/orientation.hpp"
 #include "parallel/disjoint_sets.hpp"
-#include "result/merge_polygons.hpp"
-#include "result/pulling.hpp"
+#include "result/boundary.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {

@@ -1,7 +1,5 @@
 // Merging in 3D, where a facet is a polygon: all steps are local to ridges, so they run on all
 // threads and take linear time, except for a stable sort of the borders' edges by facet.
-#include "result/merge_polygons.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -9,9 +7,10 @@
 #include <numeric>
 
 #include "parallel/disjoint_sets.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "result/boundary.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {

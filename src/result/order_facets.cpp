@@ -1,15 +1,14 @@
-#include "result/order_facets.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
 #include <numeric>
 
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "result/write/vertex_list.hpp"
+#include "result/boundary.hpp"
+#include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {

@@ -1,7 +1,7 @@
-#include "result/pulling.hpp"
-
 #include <algorithm>
 #include <iterator>
+
+#include "result/boundary.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {

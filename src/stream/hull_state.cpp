@@ -10,8 +10,6 @@
 #include "cullhull/stream.hpp"
 #include "parallel/byte_order.hpp"
 #include "stream/numbered_points.hpp"
-#include "stream/reduce.hpp"
-#include "stream/state_parts.hpp"
 
 namespace cullhull {
 

@@ -14,8 +14,6 @@
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
-#include "stream/reduce.hpp"
-#include "stream/state_parts.hpp"
 #include "stream/stream_map.hpp"
 
 namespace cullhull {

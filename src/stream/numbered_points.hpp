@@ -1,12 +1,18 @@
-// Points copied out of their block: global ids, and coordinates bit for bit.
+// Points copied out of their block, with global ids and coordinates bit for bit; their reduction to
+// the extreme ones, and the HullState that holds them.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "cullhull/array.hpp"
+#include "cullhull/extreme_points.hpp"
+#include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/stream.hpp"
 
 namespace cullhull::internal::inline stream {
 
@@ -49,5 +55,45 @@ struct NumberedPoints {
 /// Copies rows of a view, packed: those of first + positions[i], or first + i.
 void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
                std::size_t count, std::byte* out);
+
+// The exact step of a stream: which of the points it holds are extreme.
+
+/// extreme_points(), by a hull where that is faster and fits.
+ExtremePoints find_extreme(const PointView& points, const Options& options);
+
+/// Sorts the points by id and keeps the extreme ones, of equal points the one with the lowest id.
+/// Coordinates must be finite. Errors as extreme_points.
+void keep_extreme(NumberedPoints& points, const Options& options);
+
+/// The scalar type that can hold two sets: that of the other where one is empty, f64 where they
+/// differ.
+ScalarType common_scalar(ScalarType a, std::uint64_t count_a, ScalarType b, std::uint64_t count_b);
+
+/// Throws Error{not_finite} naming the id of the first point that is not finite, if there is one.
+void refuse_not_finite(const NumberedPoints& points, unsigned threads);
+
+/// Throws Error{invalid_argument} for a block with null data, no dimension, another dimension than
+/// `dimension` (0: any), or ids beyond 2^64.
+void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t dimension);
+
+/// Converts between a HullState and the points it holds, for HullStream and others.
+struct StateParts {
+  /// The state of `seen` points whose extreme points these are, ascending.
+  static HullState state(const NumberedPoints& points, std::uint64_t seen) {
+    HullState state;
+    state.dimension_ = points.dimension;
+    state.scalar_ = points.scalar;
+    state.seen_ = seen;
+    state.ids_.assign(points.ids.begin(), points.ids.end());
+    state.rows_.assign(points.rows.begin(), points.rows.end());
+    return state;
+  }
+  static NumberedPoints points(const HullState& state) {
+    return {state.dimension_,
+            state.scalar_,
+            {state.ids_.begin(), state.ids_.end()},
+            {state.rows_.begin(), state.rows_.end()}};
+  }
+};
 
 }  // namespace cullhull::internal::inline stream

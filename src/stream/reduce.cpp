@@ -1,5 +1,3 @@
-#include "stream/reduce.hpp"
-
 #include <algorithm>
 #include <utility>
 
@@ -7,6 +5,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
 #include "geometry/gather.hpp"
+#include "stream/numbered_points.hpp"
 
 namespace cullhull::internal::inline stream {
 

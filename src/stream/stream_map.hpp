@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
+#include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "filter/gauge/gauge_shortcuts.hpp"
 #include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 

@@ -4,7 +4,7 @@
 #include <compare>
 #include <vector>
 
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 
 namespace cullhull::internal::inline tracker {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "cullhull/error.hpp"
 #include "filter/planner.hpp"
-#include "flow/device_filter.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 

@@ -9,9 +9,8 @@
 #include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "flow/cull_pass.hpp"
-#include "flow/filter_stage.hpp"
 #include "flow/pipeline.hpp"
+#include "flow/sample_map.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline tracker {

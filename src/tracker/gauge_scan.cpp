@@ -1,5 +1,3 @@
-#include "tracker/gauge_scan.hpp"
-
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -7,6 +5,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
+#include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal::inline tracker {
 namespace {

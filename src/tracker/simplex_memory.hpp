@@ -1,12 +1,15 @@
-// The filter of a frame by the last frame's simplices: the paper's way for moving points.
+// The filters of a frame: by the last frame's simplices, the paper's way for moving points, and by
+// a gauge map on the last frame's vertices.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/hull.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
-#include "flow/filter_stage.hpp"
+#include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
+#include "tracker/frame_points.hpp"
 
 namespace cullhull::internal::inline tracker {
 
@@ -35,5 +38,14 @@ class SimplexMemory {
   std::vector<std::uint64_t> corners_;     ///< simplices x (dimension + 1) points
   std::uint64_t after_compaction_ = 0;     ///< number of simplices after the last compaction
 };
+
+// The filter of a frame by a gauge map on the last frame's vertices (the leaders).
+
+/// Drops points strictly inside the hull of the points `leaders` (ids, ascending) at their new
+/// positions. False, and nothing done, where they give no map: too few, in a flat, or their hull
+/// exceeds the budget. Throws Error{not_finite} for the first bad point of all.
+bool filter_by_leaders(FramePoints& points, const Hull& last,
+                       const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
+                       double& scan_seconds);
 
 }  // namespace cullhull::internal::inline tracker

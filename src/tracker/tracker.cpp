@@ -12,11 +12,10 @@
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
-#include "tracker/gauge_scan.hpp"
 #include "tracker/simplex_memory.hpp"
 
 namespace cullhull {

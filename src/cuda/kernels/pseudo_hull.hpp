@@ -7,7 +7,7 @@
 #include "cuda/gauge.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline cuda {
 

@@ -1,7 +1,7 @@
 // The GaugeMap's tests of vectors of points, cheapest first: the core, the levels, the map.
 // Included once per instruction set (hence Highway's unusual include guard).
 
-#include "filter/gauge/gauge_shortcuts.hpp"
+#include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/byte_order.hpp"
 

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "filter/gauge/gauge_constants.hpp"
 #include "filter/gauge/gauge_walk.hpp"
 #include "parallel/dispatch.hpp"
 

@@ -1,7 +1,13 @@
-// From a polytope to the GaugeMap's table, and to its cones.
+// How a GaugeMap is built: from a polytope to its table and cones, and the tests before the map's
+// own (core, levels, shortcuts) that decide most points at a lower cost.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
@@ -20,5 +26,122 @@ class GaugeCones {
 /// GaugeMap::build.
 bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTable& table,
                        std::unique_ptr<GaugeCones>* cones);
+
+// The constants that all ways to build a GaugeMap's table share: docs/exactness.md, "GaugeMap".
+
+/// Smallest float >= v.
+inline float round_up(double v) {
+  const auto f = static_cast<float>(v);
+  return static_cast<double>(f) >= v ? f
+                                     : std::nextafter(f, std::numeric_limits<float>::infinity());
+}
+
+/// What the kernel's roundings may add to a gauge (G3), to be added to every node.
+inline double gauge_allowance(unsigned d, double lipschitz) {
+  return (1 + 0x1p-40) * lipschitz * ((d - 1) * 0x1p-19 + d * 0x1p-23);
+}
+/// With a larger allowance hardly a point would be culled, since gauges below 1 are dropped.
+inline constexpr double most_gauge_allowance = 0.25;
+
+/// Fills all but the nodes, of which a face has `face`; dimension and cells are set already.
+inline void fill_gauge_constants(GaugeTable& t, const double* centre, const double* scale,
+                                 std::uint64_t face) {
+  const unsigned d = t.dimension;
+  t.single_precision = true;
+  for (unsigned j = 0; j < d; ++j) {
+    t.scale[j] = scale[j];
+    t.offset[j] = centre[j] * scale[j];
+    t.scale_f32[j] = static_cast<float>(t.scale[j]);
+    t.offset_f32[j] = static_cast<float>(t.offset[j]);
+    t.single_precision = t.single_precision && t.scale[j] >= 0x1p-120 && t.scale[j] <= 0x1p120 &&
+                         static_cast<double>(t.offset_f32[j]) == t.offset[j];
+  }
+  t.middle = static_cast<float>(t.cells) / 2;
+  t.half_cells = t.middle * (1 - 0x1p-20F);
+  std::uint64_t corners = 0, stride = 1;
+  for (unsigned k = 0; k + 1 < d; ++k, stride *= t.cells + 1) {
+    t.stride[k] = static_cast<float>(stride);
+    corners += stride;
+  }
+  t.face_stride = static_cast<float>(face);
+  t.last_corner = static_cast<std::uint32_t>(2 * d * face - 1 - corners);
+  t.threshold = 1 - (static_cast<float>(d) + 6) * 0x1p-23F;
+}
+
+// A simple body inside the GaugeMap's pseudo-hull: a test without look-ups, for most of the points.
+
+/// A body inside the region that the map drops. In the map's frame an ellipsoid around the centre,
+/// or a box around it with cut edges and corners: both with the frame's axes.
+struct GaugeCore {
+  enum class Kind {
+    round,  ///< the sum of weight_j y_j^2 is below radius[0]
+    cut     ///< with z_j = weight_j |y_j|: all z, the sum but the least of them, the sum of all are
+            ///< below radius[0], [1], [2]
+  };
+  static constexpr unsigned norms = 3;
+
+  Kind kind = Kind::round;
+  float weight[GaugeTable::max_dimension] = {};
+  float radius[norms] = {};
+};
+
+/// The body that holds most of `probes` (columns of `count` coordinates in the map's frame), if it
+/// holds enough of them to pay. docs/exactness.md, G9, proves that the map drops every point of the
+/// body. Does not depend on the number of threads.
+std::optional<GaugeCore> make_core(const GaugeTable& table, const std::vector<float>& probes,
+                                   std::uint32_t count, unsigned threads);
+
+// A coarse, quick test before the GaugeMap's own in 3D: one look-up a point instead of three.
+
+/// Each cell of the map's faces, or each of s x s parts of it, has one level: the map drops every
+/// point of that cone with |y|_inf below the level. Stored as bytes in units of the highest level /
+/// 255: 6 cells^2 of them, face by face, grid axis 0 fastest.
+struct GaugeLevels {
+  std::uint32_t cells = 0;  ///< along an edge of a face
+  float half_cells = 0;     ///< cells / 2, shrunk as the map's own is
+  float middle = 0;         ///< cells / 2
+  float face_stride = 0;    ///< cells^2
+  std::uint32_t last = 0;   ///< number of the last cell
+  float unit = 0;
+  std::vector<std::uint8_t> of_cell;
+};
+
+/// Of a map of dimension 3 that is not too fine, else none. docs/exactness.md, G8, proves that the
+/// map drops what the levels drop.
+std::optional<GaugeLevels> make_levels(const GaugeTable& table, unsigned threads = 1);
+
+/// The values that a map of dimension 3 interpolates, at the corners of parts x parts parts of each
+/// cell of a face: (cells * parts + 1)^2 of them.
+std::vector<double> values_on_face(const GaugeTable& table, unsigned face, std::uint32_t parts);
+
+// The GaugeMap's table for a polytope in space with few facets: every node is tested against all of
+// their planes, which is faster than a walk from cone to cone.
+
+/// A facet's plane in the frame of a table: the gauge of y is the largest q . y of all facets;
+/// `slack` bounds the rounding, for |y| <= 1.
+struct GaugePlanes {
+  std::vector<float> q[3], slack;  // padded to multiples of 16 by copies of the last
+};
+
+/// The largest q . v + cells slack of all planes for each of `count` directions v of integers up to
+/// `cells`.
+void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
+                    const float* z, std::uint32_t count, float* gauges);
+
+/// Fills `table` as build_gauge_table does. The polytope must be an exact hull in space, its facets
+/// outward oriented; only they and the vertices are read. False when no useful map exists.
+bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
+
+/// Tests that run before the GaugeMap's own and decide most points at a lower cost.
+struct GaugeShortcuts {
+  std::optional<GaugeCore> core;
+  std::optional<GaugeLevels> levels;
+  bool any() const { return core || levels; }
+};
+
+/// The shortcuts that pay for a pass over `count` points, judged by a sample of them (all of them
+/// if fewer than 512).
+GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
+                              unsigned threads);
 
 }  // namespace cullhull::internal::inline filter

@@ -1,11 +1,9 @@
-#include "filter/gauge/gauge_core.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "filter/gauge/gauge_levels.hpp"
+#include "filter/gauge/gauge_build.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 

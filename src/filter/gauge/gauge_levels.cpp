@@ -1,8 +1,7 @@
-#include "filter/gauge/gauge_levels.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "filter/gauge/gauge_build.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline filter {

@@ -1,5 +1,4 @@
-#include "filter/gauge/gauge_planes.hpp"
-
+#include "filter/gauge/gauge_build.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -12,8 +11,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-
-#include "filter/gauge/gauge_constants.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline filter::HWY_NAMESPACE {

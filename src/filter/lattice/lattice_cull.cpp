@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "parallel/host_device.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline filter {

@@ -12,7 +12,7 @@
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
 #include "filter/pseudo_hull/pseudo_hull_start.hpp"
 #include "filter/pseudo_hull/pseudo_hull_steps.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline filter {
 

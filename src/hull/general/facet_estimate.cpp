@@ -17,8 +17,8 @@
 #include "extreme/hull_membership.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

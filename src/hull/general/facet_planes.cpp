@@ -179,7 +179,6 @@ void planes_of_facets(const PlaneFrame& frame, std::uint32_t apex, const std::ui
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include "hull/general/facet_planes_any.hpp"
 
 namespace cullhull::internal::inline hull {
 

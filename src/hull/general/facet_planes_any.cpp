@@ -1,11 +1,10 @@
-#include "hull/general/facet_planes_any.hpp"
-
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include "exact/determinants/minors.hpp"
 #include "exact/planes/eliminated_plane.hpp"
+#include "hull/general/facet_planes.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

@@ -1,6 +1,5 @@
 // The sieve's kernel, compiled once per instruction set.
-#include "hull/general/facet_sieve.hpp"
-
+#include "hull/general/facet_planes.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 

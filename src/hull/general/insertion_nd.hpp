@@ -32,12 +32,11 @@
 #include "hull/engine.hpp"
 #include "hull/general/cavity.hpp"
 #include "hull/general/facet_planes.hpp"
-#include "hull/general/facet_sieve.hpp"
 #include "hull/general/facet_store.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/crew.hpp"
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/run.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline hull {
 

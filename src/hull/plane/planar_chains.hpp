@@ -7,7 +7,7 @@
 
 #include "cullhull/array.hpp"
 #include "hull/plane/planar.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline hull {
 

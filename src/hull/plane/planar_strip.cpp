@@ -5,9 +5,8 @@
 #include <memory>
 
 #include "hull/plane/planar_chains.hpp"
-#include "hull/plane/quadrilateral.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

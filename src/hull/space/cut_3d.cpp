@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hull/space/engine_3d.hpp"
-#include "parallel/xorshift.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

@@ -1,7 +1,6 @@
 // Compiled once per instruction set and chosen at run time.
 
-#include "hull/space/direction_key.hpp"
-
+#include "hull/space/order_3d.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS

@@ -10,7 +10,6 @@
 #include "hull/space/insertion_3d.hpp"
 #include "hull/space/order_3d.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/memory/big_array.hpp"
 #include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline hull {

@@ -4,8 +4,8 @@
 #include "cullhull/error.hpp"
 #include "hull/space/engine_3d.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/xorshift.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

@@ -14,8 +14,8 @@
 
 #include "exact/orientation/orientation_3d.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/control.hpp"
-#include "parallel/xorshift.hpp"
+#include "parallel/random_stream.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline hull {
 

@@ -1,8 +1,8 @@
-#include "hull/space/moved_surface.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+
+#include "hull/space/triangle_mesh.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

@@ -1,15 +1,45 @@
-// The insertion order of the 3D engine.
+// The insertion order of the 3D engine, and positions of directions along its surface.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "exact/points/local_points.hpp"
-#include "hull/space/direction_key.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline hull {
+
+// Positions of directions on a curve over all directions: the 3D engine's order along the surface.
+
+/// Hilbert curves over the faces of the cube of directions, after a linear map that makes the
+/// points' covariance round: without it the directions of a thin body would crowd.
+class DirectionKey {
+ public:
+  static constexpr std::uint32_t block = 64;
+
+  DirectionKey(const LocalPoints& points, const double* centre, const std::uint32_t* simplex);
+
+  /// The same for normals of planes, which the map transforms by its inverse transpose.
+  DirectionKey for_normals() const;
+
+  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.
+  void keys(const double* x, const double* y, const double* z, unsigned bits,
+            std::uint32_t* keys) const;
+  /// The same with 24 bits an axis.
+  static constexpr unsigned fine_bits = 2 * 24 + 3;
+  void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
+
+  struct Map {
+    double centre[3];
+    double linear[3][3];
+  };
+  const Map& map() const { return map_; }
+
+ private:
+  DirectionKey() = default;
+  Map map_;
+};
 
 /// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of geometrically growing
 /// random samples, each sorted along the curve of directions.

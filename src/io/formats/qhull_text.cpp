@@ -8,7 +8,7 @@
 #include "cullhull/error.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 
 namespace cullhull {
 namespace internal::inline io {

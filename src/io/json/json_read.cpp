@@ -7,7 +7,7 @@
 
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull {
 namespace internal::inline io {

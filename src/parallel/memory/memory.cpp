@@ -1,9 +1,91 @@
 #include "parallel/memory/memory.hpp"
 
 #include "cullhull/error.hpp"
-#include "parallel/memory/machine_memory.hpp"
+
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#if !defined(NOMINMAX)
+#define NOMINMAX
+#endif
+#include <windows.h>
+#elif __has_include(<unistd.h>) && __has_include(<sys/resource.h>)
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
 
 namespace cullhull::internal::inline parallel {
+namespace {
+
+constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
+
+/// A file of one number, or of the word "max"; a file that is missing or not readable sets no
+/// limit.
+std::uint64_t limit_in(const std::string& path) {
+  std::ifstream file(path);
+  std::uint64_t bytes = 0;
+  return file >> bytes ? bytes : no_limit;
+}
+
+/// The least limit of a group and of those that contain it: in a container the outer ones are not
+/// visible, and its own is mounted at the root.
+std::uint64_t limit_upwards(const std::string& root, std::string group, const char* name) {
+  std::uint64_t least = no_limit;
+  for (;;) {
+    least = std::min(least, limit_in(root + group + "/" + name));
+    if (group.empty()) return least;
+    group.resize(group.rfind('/') == std::string::npos ? 0 : group.rfind('/'));
+  }
+}
+
+/// The machine's memory, or the address space limit of this process where that is less. 0: not
+/// known.
+std::uint64_t addressable_memory() {
+#if defined(_WIN32)
+  MEMORYSTATUSEX status{};
+  status.dwLength = sizeof status;
+  if (!GlobalMemoryStatusEx(&status)) return 0;
+  return std::min<std::uint64_t>(status.ullTotalPhys, status.ullTotalVirtual);
+#elif defined(_SC_PHYS_PAGES)
+  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+  if (pages <= 0 || size <= 0) return 0;
+  const auto physical = static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size);
+  rlimit addresses{};
+  const bool limited = getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY;
+  return std::min(physical, limited ? std::uint64_t{addresses.rlim_cur} : no_limit);
+#else
+  return 0;
+#endif
+}
+
+}  // namespace
+
+std::uint64_t group_memory_limit(const std::string& groups, const std::string& root) {
+  std::uint64_t least = no_limit;
+  std::ifstream file(groups);
+  for (std::string line; std::getline(file, line);) {  // "4:memory:/group", version 2: "0::/group"
+    const auto first = line.find(':');
+    const auto second = first == std::string::npos ? first : line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    std::string controllers = line.substr(first, second - first + 1);
+    controllers.front() = controllers.back() = ',';
+    const std::string group = line.substr(second + 1);
+    if (controllers == ",,")
+      least = std::min(least, limit_upwards(root, group, "memory.max"));
+    else if (controllers.find(",memory,") != std::string::npos)
+      least = std::min(least, limit_upwards(root + "/memory", group, "memory.limit_in_bytes"));
+  }
+  return least;
+}
+
+std::uint64_t machine_memory() {
+  static const std::uint64_t bytes =
+      std::min(addressable_memory(), group_memory_limit("/proc/self/cgroup", "/sys/fs/cgroup"));
+  return bytes;
+}
 
 std::uint64_t resolve_budget(std::uint64_t requested) {
   if (requested > 0) return requested;

@@ -14,7 +14,7 @@
 #if defined(__linux__)
 #include <sys/mman.h>
 
-#include "parallel/memory/machine_memory.hpp"
+#include "parallel/memory/memory.hpp"
 #endif
 
 namespace cullhull::internal::inline parallel {

@@ -1,9 +1,14 @@
-// Data-parallel loops. Everything is deterministic: work is cut into chunks by size alone, never by
-// thread count, and results are combined in chunk order.
+// Data-parallel loops, with cancellation and progress. Everything is deterministic: work is cut
+// into chunks by size alone, never by thread count, and results are combined in chunk order.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <thread>
+
+#include "cullhull/error.hpp"
+#include "cullhull/options.hpp"
 
 namespace cullhull::internal::inline parallel {
 
@@ -20,6 +25,40 @@ void for_each_chunk(
 
 inline std::uint64_t chunk_count(std::uint64_t count, std::uint64_t chunk_size) {
   return (count + chunk_size - 1) / chunk_size;
+}
+
+/// Cancellation and progress, handed down to long loops.
+class Control {
+ public:
+  /// Made on the calling thread; views the options, which must outlive it.
+  explicit Control(const Options& options)
+      : progress_(&options.progress),
+        poll_(options.poll ? &options.poll : nullptr),
+        stop_(options.stop) {
+    if (poll_ != nullptr) caller_ = std::this_thread::get_id();
+  }
+  /// Throws Error{cancelled} if the caller asked to stop. Cheap: call it every few thousand steps.
+  void check() const {
+    if (poll_ != nullptr && std::this_thread::get_id() == caller_) (*poll_)();
+    if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+  }
+  /// From the calling thread only.
+  void report(const char* phase, double share) const {
+    if (*progress_) (*progress_)(phase, share);
+  }
+
+ private:
+  const Progress* progress_;
+  const Poll* poll_;
+  std::thread::id caller_;
+  std::stop_token stop_;
+};
+
+/// How long something takes.
+using Clock = std::chrono::steady_clock;
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
 }  // namespace cullhull::internal::inline parallel

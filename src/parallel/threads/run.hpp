@@ -7,7 +7,6 @@
 
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/control.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 

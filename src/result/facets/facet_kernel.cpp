@@ -1,8 +1,7 @@
 // The arithmetic of FacetBlock, compiled once per instruction set and chosen at run time.
 
-#include "result/facets/facet_kernel.hpp"
-
 #include "parallel/simd_targets.hpp"
+#include "result/facets/facet_plane.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE

@@ -5,11 +5,10 @@
 #include <bit>
 #include <cmath>
 
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/exact_rests.hpp"
-#include "result/facets/facet_kernel.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/measures/totals.hpp"
 

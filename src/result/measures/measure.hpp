@@ -1,8 +1,17 @@
 // Volume, area, centroid and facet planes of a hull whose combinatorics are final.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include "cullhull/hull.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/run.hpp"
+#include "result/boundary.hpp"
+#include "result/build_hull.hpp"
+#include "result/facets/facet_share.hpp"
+#include "result/measures/measure_frame.hpp"
 
 namespace cullhull::internal::inline result {
 
@@ -19,5 +28,26 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
 void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
                   const Run& run, Hull& hull);
+
+// The last step of both ways to a simplicial result: area, volume and centroid.
+
+/// Computes them from the sums over runs of facets, or again with more bits where those are not
+/// accurate enough: the hull is thin. `vertices`: their ids, ascending; hull.simplices must be
+/// done.
+template <unsigned K>
+void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t>& vertices,
+                       const Frame& frame, const Share<K>* runs, const Run& run, Hull& hull) {
+  const std::uint64_t count = hull.simplices.size() / K;
+  const Totals<DoubleDouble> all = total_of_runs(runs, chunk_count(count, measure_run), run);
+  if (settled(all, 0x1p-53)) return finish_measures(frame, all, hull);
+  std::vector<std::uint32_t> index;
+  resize_big(index, count * K);
+  run.each(index.size(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i)
+      index[i] = static_cast<std::uint32_t>(
+          std::lower_bound(vertices.begin(), vertices.end(), hull.simplices[i]) - vertices.begin());
+  });
+  measure_thin(*input.view, vertices, index, input.axes, run, hull);
+}
 
 }  // namespace cullhull::internal::inline result

@@ -4,8 +4,8 @@
 #include <bit>
 #include <cstring>
 
-#include "parallel/memory/big_array.hpp"
-#include "parallel/memory/clear_pages.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"

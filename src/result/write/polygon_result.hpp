@@ -9,7 +9,7 @@
 #include "cullhull/hull.hpp"
 #include "hull/plane/polygon.hpp"
 #include "parallel/threads/run.hpp"
-#include "result/facets/facet_math.hpp"
+#include "result/facets/facet_share.hpp"
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/totals.hpp"
 

@@ -17,15 +17,15 @@
 
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "parallel/memory/big_array.hpp"
-#include "parallel/memory/clear_pages.hpp"
+#include "parallel/memory/pages.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "result/facets/facet_kernel.hpp"
 #include "result/facets/facet_keys.hpp"
+#include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
-#include "result/measures/simplicial_measures.hpp"
+#include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
 
 namespace cullhull::internal::inline result {

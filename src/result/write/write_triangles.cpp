@@ -4,8 +4,6 @@
 // bucket from all ranges, sorts it in the cache and writes the facets out, in order. The third
 // renumbers the neighbours. The sums follow the canonical order, whatever the ranges and buckets
 // are.
-#include "result/write/write_triangles.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -15,15 +13,15 @@
 #include <numeric>
 
 #include "exact/orientation/orientation_3d.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
-#include "result/measures/simplicial_measures.hpp"
+#include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
-#include "result/write/ranking.hpp"
 #include "result/write/triangle_sweep.hpp"
+#include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {
