@@ -11,6 +11,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -93,6 +95,29 @@ inline Rows rows_of(const PointView& view) {
   for (std::uint64_t i = 0; i < view.count; ++i)
     for (std::uint32_t j = 0; j < view.dimension; ++j) rows[i].push_back(view.at(i, j));
   return rows;
+}
+
+/// All points by id, read in blocks of about `block_bytes`, so small that rows are cut everywhere.
+inline Rows rows_in_blocks(const std::string& path, const ReadOptions& read = {},
+                           std::uint64_t block_bytes = 4096) {
+  std::mutex mutex;
+  std::map<std::uint64_t, Rows> found;
+  BlockVisitor visitor;
+  visitor.points = [&](const PointView& block, std::uint64_t first) {
+    const std::lock_guard lock(mutex);
+    found[first] = rows_of(block);
+  };
+  BlockOptions options;
+  options.read = read;
+  options.block_bytes = block_bytes;
+  options.readers = 3;
+  visit_blocks({path}, visitor, options);
+  Rows all;
+  for (const auto& [first, part] : found) {
+    EXPECT_EQ(first, all.size());
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
 }
 
 /// The message of the Error that `call` throws, which must have code `code` and be one line.

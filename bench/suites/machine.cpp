@@ -13,7 +13,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/json/json_writer.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {

@@ -10,7 +10,7 @@
 
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
-#include "parallel/memory/big_array.hpp"
+#include "parallel/memory/raw_array.hpp"
 #endif
 
 namespace cullhull::bench {

@@ -16,8 +16,8 @@
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
+#include "las_bytes.hpp"
 #include "machine.hpp"
-#include "parallel/byte_order.hpp"
 #include "timing.hpp"
 #include "workload.hpp"
 
@@ -47,27 +47,6 @@ class Folder {
  private:
   fs::path path_;
 };
-
-/// LAS 1.2 of point format 0.
-void write_las(const std::string& path, const std::vector<std::int32_t>& coordinates) {
-  constexpr std::size_t header = 227, record = 20;
-  const std::size_t count = coordinates.size() / 3;
-  std::string bytes(header + count * record, '\0');
-  const auto put = [&](std::size_t at, auto value) {
-    value = internal::little_endian(value);
-    std::memcpy(bytes.data() + at, &value, sizeof value);
-  };
-  bytes.replace(0, 4, "LASF");
-  put(24, std::uint8_t{1});
-  put(25, std::uint8_t{2});
-  put(94, static_cast<std::uint16_t>(header));
-  put(96, static_cast<std::uint32_t>(header));
-  put(105, static_cast<std::uint16_t>(record));
-  put(107, static_cast<std::uint32_t>(count));
-  for (std::size_t i = 0; i < coordinates.size(); ++i)
-    put(header + i / 3 * record + i % 3 * 4, coordinates[i]);
-  std::ofstream(path, std::ios::binary) << bytes;
-}
 
 /// As `dd bs=1M` reads. Bytes that were read.
 std::uint64_t read_plainly(const std::string& path) {
@@ -157,7 +136,7 @@ class Suite {
       std::vector<std::int32_t> whole(rows.size());
       for (std::size_t i = 0; i < rows.size(); ++i)
         whole[i] = static_cast<std::int32_t>(std::lround(rows[i] * 1e9));
-      write_las(path, whole);
+      std::ofstream(path, std::ios::binary) << las_bytes(whole);
     } else if (format == "ply" || format == "csv") {
       std::vector<std::uint64_t> all(count);
       for (std::uint64_t i = 0; i < count; ++i) all[i] = i;

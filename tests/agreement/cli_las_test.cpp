@@ -1,12 +1,11 @@
 // The program on LAS files: computed on the grid of their decimals, told and written in the world.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "agreement/run_app.hpp"
+#include "bench/suites/las_bytes.hpp"
 #include "cullhull/point_blocks.hpp"
-#include "parallel/byte_order.hpp"
 
 namespace cullhull {
 namespace {
@@ -14,32 +13,6 @@ namespace {
 using namespace testing;
 
 using Numbers = std::vector<std::int32_t>;
-
-/// LAS 1.2 of point format 0; point i is of class i % classes.
-std::string las(const Numbers& numbers, const Placement& placement, std::size_t classes = 1) {
-  constexpr std::size_t header = 227, record = 20;
-  std::string bytes(header + numbers.size() / 3 * record, '\0');
-  const auto put = [&](std::size_t at, auto value) {
-    value = internal::little_endian(value);
-    std::memcpy(bytes.data() + at, &value, sizeof value);
-  };
-  bytes.replace(0, 4, "LASF");
-  put(24, std::uint8_t{1});
-  put(25, std::uint8_t{2});
-  put(94, static_cast<std::uint16_t>(header));
-  put(96, static_cast<std::uint32_t>(header));
-  put(105, static_cast<std::uint16_t>(record));
-  put(107, static_cast<std::uint32_t>(numbers.size() / 3));
-  for (std::size_t j = 0; j < 3; ++j) {
-    put(131 + 8 * j, placement.scale[j]);
-    put(155 + 8 * j, placement.offset[j]);
-  }
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    put(header + i / 3 * record + i % 3 * 4, numbers[i]);
-  for (std::size_t i = 0; i < numbers.size() / 3; ++i)
-    put(header + i * record + 15, static_cast<std::uint8_t>(i % classes | 0x40));
-  return bytes;
-}
 
 Numbers ball(std::uint64_t count) {
   Numbers numbers;
@@ -93,7 +66,7 @@ std::vector<double> vertices_of_obj(const std::string& text) {
 TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
   const Folder f;
   const Numbers numbers = ball(3000);
-  write_file(f / "a.las", las(numbers, metres));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const std::vector<double> grid = on_grid(numbers);
   const Hull hull = convex_hull(PointView::row_major(grid.data(), 3000, 3));
   std::vector<double> expected;
@@ -126,8 +99,9 @@ TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
 
 TEST(CliLas, PlansHaveMeasuresInTheirUnits) {
   const Folder f;
-  write_file(f / "a.las",
-             las({0, 0, 7, 3000, 0, 7, 3000, 4000, 9, 0, 4000, 9, 1000, 1000, 8}, metres));
+  write_file(
+      f / "a.las",
+      bench::las_bytes({0, 0, 7, 3000, 0, 7, 3000, 4000, 9, 0, 4000, 9, 1000, 1000, 8}, metres));
   expect_success({"hull", f / "a.las", "--columns", "y,x", "-o", f / "a.geojson"});
   const auto feature = json_of(f / "a.geojson");
   EXPECT_EQ(feature["properties"]["area"].get<double>(), 12);
@@ -143,7 +117,7 @@ TEST(CliLas, GeometriesHaveTheDecimalsOfTheGrid) {
   Numbers numbers;
   for (int i = 0; i < 400; ++i)
     for (const int x : {7 * i * i % 5003, 11 * i * i % 4999, 0}) numbers.push_back(x);
-  write_file(f / "a.las", las(numbers, {{0.1, 0.1, 1}, {484683.1, 6000000.7, 0}}));
+  write_file(f / "a.las", bench::las_bytes(numbers, {{0.1, 0.1, 1}, {484683.1, 6000000.7, 0}}));
   const std::vector<std::string> plan{f / "a.las", "--columns", "x,y", "-o"};
   const auto with = [&](std::vector<std::string> words, const std::string& out) {
     words.insert(words.begin() + 1, plan.begin(), plan.end());
@@ -171,15 +145,15 @@ TEST(CliLas, GeometriesHaveTheDecimalsOfTheGrid) {
 TEST(CliLas, TilesOfACommonGridAreOneFile) {
   const Folder f;
   const Numbers numbers = ball(2000);
-  write_file(f / "all.las", las(numbers, metres));
-  write_file(f / "t1.las", las(rows_from(numbers, 0, 700), metres));
+  write_file(f / "all.las", bench::las_bytes(numbers, metres));
+  write_file(f / "t1.las", bench::las_bytes(rows_from(numbers, 0, 700), metres));
   // The same points of another origin, and a tile of coarser steps in between.
   Placement other = metres;
   other.offset = {500001, 3999999.5, -12};
   Numbers moved = rows_from(numbers, 700, 2000);
   for (std::size_t i = 0; i < moved.size(); ++i)
     moved[i] -= i % 3 == 0 ? 1000 : i % 3 == 1 ? -500 : 50;
-  write_file(f / "t2.las", las(moved, other));
+  write_file(f / "t2.las", bench::las_bytes(moved, other));
   for (const char* stream : {"off", "on"})
     for (const char* name : {"ply", "json", "obj"}) {
       const auto out = [&](const char* stem) { return f / (std::string(stem) + "." + name); };
@@ -202,9 +176,9 @@ TEST(CliLas, OtherMixturesAreInTheWorldInAnyOrder) {
   const Folder f;
   const Numbers numbers = ball(600);
   const std::string a = f / "a.las", b = f / "b.las", p = f / "p.npy";
-  write_file(a, las(rows_from(numbers, 0, 200), metres));
+  write_file(a, bench::las_bytes(rows_from(numbers, 0, 200), metres));
   const Placement odd{{0.001, 0.0013371234567890123, 0.01}, {500000, 4000000, -12.5}};
-  write_file(b, las(rows_from(numbers, 200, 400), odd));
+  write_file(b, bench::las_bytes(rows_from(numbers, 200, 400), odd));
   std::vector<double> rows = on_grid(rows_from(numbers, 400, 600));
   for (double& x : rows) x /= 1000;
   write_rows(p, rows);
@@ -236,7 +210,7 @@ TEST(CliLas, OtherMixturesAreInTheWorldInAnyOrder) {
 TEST(CliLas, TriangulationsAreThoseOfTheGrid) {
   const Folder f;
   const Numbers numbers = ball(500);
-  write_file(f / "a.las", las(numbers, metres));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres));
   write_rows(f / "grid.npy", on_grid(numbers));
   expect_success({"delaunay", f / "a.las", "-o", f / "a.json", "-o", f / "a.vtk", "--certify"});
   expect_success({"delaunay", f / "grid.npy", "-o", f / "grid.json"});
@@ -263,7 +237,7 @@ TEST(CliLas, TriangulationsAreThoseOfTheGrid) {
 TEST(CliLas, BoxesLengthsAndWeightsAreInTheWorld) {
   const Folder f;
   const Numbers numbers = ball(500);
-  write_file(f / "a.las", las(numbers, metres));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const auto plan = [&](std::vector<std::string> words) {
     words.insert(words.end(), {"--columns", "x,y"});
     expect_success(words);
@@ -294,7 +268,7 @@ TEST(CliLas, BoxesLengthsAndWeightsAreInTheWorld) {
 TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
   const Folder f;
   const Numbers numbers = ball(900);
-  write_file(f / "a.las", las(numbers, metres, 3));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres, 3));
   expect_success({"hull", f / "a.las", "--by", "classification", "--columns", "x,y", "-o",
                   f / "groups.geojson"});
   const auto groups = json_of(f / "groups.geojson")["features"];
@@ -303,7 +277,7 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
     Numbers of_class;
     for (std::size_t i = c; i < 900; i += 3)
       for (std::size_t j = 0; j < 3; ++j) of_class.push_back(numbers[3 * i + j]);
-    write_file(f / "c.las", las(of_class, metres));
+    write_file(f / "c.las", bench::las_bytes(of_class, metres));
     expect_success({"hull", f / "c.las", "--columns", "x,y", "-o", f / "c.geojson"});
     EXPECT_EQ(groups[c]["geometry"], json_of(f / "c.geojson")["geometry"]);
     EXPECT_EQ(groups[c]["properties"]["classification"], c);
@@ -326,7 +300,7 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
 TEST(CliLas, RawGivesTheNumbersOfTheFile) {
   const Folder f;
   const Numbers numbers = ball(500);
-  write_file(f / "a.las", las(numbers, metres));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
   for (const char* stream : {"off", "on"}) {
@@ -341,9 +315,9 @@ TEST(CliLas, RawGivesTheNumbersOfTheFile) {
 TEST(CliLas, StatesAndPipesKeepTheGrid) {
   const Folder f;
   const Numbers numbers = ball(2000);
-  write_file(f / "all.las", las(numbers, metres));
-  write_file(f / "t1.las", las(rows_from(numbers, 0, 900), metres));
-  write_file(f / "t2.las", las(rows_from(numbers, 900, 2000), metres));
+  write_file(f / "all.las", bench::las_bytes(numbers, metres));
+  write_file(f / "t1.las", bench::las_bytes(rows_from(numbers, 0, 900), metres));
+  write_file(f / "t2.las", bench::las_bytes(rows_from(numbers, 900, 2000), metres));
   expect_success({"hull", f / "all.las", "-o", f / "all.json"});
   expect_success({"hull", f / "t1.las", "--partial", f / "t1.hullstate"});
   expect_success({"hull", f / "t2.las", "--partial", f / "t2.hullstate"});
@@ -367,7 +341,8 @@ TEST(CliLas, StatesAndPipesKeepTheGrid) {
 TEST(CliLas, TracksAreInTheWorld) {
   const Folder f;
   const Numbers numbers = ball(300);
-  for (const char* name : {"f1.las", "f2.las"}) write_file(f / name, las(numbers, metres));
+  for (const char* name : {"f1.las", "f2.las"})
+    write_file(f / name, bench::las_bytes(numbers, metres));
   expect_success({"track", f / "f1.las", f / "f2.las", "-o", f / "t%d.obj", "--json=" + (f / "t"),
                   "--certify"});
   expect_success({"hull", f / "f1.las", "-o", f / "h.obj", "--json=" + (f / "h")});
@@ -377,7 +352,7 @@ TEST(CliLas, TracksAreInTheWorld) {
 
 TEST(CliLas, ReportsNameTheUnits) {
   const Folder f;
-  write_file(f / "a.las", las({0, 0, 0, 3000, 0, 0, 0, 4000, 0, 0, 0, 100}, metres));
+  write_file(f / "a.las", bench::las_bytes({0, 0, 0, 3000, 0, 0, 0, 4000, 0, 0, 0, 100}, metres));
   for (const char* stream : {"off", "on"})
     for (const char* command : {"hull", "cull", "info"}) {
       const Ran ran = run_app({command, f / "a.las", "--stream", stream});
@@ -398,7 +373,8 @@ TEST(CliLas, ReportsNameTheUnits) {
 TEST(CliLas, EveryReportHasThePlacement) {
   const Folder f;
   const Numbers numbers = {0, 0, 0, 3000, 0, 0, 0, 4000, 0, 0, 0, 100, 7, 7, 1};
-  for (const char* name : {"a.las", "b.las"}) write_file(f / name, las(numbers, metres));
+  for (const char* name : {"a.las", "b.las"})
+    write_file(f / name, bench::las_bytes(numbers, metres));
   write_npy_points(f / "w.npy", std::vector<double>(5).data(), 5, 1, ScalarType::f64);
   expect_success({"hull", f / "a.las", "-o", f / "h.json"});
   const std::vector<std::vector<std::string>> commands = {
@@ -447,7 +423,7 @@ TEST(CliLas, EveryReportHasThePlacement) {
 TEST(CliLas, PointsAsTextAreInTheWorld) {
   const Folder f;
   const Numbers numbers = ball(3000);
-  write_file(f / "a.las", las(numbers, metres));
+  write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const std::vector<double> grid = on_grid(numbers);
   for (const char* stream : {"off", "on"}) {
     expect_success(
@@ -470,7 +446,7 @@ TEST(CliLas, PointsAsTextAreInTheWorld) {
 TEST(CliLas, WithoutAScaleNumbersAreAsTheyAre) {
   const Folder f;
   const Numbers numbers = ball(500);
-  write_file(f / "a.las", las(numbers, {{0, 0, 0}, {0, 0, 0}}));
+  write_file(f / "a.las", bench::las_bytes(numbers, {{0, 0, 0}, {0, 0, 0}}));
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
   expect_success({"hull", f / "a.npy", "-o", f / "npy.obj"});

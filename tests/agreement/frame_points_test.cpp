@@ -9,11 +9,11 @@
 
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
-#include "flow/device_filter.hpp"
+#include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
-#include "parallel/sorted.hpp"
+#include "parallel/sort_few.hpp"
 #include "tracker/changes.hpp"
-#include "tracker/gauge_scan.hpp"
+#include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,6 +1,4 @@
 // What comes before the GaugeMap's own test, its core and its levels, changes no survivor.
-#include "filter/gauge/gauge_shortcuts.hpp"
-
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
@@ -11,6 +9,7 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
+#include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"

@@ -1,6 +1,4 @@
 // Eight simplices at a time give the bits that one at a time gives.
-#include "result/facets/facet_kernel.hpp"
-
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "exact/determinants/cofactors.hpp"
+#include "result/facets/facet_plane.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,6 +1,4 @@
 // The facet tests that drop points from 4D on: nothing is dropped that lies on or above a facet.
-#include "hull/general/facet_sieve.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <vector>
 
 #include "agreement/point_sets.hpp"
+#include "hull/general/facet_planes.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "cuda/set_hulls.hpp"
 #include "cullhull/cullhull.hpp"
-#include "parallel/threads/control.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "tests/gpu/device.hpp"
 
 namespace cullhull::testing {

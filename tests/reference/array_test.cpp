@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "parallel/memory/big_array.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/thread_memory.hpp"

@@ -188,28 +188,6 @@ TEST(Columns, ColoursStayWhereColumnsAreCopied) {
   EXPECT_FALSE(file.mapped());
 }
 
-/// All points by id, of blocks so small that rows are cut everywhere.
-Rows rows_in_blocks(const std::string& path, const std::string& chosen, std::uint64_t block_bytes) {
-  std::mutex mutex;
-  std::map<std::uint64_t, Rows> found;
-  BlockVisitor visitor;
-  visitor.points = [&](const PointView& block, std::uint64_t first) {
-    const std::lock_guard lock(mutex);
-    found[first] = rows_of(block);
-  };
-  BlockOptions options;
-  options.read = columns(chosen);
-  options.block_bytes = block_bytes;
-  options.readers = 3;
-  visit_blocks({path}, visitor, options);
-  Rows all;
-  for (const auto& [first, part] : found) {
-    EXPECT_EQ(first, all.size());
-    all.insert(all.end(), part.begin(), part.end());
-  }
-  return all;
-}
-
 TEST(Columns, InBlocksAsInMemory) {
   std::string text = "name,y,\"the x\",note\n";
   for (int i = 0; i < 3000; ++i)
@@ -221,7 +199,7 @@ TEST(Columns, InBlocksAsInMemory) {
   ASSERT_EQ(want.size(), 3000U);
   EXPECT_EQ(want[7], (std::vector<double>{7.5, 49}));
   for (const std::uint64_t bytes : {64, 1000, 1 << 20})
-    EXPECT_EQ(rows_in_blocks(path, "the x,y", bytes), want) << bytes;
+    EXPECT_EQ(rows_in_blocks(path, columns("the x,y"), bytes), want) << bytes;
   std::filesystem::remove(path);
 }
 

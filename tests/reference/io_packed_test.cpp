@@ -104,29 +104,10 @@ Rows in_memory(const std::string& path, const ReadOptions& options = {}) {
   return rows_of(open_points(path, options).points());
 }
 
-Rows in_blocks(const std::string& path, const ReadOptions& options = {},
-               std::uint64_t block_bytes = 4096) {
-  std::mutex mutex;
-  std::map<std::uint64_t, Rows> found;
-  BlockVisitor visitor;
-  visitor.points = [&](const PointView& block, std::uint64_t first) {
-    const std::lock_guard lock(mutex);
-    found[first] = rows_of(block);
-  };
-  BlockOptions blocks;
-  blocks.read = options;
-  blocks.readers = 2;
-  blocks.block_bytes = block_bytes;
-  visit_blocks({path}, visitor, blocks);
-  Rows all;
-  for (const auto& [first, part] : found) all.insert(all.end(), part.begin(), part.end());
-  return all;
-}
-
 /// What both ways say of a file, which must name it; without the name.
 std::string refused(const std::string& path, ErrorCode code = ErrorCode::bad_file) {
   const std::string whole = error_of(code, [&] { (void)open_points(path); });
-  const std::string blocks = error_of(code, [&] { (void)in_blocks(path); });
+  const std::string blocks = error_of(code, [&] { (void)rows_in_blocks(path); });
   EXPECT_EQ(whole, blocks);
   EXPECT_EQ(whole.rfind(path, 0), 0U) << whole;
   return whole.substr(std::min(whole.size(), path.size()));
@@ -172,12 +153,12 @@ TEST_F(Files, EveryFormatCompressed) {
     for (const auto& [suffix, content] : packed) {
       const std::string path = file("p." + ending + suffix, content);
       EXPECT_EQ(in_memory(path), want) << path;
-      EXPECT_EQ(in_blocks(path), want) << path;
+      EXPECT_EQ(rows_in_blocks(path), want) << path;
       EXPECT_FALSE(open_points(path).mapped());
     }
     // Without a name that tells, content does: of the compression and of what is in it.
     EXPECT_EQ(in_memory(file("nameless", packed[0].second)), want) << ending;
-    EXPECT_EQ(in_blocks(file("nameless", packed[1].second)), want) << ending;
+    EXPECT_EQ(rows_in_blocks(file("nameless", packed[1].second)), want) << ending;
   }
 }
 
@@ -188,9 +169,9 @@ TEST_F(Files, CompressedRawNumbersAndNumbersThatLookCompressed) {
   const std::string numbers("\x1F\x8B\x08\x00", 4);
   const Rows want{{0x1F, 0x8B}, {8, 0}};
   EXPECT_EQ(in_memory(file("p.raw", numbers), raw), want);
-  EXPECT_EQ(in_blocks(file("p.bin", numbers), raw), want);
+  EXPECT_EQ(rows_in_blocks(file("p.bin", numbers), raw), want);
   EXPECT_EQ(in_memory(file("p.raw.gz", gz(numbers)), raw), want);
-  EXPECT_EQ(in_blocks(file("p.raw.gz", gz(numbers)), raw), want);
+  EXPECT_EQ(rows_in_blocks(file("p.raw.gz", gz(numbers)), raw), want);
 }
 
 TEST_F(Files, CompressedPolygons) {
@@ -228,7 +209,7 @@ TEST_F(Files, EveryBitOfThemCorrupt) {
       broken[bit / 8] = static_cast<char>(broken[bit / 8] ^ 1 << bit % 8);
       const std::string path = file(std::string("p.npy") + suffix, broken);
       for (const bool blocks : {false, true}) try {
-          blocks ? (void)in_blocks(path) : (void)in_memory(path);
+          blocks ? (void)rows_in_blocks(path) : (void)in_memory(path);
         } catch (const Error& e) {
           ++refusals;
           EXPECT_TRUE(e.code() == ErrorCode::bad_file || e.code() == ErrorCode::invalid_argument ||
@@ -277,8 +258,9 @@ TEST_F(Files, ArraysOfAnArchive) {
       const std::string two = file(
           "two.NPZ",
           zip({{"a.npy", a, deflate}, {"notes.txt", "?", false}, {"b.npy", b, deflate}}, wide));
-      for (const auto& read : {std::function([](const std::string& p) { return in_memory(p); }),
-                               std::function([](const std::string& p) { return in_blocks(p); })}) {
+      for (const auto& read :
+           {std::function([](const std::string& p) { return in_memory(p); }),
+            std::function([](const std::string& p) { return rows_in_blocks(p); })}) {
         EXPECT_EQ(read(one), rows_a);
         EXPECT_EQ(read(one + ":a"), rows_a);
         EXPECT_EQ(read(two + ":a.npy"), rows_a);

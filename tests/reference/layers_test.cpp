@@ -108,7 +108,7 @@ const std::vector<std::string> portable_places = {
     "src/parallel/threads/fork_guard.cpp",
     "src/parallel/threads/helpers.cpp",
     "src/parallel/int128.hpp",
-    "src/parallel/memory/machine_memory.cpp",
+    "src/parallel/memory/memory.cpp",
     "src/parallel/memory/pages.cpp",
     "src/parallel/prefetch.hpp",
     "src/io/system.cpp",

@@ -1,12 +1,12 @@
 // How much memory there is: limits of control groups, as a container has them.
-#include "parallel/memory/machine_memory.hpp"
-
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
 #include <limits>
+
+#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
-#include "geometry/curve_keys.hpp"
+#include "geometry/curve_frame.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -17,10 +17,9 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/sort_few.hpp"
+#include "result/boundary.hpp"
 #include "result/facets/facet_keys.hpp"
 #include "result/measures/measure.hpp"
-#include "result/merge.hpp"
-#include "result/order_facets.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {

@@ -1,7 +1,5 @@
 // The result made of the 3D engine's own facets is the one that the fallback gives, bit for bit,
 // and a surface that is not a hull's is refused.
-#include "result/write/write_triangles.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +12,9 @@
 #include "geometry/gather.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"
+#include "result/boundary.hpp"
 #include "result/measures/measure.hpp"
-#include "result/order_facets.hpp"
+#include "result/write/write_simplices.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {

@@ -51,18 +51,11 @@ class RandomCall : public RandomWork<RandomCall> {
   }
 
   void choose_failures() {
+    RandomWork::choose_failures(12, 4);
     emulation::Settings& s = emulation::settings();
-    const emulation::Order orders[] = {emulation::Order::late, emulation::Order::shuffled,
-                                       emulation::Order::at_once};
-    s.order = orders[below(3)];
-    s.pools = !one_in(4);
     s.devices = 1 + static_cast<int>(below(2));
-    if (one_in(4)) s.failing_allocation = 1 + static_cast<long>(below(12));
-    if (one_in(6)) s.failing_allocations_from = 1 + static_cast<long>(below(12));
-    if (one_in(8)) s.failing_pinned_from = 1 + static_cast<long>(below(4));
     fails_ =
         s.failing_allocation != 0 || s.failing_allocations_from != 0 || s.failing_pinned_from != 0;
-    if (one_in(4)) keep_memory(0);  // pinned memory is made anew
   }
 
   template <class T>

@@ -54,16 +54,9 @@ class RandomBatch : public RandomWork<RandomBatch> {
   }
 
   void choose_failures() {
-    emulation::Settings& s = emulation::settings();
-    const emulation::Order orders[] = {emulation::Order::late, emulation::Order::shuffled,
-                                       emulation::Order::at_once};
-    s.order = orders[below(3)];
-    s.pools = !one_in(4);
-    if (one_in(4)) s.failing_allocation = 1 + static_cast<long>(below(16));
-    if (one_in(6)) s.failing_allocations_from = 1 + static_cast<long>(below(16));
-    if (one_in(8)) s.failing_pinned_from = 1 + static_cast<long>(below(3));
+    RandomWork::choose_failures(16, 3);
+    const emulation::Settings& s = emulation::settings();
     fails_ = s.failing_allocation != 0 || s.failing_allocations_from != 0;
-    if (one_in(4)) keep_memory(0);
   }
 
   template <class T>

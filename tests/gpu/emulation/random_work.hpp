@@ -5,6 +5,7 @@
 #include <random>
 
 #include "agreement/random_seeds.hpp"
+#include "cullhull/array.hpp"
 #include "emulation.hpp"
 
 namespace cullhull::testing {
@@ -29,6 +30,20 @@ class RandomWork {
  protected:
   std::uint64_t below(std::uint64_t n) { return random_() % n; }
   bool one_in(std::uint64_t n) { return below(n) == 0; }
+
+  /// Orders of work and failures of the device's and of pinned memory. `allocations`: of the
+  /// device, among which one may fail; `pinned`: likewise.
+  void choose_failures(std::uint64_t allocations, std::uint64_t pinned) {
+    emulation::Settings& s = emulation::settings();
+    const emulation::Order orders[] = {emulation::Order::late, emulation::Order::shuffled,
+                                       emulation::Order::at_once};
+    s.order = orders[below(3)];
+    s.pools = !one_in(4);
+    if (one_in(4)) s.failing_allocation = 1 + static_cast<long>(below(allocations));
+    if (one_in(6)) s.failing_allocations_from = 1 + static_cast<long>(below(allocations));
+    if (one_in(8)) s.failing_pinned_from = 1 + static_cast<long>(below(pinned));
+    if (one_in(4)) keep_memory(0);  // pinned memory is made anew
+  }
 
   std::mt19937_64 random_;
   std::uint64_t seed_;
