@@ -42,7 +42,7 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._graphs import gabriel_graph, minimum_spanning_tree, relative_neighbourhood_graph
 from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
-from ._hull import Certificate, Hull, Simplified
+from ._hull import Hull, Simplified
 from ._interpolation import (
     LinearNDInterpolator,
     NaturalNDInterpolator,
@@ -57,6 +57,7 @@ from ._many import (
     convex_hulls,
     convex_hulls_on_device,
 )
+from ._native import Certificate
 from ._plots import delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
 from ._spherical import SphericalVoronoi

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, refuse_mask, settings
 from ._errors import InvalidArgument, NotCertified
-from ._hull import Certificate
+from ._native import Certificate, FoundCells
 
 
 def constrained_delaunay(
@@ -86,7 +86,7 @@ def constrained_delaunay(
     )
 
 
-class ConstrainedTriangulation:
+class ConstrainedTriangulation(FoundCells):
     """A constrained Delaunay triangulation, made by `constrained_delaunay`.
 
     Attributes
@@ -111,7 +111,7 @@ class ConstrainedTriangulation:
     ([[0, 1, 3], [1, 2, 3]], [[1, -1, -1], [-1, 0, -1]])
     """
 
-    __slots__ = ("__weakref__", "_cells", "certificate", "depths", "piece_sources", "pieces")
+    __slots__ = ("depths", "piece_sources", "pieces")
 
     def __init__(
         self,
@@ -127,9 +127,6 @@ class ConstrainedTriangulation:
     def __copy__(self) -> ConstrainedTriangulation:
         lists = self.pieces, self.piece_sources, self.depths
         return ConstrainedTriangulation(self._cells, *lists, self.certificate)
-
-    def __deepcopy__(self, memo: Any) -> ConstrainedTriangulation:
-        return self.__copy__()  # nobody can change either
 
     def __reduce__(self) -> tuple[Any, ...]:
         lists = self.pieces, self.piece_sources, self.depths
@@ -162,16 +159,6 @@ class ConstrainedTriangulation:
     def hull_facets(self) -> npt.NDArray[np.int32]:
         """(f, 2) int32: edges without a neighbour, counter-clockwise around what is left."""
         return self._cells.hull_facets
-
-    @property
-    def hull_cells(self) -> npt.NDArray[np.int32]:
-        """(f,) int32: the cell of each of `hull_facets`."""
-        return self._cells.hull_cells
-
-    @property
-    def duplicates(self) -> npt.NDArray[np.int32]:
-        """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
-        return self._cells.duplicates
 
     @property
     def hidden(self) -> npt.NDArray[np.int32]:

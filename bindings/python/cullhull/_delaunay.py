@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_array, as_coordinates, as_point_set, as_points
+from ._arguments import Progress, as_array, as_coordinates
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument
-from ._incremental import Incremental, Lazy, lazy_names
+from ._incremental import IncrementalPoints, Lazy, lazy_names
 from ._qhull_options import QhullOptions, parse
 from ._triangulation import Triangulation, delaunay
 
@@ -33,7 +33,7 @@ def _blocks(count: int) -> Iterator[slice]:
     return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))
 
 
-class Lifted(Incremental):
+class Lifted(IncrementalPoints):
     """What `Delaunay` and `Voronoi` share: points, options, adding, copies."""
 
     _lazy: frozenset[str]
@@ -49,12 +49,7 @@ class Lifted(Incremental):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> None:
-        array = as_point_set(points)
-        count, self.ndim = array.shape
-        if self.ndim < 2:
-            raise InvalidArgument("Need at least 2-D data")
-        if count == 0:
-            raise InvalidArgument("No points given")
+        array = self._first(points)
         if qhull_options is None:
             self._options = _DEFAULTS_INCREMENTAL if incremental else _DEFAULTS
         else:
@@ -83,45 +78,11 @@ class Lifted(Incremental):
         for name in self._lazy:
             self.__dict__.pop(name, None)
 
-    def add_points(self, points: Any, restart: bool = False) -> None:
-        """Adds points; only with ``incremental=True``.
-
-        The result is computed anew, and is that of all points at once.
-
-        Parameters
-        ----------
-        points : (m, d) array
-        restart : bool
-            The result does not depend on it.
-
-        Raises
-        ------
-        RuntimeError
-            Not incremental, or closed.
-        InvalidArgument, NotFinite (ValueErrors), QhullError
-            As for the first points; nothing is added then.
-
-        Examples
-        --------
-        >>> import cullhull
-        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], incremental=True)
-        >>> found.add_points([[1, 1]])
-        >>> found.npoints, found.nsimplex
-        (4, 2)
-        """
-        self._require_open()
-        array = as_points(points)
-        if array.shape[1] != self.ndim:
-            raise InvalidArgument(
-                f"Adding points of dimension {array.shape[1]} to ones of dimension {self.ndim}"
-            )
-        self._compute(np.concatenate([self._array, array], dtype=np.float64))
+    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
+        self._compute(everything)
 
     def __getstate__(self) -> dict[str, Any]:
-        state = {k: v for k, v in self.__dict__.items() if k not in self._lazy}
-        if callable(self._choices[-1]):  # it belongs to this process
-            state["_choices"] = (*self._choices[:-1], None)
-        return state
+        return self._state_without(self._lazy)
 
     @property
     def npoints(self) -> int:
@@ -373,8 +334,7 @@ class Delaunay(Lifted):
 
         Raises
         ------
-        InvalidArgument (a ValueError)
-            For another number of coordinates.
+        InvalidArgument (a ValueError) : another number of coordinates
 
         Examples
         --------
@@ -452,8 +412,7 @@ class Delaunay(Lifted):
 
         Raises
         ------
-        InvalidArgument (a ValueError)
-            For another number of coordinates.
+        InvalidArgument (a ValueError) : another number of coordinates
 
         Examples
         --------
@@ -473,21 +432,16 @@ class Delaunay(Lifted):
 
         Parameters
         ----------
-        xi : (..., d) array
+        xi : as of `lift_points`, as is what is raised
 
         Returns
         -------
         (..., s) float64 array
 
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another number of coordinates.
-
         Examples
         --------
         >>> import cullhull
-        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], qhull_options="Qc")
+        >>> found = cullhull.Delaunay([[0, 0], [2, 0], [0, 2]], qhull_options="Qc")
         >>> found.plane_distance([1, 1]).round(3).tolist()
         [0.0]
         """
@@ -536,11 +490,6 @@ def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     Returns
     -------
     (...) int32 array
-
-    Raises
-    ------
-    InvalidArgument (a ValueError)
-        For another number of coordinates.
 
     Examples
     --------

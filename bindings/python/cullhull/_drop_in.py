@@ -9,16 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Backend, CullMethod, Progress, as_point_set, as_points, settings
+from ._arguments import Backend, CullMethod, Progress, settings
 from ._errors import InvalidArgument, qhull_error
 from ._hull import Hull
-from ._incremental import Incremental, Lazy, lazy_names
+from ._incremental import IncrementalPoints, Lazy, lazy_names
 from ._many import GrowingHull
 from ._qhull_options import QhullOptions, parse
 from ._scipy import of_scipy
 
 
-class ConvexHull(Incremental):
+class ConvexHull(IncrementalPoints):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
     Pickles, copies and is sent between processes as SciPy's; also while incremental.
@@ -78,6 +78,7 @@ class ConvexHull(Incremental):
     """
 
     ndim: int
+    _added_to = "a hull"
 
     def __init__(
         self,
@@ -92,12 +93,7 @@ class ConvexHull(Incremental):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> None:
-        array = as_point_set(points)
-        count, self.ndim = array.shape
-        if self.ndim < 2:
-            raise InvalidArgument("Need at least 2-D data")
-        if count == 0:
-            raise InvalidArgument("No points given")
+        array = self._first(points)
         self._options = parse(qhull_options)
         self._choices = (backend, cull, threads, memory_budget, progress)
         self._strict = bool(strict)
@@ -146,50 +142,18 @@ class ConvexHull(Incremental):
         """What is shown of the exact hull."""
         return solid
 
-    def add_points(self, points: Any, restart: bool = False) -> None:
-        """Adds points; only with ``incremental=True``.
-
-        Parameters
-        ----------
-        points : (m, d) array
-        restart : bool
-            Compute the hull anew instead of from its vertices; the result is the same.
-
-        Raises
-        ------
-        RuntimeError
-            Not incremental, or closed.
-        InvalidArgument, NotFinite (ValueErrors), QhullError
-            As for the first points; nothing is added then.
-
-        Examples
-        --------
-        >>> import cullhull
-        >>> hull = cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True)
-        >>> hull.add_points([[1, 1]])
-        >>> hull.volume, hull.npoints
-        (1.0, 4)
-        """
-        self._require_open()
-        array = as_points(points)
-        if array.shape[1] != self.ndim:
-            raise InvalidArgument(
-                f"Adding points of dimension {array.shape[1]} to a hull of dimension {self.ndim}"
-            )
-        everything = np.concatenate([self._array, array], dtype=np.float64)
+    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
         self._compute(everything, everything if restart else everything[len(self._array) :])
         for name in _LAZY:
             self.__dict__.pop(name, None)
 
     def __getstate__(self) -> dict[str, Any]:
-        state = {k: v for k, v in self.__dict__.items() if k not in _LAZY}
+        state = self._state_without(_LAZY)
         state["hull"] = self.hull
         del state["_solid"]
         grower = state.pop("_grower")
         if grower is not None and grower.hull._solid is not self._solid:
             state["_grower"] = copy(grower)  # it holds more points than `hull`
-        if callable(self._choices[-1]):  # it belongs to this process
-            state["_choices"] = (*self._choices[:-1], None)
         return state
 
     def __setstate__(self, state: dict[str, Any]) -> None:

@@ -19,7 +19,8 @@ from ._arguments import (
 )
 from ._device import as_device_points
 from ._errors import InvalidArgument, NotCertified, OutOfBudget
-from ._hull import Certificate, Hull
+from ._hull import Hull
+from ._native import Certificate
 
 
 def convex_hull(

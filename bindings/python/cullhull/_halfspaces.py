@@ -127,10 +127,8 @@ class HalfspaceIntersection(Incremental):
 
         Raises
         ------
-        RuntimeError
-            Not incremental, or closed.
-        InvalidArgument, NotFinite (ValueErrors), QhullError
-            As for the first halfspaces; nothing is added then.
+        RuntimeError, InvalidArgument, NotFinite (ValueErrors), QhullError
+            As `ConvexHull.add_points`.
 
         Examples
         --------

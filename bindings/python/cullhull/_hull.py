@@ -11,12 +11,11 @@ import numpy.typing as npt
 from . import _core, _show
 from ._arguments import Progress, as_points, settings
 from ._lists import Lists
+from ._native import Certificate, Certified
 from ._questions import Questions
 
-Certificate = _core.Certificate
 
-
-class Hull(Questions):
+class Hull(Questions, Certified):
     """An exact convex hull, made by `convex_hull`, `convex_hulls`, `GrowingHull` and others.
 
     The result is the same, bit for bit, whatever the options, threads and layout of the points.
@@ -62,27 +61,11 @@ class Hull(Questions):
     'native'
     """
 
-    __slots__ = ("__weakref__", "_solid", "certificate")
+    __slots__ = ("_solid",)
 
+    _slot = "_solid"
     _solid: _core.Solid
-    #: What ``certify=True`` found, else None.
-    certificate: Certificate | None
-
-    def __init__(self) -> None:
-        raise TypeError("hulls are made by cullhull.convex_hull")
-
-    @classmethod
-    def _of(cls, solid: _core.Solid, certificate: Certificate | None = None) -> Hull:
-        hull = object.__new__(cls)
-        hull._solid = solid
-        hull.certificate = certificate
-        return hull
-
-    def __copy__(self) -> Hull:
-        return Hull._of(self._solid, self.certificate)  # nobody can change either
-
-    def __deepcopy__(self, memo: Any) -> Hull:
-        return self.__copy__()
+    _made_by = "hulls are made by cullhull.convex_hull"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _hull_of_state, (_core.state_of_solid(self._solid), self.certificate)

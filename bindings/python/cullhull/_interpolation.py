@@ -122,6 +122,10 @@ class _OnCells(_Interpolator):
         kind = np.complex128 if self.is_complex else np.float64
         rows = self.values.reshape(len(self.points), math.prod(self.values_shape))
         self.values = np.ascontiguousarray(rows, dtype=kind)
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Makes what a pickle does not hold."""
 
     def _require_few_dimensions(self) -> None:
         dimension, most = self.points.shape[1], self._most_dimensions
@@ -129,6 +133,24 @@ class _OnCells(_Interpolator):
             raise InvalidArgument(
                 f"natural neighbours are of points in up to {most} dimensions, not in {dimension}"
             )
+
+    def __call__(self, *args: Any) -> npt.NDArray[Any]:
+        """The values at points.
+
+        Parameters
+        ----------
+        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+
+        Returns
+        -------
+        array of the points' shape and that of a value
+            ``fill_value`` outside the hull.
+        """
+        return self._values(self._questions(args))
+
+    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+        """The values at points that are looked up."""
+        raise NotImplementedError
 
 
 class LinearNDInterpolator(_OnCells):
@@ -170,19 +192,7 @@ class LinearNDInterpolator(_OnCells):
     ([2.0, nan], 1.0)
     """
 
-    def __call__(self, *args: Any) -> npt.NDArray[Any]:
-        """The values at points.
-
-        Parameters
-        ----------
-        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
-
-        Returns
-        -------
-        array of the points' shape and that of a value
-            ``fill_value`` outside the hull.
-        """
-        xi = self._questions(args)
+    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
         rows = xi.reshape(-1, xi.shape[-1])
         cells = self.tri.find_simplex(rows)
         inside = cells >= 0
@@ -219,14 +229,7 @@ class NaturalNDInterpolator(_OnCells):
 
     Attributes
     ----------
-    points : (n, d) float64; with `rescale` those that are triangulated
-    values : (n, m) float64 or complex128: a row for the numbers of each value, in C's order
-    values_shape : tuple of int: the shape of a value, m numbers
-    is_complex : bool
-    fill_value : float or complex
-    tri : Delaunay
-    scale : (d,) float64, or None without `rescale`
-    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
+    As of `LinearNDInterpolator`.
 
     Raises
     ------
@@ -248,18 +251,6 @@ class NaturalNDInterpolator(_OnCells):
 
     _most_dimensions = 3
 
-    def __init__(
-        self,
-        points: Any,
-        values: Any,
-        fill_value: Any = np.nan,
-        rescale: bool = False,
-        *,
-        threads: int | None = None,
-    ) -> None:
-        super().__init__(points, values, fill_value, rescale, threads=threads)
-        self._prepare()
-
     def __getstate__(self) -> dict[str, Any]:
         return {name: v for name, v in self.__dict__.items() if name != "_native"}
 
@@ -279,19 +270,7 @@ class NaturalNDInterpolator(_OnCells):
             settings(threads=self._threads),
         )
 
-    def __call__(self, *args: Any) -> npt.NDArray[Any]:
-        """The values at points.
-
-        Parameters
-        ----------
-        args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
-
-        Returns
-        -------
-        array of the points' shape and that of a value
-            ``fill_value`` outside the hull.
-        """
-        xi = self._questions(args)
+    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
         # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
         inside = np.asarray(np.isfinite(rows).all(axis=1))

@@ -21,10 +21,11 @@ from ._arguments import (
 from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
 from ._hull import Hull
+from ._native import Native
 from ._lists import Lists
 
 
-class HullBatch(Sequence[Hull]):
+class HullBatch(Native, Sequence[Hull]):
     """The hulls of many sets, from `convex_hulls`: a sequence of `Hull`, and arrays over all.
 
     Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
@@ -54,8 +55,7 @@ class HullBatch(Sequence[Hull]):
 
     _batch: _core.Batch
 
-    def __init__(self) -> None:
-        raise TypeError("batches are made by cullhull.convex_hulls")
+    _made_by = "batches are made by cullhull.convex_hulls"
 
     @classmethod
     def _of(cls, batch: _core.Batch) -> HullBatch:
@@ -64,10 +64,7 @@ class HullBatch(Sequence[Hull]):
         return result
 
     def __copy__(self) -> HullBatch:
-        return HullBatch._of(self._batch)  # nobody can change either
-
-    def __deepcopy__(self, memo: Any) -> HullBatch:
-        return self.__copy__()
+        return HullBatch._of(self._batch)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _batch_of_state, (_core.state_of_batch(self._batch),)

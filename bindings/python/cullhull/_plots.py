@@ -93,10 +93,7 @@ def voronoi_plot_2d(
 
     Raises
     ------
-    InvalidArgument (a ValueError)
-        In other dimensions.
-    ImportError
-        Without Matplotlib.
+    As `delaunay_plot_2d`.
 
     Examples
     --------

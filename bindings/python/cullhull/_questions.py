@@ -21,6 +21,17 @@ class Questions:
 
     _solid: _core.Solid
 
+    def _ask(
+        self, question: str, points: Any, what: str, one: type, chosen: _core.Settings | None
+    ) -> Any:
+        """The answers of ``_solid`` for many points, or the only one as a ``one``."""
+        there = None if type(points) is np.ndarray else as_device_points(points)
+        if there is not None:
+            return getattr(self._solid, f"{question}_there")(there, chosen)
+        array, single = as_questions(points, self._solid.dimension, what)
+        answers = getattr(self._solid, question)(array, chosen)
+        return one(answers[0]) if single else answers
+
     def contains(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
     ) -> Any:
@@ -29,11 +40,8 @@ class Questions:
         Parameters
         ----------
         points : (m, d) or (d,) array
-            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+            (m, d) also in a CUDA device's memory, where they are then asked about.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -42,10 +50,7 @@ class Questions:
 
         Raises
         ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
+        InvalidArgument, NotFinite (ValueErrors) : another dimension, an empty hull, a NaN, infinity
 
         Examples
         --------
@@ -54,35 +59,18 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
-        there = None if type(points) is np.ndarray else as_device_points(points)
-        if there is not None:
-            return self._solid.contains_there(there, settings(threads=threads, progress=progress))
-        array, single = as_questions(points, self._solid.dimension, "points")
-        answer = self._solid.contains(array, settings(threads=threads, progress=progress))
-        return bool(answer[0]) if single else answer
+        return self._ask("contains", points, "points", bool, settings(threads=threads, progress=progress))
 
     def sides(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
         """Where each point lies, exactly: -1 inside, 0 on the boundary, 1 outside.
 
         Parameters
         ----------
-        points : (m, d) or (d,) array
-            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+        points, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
         (m,) int8 array; an int for one point (d,)
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
 
         Examples
         --------
@@ -91,12 +79,7 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
-        there = None if type(points) is np.ndarray else as_device_points(points)
-        if there is not None:
-            return self._solid.sides_there(there, settings(threads=threads, progress=progress))
-        array, single = as_questions(points, self._solid.dimension, "points")
-        answer = self._solid.sides(array, settings(threads=threads, progress=progress))
-        return int(answer[0]) if single else answer
+        return self._ask("sides", points, "points", int, settings(threads=threads, progress=progress))
 
     def distance(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
@@ -105,24 +88,12 @@ class Questions:
 
         Parameters
         ----------
-        points : (m, d) or (d,) array
-            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+        points, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
         (m,) float64 array; a float for one point (d,)
             Relative error about 2**-40 of the hull's extent.
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
 
         Examples
         --------
@@ -131,12 +102,7 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
-        there = None if type(points) is np.ndarray else as_device_points(points)
-        if there is not None:
-            return self._solid.distances_there(there, settings(threads=threads, progress=progress))
-        array, single = as_questions(points, self._solid.dimension, "points")
-        answer = self._solid.distances(array, settings(threads=threads, progress=progress))
-        return float(answer[0]) if single else answer
+        return self._ask("distances", points, "points", float, settings(threads=threads, progress=progress))
 
     def nearest_facets(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
@@ -146,22 +112,12 @@ class Questions:
         Parameters
         ----------
         points : (m, d) or (d,) array
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
         NearestFacets
             ``facets``, (m,) int64, and ``distances``, (m,) float64.
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
 
         Examples
         --------
@@ -184,23 +140,13 @@ class Questions:
         Parameters
         ----------
         directions : (m, d) or (d,) array
-            Of the host's memory, or (m, d) in a CUDA device's, where they are asked about.
+            (m, d) also in a CUDA device's memory, where they are then asked about.
             Of any length.
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+        threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
         (m,) int64 array; an int for one direction (d,)
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
 
         Examples
         --------
@@ -209,12 +155,7 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
-        there = None if type(directions) is np.ndarray else as_device_points(directions)
-        if there is not None:
-            return self._solid.supports_there(there, settings(threads=threads, progress=progress))
-        array, single = as_questions(directions, self._solid.dimension, "directions")
-        answer = self._solid.supports(array, settings(threads=threads, progress=progress))
-        return int(answer[0]) if single else answer
+        return self._ask("supports", directions, "directions", int, settings(threads=threads, progress=progress))
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
         """The facets that a point lies strictly above; exact.
@@ -227,13 +168,6 @@ class Questions:
         -------
         (v,) int64 array
             Indices of facets, ascending.
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another dimension, or an empty hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
 
         Examples
         --------
@@ -264,10 +198,7 @@ class Questions:
         ----------
         origins, directions : (m, d) arrays
             Or one of them (d,), to stand for all.
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
+        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -276,10 +207,8 @@ class Questions:
 
         Raises
         ------
-        InvalidArgument (a ValueError)
-            For another dimension, unequal numbers of both, or a flat hull.
-        NotFinite (a ValueError)
-            For a NaN or an infinity.
+        InvalidArgument, NotFinite (ValueErrors)
+            For another dimension, unequal numbers of both, a flat hull, a NaN or an infinity.
 
         Examples
         --------

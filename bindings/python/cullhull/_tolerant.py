@@ -92,31 +92,9 @@ class TolerantConvexHull(ConvexHull):
         self._asked = _checked(merge_distance)
         super().__init__(points, incremental, qhull_options, strict=strict, **choices)
 
-    def add_points(self, points: Any, restart: bool = False) -> None:
-        """Adds points; only with ``incremental=True``. Those dropped before count again.
-
-        Parameters
-        ----------
-        points : (m, d) array
-        restart : bool
-            Compute the hull anew; the result is the same.
-
-        Raises
-        ------
-        RuntimeError
-            Not incremental, or closed.
-        InvalidArgument, NotFinite (ValueErrors), QhullError
-            As for the first points; nothing is added then.
-
-        Examples
-        --------
-        >>> import cullhull
-        >>> hull = cullhull.TolerantConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True)
-        >>> hull.add_points([[1, 1]])
-        >>> hull.volume
-        1.0
-        """
-        super().add_points(points, restart or self._grower is None)
+    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
+        # Points that were dropped before count again.
+        super()._extend(everything, restart or self._grower is None)
 
     def _settle(self, solid: _core.Solid) -> _core.Solid:
         distance = _core.rounding_distance(solid) if self._asked is None else self._asked
@@ -299,15 +277,6 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         Parameters
         ----------
         xi, bruteforce, tol : as of `Delaunay.find_simplex`
-
-        Returns
-        -------
-        (...) int32 array
-
-        Raises
-        ------
-        InvalidArgument (a ValueError)
-            For another number of coordinates.
 
         Examples
         --------

@@ -27,11 +27,6 @@ class HullTracker:
     Copies and pickles have the last hull, its report and the number of frames; their next frame is
     computed afresh, with the same result.
 
-    Raises
-    ------
-    InvalidArgument (a ValueError), TypeError
-        For an unknown option.
-
     Examples
     --------
     >>> import cullhull

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, as_points, as_questions, settings
 from ._errors import InvalidArgument, NotCertified
-from ._hull import Certificate
+from ._native import Certificate, FoundCells
 
 
 def delaunay(
@@ -80,7 +80,7 @@ def delaunay(
     return result
 
 
-class Triangulation:
+class Triangulation(FoundCells):
     """An exact Delaunay or regular triangulation, made by `delaunay`.
 
     Below, n is the number of points, d their dimension and k the dimension of the flat they span
@@ -111,27 +111,9 @@ class Triangulation:
     ([[0, 1], [1, 3], [2, 0], [3, 2]], [0, 2, 1, 3])
     """
 
-    __slots__ = ("__weakref__", "_cells", "certificate")
+    __slots__ = ()
 
-    _cells: _core.Cells
-    #: What ``certify=True`` found, else None.
-    certificate: Certificate | None
-
-    def __init__(self) -> None:
-        raise TypeError("triangulations are made by cullhull.delaunay")
-
-    @classmethod
-    def _of(cls, cells: _core.Cells, certificate: Certificate | None = None) -> Triangulation:
-        result = object.__new__(cls)
-        result._cells = cells
-        result.certificate = certificate
-        return result
-
-    def __copy__(self) -> Triangulation:
-        return Triangulation._of(self._cells, self.certificate)  # nobody can change either
-
-    def __deepcopy__(self, memo: Any) -> Triangulation:
-        return self.__copy__()
+    _made_by = "triangulations are made by cullhull.delaunay"
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _of_state, (_core.state_of_cells(self._cells), self.certificate)
@@ -224,16 +206,6 @@ class Triangulation:
         return self._cells.hull_facets
 
     @property
-    def hull_cells(self) -> npt.NDArray[np.int32]:
-        """(f,) int32: the cell of each of `hull_facets`."""
-        return self._cells.hull_cells
-
-    @property
-    def duplicates(self) -> npt.NDArray[np.int32]:
-        """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
-        return self._cells.duplicates
-
-    @property
     def hidden(self) -> npt.NDArray[np.int32]:
         """(h,) int32, ascending: points that are neither vertices nor duplicates; none without
         weights or ``furthest_site``."""
@@ -282,9 +254,7 @@ class Triangulation:
 
         Parameters
         ----------
-        points : (m, d) array, or (d,) for one
-            Finite.
-        threads, progress : as in `convex_hull`
+        points, threads, progress : as of `find_simplex`
 
         Returns
         -------

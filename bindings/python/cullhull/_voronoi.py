@@ -13,6 +13,7 @@ from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
 from ._incremental import Lazy, lazy_names
 from ._lists import Lists
+from ._native import Native
 from ._triangulation import Triangulation, delaunay
 
 
@@ -71,7 +72,7 @@ def voronoi(
     return VoronoiDiagram._of(found, _core.voronoi(found._cells, chosen))
 
 
-class VoronoiDiagram:
+class VoronoiDiagram(Native):
     """A Voronoi or power diagram, made by `voronoi`: the dual of a `Triangulation`.
 
     All arrays are read-only views of the result's own memory. It never changes; a pickle holds the
@@ -96,14 +97,13 @@ class VoronoiDiagram:
     ([[1.0, 0.0], [0.0, 1.0], [2.0, 1.0], [1.0, 2.0]], [0, 2, 3, 1], [-1, 0, 1])
     """
 
-    __slots__ = ("__weakref__", "_diagram", "triangulation")
+    __slots__ = ("_diagram", "triangulation")
 
     #: The triangulation that it is dual to.
     triangulation: Triangulation
     _diagram: _core.Diagram
 
-    def __init__(self) -> None:
-        raise TypeError("diagrams are made by cullhull.voronoi")
+    _made_by = "diagrams are made by cullhull.voronoi"
 
     @classmethod
     def _of(cls, triangulation: Triangulation, diagram: _core.Diagram) -> VoronoiDiagram:
@@ -112,10 +112,7 @@ class VoronoiDiagram:
         return result
 
     def __copy__(self) -> VoronoiDiagram:
-        return VoronoiDiagram._of(self.triangulation, self._diagram)  # nobody can change either
-
-    def __deepcopy__(self, memo: Any) -> VoronoiDiagram:
-        return self.__copy__()
+        return VoronoiDiagram._of(self.triangulation, self._diagram)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return voronoi, (self.triangulation,)
@@ -261,7 +258,7 @@ def _rings_of_geometry(shape: Any) -> list[npt.NDArray[np.float64]]:
     ]
 
 
-class ClippedCells:
+class ClippedCells(Native):
     """Answer of `VoronoiDiagram.clip`: one cell a point.
 
     It never changes; a pickle holds the diagram's triangulation and the region, of which it is made
@@ -286,14 +283,13 @@ class ClippedCells:
     ([[0.0, 0.0], [1.0, 0.0], [1.0, 0.75], [0.0, 1.25]], [-1, 1, 2, -1])
     """
 
-    __slots__ = ("__weakref__", "_clipped", "_diagram", "_region")
+    __slots__ = ("_clipped", "_diagram", "_region")
 
     _clipped: _core.ClippedCells
     _diagram: VoronoiDiagram
     _region: tuple[Any, ...]
 
-    def __init__(self) -> None:
-        raise TypeError("clipped cells are made by cullhull.VoronoiDiagram.clip")
+    _made_by = "clipped cells are made by cullhull.VoronoiDiagram.clip"
 
     @classmethod
     def _of(
@@ -310,9 +306,6 @@ class ClippedCells:
         return result
 
     def __copy__(self) -> ClippedCells:
-        return self  # nobody can change it
-
-    def __deepcopy__(self, memo: Any) -> ClippedCells:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -425,8 +418,7 @@ class Voronoi(Lifted):
 
     Parameters
     ----------
-    points : (n, d) array, d >= 2
-        Read in place where `convex_hull` does so.
+    points : as of `Delaunay`
     furthest_site : bool
         The diagram of the furthest point.
     incremental : bool
@@ -453,11 +445,7 @@ class Voronoi(Lifted):
 
     Raises
     ------
-    InvalidArgument, NotFinite (ValueErrors), TypeError
-        For another shape or type, no points, an unknown option, a NaN or an infinity.
-    QhullError (a RuntimeError)
-        For points that lie in a plane or a line. `voronoi` takes these.
-    OutOfBudget (a MemoryError), KeyboardInterrupt
+    As `Delaunay`. Of points in a plane or a line `voronoi` makes diagrams.
 
     Examples
     --------
