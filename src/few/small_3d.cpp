@@ -284,7 +284,7 @@ class Builder {
     Sign sign = Sign::zero;
     for (unsigned i = 0; i < 3; ++i)
       if (std::equal(rows[i], rows[i] + 3, rows[3])) return sign;
-    if (side_in_pairs(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
+    if (side_in_double_doubles(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
     // After 16 signs of about a microsecond each, more than such a hull takes, the engine is
     // faster.
     given_up_ |= ++exact_signs_ > most_exact_signs;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 
 namespace cullhull::internal::inline query {
 namespace {
@@ -94,9 +94,9 @@ int VertexSearch::compare(std::uint32_t a, std::uint32_t b, const double* direct
   const unsigned d = points_->dimension;
   const double* p = points_->full.data() + std::size_t{a} * d;
   const double* q = points_->full.data() + std::size_t{b} * d;
-  Wide sum;
-  for (unsigned j = 0; j < d; ++j) sum = sum + (Wide(p[j]) - Wide(q[j])) * Wide(direction[j]);
-  return sum > Wide() ? 1 : sum.zero() ? 0 : -1;
+  ExactFloat sum;
+  for (unsigned j = 0; j < d; ++j) sum = sum + (ExactFloat(p[j]) - ExactFloat(q[j])) * ExactFloat(direction[j]);
+  return sum > ExactFloat() ? 1 : sum.zero() ? 0 : -1;
 }
 
 std::uint32_t VertexSearch::support(const double* direction) const {

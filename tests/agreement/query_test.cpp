@@ -10,14 +10,14 @@
 
 #include "agreement/point_sets.hpp"
 #include "cullhull/error.hpp"
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull {
 namespace {
 
 using internal::orientation;
-using internal::Wide;
+using internal::ExactFloat;
 using namespace testing_support;
 
 PointView view_of(const PointSet& s) {
@@ -334,10 +334,10 @@ TEST(HullQuery, support_is_exact_and_lowest) {
     for (unsigned i = 0; i < 100; ++i) {
       const double* u = directions.data() + std::size_t{i} * s.d;
       std::uint64_t best = 0;
-      Wide best_value;
+      ExactFloat best_value;
       for (const std::uint64_t v : vertices) {
-        Wide value;
-        for (unsigned j = 0; j < s.d; ++j) value = value + Wide(s.point(v)[j]) * Wide(u[j]);
+        ExactFloat value;
+        for (unsigned j = 0; j < s.d; ++j) value = value + ExactFloat(s.point(v)[j]) * ExactFloat(u[j]);
         if (v == vertices[0] || value > best_value) {
           best = v;
           best_value = value;

@@ -11,7 +11,7 @@
 namespace cullhull::testing_support {
 
 /// Rows a, b: a . x <= b. Lasserre's formula (1983): over facets, the facet's volume times its
-/// distance from the origin, where each is projected along an axis. Bounded polytopes alone.
+/// distance from the origin, where each is projected along an axis. BoundedDouble polytopes alone.
 inline mpq_class slow_volume(std::vector<Rationals> rows, unsigned d) {
   std::vector<Rationals> kept;
   for (Rationals& r : rows) {

@@ -29,11 +29,11 @@ class Places {
 };
 
 /// Volumes over their sum: each within 2^-52 of exact, then rounded. False if the bound is wider.
-bool round_shares(const std::vector<Tracked>& volumes, std::vector<double>& out) {
-  Tracked sum(0);
-  for (const Tracked& v : volumes) sum = sum + v;
-  for (const Tracked& v : volumes) {
-    const Tracked share = v / sum;
+bool round_shares(const std::vector<BoundedDoubleDouble>& volumes, std::vector<double>& out) {
+  BoundedDoubleDouble sum(0);
+  for (const BoundedDoubleDouble& v : volumes) sum = sum + v;
+  for (const BoundedDoubleDouble& v : volumes) {
+    const BoundedDoubleDouble share = v / sum;
     if (!(share.error <= 0x1p-52)) return false;
     out.push_back(std::max(share.value.value(), 0.0));
   }
@@ -43,7 +43,7 @@ bool round_shares(const std::vector<Tracked>& volumes, std::vector<double>& out)
 template <unsigned K>
 std::vector<double> shares_of(const Cavity<K>& cavity) {
   std::vector<double> shares;
-  if (round_shares(StolenVolumes<Tracked, K>(cavity).run(), shares)) return shares;
+  if (round_shares(StolenVolumes<BoundedDoubleDouble, K>(cavity).run(), shares)) return shares;
   const std::vector<FractionSum> sums = StolenVolumes<Fraction, K, FractionSum>(cavity).run();
   for (const long bits : {4096L, 32768L})  // beyond the 2^-1075 of the least share that is not zero
     if (auto nearest = nearest_shares(sums, bits)) return *std::move(nearest);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "exact/numbers/tracked.hpp"
+#include "exact/numbers/bounded.hpp"
 
 namespace cullhull::internal::inline diagrams {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "exact/determinants/minors.hpp"
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {
@@ -26,13 +26,13 @@ Sign power_sign(unsigned d, bool weighted, const double* q, const double* a, con
   const double bound = (2.0 * d + 16) * unit_roundoff * size + 0x1p-1000;
   if (sum > bound) return Sign::positive;
   if (sum < -bound) return Sign::negative;
-  Wide exact;
+  ExactFloat exact;
   for (unsigned j = 0; j < d; ++j) {
-    const Wide x(q[j]), from_a = Wide(a[j]) - x, from_b = Wide(b[j]) - x;
+    const ExactFloat x(q[j]), from_a = ExactFloat(a[j]) - x, from_b = ExactFloat(b[j]) - x;
     exact = exact + (from_a * from_a - from_b * from_b);
   }
-  if (weighted) exact = exact - (Wide(a[d]) - Wide(b[d]));
-  return exact.zero() ? Sign::zero : exact > Wide() ? Sign::positive : Sign::negative;
+  if (weighted) exact = exact - (ExactFloat(a[d]) - ExactFloat(b[d]));
+  return exact.zero() ? Sign::zero : exact > ExactFloat() ? Sign::positive : Sign::negative;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ Sign sign_of_real(const mpq_class& v) {
   return static_cast<Sign>(sgn(v));
 }
 template <>
-Sign sign_of_real(const Tracked& v) {
+Sign sign_of_real(const BoundedDoubleDouble& v) {
   return certain_sign(v);
 }
 
@@ -51,7 +51,7 @@ Halfspace<D, Real> CellCorners<D>::halfspace_of(const Plane& plane) const {
   }
   Halfspace<D, Real> h;
   const RegionPlane<D>& b = *plane.boundary;
-  if constexpr (std::is_same_v<Real, Tracked>)
+  if constexpr (std::is_same_v<Real, BoundedDoubleDouble>)
     h.normal = b.normal;
   else
     h.normal = normal_of<D, Real>(b);
@@ -69,27 +69,27 @@ Halfspace<D, Real> CellCorners<D>::halfspace_of(const Plane& plane) const {
 template <unsigned D>
 std::uint32_t CellCorners<D>::add_bisector(const double* q, std::uint32_t label) {
   planes_.push_back({q, nullptr, label, {}, {}});
-  planes_.back().near = halfspace_of<Tracked>(planes_.back());
+  planes_.back().near = halfspace_of<BoundedDoubleDouble>(planes_.back());
   return static_cast<std::uint32_t>(planes_.size() - 1);
 }
 template <unsigned D>
 std::uint32_t CellCorners<D>::add_boundary(const RegionPlane<D>& plane, std::uint32_t label) {
   planes_.push_back({nullptr, &plane, label, {}, {}});
-  planes_.back().near = halfspace_of<Tracked>(planes_.back());
+  planes_.back().near = halfspace_of<BoundedDoubleDouble>(planes_.back());
   return static_cast<std::uint32_t>(planes_.size() - 1);
 }
 template <unsigned D>
 std::uint32_t CellCorners<D>::add_given(const double* x) {
   Corner corner{x, {}, {}, {}};
-  for (unsigned j = 0; j < D; ++j) corner.at[j] = Tracked::difference(x[j], p_[j]);
+  for (unsigned j = 0; j < D; ++j) corner.at[j] = BoundedDoubleDouble::difference(x[j], p_[j]);
   corners_.push_back(std::move(corner));
   return corner_count() - 1;
 }
 template <unsigned D>
 std::uint32_t CellCorners<D>::add_meeting(const std::array<std::uint32_t, D>& planes) {
-  std::array<const Halfspace<D, Tracked>*, D> h;
+  std::array<const Halfspace<D, BoundedDoubleDouble>*, D> h;
   for (unsigned j = 0; j < D; ++j) h[j] = &planes_[planes[j]].near;
-  corners_.push_back({nullptr, planes, meeting<Tracked>(h), {}});
+  corners_.push_back({nullptr, planes, meeting<BoundedDoubleDouble>(h), {}});
   return corner_count() - 1;
 }
 
@@ -132,7 +132,7 @@ void CellCorners<D>::round(std::uint32_t corner, double* out) {
   for (unsigned j = 0; j < D; ++j) {
     if (c.given != nullptr)
       out[j] = c.given[j];
-    else if (!rounds_alike(Tracked(p_[j]) + c.at[j], out[j]))
+    else if (!rounds_alike(BoundedDoubleDouble(p_[j]) + c.at[j], out[j]))
       out[j] = nearest_double(mpq_class(p_[j]) + exact(corner)[j]);
     if (out[j] == 0) out[j] = 0;  // and not -0
   }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "diagrams/voronoi/clip_region.hpp"
-#include "exact/numbers/tracked.hpp"
+#include "exact/numbers/bounded.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/halfspace.hpp"
 
@@ -20,7 +20,7 @@ namespace cullhull::internal::inline diagrams {
 template <unsigned D>
 using ExactPoint = std::array<mpq_class, D>;
 template <unsigned D>
-using TrackedPoint = std::array<Tracked, D>;
+using TrackedPoint = std::array<BoundedDoubleDouble, D>;
 
 /// Planes and corners are numbered in the order in which they are added.
 template <unsigned D>
@@ -49,7 +49,7 @@ class CellCorners {
   /// Each coordinate the nearest double.
   void round(std::uint32_t corner, double* out);
   bool equal(std::uint32_t a, std::uint32_t b);
-  const Halfspace<D, Tracked>& halfspace(std::uint32_t plane) const { return planes_[plane].near; }
+  const Halfspace<D, BoundedDoubleDouble>& halfspace(std::uint32_t plane) const { return planes_[plane].near; }
   const Halfspace<D, mpq_class>& exact_halfspace(std::uint32_t plane);
 
  private:
@@ -57,7 +57,7 @@ class CellCorners {
     const double* site;  ///< of a bisector
     const RegionPlane<D>* boundary;
     std::uint32_t label;
-    Halfspace<D, Tracked> near;
+    Halfspace<D, BoundedDoubleDouble> near;
     std::optional<Halfspace<D, mpq_class>> exact;
   };
   struct Corner {

@@ -44,7 +44,7 @@ RegionPlane<D> plane_through(const std::array<std::array<double, D>, D>& points)
       plane.toward = orientation(2, corners) == Sign::positive ? 1 : -1;
     }
   }
-  plane.normal = normal_of<D, Tracked>(plane);
+  plane.normal = normal_of<D, BoundedDoubleDouble>(plane);
   return plane;
 }
 
@@ -53,7 +53,7 @@ RegionPlane<1> end_at(double x, double toward) {
   plane.through = {{{x}}};
   plane.axis = 0;
   plane.toward = toward;
-  plane.normal = normal_of<1, Tracked>(plane);
+  plane.normal = normal_of<1, BoundedDoubleDouble>(plane);
   return plane;
 }
 
@@ -197,9 +197,9 @@ std::array<Real, D> normal_of(const RegionPlane<D>& plane) {
   return n;
 }
 
-template std::array<Tracked, 1> normal_of<1, Tracked>(const RegionPlane<1>&);
-template std::array<Tracked, 2> normal_of<2, Tracked>(const RegionPlane<2>&);
-template std::array<Tracked, 3> normal_of<3, Tracked>(const RegionPlane<3>&);
+template std::array<BoundedDoubleDouble, 1> normal_of<1, BoundedDoubleDouble>(const RegionPlane<1>&);
+template std::array<BoundedDoubleDouble, 2> normal_of<2, BoundedDoubleDouble>(const RegionPlane<2>&);
+template std::array<BoundedDoubleDouble, 3> normal_of<3, BoundedDoubleDouble>(const RegionPlane<3>&);
 template std::array<mpq_class, 1> normal_of<1, mpq_class>(const RegionPlane<1>&);
 template std::array<mpq_class, 2> normal_of<2, mpq_class>(const RegionPlane<2>&);
 template std::array<mpq_class, 3> normal_of<3, mpq_class>(const RegionPlane<3>&);

@@ -10,7 +10,7 @@
 
 #include "cullhull/point_view.hpp"
 #include "cullhull/voronoi.hpp"
-#include "exact/numbers/tracked.hpp"
+#include "exact/numbers/bounded.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -21,7 +21,7 @@ struct RegionPlane {
   std::array<std::array<double, D>, D> through;
   int axis = -1;                  ///< all points have this coordinate in common; -1: none
   double toward = 1;              ///< -1: the region is where that coordinate is larger
-  std::array<Tracked, D> normal;  ///< outward
+  std::array<BoundedDoubleDouble, D> normal;  ///< outward
 };
 
 /// The outward normal. In the plane the region is on the left of the way from the first point to

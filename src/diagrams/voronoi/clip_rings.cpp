@@ -113,7 +113,7 @@ class PieceBoundary {
   }
 
   bool is_outer(const std::vector<std::uint32_t>& ring) {
-    const Sign sign = certain_sign(twice_area<Tracked>(
+    const Sign sign = certain_sign(twice_area<BoundedDoubleDouble>(
         edges_, ring, [&](auto c) -> auto& { return corners_.at(c); }));
     if (sign != Sign::zero) return sign == Sign::positive;
     return sgn(twice_area<mpq_class>(

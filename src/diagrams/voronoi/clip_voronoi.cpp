@@ -90,9 +90,9 @@ constexpr double factorial_of(unsigned d) { return d == 3 ? 6 : d; }
 /// The nearest double of a sum of measures: in double-doubles where the bound proves it, else in
 /// rationals, which `exactly` computes.
 template <unsigned D, class Exactly>
-double rounded_measure(const Tracked& multiple, const Exactly& exactly) {
+double rounded_measure(const BoundedDoubleDouble& multiple, const Exactly& exactly) {
   double out;
-  if (rounds_alike(multiple / Tracked(factorial_of(D)), out)) return out;
+  if (rounds_alike(multiple / BoundedDoubleDouble(factorial_of(D)), out)) return out;
   return nearest_double(mpq_class(exactly() / mpq_class(factorial_of(D))));
 }
 
@@ -140,7 +140,7 @@ class CellClipper {
 
   /// In doubles where their bound allows it, as it does for cells that are not slivers.
   double whole_measure() {
-    const Bounded measure = whole_multiple(places_) / Bounded(factorial_of(D));
+    const BoundedDouble measure = whole_multiple(places_) / BoundedDouble(factorial_of(D));
     if (measure.error <= measure_error * measure.value) return measure.value;
     std::vector<TrackedPoint<D>> near;
     return rounded_measure<D>(whole_multiple(near), [&] {
@@ -150,7 +150,7 @@ class CellClipper {
   }
 
   /// What the shape adds to the sum of the cell's measures.
-  Tracked multiple(const ClipShape<D>& shape) const {
+  BoundedDoubleDouble multiple(const ClipShape<D>& shape) const {
     std::vector<TrackedPoint<D>> at;
     for (const std::uint32_t v : shape.vertices) at.push_back(corners_.at(v));
     return multiple_of(shape, at);
@@ -176,7 +176,7 @@ class CellClipper {
       const std::uint32_t plane = corners_.add_bisector(points.row(item.other), item.other);
       const auto& h = corners_.halfspace(plane);
       double largest = 0;
-      for (const Tracked& n : h.normal) largest = std::max(largest, std::abs(n.value.high));
+      for (const BoundedDoubleDouble& n : h.normal) largest = std::max(largest, std::abs(n.value.high));
       const double distance = h.offset.value.high / largest;
       order_.emplace_back(std::isnan(distance) ? INFINITY : distance, plane);
     }
@@ -205,7 +205,7 @@ class CellClipper {
   std::uint32_t site_ = 0;
   bool bounded_ = false, corners_started_ = false;
   WholeCell<D> whole_;
-  std::vector<std::array<Bounded, D>> places_;
+  std::vector<std::array<BoundedDouble, D>> places_;
   CellCorners<D> corners_, question_;
   std::vector<std::pair<double, std::uint32_t>> order_;
   std::vector<std::uint32_t> nearest_first_;
@@ -369,7 +369,7 @@ class CellWriter {
   }
 
   double write_clipped(std::span<const std::uint32_t> pieces) {
-    Tracked sum;
+    BoundedDoubleDouble sum;
     std::vector<CellPiece> parts;
     for (const std::uint32_t piece : pieces) {
       const ClipShape<D>& shape = clipper_.clip(piece);

@@ -177,9 +177,9 @@ template class WholeCell<2>;
 template class WholeCell<3>;
 #define CULLHULL_PLACES(d)                                                       \
   template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
-                                    std::vector<std::array<Bounded, d>>&) const; \
+                                    std::vector<std::array<BoundedDouble, d>>&) const; \
   template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
-                                    std::vector<std::array<Tracked, d>>&) const; \
+                                    std::vector<std::array<BoundedDoubleDouble, d>>&) const; \
   template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
                                     std::vector<std::array<mpq_class, d>>&) const;
 CULLHULL_PLACES(1)

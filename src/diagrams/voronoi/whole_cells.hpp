@@ -65,7 +65,7 @@ class WholeCell {
   std::vector<std::uint32_t> across;    ///< the site across each face, edge or end
   std::vector<std::uint32_t> starts, items;
 
-  /// Vertices relative to the site; Bounded, Tracked or rationals.
+  /// Vertices relative to the site; BoundedDouble, BoundedDoubleDouble or rationals.
   template <class Real>
   void place(const DiagramCells& cells, std::uint32_t site,
              std::vector<std::array<Real, D>>& at) const;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace cullhull::internal::inline exact {
@@ -40,22 +41,45 @@ inline double nearest_double(const mpq_class& x) {
 
 using RationalRows = std::vector<std::vector<mpq_class>>;
 
+/// Gauss and Jordan: clears all but one entry of each of the first `columns` columns, row r keeping
+/// that of column r. False, with the rows in part cleared, where a column depends on those before.
+inline bool eliminate(RationalRows& m, std::size_t columns) {
+  mpq_class factor, term;
+  for (std::size_t c = 0; c < columns; ++c) {
+    std::size_t pivot = c;
+    while (pivot < m.size() && sgn(m[pivot][c]) == 0) ++pivot;
+    if (pivot >= m.size()) return false;
+    std::swap(m[pivot], m[c]);
+    for (std::size_t i = 0; i < m.size(); ++i) {
+      if (i == c || sgn(m[i][c]) == 0) continue;
+      factor = m[i][c] / m[c][c];
+      for (std::size_t j = c; j < m[i].size(); ++j) {
+        term = factor * m[c][j];
+        m[i][j] -= term;
+      }
+    }
+  }
+  return true;
+}
+
 /// Solves the square system whose rows end with their right-hand sides; the last column becomes the
 /// solution. False if there is none or several.
 inline bool solve(RationalRows& m) {
   const std::size_t n = m.size();
-  for (std::size_t c = 0; c < n; ++c) {
-    std::size_t pivot = c;
-    while (pivot < n && m[pivot][c] == 0) ++pivot;
-    if (pivot == n) return false;
-    std::swap(m[pivot], m[c]);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (i == c || m[i][c] == 0) continue;
-      const mpq_class f = m[i][c] / m[c][c];
-      for (std::size_t j = c; j <= n; ++j) m[i][j] -= f * m[c][j];
-    }
-  }
+  if (!eliminate(m, n)) return false;
   for (std::size_t i = 0; i < n; ++i) m[i][n] /= m[i][i];
+  return true;
+}
+
+/// Whether the system, of at least as many rows as unknowns, has exactly one solution and that has
+/// no negative component. Overwrites the rows.
+inline bool solves_without_negatives(RationalRows& m) {
+  const std::size_t n = m.empty() ? 0 : m[0].size() - 1;
+  if (!eliminate(m, n)) return false;
+  for (std::size_t i = n; i < m.size(); ++i)
+    if (sgn(m[i][n]) != 0) return false;
+  for (std::size_t k = 0; k < n; ++k)
+    if (sgn(m[k][n]) * sgn(m[k][k]) < 0) return false;
   return true;
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "exact/numbers/exact_numbers.hpp"
-#include "exact/numbers/tracked.hpp"
+#include "exact/numbers/bounded.hpp"
 
 namespace cullhull::internal::inline exact {
 

@@ -6,7 +6,7 @@
 
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_double.hpp"
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 
 namespace cullhull::internal::inline exact {
 namespace {
@@ -33,13 +33,13 @@ Sign by_double_doubles(unsigned d, std::span<const DifferenceProduct> terms) {
 }
 
 Sign exactly(unsigned d, std::span<const DifferenceProduct> terms) {
-  Wide sum;
+  ExactFloat sum;
   for (const DifferenceProduct& t : terms)
     for (unsigned j = 0; j < d; ++j) {
-      const Wide product = (Wide(t.a[j]) - Wide(t.b[j])) * (Wide(t.c[j]) - Wide(t.e[j]));
+      const ExactFloat product = (ExactFloat(t.a[j]) - ExactFloat(t.b[j])) * (ExactFloat(t.c[j]) - ExactFloat(t.e[j]));
       sum = t.sign > 0 ? sum + product : sum - product;
     }
-  return sum.zero() ? Sign::zero : sum > Wide() ? Sign::positive : Sign::negative;
+  return sum.zero() ? Sign::zero : sum > ExactFloat() ? Sign::positive : Sign::negative;
 }
 
 /// Whether both differences have the same components but for order and signs: how lengths are equal

@@ -12,6 +12,7 @@
 
 #include "exact/determinants/determinant_sign.hpp"
 #include "exact/determinants/minors.hpp"
+#include "exact/numbers/double_double.hpp"
 #include "exact/planes/exact_plane.hpp"
 #include "exact/planes/oriented_plane.hpp"
 #include "exact/points/integer_points.hpp"
@@ -130,6 +131,41 @@ bool narrow_plane(const Differences& a, double* normal) {
 
 Sign orientation_exact(unsigned d, const double* const* p) {
   return determinant_sign(Differences(d, p, d));
+}
+
+namespace {
+
+/// On lattices and lines turns of exactly zero are frequent, and mostly their differences are exact
+/// in doubles. Then comparing the two products suffices: rounding is monotone, so if they differ
+/// after rounding that is their order, else their errors decide. Sets `sign` where it returns true.
+bool compare_products(const double* a, const double* b, const double* c, Sign& sign) {
+  const DoubleDouble ax = DoubleDouble::sum(a[0], -c[0]), ay = DoubleDouble::sum(a[1], -c[1]),
+                     bx = DoubleDouble::sum(b[0], -c[0]), by = DoubleDouble::sum(b[1], -c[1]);
+  // NaN, where something overflows, is no zero either.
+  if (!(ax.low == 0 && ay.low == 0 && bx.low == 0 && by.low == 0)) return false;
+  const DoubleDouble l = DoubleDouble::product(ax.high, by.high),
+                     r = DoubleDouble::product(ay.high, bx.high);
+  if (l.high != r.high) {
+    sign = l.high > r.high ? Sign::positive : Sign::negative;
+    return l.high == l.high && r.high == r.high;
+  }
+  if (l.high == 0) {
+    sign = Sign::zero;
+    return (ax.high == 0 || by.high == 0) && (ay.high == 0 || bx.high == 0);
+  }
+  // From 2^-900 on the error is a multiple of 2^(-900 - 106) at least: a double.
+  if (!(std::fabs(l.high) >= 0x1p-900)) return false;
+  sign = sign_of(l.low > r.low ? 1 : l.low < r.low ? -1 : 0);
+  return l.low == l.low && r.low == r.low;  // splitting a factor may overflow
+}
+
+}  // namespace
+
+Sign turn_exact(const double* a, const double* b, const double* c) {
+  Sign sign = Sign::zero;
+  if (compare_products(a, b, c, sign)) return sign;
+  const double* p[3] = {a, b, c};
+  return orientation_exact(2, p);
 }
 
 Sign orientation_from_centroid_exact(unsigned d, const double* const* p,

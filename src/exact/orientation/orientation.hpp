@@ -39,6 +39,10 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung = nullptr);
 /// The same, by exact arithmetic alone (integers scaled by powers of two).
 Sign orientation_exact(unsigned d, const double* const* p);
 
+/// orientation(2, {a, b, c}) exactly: by the errors of two products where differences are doubles,
+/// as on lattices and lines, else by integers. Rows of two coordinates.
+Sign turn_exact(const double* a, const double* b, const double* c);
+
 /// Sign of det [p0 - o; ...; p(d-1) - o], exactly, where o is the centroid of the d + 1 points
 /// `simplex` (which need not be a double: the determinant is scaled by (d + 1)^d).
 Sign orientation_from_centroid_exact(unsigned d, const double* const* p,

@@ -2,59 +2,25 @@
 
 #include <algorithm>
 
+#include "exact/numbers/double_double.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "parallel/int128.hpp"
 
 namespace cullhull::internal::inline exact {
 namespace {
 
-// Unevaluated sums of two doubles, |low| <= u |high|. Error bounds relative to the result: Joldes,
-// Muller and Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
-// arithmetic", 2017.
-struct Pair {
-  double high, low;
-};
-
-Pair fast_two_sum(double a, double b) {
-  const double s = a + b;
-  return {s, b - (s - a)};
-}
-Pair two_sum(double a, double b) {
-  const double s = a + b;
-  const double t = s - a;
-  return {s, (a - (s - t)) + (b - t)};
-}
-Pair two_product(double a, double b) {
-  const double p = a * b;
-  const double ta = 134217729.0 * a, tb = 134217729.0 * b;
-  const double ah = ta - (ta - a), bh = tb - (tb - b);
-  const double al = a - ah, bl = b - bh;
-  return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
-}
-/// Within 3 u^2 + 13 u^3.
-Pair add(Pair a, Pair b) {
-  const Pair s = two_sum(a.high, b.high);
-  const Pair t = two_sum(a.low, b.low);
-  const Pair v = fast_two_sum(s.high, s.low + t.high);
-  return fast_two_sum(v.high, v.low + t.low);
-}
-Pair negated(Pair a) { return {-a.high, -a.low}; }
-/// Within 7 u^2, barring underflow.
-Pair multiply(Pair a, Pair b) {
-  const Pair p = two_product(a.high, b.high);
-  return fast_two_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
+DoubleDouble cross(DoubleDouble a, DoubleDouble b, DoubleDouble c, DoubleDouble d) {
+  return a * b - c * d;
 }
 
-Pair cross(Pair a, Pair b, Pair c, Pair d) { return add(multiply(a, b), negated(multiply(c, d))); }
-
-double determinant(const Pair (&m)[3][3]) {
-  const Pair x = multiply(m[0][0], cross(m[1][1], m[2][2], m[1][2], m[2][1]));
-  const Pair y = multiply(m[0][1], cross(m[1][2], m[2][0], m[1][0], m[2][2]));
-  const Pair z = multiply(m[0][2], cross(m[1][0], m[2][1], m[1][1], m[2][0]));
-  return add(add(x, y), z).high;
+double determinant(const DoubleDouble (&m)[3][3]) {
+  const DoubleDouble x = m[0][0] * cross(m[1][1], m[2][2], m[1][2], m[2][1]);
+  const DoubleDouble y = m[0][1] * cross(m[1][2], m[2][0], m[1][0], m[2][2]);
+  const DoubleDouble z = m[0][2] * cross(m[1][0], m[2][1], m[1][1], m[2][0]);
+  return (x + y + z).high;
 }
 
-double high_permanent(const Pair (&m)[3][3]) {
+double high_permanent(const DoubleDouble (&m)[3][3]) {
   double h[3][3];
   for (unsigned i = 0; i < 3; ++i)
     for (unsigned j = 0; j < 3; ++j) h[i][j] = m[i][j].high;
@@ -71,13 +37,13 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
 
 }  // namespace
 
-bool side_in_pairs(const double* a, const double* b, const double* c, const double* p, double tiny,
+bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p, double tiny,
                    Sign& sign) {
-  Pair m[3][3];
+  DoubleDouble m[3][3];
   for (unsigned j = 0; j < 3; ++j) {
-    m[0][j] = two_sum(b[j], -a[j]);
-    m[1][j] = two_sum(c[j], -a[j]);
-    m[2][j] = two_sum(p[j], -a[j]);
+    m[0][j] = DoubleDouble::sum(b[j], -a[j]);
+    m[1][j] = DoubleDouble::sum(c[j], -a[j]);
+    m[2][j] = DoubleDouble::sum(p[j], -a[j]);
     // On a plane across an axis, the usual cause of exact zeros away from lattices.
     sign = Sign::zero;
     if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return true;
@@ -91,8 +57,9 @@ Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* sim
     : points_(&points), exact_doubles_(points.small_lattice) {
   std::copy_n(simplex, 4, simplex_);
   for (unsigned j = 0; j < 3; ++j) {
-    const Pair sum = add(two_sum(points.row(simplex[0])[j], points.row(simplex[1])[j]),
-                         two_sum(points.row(simplex[2])[j], points.row(simplex[3])[j]));
+    const DoubleDouble sum =
+        DoubleDouble::sum(points.row(simplex[0])[j], points.row(simplex[1])[j]) +
+        DoubleDouble::sum(points.row(simplex[2])[j], points.row(simplex[3])[j]);
     centre_[j] = sum.high / 4;
     centre_low_[j] = sum.low / 4;
   }
@@ -148,7 +115,7 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, RungCounts& ru
   if (lattice_) return lattice_side(a, b, c, p);
   Sign sign = Sign::zero;
   if (points_->exact == points_->coordinates &&
-      side_in_pairs(a.row, b.row, c.row, p.row, 0x1p-1000, sign))
+      side_in_double_doubles(a.row, b.row, c.row, p.row, 0x1p-1000, sign))
     return sign;
   const double* rows[4] = {exact_row(a), exact_row(b), exact_row(c), exact_row(p)};
   return orientation_exact(3, rows);
@@ -157,7 +124,7 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, RungCounts& ru
 Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) const {
   // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the
   // edge.
-  Pair m[3][3];
+  DoubleDouble m[3][3];
   double h[3][3], length[3] = {0, 0, 0};
   for (unsigned j = 0; j < 3; ++j) {
     h[0][j] = a.row[j] - centre_[j];
@@ -175,9 +142,9 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) cons
   if (lattice_) return lattice_cone_side(a, b, p);
   if (points_->exact == points_->coordinates) {
     for (unsigned j = 0; j < 3; ++j) {
-      m[0][j] = add(two_sum(a.row[j], -centre_[j]), {-centre_low_[j], 0});
-      m[1][j] = two_sum(b.row[j], -a.row[j]);
-      m[2][j] = two_sum(p.row[j], -a.row[j]);
+      m[0][j] = DoubleDouble::sum(a.row[j], -centre_[j]) - centre_low_[j];
+      m[1][j] = DoubleDouble::sum(b.row[j], -a.row[j]);
+      m[2][j] = DoubleDouble::sum(p.row[j], -a.row[j]);
     }
     det = determinant(m);
     if (std::abs(det) > 0x1p-101 * scale * (length[0] + 1) + 0x1p-1000) return sign_of(det);

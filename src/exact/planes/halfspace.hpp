@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "exact/numbers/tracked.hpp"
+#include "exact/numbers/bounded.hpp"
 
 namespace cullhull::internal::inline exact {
 

@@ -47,7 +47,7 @@ class Turn {
     if (-det > error) return decided(-1);
     if (lattice_) return decided(det > 0 ? 1 : det < 0 ? -1 : 0);
     counts_.count(Rung::exact);
-    return exact(a, b, c);
+    return static_cast<int>(turn_exact(&a.x, &b.x, &c.x));
   }
 
   const RungCounts& counts() const { return counts_; }
@@ -59,7 +59,6 @@ class Turn {
     counts_.count(Rung::filter);
     return sign;
   }
-  static int exact(const Entry& a, const Entry& b, const Entry& c);
 
   bool lattice_;
   RungCounts counts_;

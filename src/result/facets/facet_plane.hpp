@@ -11,7 +11,7 @@
 #include "exact/determinants/cofactors.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "result/facets/exact_rests.hpp"
+#include "result/facets/orthogonal_parts.hpp"
 #include "result/measures/measure_frame.hpp"
 
 namespace cullhull::internal::inline result {
@@ -150,9 +150,9 @@ class FacetPlane {
   }
 
   double wide_offset(const std::uint32_t* v, const double* normal) const {
-    Wide offset;
+    ExactFloat offset;
     for (unsigned c = 0; c < frame_.dimension; ++c)
-      offset = offset - Wide(normal[c]) * Wide(frame_.raw_at(v[0])[c]);
+      offset = offset - ExactFloat(normal[c]) * ExactFloat(frame_.raw_at(v[0])[c]);
     return offset.to_double();
   }
 
@@ -163,8 +163,8 @@ class FacetPlane {
     corners.push_back(nullptr);
     for (const std::uint32_t apex : frame_.spanning) {
       corners[k_] = frame_.raw_at(apex);
-      const std::vector<Wide> inward =
-          ExactRests(frame_.dimension, corners.data(), k_).direction(k_ - 1);
+      const std::vector<ExactFloat> inward =
+          ExactOrthogonalParts(frame_.dimension, corners.data(), k_).direction(k_ - 1);
       if (inward.empty()) continue;
       for (unsigned c = 0; c < frame_.dimension; ++c) out[c] = (-inward[c]).to_double();
       out[frame_.dimension] = wide_offset(v, out);

@@ -8,7 +8,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "result/facets/exact_rests.hpp"
+#include "result/facets/orthogonal_parts.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/measures/totals.hpp"
 
@@ -264,7 +264,7 @@ class Measurer {
   void sum_exactly() {
     const unsigned d = frame_.dimension;
     constexpr std::uint64_t chunk_size = 512;
-    std::vector<Totals<Wide>> parts(chunk_count(count_, chunk_size), Totals<Wide>(d));
+    std::vector<Totals<ExactFloat>> parts(chunk_count(count_, chunk_size), Totals<ExactFloat>(d));
     run_.each_chunk(count_, chunk_size,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
@@ -272,19 +272,19 @@ class Measurer {
         add_exactly(i, parts[chunk]);
       }
     });
-    Totals<Wide> all(d);
+    Totals<ExactFloat> all(d);
     for (const auto& p : parts) all.add(p);
     if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");
     finish_measures(frame_, all.volume, all.area, all.moment, 0, hull_);
   }
 
-  void add_exactly(std::uint64_t i, Totals<Wide>& out) const {
+  void add_exactly(std::uint64_t i, Totals<ExactFloat>& out) const {
     std::vector<const double*> corners;
     for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(simplex(i)[j]));
     corners.push_back(frame_.raw_at(0));
-    Wide volume;
+    ExactFloat volume;
     if (frame_.flat()) {
-      const ExactRests rests(frame_.dimension, corners.data(), k_);
+      const ExactOrthogonalParts rests(frame_.dimension, corners.data(), k_);
       out.area = out.area + rests.measure(k_ - 1);
       volume = rests.measure(k_);
     } else {
@@ -295,8 +295,8 @@ class Measurer {
     if (volume.zero()) return;
     out.volume = out.volume + volume;
     for (unsigned c = 0; c < frame_.dimension; ++c) {
-      Wide sum;
-      for (unsigned j = 0; j < k_; ++j) sum = sum + (Wide(corners[j][c]) - Wide(corners[k_][c]));
+      ExactFloat sum;
+      for (unsigned j = 0; j < k_; ++j) sum = sum + (ExactFloat(corners[j][c]) - ExactFloat(corners[k_][c]));
       out.moment[c] = out.moment[c] + volume * sum;
     }
   }
@@ -384,43 +384,43 @@ void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, co
 /// k = 1: the two simplices are the end points, which have no orientation.
 void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index, Hull& hull) {
   const unsigned d = frame.dimension;
-  std::vector<Wide> step;
-  Wide square;
+  std::vector<ExactFloat> step;
+  ExactFloat square;
   for (unsigned c = 0; c < d; ++c) {
-    step.push_back(Wide(frame.raw_at(index[1])[c]) - Wide(frame.raw_at(index[0])[c]));
+    step.push_back(ExactFloat(frame.raw_at(index[1])[c]) - ExactFloat(frame.raw_at(index[0])[c]));
     square = square + step[c] * step[c];
   }
-  const Wide norm = square.root();
+  const ExactFloat norm = square.root();
   hull.volume = norm.to_double();
   hull.area = 2;
   for (unsigned end = 0; end < 2; ++end) {
-    Wide offset;
+    ExactFloat offset;
     for (unsigned c = 0; c < d; ++c) {
-      const Wide n = (end == 1 ? step[c] : -step[c]) / norm;
-      offset = offset - n * Wide(frame.raw_at(index[end])[c]);
+      const ExactFloat n = (end == 1 ? step[c] : -step[c]) / norm;
+      offset = offset - n * ExactFloat(frame.raw_at(index[end])[c]);
       hull.facet_planes.push_back(n.to_double());
     }
     hull.facet_planes.push_back(offset.to_double());
   }
   for (unsigned c = 0; c < d; ++c)
-    hull.centroid.push_back((Wide(frame.raw_at(index[0])[c]) + step[c] / Wide(2)).to_double());
+    hull.centroid.push_back((ExactFloat(frame.raw_at(index[0])[c]) + step[c] / ExactFloat(2)).to_double());
 }
 
-Wide widened(const DoubleDouble& v) { return Wide(v.high) + Wide(v.low); }
+ExactFloat widened(const DoubleDouble& v) { return ExactFloat(v.high) + ExactFloat(v.low); }
 
 }  // namespace
 
-void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
-                     const std::vector<Wide>& moment, long exponent, Hull& hull) {
+void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFloat& area,
+                     const std::vector<ExactFloat>& moment, long exponent, Hull& hull) {
   const unsigned k = frame.k;
-  Wide factorial = 1;
-  for (unsigned i = 2; i < k; ++i) factorial = factorial * Wide(i);
+  ExactFloat factorial = 1;
+  for (unsigned i = 2; i < k; ++i) factorial = factorial * ExactFloat(i);
   hull.area = (area / factorial).to_double(exponent * (k - 1L));
-  hull.volume = (volume / (factorial * Wide(k))).to_double(exponent * static_cast<long>(k));
+  hull.volume = (volume / (factorial * ExactFloat(k))).to_double(exponent * static_cast<long>(k));
   hull.centroid.clear();
   for (unsigned c = 0; c < frame.dimension; ++c) {
-    const Wide shift = moment[c] / (volume * Wide(k + 1.0));
-    const Wide origin = Wide(frame.raw_at(0)[c]);
+    const ExactFloat shift = moment[c] / (volume * ExactFloat(k + 1.0));
+    const ExactFloat origin = ExactFloat(frame.raw_at(0)[c]);
     hull.centroid.push_back((origin + shift.times_power_of_two(exponent)).to_double());
   }
 }
@@ -491,8 +491,8 @@ void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull&
                        sums.moment.data(), &hull.volume, &hull.area, hull.centroid.data()))
       return;
   }
-  const Wide volume = widened(sums.volume) * frame.stretch;
-  std::vector<Wide> moment;
+  const ExactFloat volume = widened(sums.volume) * frame.stretch;
+  std::vector<ExactFloat> moment;
   for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);
   finish_measures(frame, volume, widened(sums.area) * frame.stretch, moment, frame.exponent, hull);
 }

@@ -8,7 +8,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "result/facets/exact_rests.hpp"
+#include "result/facets/orthogonal_parts.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {
@@ -61,8 +61,8 @@ std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
 }
 
 /// |Determinant| of an n x n matrix, by elimination.
-Wide wide_determinant(std::vector<Wide> m, unsigned n) {
-  Wide det = 1;
+ExactFloat wide_determinant(std::vector<ExactFloat> m, unsigned n) {
+  ExactFloat det = 1;
   for (unsigned c = 0; c < n; ++c) {
     unsigned pivot = c;
     for (unsigned i = c + 1; i < n; ++i)
@@ -71,7 +71,7 @@ Wide wide_determinant(std::vector<Wide> m, unsigned n) {
     for (unsigned j = 0; j < n; ++j) std::swap(m[pivot * n + j], m[c * n + j]);
     det = det * m[c * n + c];
     for (unsigned i = c + 1; i < n; ++i) {
-      const Wide factor = m[i * n + c] / m[c * n + c];
+      const ExactFloat factor = m[i * n + c] / m[c * n + c];
       for (unsigned j = c; j < n; ++j) m[i * n + j] = m[i * n + j] - factor * m[c * n + j];
     }
   }
@@ -127,19 +127,19 @@ void span_flat(Frame& frame) {
     throw Error(ErrorCode::internal, "the hull's vertices do not span its flat");
   std::vector<const double*> corners;
   for (const std::uint32_t v : frame.spanning) corners.push_back(frame.raw_at(v));
-  const ExactRests rests(d, corners.data(), k);
-  std::vector<Wide> basis;
+  const ExactOrthogonalParts rests(d, corners.data(), k);
+  std::vector<ExactFloat> basis;
   for (unsigned i = 0; i < k; ++i)
-    for (const Wide& w : rests.direction(i)) {
+    for (const ExactFloat& w : rests.direction(i)) {
       basis.push_back(w);
       frame.basis.push_back(w.to_double());
     }
   if (k > 1) choose_axes(frame);
-  std::vector<Wide> projected;
+  std::vector<ExactFloat> projected;
   for (unsigned i = 0; i < k; ++i)
     for (unsigned c = 0; c < k; ++c) projected.push_back(basis[i * d + frame.axes[c]]);
-  const Wide det = wide_determinant(projected, k);
-  if (!det.zero()) frame.stretch = Wide(1) / det;
+  const ExactFloat det = wide_determinant(projected, k);
+  if (!det.zero()) frame.stretch = ExactFloat(1) / det;
 }
 
 struct Range {
@@ -241,7 +241,7 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   for (unsigned c = 0; c < f.dimension; ++c)
     lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));
   f.wild =
-      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && Wide(0x1p8) > f.stretch);
+      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && ExactFloat(0x1p8) > f.stretch);
   return f;
 }
 

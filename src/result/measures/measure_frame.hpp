@@ -11,7 +11,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline result {
@@ -35,7 +35,7 @@ struct Frame {
   /// its measure over that of its projection.
   std::vector<std::uint32_t> spanning;
   std::vector<double> basis;
-  Wide stretch = 1;
+  ExactFloat stretch = 1;
 
   bool flat() const { return k < dimension; }
   const double* at(std::uint32_t v) const { return scaled.data() + std::size_t{v} * dimension; }

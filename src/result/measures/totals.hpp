@@ -7,7 +7,7 @@
 
 #include "cullhull/hull.hpp"
 #include "exact/numbers/double_double.hpp"
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 #include "result/measures/measure_frame.hpp"
 
 namespace cullhull::internal::inline result {
@@ -93,8 +93,8 @@ bool settled(const Sums& t, double unit) {
 }
 
 /// Volume, area and centroid from sums in units of 2^exponent per coordinate.
-void finish_measures(const Frame& frame, const Wide& volume, const Wide& area,
-                     const std::vector<Wide>& moment, long exponent, Hull& hull);
+void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFloat& area,
+                     const std::vector<ExactFloat>& moment, long exponent, Hull& hull);
 /// The same for full dimension from double-doubles, `origin` being vertex 0 in the same units;
 /// false where a rounding is uncertain.
 bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,

@@ -13,27 +13,27 @@ namespace cullhull::internal::inline exact {
 /// The exact number is within `error` of `value`. Operations of double-doubles err by less than
 /// 2^-101 relatively, and by 2^-1000 where something underflows; factors of 1 + 2^-40 cover the
 /// roundings of the bounds themselves. What overflows makes a bound that is not finite.
-struct Tracked {
+struct BoundedDoubleDouble {
   DoubleDouble value;
   double error = 0;
 
-  Tracked() = default;
-  Tracked(double v) : value(v) {}  // NOLINT: every double is one
-  Tracked(DoubleDouble v, double e) : value(v), error(e) {}
-  static Tracked difference(double a, double b) { return {DoubleDouble::sum(a, -b), 0}; }
+  BoundedDoubleDouble() = default;
+  BoundedDoubleDouble(double v) : value(v) {}  // NOLINT: every double is one
+  BoundedDoubleDouble(DoubleDouble v, double e) : value(v), error(e) {}
+  static BoundedDoubleDouble difference(double a, double b) { return {DoubleDouble::sum(a, -b), 0}; }
 
-  friend Tracked operator+(const Tracked& a, const Tracked& b) {
+  friend BoundedDoubleDouble operator+(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
     const DoubleDouble v = a.value + b.value;
     return {v, (a.error + b.error + 0x1p-100 * std::abs(v.high)) * grow};
   }
-  friend Tracked operator-(const Tracked& a) { return {-a.value, a.error}; }
-  friend Tracked operator-(const Tracked& a, const Tracked& b) { return a + -b; }
-  friend Tracked operator*(const Tracked& a, const Tracked& b) {
+  friend BoundedDoubleDouble operator-(const BoundedDoubleDouble& a) { return {-a.value, a.error}; }
+  friend BoundedDoubleDouble operator-(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) { return a + -b; }
+  friend BoundedDoubleDouble operator*(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
     const DoubleDouble v = a.value * b.value;
     const double x = std::abs(a.value.high), y = std::abs(b.value.high);
     return {v, (x * b.error + y * a.error + a.error * b.error + 0x1p-100 * x * y) * grow + tiny};
   }
-  friend Tracked operator/(const Tracked& a, const Tracked& b) {
+  friend BoundedDoubleDouble operator/(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
     const double y = std::abs(b.value.high);
     if (!(y > 2 * b.error)) return {DoubleDouble(), INFINITY};
     const DoubleDouble v = a.value / b.value;
@@ -46,25 +46,25 @@ struct Tracked {
 };
 
 /// The same in doubles, which err by 2^-53: the cheap first try.
-struct Bounded {
+struct BoundedDouble {
   double value = 0, error = 0;
 
-  Bounded() = default;
-  Bounded(double v) : value(v) {}  // NOLINT: every double is one
-  Bounded(double v, double e) : value(v), error(e) {}
+  BoundedDouble() = default;
+  BoundedDouble(double v) : value(v) {}  // NOLINT: every double is one
+  BoundedDouble(double v, double e) : value(v), error(e) {}
 
-  friend Bounded operator+(const Bounded& a, const Bounded& b) {
+  friend BoundedDouble operator+(const BoundedDouble& a, const BoundedDouble& b) {
     const double v = a.value + b.value;
     return {v, (a.error + b.error + 0x1p-53 * std::abs(v)) * grow};
   }
-  friend Bounded operator-(const Bounded& a) { return {-a.value, a.error}; }
-  friend Bounded operator-(const Bounded& a, const Bounded& b) { return a + -b; }
-  friend Bounded operator*(const Bounded& a, const Bounded& b) {
+  friend BoundedDouble operator-(const BoundedDouble& a) { return {-a.value, a.error}; }
+  friend BoundedDouble operator-(const BoundedDouble& a, const BoundedDouble& b) { return a + -b; }
+  friend BoundedDouble operator*(const BoundedDouble& a, const BoundedDouble& b) {
     const double v = a.value * b.value, x = std::abs(a.value), y = std::abs(b.value);
     return {v,
             (x * b.error + y * a.error + a.error * b.error + 0x1p-53 * std::abs(v)) * grow + tiny};
   }
-  friend Bounded operator/(const Bounded& a, const Bounded& b) {
+  friend BoundedDouble operator/(const BoundedDouble& a, const BoundedDouble& b) {
     const double y = std::abs(b.value), v = a.value / b.value, x = std::abs(v);
     if (!(y > 2 * b.error)) return {0, INFINITY};
     return {v, ((a.error + x * b.error) / (y - b.error) + 0x1p-53 * x) * grow + tiny};
@@ -75,14 +75,14 @@ struct Bounded {
 };
 
 /// The exact number's sign; zero: the bound does not decide it.
-inline Sign certain_sign(const Tracked& v) {
+inline Sign certain_sign(const BoundedDoubleDouble& v) {
   const double high = v.value.high;
   if (!std::isfinite(high) || !std::isfinite(v.value.low)) return Sign::zero;
   return high > v.error ? Sign::positive : high < -v.error ? Sign::negative : Sign::zero;
 }
 
 /// Whether everything within the error rounds to the same double (Ziv 1991): then `out` is it.
-inline bool rounds_alike(const Tracked& v, double& out) {
+inline bool rounds_alike(const BoundedDoubleDouble& v, double& out) {
   const auto [high, low] = v.value;
   const double doubt = v.error * (1 + 0x1p-40) + 0x1p-100 * std::abs(low);
   out = high + (low + doubt);
@@ -93,12 +93,12 @@ inline bool rounds_alike(const Tracked& v, double& out) {
 template <class Real>
 Real exact_difference(double a, double b);
 template <>
-inline Tracked exact_difference<Tracked>(double a, double b) {
-  return Tracked::difference(a, b);
+inline BoundedDoubleDouble exact_difference<BoundedDoubleDouble>(double a, double b) {
+  return BoundedDoubleDouble::difference(a, b);
 }
 template <>
-inline Bounded exact_difference<Bounded>(double a, double b) {
-  return Bounded(a) - Bounded(b);
+inline BoundedDouble exact_difference<BoundedDouble>(double a, double b) {
+  return BoundedDouble(a) - BoundedDouble(b);
 }
 template <>
 inline mpq_class exact_difference<mpq_class>(double a, double b) {

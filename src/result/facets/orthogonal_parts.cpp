@@ -1,4 +1,4 @@
-#include "result/facets/exact_rests.hpp"
+#include "result/facets/orthogonal_parts.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -48,7 +48,7 @@ void eliminate(mpz_class& target, const mpz_class& pivot, const mpz_class& facto
 
 }  // namespace
 
-ExactRests::ExactRests(unsigned d, const double* const* p, unsigned rows) : d_(d) {
+ExactOrthogonalParts::ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows) : d_(d) {
   Unit unit;
   for (unsigned i = 0; i <= rows; ++i)
     for (unsigned c = 0; c < d; ++c) unit.add(p[i][c]);
@@ -80,24 +80,24 @@ ExactRests::ExactRests(unsigned d, const double* const* p, unsigned rows) : d_(d
   }
 }
 
-Wide ExactRests::measure(unsigned count) const {
-  return Wide(minors_[count]).root().times_power_of_two(unit_ * static_cast<long>(count));
+ExactFloat ExactOrthogonalParts::measure(unsigned count) const {
+  return ExactFloat(minors_[count]).root().times_power_of_two(unit_ * static_cast<long>(count));
 }
 
-Wide ExactRests::rest_length(unsigned i) const {
-  Wide square;
+ExactFloat ExactOrthogonalParts::rest_length(unsigned i) const {
+  ExactFloat square;
   for (unsigned c = 0; c < d_; ++c) {
-    const Wide v(rest(i)[c]);
+    const ExactFloat v(rest(i)[c]);
     square = square + v * v;
   }
   return square.root();
 }
 
-std::vector<Wide> ExactRests::direction(unsigned i) const {
-  const Wide length = rest_length(i);
-  std::vector<Wide> out;
+std::vector<ExactFloat> ExactOrthogonalParts::direction(unsigned i) const {
+  const ExactFloat length = rest_length(i);
+  std::vector<ExactFloat> out;
   if (length.zero()) return out;
-  for (unsigned c = 0; c < d_; ++c) out.push_back(Wide(rest(i)[c]) / length);
+  for (unsigned c = 0; c < d_; ++c) out.push_back(ExactFloat(rest(i)[c]) / length);
   return out;
 }
 
@@ -138,16 +138,16 @@ ExactNormal::ExactNormal(unsigned d, const double* const* p) {
     previous = pivot;
   }
   mpz_class height = 0;
-  Wide square;
+  ExactFloat square;
   for (unsigned j = 0; j < d; ++j) {
     const unsigned c = column[j];
     const mpz_class n = j == rows ? mpz_class(-previous) : m[std::size_t{j} * d + column[rows]];
     height += n * edge(d, c);
-    const Wide component = Wide(n).times_power_of_two(-units[c]);
+    const ExactFloat component = ExactFloat(n).times_power_of_two(-units[c]);
     square = square + component * component;
   }
   area_ = square.root().times_power_of_two(all_units);
-  volume_ = Wide(height).magnitude().times_power_of_two(all_units);
+  volume_ = ExactFloat(height).magnitude().times_power_of_two(all_units);
 }
 
 }  // namespace cullhull::internal::inline result

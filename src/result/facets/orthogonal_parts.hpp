@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "exact/numbers/wide_float.hpp"
+#include "exact/numbers/exact_float.hpp"
 
 namespace cullhull::internal::inline result {
 
@@ -13,19 +13,19 @@ namespace cullhull::internal::inline result {
 /// rest of each edge, its component orthogonal to the edges before it. One fraction-free
 /// elimination of their Gram matrix yields every rest times that matrix's leading minor, in
 /// integers, so nothing is rounded before the end.
-class ExactRests {
+class ExactOrthogonalParts {
  public:
   /// Only the last edge may depend on those before it; otherwise throws Error{internal}.
-  ExactRests(unsigned d, const double* const* p, unsigned rows);
+  ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows);
 
   /// Measure of the parallelotope of the first `count` edges, rounded once.
-  Wide measure(unsigned count) const;
+  ExactFloat measure(unsigned count) const;
   /// Unit vector along rest i; empty where the rest is zero.
-  std::vector<Wide> direction(unsigned i) const;
+  std::vector<ExactFloat> direction(unsigned i) const;
 
  private:
   const mpz_class* rest(unsigned i) const { return rests_.data() + std::size_t{i} * d_; }
-  Wide rest_length(unsigned i) const;
+  ExactFloat rest_length(unsigned i) const;
 
   unsigned d_;
   long unit_ = 0;                  // integers are multiples of 2^unit_
@@ -39,11 +39,11 @@ class ExactNormal {
  public:
   /// The facet p[0], ..., p[d - 1], affinely independent, and an apex p[d].
   ExactNormal(unsigned d, const double* const* p);
-  const Wide& area() const { return area_; }      ///< of the facet's parallelotope
-  const Wide& volume() const { return volume_; }  ///< with the apex
+  const ExactFloat& area() const { return area_; }      ///< of the facet's parallelotope
+  const ExactFloat& volume() const { return volume_; }  ///< with the apex
 
  private:
-  Wide area_, volume_;
+  ExactFloat area_, volume_;
 };
 
 }  // namespace cullhull::internal::inline result
