@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "exact/orientation/orientation.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
@@ -38,7 +39,7 @@ class Merger {
   }
 
  private:
-  std::uint32_t merged_count() const { return static_cast<std::uint32_t>(starts_.size()) - 1; }
+  std::uint32_t merged_count() const { return static_cast<std::uint32_t>(members_.size()); }
 
   /// Fills facet_: first single simplices in their order, then merged facets in the order of their
   /// first.
@@ -58,14 +59,10 @@ class Merger {
     std::uint32_t next = singles_;
     for (std::uint32_t f = 0; f < n; ++f)
       facet_[f] = !merged[f] ? single++ : facet_[f] == f ? next++ : facet_[facet_[f]];
-    starts_.assign(next - singles_ + 1, 0);
-    for (std::uint32_t f = 0; f < n; ++f)
-      if (merged[f]) ++starts_[facet_[f] - singles_ + 1];
-    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-    members_.resize(starts_.back());
-    std::vector<std::uint32_t> at(starts_.begin(), starts_.end() - 1);
-    for (std::uint32_t f = 0; f < n; ++f)
-      if (merged[f]) members_[at[facet_[f] - singles_]++] = f;
+    members_ = Adjacency<std::uint32_t, std::uint32_t>(next - singles_, [&](const auto& add) {
+      for (std::uint32_t f = 0; f < n; ++f)
+        if (merged[f]) add(facet_[f] - singles_, f);
+    });
   }
 
   void keep_singles() {
@@ -89,7 +86,7 @@ class Merger {
   /// facet are corners of a simplex facet, so extreme.
   void drop_flat_vertices() {
     std::vector<std::uint8_t> candidate(points_.count, 0);
-    for (const std::uint32_t f : members_)
+    for (const std::uint32_t f : members_.items())
       for (unsigned i = 0; i < k_; ++i) candidate[old_.simplex(f)[i]] = 1;
     for (std::uint32_t f = 0; f < old_.facet_count(); ++f)
       for (unsigned i = 0; i < k_; ++i)
@@ -150,9 +147,9 @@ class Merger {
 
   void triangulate(std::uint32_t m) {
     borders_.clear();
-    for (std::uint32_t i = starts_[m]; i < starts_[m + 1]; ++i)
+    for (const std::uint32_t f : members_[m])
       for (unsigned j = 0; j < k_; ++j)
-        if (neighbour_facet({members_[i], j}) != singles_ + m) borders_.push_back({members_[i], j});
+        if (neighbour_facet({f, j}) != singles_ + m) borders_.push_back({f, j});
     if (on_facet_[m].size() < k_ || borders_.empty()) fail_not_exact("a facet has too few corners");
     if (k_ == 2)
       segment(m);
@@ -271,8 +268,8 @@ class Merger {
   const unsigned k_;
   Facets out_;
   std::uint32_t singles_ = 0;
-  std::vector<std::uint32_t> facet_;             // of each old simplex
-  std::vector<std::uint32_t> starts_, members_;  // old simplices of each merged facet
+  std::vector<std::uint32_t> facet_;                 // of each old simplex
+  Adjacency<std::uint32_t, std::uint32_t> members_;  // old simplices of each merged facet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> incidence_;  // (vertex, facet), sorted
   std::vector<std::size_t> first_;                                  // first incidence of a vertex
   std::vector<VertexSet> on_facet_;                                 // vertices of each merged facet

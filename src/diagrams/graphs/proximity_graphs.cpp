@@ -38,20 +38,6 @@ void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
   }
 }
 
-/// body(edge, the cells around it) for all edges whose lower point is in [begin, end).
-template <class Body>
-void each_edge(const EdgeCells& edges, std::uint64_t begin, std::uint64_t end, const Body& body) {
-  for (std::uint64_t v = begin; v < end; ++v) {
-    const auto around = edges.of(v);
-    for (std::size_t i = 0; i < around.size();) {
-      std::size_t next = i + 1;
-      while (next < around.size() && around[next].other == around[i].other) ++next;
-      body(Edge{static_cast<std::uint32_t>(v), around[i].other}, around.subspan(i, next - i));
-      i = next;
-    }
-  }
-}
-
 // ------------------------------------------------------------------------- the spanning tree
 
 struct MeasuredEdge {
@@ -125,11 +111,10 @@ class EdgeOrder {
 
 // ------------------------------------------------------------------ Gabriel and lunes of points
 
-/// Whether the ball over the edge has none of the points that share a cell with it.
-bool ball_is_empty(const DualPoints& p, const Triangulation& t, const Edge& e,
-                   std::span<const EdgeCells::Item> around) {
+/// Whether the ball whose diameter is the edge has none of the points that share a cell with it.
+bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells::Edge& e) {
   const double *a = p.row(e.low), *b = p.row(e.high);
-  for (const auto& item : around)
+  for (const auto& item : e.cells)
     for (const std::uint32_t v : t.cell(item.cell)) {
       if (v == e.low || v == e.high) continue;
       const double* r = p.row(v);
@@ -139,16 +124,15 @@ bool ball_is_empty(const DualPoints& p, const Triangulation& t, const Edge& e,
   return true;
 }
 
-std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
+std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const EdgeCells& edges,
+                                const Run& run) {
   std::vector<Edge> all;
-  if (t.corners() < 2) return all;
-  const EdgeCells edges(t, run);
   constexpr std::uint64_t grain = light_grain / 16;
   std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-    each_edge(edges, begin, end, [&](const Edge& e, auto around) {
-      if (ball_is_empty(p, t, e, around)) parts[chunk].push_back(e);
+    edges.each_edge(begin, end, [&](const EdgeCells::Edge& e) {
+      if (ball_is_empty(p, t, e)) parts[chunk].push_back({e.low, e.high});
     });
   });
   for (const std::vector<Edge>& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -158,7 +142,7 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
 /// Looks for a point nearer to both ends of an edge than these are to each other.
 class LuneSearch {
  public:
-  LuneSearch(const DualPoints& p, const PointNeighbours& graph, unsigned d)
+  LuneSearch(const DualPoints& p, const Adjacency<std::uint32_t>& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
   /// From both ends in turn: points that are nearer to an end than the other end are connected with
@@ -206,7 +190,7 @@ class LuneSearch {
   }
   /// False if a neighbour of v is in the lune.
   bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) {
-    for (const std::uint32_t next : graph_.of(v)) {
+    for (const std::uint32_t next : graph_[v]) {
       if (next == other || next == own || !nearer(next, own)) continue;
       if (nearer(next, other)) return false;
       if (side.meet(next)) side.todo.push_back(next);
@@ -215,7 +199,7 @@ class LuneSearch {
   }
 
   const DualPoints& p_;
-  const PointNeighbours& graph_;
+  const Adjacency<std::uint32_t>& graph_;  ///< point_neighbours()
   unsigned d_;
   Edge edge_{};
   Side sides_[2];
@@ -225,9 +209,9 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
   const EdgeOrder order(p, t.dimension);
   std::vector<MeasuredEdge> edges;
   if (t.corners() > 1) {
-    const EdgeCells around(t, run);
-    each_edge(around, 0, t.point_count,
-              [&](const Edge& e, auto) { edges.push_back(order.measure(e)); });
+    EdgeCells(t, run).each_edge(0, t.point_count, [&](const EdgeCells::Edge& e) {
+      edges.push_back(order.measure({e.low, e.high}));
+    });
   }
   run.report("sort", 0.3);
   order.sort(edges);
@@ -248,11 +232,15 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
 }
 
 std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
-  const std::vector<Edge> candidates = gabriel_edges(p, t, run);
-  std::vector<Edge> edges;
-  if (candidates.empty()) return edges;
-  run.report("lunes", 0.5);
-  const PointNeighbours graph(t, run);
+  std::vector<Edge> edges, candidates;
+  Adjacency<std::uint32_t> graph;
+  {
+    const EdgeCells around(t, run);
+    candidates = gabriel_edges(p, t, around, run);
+    if (candidates.empty()) return edges;
+    run.report("lunes", 0.5);
+    graph = point_neighbours(around);
+  }
   Array<std::uint8_t> kept(candidates.size());
   run.each(candidates.size(), 256, [&](std::uint64_t begin, std::uint64_t end) {
     LuneSearch search(p, graph, t.dimension);
@@ -291,7 +279,10 @@ Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
 
 Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
                                    const Options& options) {
-  return graph_of(points, triangulation, options, gabriel_edges);
+  return graph_of(points, triangulation, options,
+                  [](const DualPoints& p, const Triangulation& t, const Run& run) {
+    return gabriel_edges(p, t, EdgeCells(t, run), run);
+  });
 }
 
 Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,

@@ -50,7 +50,7 @@ std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
   for (bool moved = true; moved;) {
     moved = false;
     tied = false;
-    for (const std::uint32_t next : graph_.of(row)) {
+    for (const std::uint32_t next : graph_[row]) {
       const Sign sign = compare(q, next, row);
       tied = tied || sign == Sign::zero;
       if (sign != Sign::negative) continue;
@@ -72,7 +72,7 @@ std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row)
     const std::uint32_t v = todo_.back();
     todo_.pop_back();
     best = std::min(best, mesh_.ids[v]);
-    for (const std::uint32_t next : graph_.of(v))
+    for (const std::uint32_t next : graph_[v])
       if (!met_.contains(next) && compare(q, next, row) == Sign::zero) {
         met_.insert(next);
         todo_.push_back(next);

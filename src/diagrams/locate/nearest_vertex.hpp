@@ -15,7 +15,9 @@ namespace cullhull::internal {
 /// as good are connected.
 class NearestVertex {
  public:
-  NearestVertex(const WalkMesh& mesh, const VertexGraph& graph) : mesh_(mesh), graph_(graph) {}
+  /// `graph`: neighbour_rows().
+  NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
+      : mesh_(mesh), graph_(graph) {}
 
   /// The id of the nearest vertex, of several the lowest. `key`: of q.
   std::uint32_t find(const double* q, std::uint32_t key);
@@ -26,7 +28,7 @@ class NearestVertex {
   std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
 
   const WalkMesh& mesh_;
-  const VertexGraph& graph_;
+  const Adjacency<std::uint32_t>& graph_;
   std::uint32_t row_ = no_cell;
   std::unordered_set<std::uint32_t> met_;
   std::vector<std::uint32_t> todo_;

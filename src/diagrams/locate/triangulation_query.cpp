@@ -156,14 +156,14 @@ struct TriangulationQuery::State {
     internal::barycentric(mesh.corners - 1, corners.data(), row, out);
   }
 
-  const VertexGraph& graph(const Run& run) const {
-    std::call_once(graph_once, [&] { made_graph.emplace(mesh, run); });
-    return *made_graph;
+  const Adjacency<std::uint32_t>& graph(const Run& run) const {
+    std::call_once(graph_once, [&] { made_graph = neighbour_rows(mesh, run); });
+    return made_graph;
   }
 
   WalkMesh mesh;
   mutable std::once_flag graph_once;
-  mutable std::optional<VertexGraph> made_graph;
+  mutable Adjacency<std::uint32_t> made_graph;
 };
 
 TriangulationQuery::TriangulationQuery(const PointView& points, const Triangulation& triangulation,
@@ -233,7 +233,7 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
                                  const Options& options) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
-    const VertexGraph& graph = s.graph(run);
+    const Adjacency<std::uint32_t>& graph = s.graph(run);
     each_along_curve(s.mesh, points, run, [&] {
       return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
                                                       std::uint32_t key) mutable {

@@ -150,35 +150,19 @@ std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {
   return i > 0 && key - keys[i - 1] < keys[i] - key ? i - 1 : i;
 }
 
-VertexGraph::VertexGraph(const WalkMesh& mesh, const Run& run) : begin(mesh.vertex_count() + 1) {
-  const unsigned m = mesh.corners;
+Adjacency<std::uint32_t> neighbour_rows(const WalkMesh& mesh, const Run& run) {
   const auto count = static_cast<std::uint32_t>(mesh.numbers.size());
-  std::fill(begin.begin(), begin.end(), 0U);
-  Array<std::uint64_t> at(begin.size());
-  for (std::uint32_t c = 0; c < count; ++c)
-    for (unsigned i = 0; i < m; ++i) begin[mesh.corners_of(c)[i] + 1] += m - 1;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) begin[v + 1] += begin[v];
-  std::copy(begin.begin(), begin.end(), at.begin());
-  Array<std::uint32_t> all(begin.back());
-  for (std::uint32_t c = 0; c < count; ++c) {
-    if (c % light_grain == 0) run.check();
-    const std::uint32_t* v = mesh.corners_of(c);
-    for (unsigned i = 0; i < m; ++i)
-      for (unsigned j = 0; j < m; ++j)
-        if (i != j) all[at[v[i]]++] = v[j];
-  }
-  std::uint64_t kept = 0;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-    std::uint32_t* const from = all.data() + begin[v];
-    std::uint32_t* const end = all.data() + begin[v + 1];
-    std::sort(from, end);
-    std::uint32_t* const last = std::unique(from, end);
-    begin[v] = kept;
-    std::copy(from, last, all.data() + kept);
-    kept += static_cast<std::uint64_t>(last - from);
-  }
-  begin[mesh.vertex_count()] = kept;
-  items.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept));
+  Adjacency<std::uint32_t> rows(mesh.vertex_count(), [&](const auto& add) {
+    for (std::uint32_t c = 0; c < count; ++c) {
+      if (c % light_grain == 0) run.check();
+      const std::uint32_t* v = mesh.corners_of(c);
+      for (unsigned i = 0; i < mesh.corners; ++i)
+        for (unsigned j = 0; j < mesh.corners; ++j)
+          if (i != j) add(v[i], v[j]);
+    }
+  });
+  rows.sort_and_unique([&] { run.check(); });
+  return rows;
 }
 
 }  // namespace cullhull::internal

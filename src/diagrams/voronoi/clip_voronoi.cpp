@@ -218,11 +218,10 @@ class CellClipper {
 class PiecesOfCells {
  public:
   /// One piece: every cell may meet it.
-  explicit PiecesOfCells(std::uint64_t sites) : sites_(sites) {}
+  PiecesOfCells() = default;
 
   PiecesOfCells(const DiagramCells& cells, const Triangulation& t, const Region<2>& region,
-                const Run& run)
-      : sites_(t.point_count) {
+                const Run& run) {
     const std::vector<std::uint32_t> starts = sites_at_corners(cells, t, region, run);
     constexpr std::uint64_t grain = 64;
     std::vector<std::vector<Pair>> parts(chunk_count(region.size(), grain));
@@ -233,20 +232,16 @@ class PiecesOfCells {
         spread(cells, region, static_cast<std::uint32_t>(piece), starts[piece], clipper,
                parts[chunk], run);
     });
-    begin_.assign(sites_ + 1, 0);
-    for (const auto& part : parts)
-      for (const Pair& pair : part) ++begin_[pair.site + 1];
-    for (std::uint64_t i = 0; i < sites_; ++i) begin_[i + 1] += begin_[i];
-    pieces_.resize(begin_.back());
-    std::vector<std::uint64_t> at(begin_);
-    for (const auto& part : parts)
-      for (const Pair& pair : part) pieces_[at[pair.site]++] = pair.piece;
+    pieces_ = Adjacency<std::uint32_t>(t.point_count, [&](const auto& add) {
+      for (const auto& part : parts)
+        for (const Pair& pair : part) add(pair.site, pair.piece);
+    });
   }
 
   std::span<const std::uint32_t> of(std::uint32_t site) const {
     static constexpr std::uint32_t only = 0;
-    if (begin_.empty()) return {&only, 1};
-    return {pieces_.data() + begin_[site], begin_[site + 1] - begin_[site]};
+    if (pieces_.empty()) return {&only, 1};
+    return pieces_[site];
   }
 
  private:
@@ -309,9 +304,7 @@ class PiecesOfCells {
     }
   }
 
-  std::uint64_t sites_;
-  std::vector<std::uint64_t> begin_;
-  std::vector<std::uint32_t> pieces_;
+  Adjacency<std::uint32_t> pieces_;  ///< by site; empty: one piece
 };
 
 // ---------------------------------------------------------------------------- all cells
@@ -473,7 +466,7 @@ PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const
                         const Run& run) {
   if constexpr (D == 2)
     if (region.size() > 1 && t.corners() > 0) return {cells, t, region, run};
-  return PiecesOfCells(t.point_count);
+  return {};
 }
 
 template <unsigned D>

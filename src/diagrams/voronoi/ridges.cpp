@@ -16,24 +16,20 @@ class GroupVertices {
     if (t.cell_groups.empty()) return;
     const unsigned m = t.corners();
     const std::size_t groups = *std::max_element(t.cell_groups.begin(), t.cell_groups.end()) + 1ULL;
-    begin_.assign(groups + 1, 0);
-    for (std::uint64_t c = 0; c < t.size(); ++c) begin_[t.group(c) + 1] += m;
-    for (std::size_t g = 0; g < groups; ++g) begin_[g + 1] += begin_[g];
-    vertices_.resize(begin_.back());
+    vertices_ = Adjacency<std::uint32_t>(groups, [&](const auto& add) {
+      for (std::uint64_t c = 0; c < t.size(); ++c)
+        for (const std::uint32_t v : t.cell(c)) add(t.group(c), v);
+    });
     count_.resize(groups);
-    Array<std::uint64_t> at(begin_);
-    for (std::uint64_t c = 0; c < t.size(); ++c)
-      for (const std::uint32_t v : t.cell(c)) vertices_[at[t.group(c)]++] = v;
     run.each(groups, light_grain / 8, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t g = first; g < last; ++g) {
-        std::uint32_t *from = vertices_.data() + begin_[g], *to = vertices_.data() + begin_[g + 1];
-        const auto corners = static_cast<std::size_t>(to - from);
-        if (corners == m) {
+        const std::span<std::uint32_t> own = vertices_.list(g);
+        if (own.size() == m) {
           count_[g] = 0;  // one cell
           continue;
         }
-        std::sort(from, to);
-        count_[g] = static_cast<std::uint32_t>(std::unique(from, to) - from);
+        std::sort(own.begin(), own.end());
+        count_[g] = static_cast<std::uint32_t>(std::unique(own.begin(), own.end()) - own.begin());
       }
     });
   }
@@ -41,20 +37,16 @@ class GroupVertices {
   bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
   /// Whether v is one of the vertices of a group of merged cells.
   bool has(std::uint32_t g, std::uint32_t v) const {
-    const std::uint32_t* from = vertices_.data() + begin_[g];
-    return std::binary_search(from, from + count_[g], v);
+    const auto own = vertices_[g].first(count_[g]);
+    return std::binary_search(own.begin(), own.end(), v);
   }
 
  private:
-  Array<std::uint64_t> begin_;
-  Array<std::uint32_t> vertices_, count_;
+  Adjacency<std::uint32_t> vertices_;
+  Array<std::uint32_t> count_;  ///< the distinct vertices come first; 0: the group is one cell
 };
 
-/// One edge with the cells around it.
-struct Edge {
-  std::uint32_t low, high;
-  std::span<const EdgeCells::Item> cells;
-};
+using Edge = EdgeCells::Edge;
 
 class RidgeWriter {
  public:
@@ -211,57 +203,33 @@ class RidgeWriter {
 
 }  // namespace
 
-EdgeCells::EdgeCells(const Triangulation& t, const Run& run) : begin_(t.point_count + 1) {
-  const unsigned m = t.corners();
-  std::fill(begin_.begin(), begin_.end(), 0U);
-  const auto each = [&](std::uint64_t c, const auto& body) {
-    const auto v = t.cell(c);
-    for (unsigned i = 0; i < m; ++i)
-      for (unsigned j = i + 1; j < m; ++j) body(std::min(v[i], v[j]), std::max(v[i], v[j]));
-  };
-  for (std::uint64_t c = 0; c < t.size(); ++c)
-    each(c, [&](std::uint32_t low, std::uint32_t) { ++begin_[low + 1]; });
-  for (std::uint64_t i = 0; i < t.point_count; ++i) begin_[i + 1] += begin_[i];
-  items_.resize(begin_.back());
-  Array<std::uint64_t> at(begin_);
-  for (std::uint64_t c = 0; c < t.size(); ++c) {
-    if (c % light_grain == 0) run.check();
-    each(c, [&](std::uint32_t low, std::uint32_t high) {
-      items_[at[low]++] = {high, static_cast<std::uint32_t>(c)};
-    });
-  }
+EdgeCells::EdgeCells(const Triangulation& t, const Run& run)
+    : items_(t.point_count, [&](const auto& add) {
+        const unsigned m = t.corners();
+        for (std::uint32_t c = 0; c < t.size(); ++c) {
+          if (c % light_grain == 0) run.check();
+          const auto v = t.cell(c);
+          for (unsigned i = 0; i < m; ++i)
+            for (unsigned j = i + 1; j < m; ++j)
+              add(std::min(v[i], v[j]), Item{std::max(v[i], v[j]), c});
+        }
+      }) {
   run.each(t.point_count, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t v = begin; v < end; ++v)
-      std::sort(items_.data() + begin_[v], items_.data() + begin_[v + 1],
-                [](const Item& a, const Item& b) {
-        return a.other != b.other ? a.other < b.other : a.cell < b.cell;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const std::span<Item> around = items_.list(v);
+      std::sort(around.begin(), around.end(), [](const Item& a, const Item& b) {
+        return a.high != b.high ? a.high < b.high : a.cell < b.cell;
       });
+    }
   });
 }
 
-PointNeighbours::PointNeighbours(const Triangulation& t, const Run& run)
-    : begin_(t.point_count + 1) {
-  const EdgeCells edges(t, run);
-  std::fill(begin_.begin(), begin_.end(), 0U);
-  const auto each = [&](const auto& body) {
-    for (std::uint64_t v = 0; v < t.point_count; ++v) {
-      std::uint32_t last = no_point;
-      for (const auto& item : edges.of(v)) {
-        if (item.other != last) body(static_cast<std::uint32_t>(v), item.other);
-        last = item.other;
-      }
-    }
-  };
-  each([&](std::uint32_t a, std::uint32_t b) {
-    ++begin_[a + 1];
-    ++begin_[b + 1];
-  });
-  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
-  items_.resize(begin_.back());
-  Array<std::uint64_t> at(begin_);
-  // Lower neighbours come first, in order, as rows ascend; then the higher ones.
-  each([&](std::uint32_t a, std::uint32_t b) { items_[at[b]++] = a; });
-  each([&](std::uint32_t a, std::uint32_t b) { items_[at[a]++] = b; });
+Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
+  return {edges.size(), [&](const auto& add) {
+            // A point's lower neighbours come first, ascending because the edges are sorted.
+            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.high, e.low); });
+            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.low, e.high); });
+          }};
 }
 
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
@@ -272,19 +240,11 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     RidgeWriter writer(p, t, groups);
     std::vector<std::uint32_t> ridge;
-    for (std::uint64_t v = begin; v < end; ++v) {
-      const auto around = edges.of(v);
-      for (std::size_t i = 0; i < around.size();) {
-        std::size_t next = i + 1;
-        while (next < around.size() && around[next].other == around[i].other) ++next;
-        const Edge e{static_cast<std::uint32_t>(v), around[i].other, around.subspan(i, next - i)};
-        if (writer.write(e, ridge)) {
-          vertices.add(chunk, ridge);
-          points.add(chunk, {e.low, e.high});
-        }
-        i = next;
-      }
-    }
+    edges.each_edge(begin, end, [&](const Edge& e) {
+      if (!writer.write(e, ridge)) return;
+      vertices.add(chunk, ridge);
+      points.add(chunk, {e.low, e.high});
+    });
   });
   vertices.join(out.ridge_offsets, out.ridge_vertices);
   Array<std::uint64_t> pairs;

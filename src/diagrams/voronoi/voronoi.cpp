@@ -10,6 +10,7 @@
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -40,25 +41,6 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Cells at each point, in the order of cells.
-struct Stars {
-  explicit Stars(const Triangulation& t) : begin(t.point_count + 1) {
-    std::fill(begin.begin(), begin.end(), 0U);
-    for (const std::uint32_t v : t.cells) ++begin[v + 1];
-    for (std::uint64_t i = 0; i < t.point_count; ++i) begin[i + 1] += begin[i];
-    Array<std::uint64_t> at(begin);
-    cells.resize(t.cells.size());
-    const unsigned m = t.corners();
-    for (std::size_t i = 0; i < t.cells.size(); ++i)
-      cells[at[t.cells[i]]++] = static_cast<std::uint32_t>(i / m);
-  }
-  std::span<const std::uint32_t> of(std::uint64_t v) const {
-    return {cells.data() + begin[v], begin[v + 1] - begin[v]};
-  }
-  Array<std::uint64_t> begin;
-  Array<std::uint32_t> cells;
-};
-
 /// Groups around a point in the plane, from infinity if that is there.
 void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
                  std::vector<std::uint32_t>& out) {
@@ -87,7 +69,7 @@ void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
 }
 
 void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
-  const Stars stars(t);
+  const Adjacency<std::uint32_t> stars = rows_by_id(t.cells, t.corners(), t.point_count);
   std::vector<bool> unbounded(t.point_count);
   for (const std::uint32_t v : t.hull_facets) unbounded[v] = true;
   if (t.corners() == 1) unbounded[t.cells[0]] = true;
@@ -97,7 +79,7 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
     std::vector<std::uint32_t> list;
     for (std::uint64_t v = begin; v < end; ++v) {
       list.clear();
-      const auto star = stars.of(v);
+      const auto star = stars[v];
       if (t.corners() == 3 && !star.empty()) {
         turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
       } else {
