@@ -127,9 +127,7 @@ void gather_rows(const Array<double>& rows, std::span<const double> weights, Pre
                  const Run& run) {
   LiftedPoints& s = out.points;
   const unsigned d = s.width;
-  std::vector<unsigned> columns(out.axes.begin(), out.axes.end());
-  for (unsigned j = 0; j < d; ++j)
-    if (!std::count(out.axes.begin(), out.axes.end(), j)) columns.push_back(j);
+  const std::vector<std::uint32_t> columns = flat_columns(out.axes, d);
   Array<double> sorted(std::size_t{s.count} * s.stride);
   run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {

@@ -10,6 +10,17 @@
 
 namespace cullhull::internal {
 
+/// Throws Error{invalid_argument} for points of no dimension, and for points without data.
+void require_points(std::uint32_t dimension, const void* data, std::uint64_t count);
+inline void require_points(const PointView& view) {
+  require_points(view.dimension, view.data, view.count);
+}
+/// The first of these checks alone.
+void require_dimension(std::uint32_t dimension);
+
+/// The columns of points in a flat: its axes first, then the others, ascending.
+std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes, unsigned dimension);
+
 /// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
 /// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must ascend. The
 /// view may be a mapped file that is read from disk meanwhile, so this and check_finite can be

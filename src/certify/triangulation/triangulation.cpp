@@ -101,9 +101,7 @@ class TriangulationSubject {
         std::adjacent_find(t_.axes.begin(), t_.axes.end()) != t_.axes.end() ||
         (k_ > 0 && t_.axes.back() >= d))
       fault("the axes are not as many as the affine dimension, or not ascending");
-    std::vector<unsigned> columns(t_.axes.begin(), t_.axes.end());
-    for (unsigned j = 0; j < d; ++j)
-      if (!std::binary_search(t_.axes.begin(), t_.axes.end(), j)) columns.push_back(j);
+    const std::vector<std::uint32_t> columns = flat_columns(t_.axes, d);
     stride_ = d + (weighted() ? 1 : 0);
     rows_.resize(t_.point_count * stride_);
     check_each(t_.point_count, [&](std::uint64_t i) {

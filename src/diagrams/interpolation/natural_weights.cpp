@@ -74,11 +74,9 @@ NaturalTriangulation::NaturalTriangulation(const PointView& points, const Triang
                                            const Run& run)
     : d_(t.dimension),
       k_(t.corners() == 0 ? 0 : t.corners() - 1),
-      columns_(t.axes),
+      columns_(flat_columns(t.axes, t.dimension)),
       cells_(t.cells),
       neighbours_(t.neighbours) {
-  for (std::uint32_t j = 0; j < d_; ++j)
-    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns_.push_back(j);
   const Array<double> given = gather_points(points, nullptr, points.count, run);
   double largest = 0;
   for (const double v : given) largest = std::max(largest, std::abs(v));

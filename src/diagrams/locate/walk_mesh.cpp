@@ -54,9 +54,7 @@ WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<co
       stride(t.dimension + (weights.empty() ? 0 : 1)),
       furthest(t.furthest_site) {
   require_points_of(t, points, weights);
-  columns.assign(t.axes.begin(), t.axes.end());
-  for (unsigned j = 0; j < dimension; ++j)
-    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns.push_back(j);
+  columns = flat_columns(t.axes, dimension);
   if (corners > 0) take_vertices(points, t, weights, run);
 }
 

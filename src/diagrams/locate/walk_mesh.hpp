@@ -22,7 +22,7 @@ struct WalkMesh {
   unsigned corners = 0;       ///< k + 1
   unsigned stride = 0;        ///< numbers of a row: d, with weights d + 1
   bool furthest = false;
-  std::vector<unsigned> columns;  ///< the k axes, then the others
+  std::vector<std::uint32_t> columns;  ///< flat_columns()
 
   /// Vertices along the curve: coordinates in the order of `columns`, then the weight.
   Array<double> rows;
