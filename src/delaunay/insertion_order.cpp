@@ -1,10 +1,10 @@
 #include "delaunay/insertion_order.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 
 #include "geometry/curve_frame.hpp"
+#include "geometry/insertion_rounds.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/xorshift.hpp"
@@ -48,7 +48,7 @@ class Sorter {
   }
 
  private:
-  static constexpr std::uint32_t few = 48;  // up to so many sorted by coordinates; a guess
+  static constexpr std::uint32_t few = 48;  // so many points are sorted by coordinates; a guess
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
   bool less(std::uint32_t a, std::uint32_t b) const {
@@ -82,35 +82,21 @@ class Sorter {
   CurveFrame frame_;
 };
 
-/// Rounds of random points: each of the rounds is expected to hold 2^growth_bits times as many
-/// points as the one before. Up to first_round points need only one round.
-constexpr std::uint32_t growth_bits = 3, first_round = 1U << 10;
-
-/// The round of point i, counted back from the last one (0); pseudorandom, the same in every run.
-unsigned round_from_last(std::uint32_t i, unsigned rounds) {
-  XorShift random((std::uint64_t{i} + 1) * XorShift::golden);
-  random.next();
-  const auto zeros =
-      static_cast<unsigned>(std::countr_zero(random.next() | std::uint64_t{1} << 62));
-  return std::min(zeros / growth_bits, rounds - 1);
-}
-
-/// Distributes ids to rounds; within a round they keep their order.
+/// Distributes ids to rounds; within a round they keep their order. Each round is expected to hold
+/// 8 times as many points as the one before. The choice is pseudorandom, the same in every run.
 void sort_into_rounds(Array<std::uint32_t>& ids) {
-  unsigned rounds = 1;
-  for (std::uint64_t n = ids.size(); n > first_round; n >>= growth_bits) ++rounds;
-  if (rounds == 1) return;
-  std::vector<std::size_t> begin(rounds + 1, 0);
+  const InsertionRounds rounds(ids.size(), 1U << 10, 3);
+  if (rounds.count == 1) return;
   Array<std::uint8_t> round(ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    round[i] = static_cast<std::uint8_t>(rounds - 1 -
-                                         round_from_last(static_cast<std::uint32_t>(i), rounds));
-    ++begin[round[i] + 1];
+    XorShift random((i + 1) * XorShift::golden);
+    random.next();
+    round[i] = static_cast<std::uint8_t>(rounds.round_of(random.next()));
   }
-  for (unsigned r = 0; r < rounds; ++r) begin[r + 1] += begin[r];
-  Array<std::uint32_t> sorted(ids.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) sorted[begin[round[i]]++] = ids[i];
-  ids = std::move(sorted);
+  Adjacency<std::uint32_t> sorted(rounds.count, [&](const auto& add) {
+    for (std::size_t i = 0; i < ids.size(); ++i) add(round[i], ids[i]);
+  });
+  ids = std::move(sorted).take_items();
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <bit>
 #include <numeric>
 
+#include "geometry/insertion_rounds.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -12,7 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Each round is 2^4 times as large as all before it (8 to 32 measured alike).
+/// A round has 15 times as many points as all rounds before it (7 to 31 measured alike).
 constexpr unsigned round_bits = 4;
 constexpr std::uint32_t first_round = 64;
 
@@ -88,8 +89,8 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
                                     const std::uint32_t* simplex, const Run& run) {
   const std::uint32_t n = points.count;
   InsertionOrder3D order;
-  unsigned rounds = 1;
-  for (std::uint64_t size = first_round; size < n; size <<= round_bits) ++rounds;
+  const InsertionRounds random_rounds(n, first_round, round_bits);
+  const unsigned rounds = random_rounds.count;
   // About as many cells as points.
   order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U, 12U);
   const unsigned key_width = 2 * order.key_bits + 3;
@@ -113,12 +114,8 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
       }
       key.keys(x, y, z, order.key_bits, keys);
       for (std::uint32_t i = 0; i < size; ++i) {
-        // Round r > 1 has a share (1 - 1/ratio) ratio^(r - rounds) of the points; round 0 is the
-        // simplex.
         const auto id = static_cast<std::uint32_t>(at + i);
-        const auto back =
-            static_cast<unsigned>(std::countr_zero(mix64(id + 0x9E3779B97F4A7C15ULL))) / round_bits;
-        unsigned r = back < rounds ? rounds - back : 1;
+        unsigned r = 1 + random_rounds.round_of(mix64(id + 0x9E3779B97F4A7C15ULL));  // 0: simplex
         if (id == simplex[0] || id == simplex[1] || id == simplex[2] || id == simplex[3]) r = 0;
         keyed[id] = {(r << key_width) | (r > 1 ? keys[i] : 0), id};
         ++count[r];
