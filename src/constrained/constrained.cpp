@@ -13,8 +13,8 @@
 
 #include "constrained/half_edges.hpp"
 #include "cullhull/error.hpp"
-#include "delaunay/cell_boundary.hpp"
-#include "delaunay/prepare.hpp"
+#include "delaunay/triangulate.hpp"
+#include "delaunay/write_triangulation.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/memory/pages.hpp"
@@ -78,7 +78,7 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
 class Forcing {
  public:
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
-          const Array<std::uint32_t>& place, const Run& run)
+          const std::vector<std::uint32_t>& place, const Run& run)
       : s_(s), constraints_(constraints), mesh_(t, place, s.count), run_(run) {
     source_.assign(mesh_.size() / 2, none);
   }
@@ -487,27 +487,13 @@ void keep_inside(ConstrainedTriangulation& out) {
   t.cells = std::move(cells);
   t.neighbours = std::move(neighbours);
   out.depths = std::move(depths);
-  std::vector<bool> told(t.point_count);
-  for (const std::uint32_t v : t.cells) told[v] = true;
-  for (const DuplicatePoint& p : t.duplicates) told[p.id] = true;
-  for (std::uint32_t v = 0; v < t.point_count; ++v)
-    if (!told[v]) t.hidden.push_back(v);
+  t.hidden = hidden_points(t);
 }
 
-void write_hull(Triangulation& t) {
-  t.hull_facets.clear();
-  t.hull_cells.clear();
-  Array<std::uint8_t> all(t.size());
-  std::fill(all.begin(), all.end(), std::uint8_t{1});
-  write_boundary(t, all, t.hull_facets, t.hull_cells);
-}
-
-void force_all(const PointView& points, const Constraints& constraints, const Run& run,
+void force_all(const LiftedPoints& points, const Constraints& constraints, const Run& run,
                ConstrainedTriangulation& out) {
-  const Prepared prepared = prepare_points(points, {}, false, {}, run);
-  Array<std::uint32_t> place(points.count);
-  for (std::uint32_t i = 0; i < prepared.points.count; ++i) place[prepared.points.ids[i]] = i;
-  Forcing forcing(out.triangulation, prepared.points, constraints, place, run);
+  const std::vector<std::uint32_t> place = places_of_ids(points, out.triangulation.point_count);
+  Forcing forcing(out.triangulation, points, constraints, place, run);
   for (std::uint32_t i = 0; i < constraints.size(); ++i) {
     if (i % 256 == 0) run.check();
     if (i % 65536 == 65535) run.report("constraints", double(i) / constraints.size());
@@ -515,7 +501,7 @@ void force_all(const PointView& points, const Constraints& constraints, const Ru
   }
   out.triangulation.cell_groups.clear();
   std::vector<Piece> pieces;
-  CellWriter(forcing, prepared.points.ids).write(out, pieces);
+  CellWriter(forcing, points.ids).write(out, pieces);
   write_pieces(pieces, out);
 }
 
@@ -530,7 +516,8 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
     refuse("constrained triangulations are of points in the plane, not in dimension " +
            std::to_string(points.dimension));
   ConstrainedTriangulation out;
-  out.triangulation = delaunay(points, run_as<TriangulationOptions>(o));
+  Prepared prepared;
+  out.triangulation = triangulate(points, run_as<TriangulationOptions>(o), prepared);
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
@@ -541,9 +528,10 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   const CallScope call;
   const PageScope pages;
   require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
-  force_all(points, constraints, run, out);
+  force_all(prepared.points, constraints, run, out);
   if (o.inside_only) keep_inside(out);
-  write_hull(out.triangulation);
+  Triangulation& t = out.triangulation;
+  write_boundary(t, nullptr, t.hull_facets, t.hull_cells, run);
   run.report("done", 1);
   return out;
 }

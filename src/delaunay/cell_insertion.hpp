@@ -20,6 +20,7 @@
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
+#include "geometry/simplex.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/xorshift.hpp"
 
@@ -96,7 +97,7 @@ class CellInsertion {
 
   /// Inserts point p: visibility walk, cavity, new cells. May throw cancelled.
   Inserted insert(std::uint32_t p) {
-    signs_.aim(p);
+    signs_.set_query(p);
     const std::uint32_t first = locate();
     if (first == unset) return Inserted::busy;
     if (s_.may_hide && !conflict(first)) {
@@ -151,7 +152,7 @@ class CellInsertion {
   struct Facet {
     std::uint32_t cell, slot, made;
   };
-  enum class Seen : std::uint8_t { inside, outside, first, busy };
+  enum class CellState : std::uint8_t { inside, outside, first, busy };
 
   void make_tables() {
     if constexpr (K == 3) {
@@ -183,17 +184,19 @@ class CellInsertion {
 
   /// Classifies a cell during the search for the cavity: known to be inside, known to be outside,
   /// seen for the first time (and now held), or held by another thread.
-  Seen look(std::uint32_t c) {
+  CellState classify(std::uint32_t c) {
     if constexpr (!shared) {
       const std::uint32_t known = cells_.store.mark(c);
-      return known == in_ ? Seen::inside : known == out() ? Seen::outside : Seen::first;
+      return known == in_     ? CellState::inside
+             : known == out() ? CellState::outside
+                              : CellState::first;
     } else {
       const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
-      if (known == in_) return Seen::inside;
-      if (known == out()) return Seen::outside;
-      if (known != 0 || !hold(c)) return Seen::busy;
+      if (known == in_) return CellState::inside;
+      if (known == out()) return CellState::outside;
+      if (known != 0 || !hold(c)) return CellState::busy;
       held_.push_back(c);
-      return Seen::first;
+      return CellState::first;
     }
   }
   void set_mark(std::uint32_t c, std::uint32_t value) {
@@ -252,7 +255,7 @@ class CellInsertion {
       c = step(c, cells_.store.cell_of(cells_.store.neighbours(c)[g]));
     unsigned from = corners();
     while (c != unset) {
-      const unsigned j = signs_.beyond(cells_.store.vertices(c), from);
+      const unsigned j = signs_.separating_facet(cells_.store.vertices(c), from);
       if (j == corners()) break;
       const std::uint32_t code = cells_.store.neighbours(c)[j];
       c = step(c, cells_.store.cell_of(code));
@@ -322,10 +325,10 @@ class CellInsertion {
       if (i + 1 < cavity_.size()) prefetch_around(cavity_[i + 1]);
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = cells_.store.cell_of(n[j]);
-        const Seen seen = look(o);
-        if (seen == Seen::inside) continue;
-        if (seen == Seen::busy) return false;
-        if (seen == Seen::first) {
+        const CellState seen = classify(o);
+        if (seen == CellState::inside) continue;
+        if (seen == CellState::busy) return false;
+        if (seen == CellState::first) {
           if (conflict(o)) {
             set_mark(o, in_);
             cavity_.push_back(o);
@@ -438,12 +441,9 @@ class CellInsertion {
     return true;
   }
 
-  /// 4D to 6D: links the new cells. Exactly two of them share each ridge of the cavity's boundary.
-  /// A table indexed by the ridge's hash holds the count and the sum of these cells' codes in one
-  /// number. If the count is 2, the sum minus one code is the other code. Cells at ridges that
-  /// share a hash are linked by walking (join).
+  /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary, by the sums of
+  /// their codes. Cells at ridges that share a hash are linked by walking (join).
   void join_by_sums() {
-    constexpr unsigned sum_bits = 42;
     const std::size_t ridges = facets_.size() * (corners() - 1);
     const auto bits = static_cast<unsigned>(std::bit_width(2 * ridges));
     sums_.assign(std::size_t{1} << bits, 0);
@@ -459,7 +459,7 @@ class CellInsertion {
       for (unsigned i = 0; i <= K; ++i) {
         if (i == f.slot) continue;
         *place = static_cast<std::uint32_t>((all - hash[i]) >> (64 - bits));
-        sums_[*place++] += (std::uint64_t{1} << sum_bits) + cells_.store.code(f.made, i);
+        sums_[*place++] += RidgeSums::entry(cells_.store.code(f.made, i));
       }
     }
     place = places_.data();
@@ -468,9 +468,8 @@ class CellInsertion {
       for (unsigned i = 0; i <= K; ++i) {
         if (i == f.slot) continue;
         const std::uint64_t sum = sums_[*place++];
-        if (sum >> sum_bits == 2)
-          n[i] = static_cast<std::uint32_t>((sum & ((std::uint64_t{1} << sum_bits) - 1)) -
-                                            cells_.store.code(f.made, i));
+        if (RidgeSums::is_pair(sum))
+          n[i] = RidgeSums::other(sum, cells_.store.code(f.made, i));
         else if (n[i] == unset)
           join(f, i);
       }
@@ -483,7 +482,7 @@ class CellInsertion {
 
   void join_cells() {
     if constexpr (with_planes) {
-      if (facets_.size() * K < std::size_t{1} << 20) return join_by_sums();  // counts and sums fit
+      if (facets_.size() * K < RidgeSums::max_entries) return join_by_sums();
     }
     for (const Facet& f : facets_) {
       const std::uint32_t* n = cells_.store.neighbours(f.made);
@@ -506,7 +505,7 @@ class CellInsertion {
       }
       const std::uint32_t corner = cells_.store.vertices(c)[pivot];
       pivot = cells_.store.slot_of(code);
-      cross = cells_.store.find_known(cells_.store.vertices(next), corner);
+      cross = cells_.store.index_of_present(cells_.store.vertices(next), corner);
       c = next;
     }
   }

@@ -49,7 +49,7 @@ class CellStore {
     return j;
   }
   /// As find(), for an item that is present. Branch-free, because the slot is unpredictable.
-  unsigned find_known(const std::uint32_t* list, std::uint32_t item) const {
+  unsigned index_of_present(const std::uint32_t* list, std::uint32_t item) const {
     unsigned found = 0;
     for (unsigned j = 1; j < corners(); ++j) found |= list[j] == item ? j : 0;
     return found;

@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/final_cells.hpp"
 #include "delaunay/plane_insertion.hpp"
+#include "geometry/simplex.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -175,16 +176,12 @@ class Parts {
     assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
   }
 
-  /// Ascending corners of a facet; whether the permutation and the slot make it odd.
+  /// The corners of a facet, ascending; returns whether the permutation and the slot together are
+  /// odd.
   static bool facet_corners(const std::uint32_t* v, unsigned slot,
                             std::array<std::uint32_t, 2>& corners) {
-    bool odd = slot % 2 == 1;
     corners = {v[slot == 0 ? 1 : 0], v[slot == 2 ? 1 : 2]};
-    if (corners[1] < corners[0]) {
-      std::swap(corners[0], corners[1]);
-      odd = !odd;
-    }
-    return odd;
+    return sort_simplex<0>(corners.data(), nullptr, 2) != (slot % 2 == 1);
   }
   static std::size_t hash(const std::array<std::uint32_t, 2>& corners) {
     std::uint64_t h = 0;

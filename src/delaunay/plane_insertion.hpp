@@ -39,7 +39,7 @@ class PlaneInsertion {
 
   /// Inserts point p; always succeeds (true). May throw cancelled.
   bool insert(std::uint32_t p) {
-    signs_.aim(p);
+    signs_.set_query(p);
     px_ = s_.row(p)[0];
     py_ = s_.row(p)[1];
     const std::uint32_t first = locate();
@@ -90,7 +90,7 @@ class PlaneInsertion {
     if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
     unsigned from = 3;
     for (;;) {
-      const unsigned j = signs_.beyond(store_.vertices(c), from);
+      const unsigned j = signs_.separating_facet(store_.vertices(c), from);
       if (j == 3) return c;
       const std::uint32_t code = store_.neighbours(c)[j];
       c = store_.cell_of(code);

@@ -13,9 +13,9 @@ namespace {
 using Row = std::vector<mpq_class>;
 
 /// The span of rational rows, as a basis in reduced echelon form.
-class Span {
+class EchelonBasis {
  public:
-  explicit Span(unsigned columns) : columns_(columns) {}
+  explicit EchelonBasis(unsigned columns) : columns_(columns) {}
   std::size_t rank() const { return rows_.size(); }
   const std::vector<Row>& rows() const { return rows_; }
   const std::vector<unsigned>& pivots() const { return pivots_; }
@@ -67,19 +67,19 @@ class Redundancy {
   bool redundant(std::uint32_t v, const std::vector<std::uint32_t>& cells,
                  const std::vector<std::uint32_t>& facets) const {
     const unsigned k = t_.corners() - 1;
-    Span normals(k + 1);
+    EchelonBasis normals(k + 1);
     std::vector<std::uint32_t> groups;
     for (const std::uint32_t c : cells) {
       if (std::count(groups.begin(), groups.end(), t_.group(c)) > 0) continue;
       groups.push_back(t_.group(c));
-      Span plane(k + 1);
+      EchelonBasis plane(k + 1);
       for (const std::uint32_t u : t_.cell(c))
         if (u != v) plane.add(difference(u, v));
       normals.add(plane.normal());
       if (normals.rank() == k + 1) return false;
     }
     for (const std::uint32_t f : facets) {
-      Span wall(k + 1);
+      EchelonBasis wall(k + 1);
       for (const std::uint32_t u : t_.hull_facet(f))
         if (u != v) wall.add(difference(u, v));
       Row up(k + 1);

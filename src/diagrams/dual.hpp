@@ -33,9 +33,9 @@ class DualPoints {
 };
 
 /// Lists that chunks of a loop make, joined in the order of chunks.
-class ListsInChunks {
+class ChunkedListBuilder {
  public:
-  explicit ListsInChunks(std::uint64_t count)
+  explicit ChunkedListBuilder(std::uint64_t count)
       : grain(light_grain / 16), parts_(chunk_count(count, grain)) {}
 
   void add(std::uint64_t chunk, const std::vector<std::uint32_t>& list) {

@@ -7,7 +7,7 @@
 
 #include "cullhull/alpha_shape.hpp"
 #include "cullhull/error.hpp"
-#include "delaunay/cell_boundary.hpp"
+#include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/threads/helpers.hpp"
@@ -152,7 +152,7 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
   AlphaShape out;
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) out.cells.push_back(c);
-  write_boundary(t, kept, out.facets, out.facet_cells);
+  write_boundary(t, kept.data(), out.facets, out.facet_cells, run);
   return out;
 }
 

@@ -5,6 +5,7 @@
 
 #include "diagrams/dual.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "geometry/simplex.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -153,12 +154,11 @@ class RidgeWriter {
   /// positive turn around the way from low to high.
   std::pair<unsigned, unsigned> others(const Edge& e, std::uint32_t c) const {
     const auto v = t_.cell(c);
-    unsigned order[4], n = 2;
+    std::uint32_t order[4], n = 2;
     for (unsigned i = 0; i < 4; ++i) order[v[i] == e.low ? 0 : v[i] == e.high ? 1 : n++] = i;
-    unsigned inversions = 0;
-    for (unsigned i = 0; i < 4; ++i)
-      for (unsigned j = i + 1; j < 4; ++j) inversions += order[i] > order[j] ? 1 : 0;
-    if (inversions % 2 == 1) std::swap(order[2], order[3]);
+    std::uint32_t sorted[4];
+    std::copy_n(order, 4, sorted);
+    if (sort_simplex<0>(sorted, nullptr, 4)) std::swap(order[2], order[3]);
     return {order[2], order[3]};
   }
 
@@ -235,7 +235,7 @@ Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
   const EdgeCells edges(t, run);
   const GroupVertices groups(t, run);
-  ListsInChunks vertices(t.point_count), points(t.point_count);
+  ChunkedListBuilder vertices(t.point_count), points(t.point_count);
   run.each_chunk(t.point_count, vertices.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     RidgeWriter writer(p, t, groups);

@@ -73,7 +73,7 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
   std::vector<bool> unbounded(t.point_count);
   for (const std::uint32_t v : t.hull_facets) unbounded[v] = true;
   if (t.corners() == 1) unbounded[t.cells[0]] = true;
-  ListsInChunks lists(t.point_count);
+  ChunkedListBuilder lists(t.point_count);
   run.each_chunk(t.point_count, lists.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     std::vector<std::uint32_t> list;
