@@ -35,17 +35,19 @@ class Constraints {
  public:
   Constraints(const Triangulation& t, std::span<const std::uint32_t> edges) : given_(edges) {
     if (edges.size() % 2 != 0) refuse("constraints are pairs of points");
-    standing_in_.resize(t.point_count);
-    std::iota(standing_in_.begin(), standing_in_.end(), 0U);
-    for (const DuplicatePoint& p : t.duplicates) standing_in_[p.id] = p.representative;
+    representative_.resize(t.point_count);
+    std::iota(representative_.begin(), representative_.end(), 0U);
+    for (const DuplicatePoint& p : t.duplicates) representative_[p.id] = p.representative;
     for (std::size_t i = 0; i < edges.size(); ++i)
       if (edges[i] >= t.point_count)
         refuse("edge " + std::to_string(i / 2) + " has the point " + std::to_string(edges[i]) +
                " of " + std::to_string(t.point_count));
   }
   std::uint32_t size() const { return static_cast<std::uint32_t>(given_.size() / 2); }
-  std::uint32_t from(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i}]]; }
-  std::uint32_t to(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i} + 1]]; }
+  std::uint32_t from(std::uint32_t i) const { return representative_[given_[2 * std::size_t{i}]]; }
+  std::uint32_t to(std::uint32_t i) const {
+    return representative_[given_[2 * std::size_t{i} + 1]];
+  }
   std::string name(std::uint32_t i) const {
     return std::to_string(i) + " (" + std::to_string(given_[2 * std::size_t{i}]) + ", " +
            std::to_string(given_[2 * std::size_t{i} + 1]) + ")";
@@ -53,7 +55,7 @@ class Constraints {
 
  private:
   std::span<const std::uint32_t> given_;
-  std::vector<std::uint32_t> standing_in_;
+  std::vector<std::uint32_t> representative_;
 };
 
 /// A part of a constraint between two neighbouring points on it, by ids.
@@ -119,11 +121,13 @@ class Forcing {
     if (++steps_ % 4096 == 0) run_.check();
   }
 
-  /// The edges of a vertex: to the left, then at the hull to the right from the first.
-  class Turn {
+  /// Visits the edges of a vertex: counterclockwise, then, if the vertex is on the hull, clockwise
+  /// from the first.
+  class EdgeCirculator {
    public:
-    Turn(const HalfEdges& mesh, std::uint32_t v) : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
-    /// On to the next edge; false if there is none.
+    EdgeCirculator(const HalfEdges& mesh, std::uint32_t v)
+        : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
+    /// Moves to the next edge; false if all have been visited.
     bool next() {
       if (!right_ && mesh_.has_face(at_)) {
         at_ = HalfEdges::twin(mesh_.previous(at_));
@@ -144,7 +148,7 @@ class Forcing {
   };
   /// Whether v has fewer edges than w: visits the edges of both in turn until one has no more.
   bool fewer_edges(std::uint32_t v, std::uint32_t w) {
-    for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
+    for (EdgeCirculator at_v(mesh_, v), at_w(mesh_, w);;) {
       poll();
       if (!at_w.next()) return false;
       if (!at_v.next()) return true;

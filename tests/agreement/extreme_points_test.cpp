@@ -13,7 +13,6 @@
 #include "exact/orientation/orientation.hpp"
 #include "extreme/hull_membership.hpp"
 #include "extreme/point_columns.hpp"
-#include "extreme/simplex_inverse.hpp"
 #include "geometry/local_frame.hpp"
 #include "parallel/threads/run.hpp"
 #include "point_sets.hpp"

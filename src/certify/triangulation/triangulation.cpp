@@ -145,14 +145,14 @@ class TriangulationSubject {
 
   /// Every id is a vertex, a duplicate or hidden, and only one of these.
   void check_points() {
-    enum : std::uint8_t { untold, vertex, duplicate, hidden };
-    std::vector<std::uint8_t> role(t_.point_count, untold);
+    enum : std::uint8_t { unlisted, vertex, duplicate, hidden };
+    std::vector<std::uint8_t> role(t_.point_count, unlisted);
     for (const std::uint32_t v : t_.cells) role[v] = vertex;
     std::uint64_t last = 0;
     for (const DuplicatePoint& p : t_.duplicates) {
       if (p.id >= t_.point_count || p.representative >= t_.point_count || p.id < last)
         fault("the duplicates are not ascending ids");
-      if (role[p.id] != untold) fault("point ", p.id, " is a duplicate and something else");
+      if (role[p.id] != unlisted) fault("point ", p.id, " is a duplicate and something else");
       role[p.id] = duplicate;
       last = std::uint64_t{p.id} + 1;
     }
@@ -168,12 +168,12 @@ class TriangulationSubject {
     last = 0;
     for (const std::uint32_t id : t_.hidden) {
       if (id >= t_.point_count || id < last) fault("the hidden points are not ascending ids");
-      if (role[id] != untold) fault("point ", id, " is hidden and something else");
+      if (role[id] != unlisted) fault("point ", id, " is hidden and something else");
       role[id] = hidden;
       last = std::uint64_t{id} + 1;
     }
     for (std::uint64_t i = 0; i < t_.point_count; ++i)
-      if (role[i] == untold) fault("point ", i, " is in no list");
+      if (role[i] == unlisted) fault("point ", i, " is in no list");
     if (!t_.hidden.empty() && !weighted() && !t_.furthest_site)
       fault("point ", t_.hidden[0], " is hidden without weights");
     if (!t_.hidden.empty()) check_distinct(role, duplicate);
@@ -476,7 +476,7 @@ class TriangulationSubject {
     fault("no cell has hidden point ", id);
   }
 
-  /// body(i) on all threads; of several faults that of the first chunk is told.
+  /// body(i) on all threads; of several faults, throws the one of the first chunk.
   template <class Body>
   void check_each(std::uint64_t count, const Body& body) const {
     constexpr std::uint64_t chunk = 4096;

@@ -214,24 +214,24 @@ class StolenVolumes {
             add(to.corners[0],
                 determinant(from.centre[0], from.centre[1], to.centre[0], to.centre[1]));
     } else {
-      struct Turn {
+      struct RimEdge {
         std::uint32_t low, high, rim;
         bool forward;
       };
-      std::vector<Turn> turns;
+      std::vector<RimEdge> edges;
       for (std::uint32_t r = 0; r < rim_.size(); ++r)
         for (unsigned i = 0; i < 3; ++i) {
           const std::uint32_t a = rim_[r].corners[i], b = rim_[r].corners[(i + 1) % 3];
-          turns.push_back({std::min(a, b), std::max(a, b), r, a < b});
+          edges.push_back({std::min(a, b), std::max(a, b), r, a < b});
         }
-      std::sort(turns.begin(), turns.end(), [](const Turn& x, const Turn& y) {
+      std::sort(edges.begin(), edges.end(), [](const RimEdge& x, const RimEdge& y) {
         return x.low != y.low     ? x.low < y.low
                : x.high != y.high ? x.high < y.high
                                   : x.forward > y.forward;
       });
-      for (std::size_t i = 0; i + 1 < turns.size(); i += 2)
-        close(turns[i].low, turns[i].high, rim_[turns[i].rim].centre,
-              rim_[turns[i + 1].rim].centre);
+      for (std::size_t i = 0; i + 1 < edges.size(); i += 2)
+        close(edges[i].low, edges[i].high, rim_[edges[i].rim].centre,
+              rim_[edges[i + 1].rim].centre);
     }
   }
   /// `own`: of the facet that has a before b, `other`: of that which has b before a.

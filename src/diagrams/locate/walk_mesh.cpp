@@ -14,17 +14,13 @@
 namespace cullhull::internal {
 namespace {
 
-struct Placed {
-  std::uint32_t key, id;
-};
-
 /// The numbers [0, keys.size()) by key, stable.
-Array<Placed> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
+Array<KeyedId> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
   const auto n = static_cast<std::uint32_t>(keys.size());
-  Array<Placed> items(n), scratch(n);
+  Array<KeyedId> items(n), scratch(n);
   for (std::uint32_t i = 0; i < n; ++i) items[i] = {keys[i], i};
-  Placed *from = items.data(), *to = scratch.data();
-  radix_sort(from, to, n, bits, run, [](const Placed& p) { return p.key; });
+  KeyedId *from = items.data(), *to = scratch.data();
+  radix_sort(from, to, n, bits, run);
   if (from != items.data()) std::swap(items, scratch);
   return items;
 }
@@ -82,7 +78,7 @@ void WalkMesh::take_vertices(const PointView& points, const Triangulation& t,
         end - begin, [&](std::uint64_t i) { return by_id.data() + (begin + i) * stride; },
         [&](std::uint64_t i, std::uint32_t key) { unsorted[begin + i] = key; });
   });
-  const Array<Placed> order = sorted_by_key(unsorted, frame.key_bits(), run);
+  const Array<KeyedId> order = sorted_by_key(unsorted, frame.key_bits(), run);
   ids.resize(n);
   keys.resize(n);
   Array<std::uint32_t> row_of(t.point_count);
@@ -110,7 +106,7 @@ void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& ro
   });
   unsigned bits = 0;
   while (vertex_count() >> bits != 0) ++bits;
-  const Array<Placed> order = sorted_by_key(first, bits, run);
+  const Array<KeyedId> order = sorted_by_key(first, bits, run);
   numbers.resize(count);
   places.resize(count);
   run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {

@@ -16,6 +16,7 @@
 #include "diagrams/voronoi/clip_shapes.hpp"
 #include "diagrams/voronoi/whole_cells.hpp"
 #include "exact/numbers/exact_numbers.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -512,11 +513,9 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Triangulation& t = triangulation;
   check_dimension(t);
   check_box(t, low, high);
-  return t.dimension == 1
-             ? clip<1>(points, t, box_region<1>(low, high), weights, shapes, diagram, run)
-         : t.dimension == 2
-             ? clip<2>(points, t, box_region<2>(low, high), weights, shapes, diagram, run)
-             : clip<3>(points, t, box_region<3>(low, high), weights, shapes, diagram, run);
+  return with_dimension<1, 2, 3>(t.dimension, [&](auto d) {
+    return clip<d()>(points, t, box_region<d()>(low, high), weights, shapes, diagram, run);
+  });
 }
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "geometry/insertion_rounds.hpp"
-#include "parallel/radix_sort.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -24,7 +23,7 @@ std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 
 /// cell's unordered points are long. `keyed` is sorted from `first` on; cells of more than
 /// `longest` points (many near-copies, which no order helps) are left as they are. On two circles,
 /// 200,000 points, 848 ms instead of 1015.
-void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* keyed,
+void refine_cells(const LocalPoints& points, const DirectionKey& key, KeyedId* keyed,
                   std::uint32_t first, std::uint32_t n, const Run& run) {
   constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
   // Crowded: a quarter of the points share a cell with 4 others. Of fewer than 2^16 points the
@@ -32,7 +31,7 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* key
   constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
   if (n < first + fewest) return;
   const std::uint64_t count = n - first;
-  const Keyed* const begin_all = keyed + first;
+  const KeyedId* const begin_all = keyed + first;
   std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
   run.each_chunk(count, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t sum = 0;
@@ -95,8 +94,8 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U, 12U);
   const unsigned key_width = 2 * order.key_bits + 3;
   const auto width = key_width + static_cast<unsigned>(std::bit_width(rounds));
-  BigArray<Keyed> memory(2 * std::size_t{n});
-  Keyed *keyed = memory.get(), *scratch = memory.get() + n;
+  BigArray<KeyedId> memory(2 * std::size_t{n});
+  KeyedId *keyed = memory.get(), *scratch = memory.get() + n;
   const std::uint64_t chunk_size = sort_chunk(n);
   std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
   run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -123,7 +122,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
     }
     sizes[c] = count;
   });
-  radix_sort(keyed, scratch, n, width, run, sort_key);
+  radix_sort(keyed, scratch, n, width, run);
   std::uint32_t unsorted = 0;  // the first rounds
   for (const auto& count : sizes) unsorted += count[0] + count[1];
   refine_cells(points, key, keyed, unsorted, n, run);

@@ -7,6 +7,7 @@
 #include "exact/points/local_points.hpp"
 #include "hull/space/direction_key.hpp"
 #include "parallel/memory/big_array.hpp"
+#include "parallel/radix_sort.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -18,11 +19,6 @@ struct InsertionOrder3D {
   std::vector<std::uint32_t> round_ends;  // ascending, the last is the number of points
   unsigned key_bits = 0;
 };
-
-struct Keyed {
-  std::uint32_t key, id;
-};
-inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
 
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.

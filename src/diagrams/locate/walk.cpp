@@ -1,4 +1,4 @@
-#include "diagrams/locate/nearest_vertex.hpp"
+#include "diagrams/locate/walk.hpp"
 
 #include <algorithm>
 #include <cmath>
