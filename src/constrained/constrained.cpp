@@ -17,14 +17,13 @@
 #include "delaunay/write_triangulation.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/difference_products.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal {
 namespace {
-
-constexpr std::uint32_t none = HalfEdges::none;
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::invalid_argument, message);
@@ -82,11 +81,11 @@ class Forcing {
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
           const std::vector<std::uint32_t>& place, const Run& run)
       : s_(s), constraints_(constraints), mesh_(t, place, s.count), run_(run) {
-    source_.assign(mesh_.size() / 2, none);
+    source_.assign(mesh_.size() / 2, no_index);
   }
 
   const HalfEdges& mesh() const { return mesh_; }
-  bool fixed(std::uint32_t half) const { return source_[half / 2] != none; }
+  bool fixed(std::uint32_t half) const { return source_[half / 2] != no_index; }
   std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
 
   /// Inserts a constraint from one point on it to the next, each time from the end of lower degree:
@@ -176,14 +175,14 @@ class Forcing {
   /// point. If the segment crosses a constraint, changes nothing and returns none if `may_refuse`,
   /// otherwise throws.
   Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
-    std::uint32_t first = none;
-    if (const std::uint32_t along = edge_along(a, b, first); along != none) {
+    std::uint32_t first = no_index;
+    if (const std::uint32_t along = edge_along(a, b, first); along != no_index) {
       fix(along);
       return {mesh_.origin(along) == a ? mesh_.target(along) : mesh_.origin(along), false};
     }
     Crossed crossed;
     const std::uint32_t end = collect(a, b, first, crossed, may_refuse);
-    if (end == none) return {none, true};
+    if (end == no_index) return {no_index, true};
     clear(a, end, crossed);
     restore();
     return {end, false};
@@ -196,19 +195,21 @@ class Forcing {
     std::uint32_t h = start;
     do {  // to the left
       poll();
-      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+      if (const std::uint32_t along = try_wedge(a, b, h, first);
+          along != no_index || first != no_index)
         return along;
       h = HalfEdges::twin(mesh_.previous(h));
     } while (h != start && mesh_.has_face(h));
-    if (h == start) return none;
+    if (h == start) return no_index;
     if (on_segment(a, b, mesh_.target(h))) return h;  // the last edge of the hull
     for (h = start; mesh_.has_face(HalfEdges::twin(h));) {
       poll();
       h = mesh_.next(HalfEdges::twin(h));
-      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+      if (const std::uint32_t along = try_wedge(a, b, h, first);
+          along != no_index || first != no_index)
         return along;
     }
-    return none;
+    return no_index;
   }
   bool on_segment(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     return v == b || (side(a, b, v) == Sign::zero && same_direction(a, b, v));
@@ -220,7 +221,7 @@ class Forcing {
     if (on_segment(a, b, x)) return h;
     const std::uint32_t y = mesh_.apex(h);
     if (side(a, b, x) == Sign::negative && side(a, b, y) == Sign::positive) first = mesh_.next(h);
-    return none;
+    return no_index;
   }
 
   /// Collects the edges that the segment crosses before it meets a point, and returns that point;
@@ -229,7 +230,7 @@ class Forcing {
                         bool may_refuse) {
     for (;;) {
       poll();
-      if (fixed(half) && may_refuse) return none;
+      if (fixed(half) && may_refuse) return no_index;
       if (fixed(half))
         refuse("edges " + constraints_.name(std::min(source(half), constraint_)) + " and " +
                constraints_.name(std::max(source(half), constraint_)) + " cross");
@@ -260,7 +261,7 @@ class Forcing {
       return i;
     };
     auto at = last_of_vertex(crossed.begin());  // the last edge of a vertex on the left
-    std::uint32_t last = none;
+    std::uint32_t last = no_index;
     while (!crossed.empty()) {
       poll();
       const std::uint32_t w = mesh_.target(*at);
@@ -286,7 +287,7 @@ class Forcing {
     const auto own = [&](Crossed::iterator i) {
       return i != crossed.end() && mesh_.target(*i) == w;
     };
-    std::uint32_t last = none;
+    std::uint32_t last = no_index;
     for (auto i = at; own(at);) {
       const std::uint32_t half = *i;
       const std::uint32_t before = mesh_.apex(half), after = mesh_.apex(HalfEdges::twin(half));
@@ -301,7 +302,7 @@ class Forcing {
       const auto back = first ? crossed.end() : std::prev(i);
       const std::uint32_t now = crossing_half(a, b, last);
       auto next = std::next(i);
-      if (now == none)
+      if (now == no_index)
         next = crossed.erase(i);
       else
         *i = now;  // the flipped edge now belongs to the vertex before or after
@@ -314,9 +315,9 @@ class Forcing {
   /// The half-edge from the right of the segment to its left; none if the edge does not cross it.
   std::uint32_t crossing_half(std::uint32_t a, std::uint32_t b, std::uint32_t edge) const {
     const std::uint32_t u = mesh_.origin(2 * edge), v = mesh_.target(2 * edge);
-    if (u == a || u == b || v == a || v == b) return none;
+    if (u == a || u == b || v == a || v == b) return no_index;
     const Sign of_u = side(a, b, u), of_v = side(a, b, v);
-    if (of_u == of_v) return none;
+    if (of_u == of_v) return no_index;
     return of_u == Sign::negative ? 2 * edge : 2 * edge + 1;
   }
 
@@ -417,10 +418,10 @@ class CellWriter {
   /// Computes depths from the outside inward (breadth first: cells of equal depth before deeper
   /// ones).
   void write_depths(const Array<std::uint32_t>& cell_of, Array<std::uint32_t>& depths) const {
-    depths.assign(cells_.size(), none);
+    depths.assign(cells_.size(), no_index);
     std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
     const auto reach = [&](std::uint32_t half, std::uint32_t depth) {
-      if (mesh_.has_face(half) && depths[cell_of[half]] == none) {
+      if (mesh_.has_face(half) && depths[cell_of[half]] == no_index) {
         if (forcing_.fixed(half))
           todo.emplace_back(half, depth + 1);
         else
@@ -432,7 +433,7 @@ class CellWriter {
     while (!todo.empty()) {
       auto [h, depth] = todo.front();
       todo.pop_front();
-      if (depths[cell_of[h]] != none) continue;
+      if (depths[cell_of[h]] != no_index) continue;
       depths[cell_of[h]] = depth;
       for (unsigned j = 0; j < 3; ++j, h = mesh_.next(h)) reach(HalfEdges::twin(h), depth);
     }

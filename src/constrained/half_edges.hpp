@@ -7,6 +7,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal {
 
@@ -14,8 +15,6 @@ namespace cullhull::internal {
 /// face at the hull. The caller chooses the numbers of vertices.
 class HalfEdges {
  public:
-  static constexpr std::uint32_t none = 0xffffffff;
-
   /// `place`: the vertex number of each of t's ids. t is two-dimensional.
   HalfEdges(const Triangulation& t, const std::vector<std::uint32_t>& place,
             std::uint32_t vertices);
@@ -24,13 +23,13 @@ class HalfEdges {
   static std::uint32_t twin(std::uint32_t h) { return h ^ 1U; }
   std::uint32_t origin(std::uint32_t h) const { return origin_[h]; }
   std::uint32_t target(std::uint32_t h) const { return origin_[h ^ 1U]; }
-  bool has_face(std::uint32_t h) const { return next_[h] != none; }
+  bool has_face(std::uint32_t h) const { return next_[h] != no_index; }
   std::uint32_t next(std::uint32_t h) const { return next_[h]; }
   std::uint32_t previous(std::uint32_t h) const { return next_[next_[h]]; }
   /// The corner of h's triangle that is not on h.
   std::uint32_t apex(std::uint32_t h) const { return origin_[previous(h)]; }
   bool inner(std::uint32_t edge) const { return has_face(2 * edge) && has_face(2 * edge + 1); }
-  /// A half-edge from the vertex with a triangle on its left; `none` if there is no triangle.
+  /// A half-edge from the vertex with a triangle on its left; no_index if there is no triangle.
   std::uint32_t out(std::uint32_t vertex) const { return out_[vertex]; }
 
   /// Flips an inner edge of a strictly convex quadrilateral: afterwards the edge joins the two
@@ -44,23 +43,22 @@ class HalfEdges {
 inline HalfEdges::HalfEdges(const Triangulation& t, const std::vector<std::uint32_t>& place,
                             std::uint32_t vertices)
     : out_(vertices) {
-  std::fill(out_.begin(), out_.end(), none);
+  std::fill(out_.begin(), out_.end(), no_index);
   const auto count = static_cast<std::uint32_t>(t.size());
   Array<std::uint32_t> half(3 * std::size_t{count});  // by the corner opposite to it
   for (std::uint32_t c = 0; c < count; ++c)
     for (unsigned j = 0; j < 3; ++j) {
       const std::uint32_t o = t.neighbours_of(c)[j];
       if (o != no_cell && o < c) {
-        const auto back = t.neighbours_of(o);
-        const auto slot = std::find(back.begin(), back.end(), c) - back.begin();
-        half[3 * std::size_t{c} + j] = twin(half[3 * std::size_t{o} + static_cast<unsigned>(slot)]);
+        half[3 * std::size_t{c} + j] =
+            twin(half[3 * std::size_t{o} + place_in(t.neighbours_of(o), c)]);
         continue;
       }
       half[3 * std::size_t{c} + j] = size();
       origin_.push_back(place[t.cell(c)[(j + 1) % 3]]);
       origin_.push_back(place[t.cell(c)[(j + 2) % 3]]);
     }
-  next_.assign(origin_.size(), none);
+  next_.assign(origin_.size(), no_index);
   for (std::uint32_t c = 0; c < count; ++c)
     for (unsigned j = 0; j < 3; ++j) {
       const std::uint32_t h = half[3 * std::size_t{c} + j];

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
 namespace cullhull::internal {
 
-/// `infinite`: the vertex at infinity. `unset`: a cell or neighbour that is not known yet.
-inline constexpr std::uint32_t infinite = 0xffffffff, unset = 0xffffffff;
+/// The vertex at infinity.
+inline constexpr std::uint32_t infinite = 0xffffffff;
 
 /// Vertices, neighbours and marks of numbered cells. K: the dimension if it is a compile-time
 /// constant, otherwise 0. A neighbour reference packs the neighbour's index and the slot in which

@@ -156,7 +156,7 @@ class PlaneInsertion {
     while (cavity_.size() < edges_.size()) cavity_.push_back(store_.new_cell());
     const std::size_t n = edges_.size();
     std::uint32_t before = cavity_[n - 1];
-    last_ = unset;
+    last_ = no_index;
     for (std::size_t i = 0; i < n; ++i) {
       const Rim& e = edges_[i];
       const std::uint32_t c = cavity_[i];
@@ -170,7 +170,7 @@ class PlaneInsertion {
       before = c;
       if (e.from != infinite && e.to != infinite) last_ = c;
     }
-    if (last_ == unset) last_ = before;
+    if (last_ == no_index) last_ = before;
   }
 
   const LiftedPoints& s_;

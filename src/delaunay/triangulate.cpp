@@ -201,10 +201,7 @@ Triangulation delaunay(const PointView& points, const TriangulationOptions& opti
 
 Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
                                     const TriangulationOptions& options) {
-  if (weights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
-                                                 " points, but " + std::to_string(weights.size()) +
-                                                 " weights");
+  internal::require_weights(weights, points.count);
   internal::Prepared prepared;
   Triangulation result = internal::triangulate_lifted(points, weights, options, prepared);
   result.weighted = true;

@@ -9,6 +9,7 @@
 #include "geometry/simplex.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/index.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 
@@ -138,9 +139,7 @@ void join_groups(const LiftedPoints& s, const std::vector<std::uint32_t>& places
       for (unsigned j = 0; j < corners; ++j) {
         const std::uint32_t o = across[j];
         if (o == no_cell || o < c) continue;
-        const auto back = t.neighbours_of(o);
-        const auto slot = std::find(back.begin(), back.end(), c) - back.begin();
-        const std::uint32_t q = t.cell(o)[static_cast<std::size_t>(slot)];
+        const std::uint32_t q = t.cell(o)[place_in(t.neighbours_of(o), c)];
         if (lift_side<K>(s, rows.data(), s.row(places[q]), counts) == Sign::zero)
           sets.join(static_cast<std::uint32_t>(c), o);
       }

@@ -1,6 +1,7 @@
 // What the steps from a triangulation to its dual share.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -62,6 +63,12 @@ class ChunkedListBuilder {
   std::vector<Part> parts_;
 };
 
+/// An edge by its points, low < high; compared lexicographically.
+struct Edge {
+  std::uint32_t low, high;
+  friend auto operator<=>(const Edge&, const Edge&) = default;
+};
+
 /// The edges of a triangulation by their lower point, and the cells around each edge.
 class EdgeCells {
  public:
@@ -71,12 +78,11 @@ class EdgeCells {
   struct Item {
     std::uint32_t high, cell;
   };
-  /// An edge by its points, low < high, and the cells around it, ascending.
-  struct Edge {
-    std::uint32_t low, high;
+  /// An edge and the cells around it, ascending.
+  struct Star : Edge {
     std::span<const Item> cells;
   };
-  /// Calls body(edge) for each edge whose lower point is in [begin, end), in lexicographic order.
+  /// Calls body(star) for each edge whose lower point is in [begin, end), in lexicographic order.
   template <class Body>
   void each_edge(std::uint64_t begin, std::uint64_t end, const Body& body) const {
     for (std::uint64_t v = begin; v < end; ++v) {
@@ -84,7 +90,7 @@ class EdgeCells {
       for (std::size_t i = 0; i < around.size();) {
         std::size_t next = i + 1;
         while (next < around.size() && around[next].high == around[i].high) ++next;
-        body(Edge{static_cast<std::uint32_t>(v), around[i].high, around.subspan(i, next - i)});
+        body(Star{{static_cast<std::uint32_t>(v), around[i].high}, around.subspan(i, next - i)});
         i = next;
       }
     }

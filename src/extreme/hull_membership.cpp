@@ -118,7 +118,7 @@ HullMembership::Answer HullMembership::search(std::uint32_t point, const PointCo
     Answer answer = approach(point, working, useful);
     if (answer != Answer::separated) return answer;
     // The direction separates the point from the working points: from all others, too?
-    std::uint32_t against = PointColumns::none;
+    std::uint32_t against = no_index;
     answer = separates_all(point, others, against);
     if (answer == Answer::separated) return answer;
     // If that point was tried already, rounding prevents progress.
@@ -238,7 +238,7 @@ HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns
   narrow_direction();
   Farthest result;
   result.id = points.least(narrow_.data(), point, count).id;
-  result.least = result.id == PointColumns::none ? HUGE_VAL : against(result.id);
+  result.least = result.id == no_index ? HUGE_VAL : against(result.id);
   return result;
 }
 
@@ -262,12 +262,12 @@ HullMembership::Answer HullMembership::approach(std::uint32_t point, const Point
     // Usually one of the first, which are the outermost, suffices.
     Farthest farthest = roughly_most_against(working, point, outermost);
     if (!(farthest.least < 0) || in_corral(farthest.id))
-      farthest = roughly_most_against(working, point, PointColumns::none);
+      farthest = roughly_most_against(working, point, no_index);
     if (in_corral(farthest.id)) farthest = most_against(working.ids(), point);
     const Farthest other = most_against(useful, point);
     if (other.least < farthest.least) farthest = other;
     if (farthest.least > 0) return Answer::separated;
-    if (farthest.id == PointColumns::none || in_corral(farthest.id))
+    if (farthest.id == no_index || in_corral(farthest.id))
       return prove_inside(point) ? Answer::inside : Answer::unknown;
     add(farthest.id);
     move_to_nearest();

@@ -43,7 +43,7 @@ class HullMembership {
  private:
   enum class Answer { inside, separated, unknown };
   struct Farthest {
-    std::uint32_t id = PointColumns::none;
+    std::uint32_t id = no_index;
     double least = 0;  ///< direction_ . (id - point)
   };
   Answer search(std::uint32_t point, const PointColumns& others, const PointColumns& working,

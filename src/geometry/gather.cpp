@@ -95,6 +95,13 @@ void require_points(std::uint32_t dimension, const void* data, std::uint64_t cou
   if (data == nullptr && count > 0) throw Error(ErrorCode::invalid_argument, "points.data is null");
 }
 
+void require_weights(std::span<const double> weights, std::uint64_t count) {
+  if (weights.size() != count)
+    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(count) +
+                                                 " points, but " + std::to_string(weights.size()) +
+                                                 " weights");
+}
+
 std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes,
                                         unsigned dimension) {
   std::vector<std::uint32_t> columns(axes);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/array.hpp"
@@ -17,6 +18,9 @@ inline void require_points(const PointView& view) {
 }
 /// The first of these checks alone.
 void require_dimension(std::uint32_t dimension);
+
+/// Throws Error{invalid_argument} unless there is one weight for each of `count` points.
+void require_weights(std::span<const double> weights, std::uint64_t count);
 
 /// The columns of points in a flat: its axes first, then the others, ascending.
 std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes, unsigned dimension);

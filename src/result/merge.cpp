@@ -6,13 +6,12 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
+#include "parallel/index.hpp"
 #include "result/merge_polygons.hpp"
 #include "result/pulling.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 /// A ridge on the border of a merged facet: simplex, slot.
 struct Border {
@@ -75,7 +74,7 @@ class Merger {
       for (unsigned i = 0; i < k_; ++i) {
         s.vertices.push_back(old_.simplex(f)[i]);
         const std::uint32_t g = facet_[old_.neighbours[std::size_t{f} * k_ + i]];
-        s.neighbours.push_back(g < singles_ ? g : none);  // facet g < singles_ is simplex g
+        s.neighbours.push_back(g < singles_ ? g : no_index);  // facet g < singles_ is simplex g
       }
     }
     out_.facet.resize(singles_);
@@ -118,11 +117,11 @@ class Merger {
   bool extreme(std::size_t begin, std::size_t end) const {
     if (end - begin < k_) return false;
     if (k_ == 2) return true;
-    std::uint32_t smallest = none;
+    std::uint32_t smallest = no_index;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t facet = incidence_[i].second;
       if (facet < singles_) return true;
-      if (smallest == none ||
+      if (smallest == no_index ||
           on_facet_[facet - singles_].size() < on_facet_[smallest - singles_].size())
         smallest = facet;
     }
@@ -165,7 +164,7 @@ class Merger {
 
   void add_simplex(std::uint32_t m, bool odd) {  // its ids have been appended
     out_.surface.odd.push_back(odd);
-    out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, none);
+    out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, no_index);
     out_.facet.push_back(singles_ + m);
   }
 
@@ -242,7 +241,7 @@ class Merger {
     std::vector<Slot> open;
     for (std::uint32_t f = 0; f < s.facet_count(); ++f)
       for (unsigned j = 0; j < k_; ++j)
-        if (s.neighbours[std::size_t{f} * k_ + j] == none) open.push_back({f, j});
+        if (s.neighbours[std::size_t{f} * k_ + j] == no_index) open.push_back({f, j});
     const auto compare = [&](const Slot& a, const Slot& b) {
       const std::uint32_t* x = s.simplex(a.simplex);
       const std::uint32_t* y = s.simplex(b.simplex);

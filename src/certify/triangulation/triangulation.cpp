@@ -529,10 +529,7 @@ Certificate certify(const PointView& points, const Triangulation& triangulation,
 
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options) {
-  if (weights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
-                                                 " points, but " + std::to_string(weights.size()) +
-                                                 " weights");
+  internal::require_weights(weights, points.count);
   return internal::certificate::certify_triangulation(points, weights, triangulation, options);
 }
 

@@ -26,10 +26,6 @@ void require_delaunay(const Triangulation& t) {
                 "furthest site");
 }
 
-struct Edge {
-  std::uint32_t low, high;
-};
-
 void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
   out.reserve(2 * edges.size());
   for (const Edge& e : edges) {
@@ -74,7 +70,7 @@ class EdgeOrder {
   void sort(std::vector<MeasuredEdge>& edges) const {
     std::sort(edges.begin(), edges.end(), [](const MeasuredEdge& a, const MeasuredEdge& b) {
       if (a.size.high != b.size.high) return a.size.high < b.size.high;
-      return a.size.low != b.size.low ? a.size.low < b.size.low : by_ids(a, b);
+      return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
     });
     for (std::size_t begin = 0; begin < edges.size();) {
       std::size_t end = begin + 1;
@@ -90,9 +86,6 @@ class EdgeOrder {
   }
 
  private:
-  static bool by_ids(const MeasuredEdge& a, const MeasuredEdge& b) {
-    return a.edge.low != b.edge.low ? a.edge.low < b.edge.low : a.edge.high < b.edge.high;
-  }
   /// Twice what both may be off by, 2^-101 an operation; true for what overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
     if (a.exact && b.exact) return false;
@@ -102,7 +95,7 @@ class EdgeOrder {
   bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
     const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
                                       p_.row(b.edge.low), p_.row(b.edge.high));
-    return sign != Sign::zero ? sign == Sign::negative : by_ids(a, b);
+    return sign != Sign::zero ? sign == Sign::negative : a.edge < b.edge;
   }
 
   const DualPoints& p_;
@@ -112,7 +105,7 @@ class EdgeOrder {
 // ------------------------------------------------------------------ Gabriel and lunes of points
 
 /// Whether the ball whose diameter is the edge has none of the points that share a cell with it.
-bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells::Edge& e) {
+bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells::Star& e) {
   const double *a = p.row(e.low), *b = p.row(e.high);
   for (const auto& item : e.cells)
     for (const std::uint32_t v : t.cell(item.cell)) {
@@ -131,8 +124,8 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
   std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-    edges.each_edge(begin, end, [&](const EdgeCells::Edge& e) {
-      if (ball_is_empty(p, t, e)) parts[chunk].push_back({e.low, e.high});
+    edges.each_edge(begin, end, [&](const EdgeCells::Star& e) {
+      if (ball_is_empty(p, t, e)) parts[chunk].push_back(e);
     });
   });
   for (const std::vector<Edge>& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -209,9 +202,8 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
   const EdgeOrder order(p, t.dimension);
   std::vector<MeasuredEdge> edges;
   if (t.corners() > 1) {
-    EdgeCells(t, run).each_edge(0, t.point_count, [&](const EdgeCells::Edge& e) {
-      edges.push_back(order.measure({e.low, e.high}));
-    });
+    EdgeCells(t, run).each_edge(
+        0, t.point_count, [&](const EdgeCells::Star& e) { edges.push_back(order.measure(e)); });
   }
   run.report("sort", 0.3);
   order.sort(edges);
@@ -225,9 +217,7 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
     joined.join(m.edge.low, m.edge.high);
     tree.push_back(m.edge);
   }
-  std::sort(tree.begin(), tree.end(), [](const Edge& a, const Edge& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
+  std::sort(tree.begin(), tree.end());
   return tree;
 }
 

@@ -9,6 +9,7 @@
 #include "exact/numbers/fractions.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -18,8 +19,7 @@ class Places {
  public:
   explicit Places(std::vector<std::uint32_t>& ids) : ids_(ids) {}
   std::uint32_t of(std::uint32_t id) {
-    const auto at =
-        static_cast<std::uint32_t>(std::find(ids_.begin(), ids_.end(), id) - ids_.begin());
+    const std::uint32_t at = place_in(ids_, id);
     if (at == ids_.size()) ids_.push_back(id);
     return at;
   }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exact/numbers/tracked.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal {
 
@@ -25,12 +26,11 @@ struct Cavity {
   unsigned d = K;
 
   /// A facet of a cell, ordered so that with the opposite corner as the last it is positive, and
-  /// the cell across it or none.
+  /// the cell across it or no_index.
   struct Side {
     Facet corners;
     std::uint32_t cell, across;
   };
-  static constexpr std::uint32_t none = 0xffffffff;
   std::vector<Side> sides;  ///< those between two cells once
 
   void find_sides() {
@@ -42,7 +42,7 @@ struct Cavity {
     sides.clear();
     for (std::uint32_t c = 0; c < cells.size(); ++c)
       for (unsigned j = 0; j <= K; ++j) {
-        Side s{{}, c, none};
+        Side s{{}, c, no_index};
         for (unsigned i = 0, n = 0; i <= K; ++i)
           if (i != j) s.corners[n++] = cells[c][i];
         if ((K - j) % 2 == 1) std::swap(s.corners[0], s.corners[1]);
@@ -84,7 +84,7 @@ class StolenVolumes {
     }
     for (const auto& side : cavity_.sides) {
       std::vector<std::uint32_t> corners(side.corners.begin(), side.corners.end());
-      const bool inner = side.across != Cavity<K>::none;
+      const bool inner = side.across != no_index;
       const Point other = inner ? centres[side.across] : centre_with_query(corners);
       add_side(side.corners, other, centres[side.cell]);
       if (!inner) rim_.push_back({side.corners, other});

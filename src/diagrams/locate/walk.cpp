@@ -65,19 +65,11 @@ std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
 
 std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row) {
   std::uint32_t best = mesh_.ids[row];
-  met_.clear();
-  met_.insert(row);
-  todo_.assign(1, row);
-  while (!todo_.empty()) {
-    const std::uint32_t v = todo_.back();
-    todo_.pop_back();
+  flood_.run(row, [&](std::uint32_t v, const auto& add) {
     best = std::min(best, mesh_.ids[v]);
     for (const std::uint32_t next : graph_[v])
-      if (!met_.contains(next) && compare(q, next, row) == Sign::zero) {
-        met_.insert(next);
-        todo_.push_back(next);
-      }
-  }
+      if (!flood_.reached(next) && compare(q, next, row) == Sign::zero) add(next);
+  });
   return best;
 }
 

@@ -1,4 +1,4 @@
-// Walks over the cells of a triangulation to the one that has a point.
+// Walks over a triangulation: to the cell that contains a point, and to the nearest vertex.
 #pragma once
 
 #include <algorithm>
@@ -44,6 +44,31 @@ inline Sign cell_orientation(unsigned k, const double* const* p) {
   }
   return orientation(k, p);
 }
+
+/// Visits what is connected with a start, for sets that are small beside the mesh.
+class Flood {
+ public:
+  /// Calls visit(item, add) once for each item that is reached: add(next) reaches a further one.
+  template <class Visit>
+  void run(std::uint32_t start, const Visit& visit) {
+    reached_.clear();
+    reached_.insert(start);
+    todo_.assign(1, start);
+    while (!todo_.empty()) {
+      const std::uint32_t item = todo_.back();
+      todo_.pop_back();
+      visit(item, [&](std::uint32_t next) {
+        if (reached_.insert(next).second) todo_.push_back(next);
+      });
+    }
+  }
+
+  bool reached(std::uint32_t item) const { return reached_.contains(item); }
+
+ private:
+  std::unordered_set<std::uint32_t> reached_;
+  std::vector<std::uint32_t> todo_;
+};
 
 /// A thread's walks, each from where the last one ended or from a vertex near on the curve.
 template <unsigned K>
@@ -109,19 +134,13 @@ class Walk {
   }
   std::uint32_t lowest_around() {
     std::uint32_t best = cell_;
-    met_.clear();
-    met_.insert(cell_);
-    todo_.assign(1, cell_);
-    while (!todo_.empty()) {
-      const std::uint32_t c = todo_.back();
-      todo_.pop_back();
+    flood_.run(cell_, [&](std::uint32_t c, const auto& add) {
       best = lower(best, c);
       for (unsigned j = 0; j <= k(); ++j) {
         const std::uint32_t next = mesh_.neighbours_of(c)[j], v = mesh_.corners_of(c)[j];
-        if (next == no_cell || std::find(face_.begin(), face_.end(), v) != face_.end()) continue;
-        if (met_.insert(next).second) todo_.push_back(next);
+        if (next != no_cell && std::find(face_.begin(), face_.end(), v) == face_.end()) add(next);
       }
-    }
+    });
     return best;
   }
 
@@ -129,8 +148,8 @@ class Walk {
   std::vector<const double*> probe_;
   std::uint32_t cell_ = no_cell, row_ = 0, key_ = 0;
   std::vector<unsigned> zeros_;
-  std::vector<std::uint32_t> face_, todo_;
-  std::unordered_set<std::uint32_t> met_;
+  std::vector<std::uint32_t> face_;
+  Flood flood_;
 };
 
 /// A thread's walks. The lifted vertices are those of a convex surface, over which a distance to q
@@ -153,8 +172,7 @@ class NearestVertex {
   const WalkMesh& mesh_;
   const Adjacency<std::uint32_t>& graph_;
   std::uint32_t row_ = no_cell;
-  std::unordered_set<std::uint32_t> met_;
-  std::vector<std::uint32_t> todo_;
+  Flood flood_;
 };
 
 }  // namespace cullhull::internal

@@ -10,6 +10,7 @@
 #include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/orientation/difference_products.hpp"
+#include "parallel/index.hpp"
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
@@ -26,11 +27,6 @@ void require_plane(const Triangulation& t) {
                 "concave hulls by the length of edges are of points in a plane");
 }
 
-/// An edge by its lower id first.
-struct Edge {
-  std::uint32_t low, high;
-};
-
 Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// Comparisons of lengths, exact; of equal ones the lower ids are before the higher.
@@ -42,7 +38,7 @@ class Lengths {
     const Sign sign =
         compare_lengths(d_, p_.row(a.low), p_.row(a.high), p_.row(b.low), p_.row(b.high));
     if (sign != Sign::zero) return sign == Sign::positive;
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
+    return a < b;
   }
   void set_limit(double limit) { limit_[0] = limit; }
   bool over_limit(const Edge& e) const {
@@ -95,9 +91,7 @@ class Digging {
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = t_.neighbours_of(side.cell)[j];
         if (o == no_cell || kept_[o] == 0) continue;
-        const auto back = t_.neighbours_of(o);
-        add(o,
-            static_cast<unsigned>(std::find(back.begin(), back.end(), side.cell) - back.begin()));
+        add(o, place_in(t_.neighbours_of(o), side.cell));
       }
     }
     return std::move(kept_);

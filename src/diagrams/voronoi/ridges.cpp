@@ -47,15 +47,13 @@ class GroupVertices {
   Array<std::uint32_t> count_;  ///< the distinct vertices come first; 0: the group is one cell
 };
 
-using Edge = EdgeCells::Edge;
-
 class RidgeWriter {
  public:
   RidgeWriter(const DualPoints& p, const Triangulation& t, const GroupVertices& groups)
       : p_(p), t_(t), groups_(groups), k_(t.corners() - 1) {}
 
   /// The vertices of the edge's ridge; false if it has none of dimension k - 1.
-  bool write(const Edge& e, std::vector<std::uint32_t>& out) {
+  bool write(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) {
     out.clear();
     if (within_merged(e)) return false;
     if (k_ == 2)
@@ -68,14 +66,16 @@ class RidgeWriter {
   }
 
  private:
-  bool on_edge(const Edge& e, std::uint32_t v) const { return v == e.low || v == e.high; }
+  bool on_edge(const EdgeCells::Star& e, std::uint32_t v) const {
+    return v == e.low || v == e.high;
+  }
 
   /// The edge is none of the merged complex if the least face of that complex that has it has other
   /// vertices too: those common to all groups around it that lie in the planes of all facets of the
   /// hull at it. Vertices are extreme points of the lift, so such a face has dimension 2 or more,
   /// and the cells of each group cut it into simplices: some cell of the group at the edge has a
   /// further vertex of it. So corners of the group with the fewest cells here are all to look at.
-  bool within_merged(const Edge& e) {
+  bool within_merged(const EdgeCells::Star& e) {
     if (k_ < 2) return false;
     bool any = false;
     for (const auto& item : e.cells) any = any || groups_.merged(t_.group(item.cell));
@@ -98,7 +98,7 @@ class RidgeWriter {
     return std::any_of(candidates_.begin(), candidates_.end(),
                        [&](std::uint32_t v) { return in_all_groups(v) && on_hull(e, v); });
   }
-  void sort_by_group(const Edge& e) {
+  void sort_by_group(const EdgeCells::Star& e) {
     around_.clear();
     for (const auto& item : e.cells) around_.emplace_back(t_.group(item.cell), item.cell);
     std::sort(around_.begin(), around_.end());
@@ -117,7 +117,7 @@ class RidgeWriter {
   }
 
   /// Whether v is in the planes of the hull's facets that have the edge.
-  bool on_hull(const Edge& e, std::uint32_t v) {
+  bool on_hull(const EdgeCells::Star& e, std::uint32_t v) {
     for (const auto& item : e.cells)
       for (unsigned j = 0; j <= k_; ++j) {
         if (t_.neighbours_of(item.cell)[j] != no_cell || on_edge(e, t_.cell(item.cell)[j]))
@@ -140,7 +140,7 @@ class RidgeWriter {
   }
 
   /// Left, then right. In a triangle low is followed by high where its third corner is on the left.
-  void in_plane(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_plane(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     out.assign(2, at_infinity);
     for (const auto& item : e.cells) {
       const auto v = t_.cell(item.cell);
@@ -152,7 +152,7 @@ class RidgeWriter {
 
   /// Places in the cell of the corners off the edge, so that from the first to the second is a
   /// positive turn around the way from low to high.
-  std::pair<unsigned, unsigned> others(const Edge& e, std::uint32_t c) const {
+  std::pair<unsigned, unsigned> others(const EdgeCells::Star& e, std::uint32_t c) const {
     const auto v = t_.cell(c);
     std::uint32_t order[4], n = 2;
     for (unsigned i = 0; i < 4; ++i) order[v[i] == e.low ? 0 : v[i] == e.high ? 1 : n++] = i;
@@ -162,7 +162,7 @@ class RidgeWriter {
     return {order[2], order[3]};
   }
 
-  void in_space(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_space(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     std::uint32_t first = e.cells[0].cell;
     for (const auto& item : e.cells) {  // infinity first
       if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_cell) continue;
@@ -179,7 +179,7 @@ class RidgeWriter {
     std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
   }
 
-  void in_any(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_any(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     bool unbounded = false;
     for (const auto& item : e.cells) {
       out.push_back(t_.group(item.cell));
@@ -240,7 +240,7 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     RidgeWriter writer(p, t, groups);
     std::vector<std::uint32_t> ridge;
-    edges.each_edge(begin, end, [&](const Edge& e) {
+    edges.each_edge(begin, end, [&](const EdgeCells::Star& e) {
       if (!writer.write(e, ridge)) return;
       vertices.add(chunk, ridge);
       points.add(chunk, {e.low, e.high});

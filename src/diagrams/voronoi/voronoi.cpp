@@ -11,6 +11,7 @@
 #include "exact/insphere/circumcentre.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -45,9 +46,7 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
 void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
                  std::vector<std::uint32_t>& out) {
   const auto across = [&](std::uint32_t c, unsigned turn) {
-    const auto cell = t.cell(c);
-    const auto at = static_cast<unsigned>(std::find(cell.begin(), cell.end(), v) - cell.begin());
-    return t.neighbours_of(c)[(at + turn) % 3];
+    return t.neighbours_of(c)[(place_in(t.cell(c), v) + turn) % 3];
   };
   std::uint32_t first = start;
   for (std::uint32_t c = across(start, 2); c != start; c = across(c, 2)) {
@@ -99,16 +98,13 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
 
 void require_points_of(const Triangulation& t, const PointView& points,
                        std::span<const double> weights) {
-  const auto require = [](bool condition, const std::string& message) {
-    if (!condition) throw Error(ErrorCode::invalid_argument, message);
-  };
-  require(points.dimension == t.dimension && points.count == t.point_count,
-          "the triangulation is of " + std::to_string(t.point_count) + " points in dimension " +
-              std::to_string(t.dimension) + ", not of " + std::to_string(points.count) +
-              " in dimension " + std::to_string(points.dimension));
-  require(weights.empty() || weights.size() == points.count,
-          "there are " + std::to_string(points.count) + " points, but " +
-              std::to_string(weights.size()) + " weights");
+  if (points.dimension != t.dimension || points.count != t.point_count)
+    throw Error(ErrorCode::invalid_argument,
+                "the triangulation is of " + std::to_string(t.point_count) +
+                    " points in dimension " + std::to_string(t.dimension) + ", not of " +
+                    std::to_string(points.count) + " in dimension " +
+                    std::to_string(points.dimension));
+  if (!weights.empty()) require_weights(weights, points.count);
 }
 
 DualPoints::DualPoints(const PointView& points, const Triangulation& t,

@@ -201,7 +201,7 @@ Boundary InsertionNd<D>::collect() {
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     Id count = 0;
     for (std::uint64_t f = begin; f < end; ++f)
-      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : no_index;
     before[c + 1] = count;
   });
   for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
@@ -211,7 +211,7 @@ Boundary InsertionNd<D>::collect() {
   run_.each_chunk(facet_slots_, chunk,
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
-      if (number[f] == none) continue;
+      if (number[f] == no_index) continue;
       const std::size_t base = std::size_t{before[c] + number[f]} * d;
       const Id* v = store_.vertices(static_cast<Id>(f));
       const Id* n = store_.neighbours(static_cast<Id>(f));
