@@ -9,6 +9,7 @@
 
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -31,11 +32,8 @@ template <class... Parts>
   throw Fault{std::move(text)};
 }
 
-/// The simplices of each facet, in order of facet: those of f are simplices[start[f] .. start[f +
-/// 1]).
-struct Members {
-  std::vector<std::uint32_t> start, simplices;
-};
+/// The simplices of each facet, ascending.
+using FacetSimplices = Adjacency<std::uint32_t, std::uint32_t>;
 
 /// The hull under test, and what has been established about it so far.
 struct Subject {
@@ -55,7 +53,7 @@ struct Subject {
   std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
   std::vector<double> centre;        ///< the interior point, if one was found among the doubles
-  Members members;                   ///< set once simplex_facets has been checked
+  FacetSimplices members;            ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
   mutable std::atomic<std::uint64_t> vertices_met{0};  ///< found among the points so far
   unsigned id_shift = 0;                               ///< ids are looked up by their high bits:

@@ -13,18 +13,17 @@
 
 #include "constrained/half_edges.hpp"
 #include "cullhull/error.hpp"
-#include "delaunay/cell_boundary.hpp"
-#include "delaunay/prepare.hpp"
+#include "delaunay/triangulate.hpp"
+#include "delaunay/write_triangulation.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/difference_products.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline constrained {
 namespace {
-
-constexpr std::uint32_t none = HalfEdges::none;
 
 [[noreturn]] void refuse(const std::string& message) {
   throw Error(ErrorCode::invalid_argument, message);
@@ -35,17 +34,19 @@ class Constraints {
  public:
   Constraints(const Triangulation& t, std::span<const std::uint32_t> edges) : given_(edges) {
     if (edges.size() % 2 != 0) refuse("constraints are pairs of points");
-    standing_in_.resize(t.point_count);
-    std::iota(standing_in_.begin(), standing_in_.end(), 0U);
-    for (const DuplicatePoint& p : t.duplicates) standing_in_[p.id] = p.representative;
+    representative_.resize(t.point_count);
+    std::iota(representative_.begin(), representative_.end(), 0U);
+    for (const DuplicatePoint& p : t.duplicates) representative_[p.id] = p.representative;
     for (std::size_t i = 0; i < edges.size(); ++i)
       if (edges[i] >= t.point_count)
         refuse("edge " + std::to_string(i / 2) + " has the point " + std::to_string(edges[i]) +
                " of " + std::to_string(t.point_count));
   }
   std::uint32_t size() const { return static_cast<std::uint32_t>(given_.size() / 2); }
-  std::uint32_t from(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i}]]; }
-  std::uint32_t to(std::uint32_t i) const { return standing_in_[given_[2 * std::size_t{i} + 1]]; }
+  std::uint32_t from(std::uint32_t i) const { return representative_[given_[2 * std::size_t{i}]]; }
+  std::uint32_t to(std::uint32_t i) const {
+    return representative_[given_[2 * std::size_t{i} + 1]];
+  }
   std::string name(std::uint32_t i) const {
     return std::to_string(i) + " (" + std::to_string(given_[2 * std::size_t{i}]) + ", " +
            std::to_string(given_[2 * std::size_t{i} + 1]) + ")";
@@ -53,7 +54,7 @@ class Constraints {
 
  private:
   std::span<const std::uint32_t> given_;
-  std::vector<std::uint32_t> standing_in_;
+  std::vector<std::uint32_t> representative_;
 };
 
 /// A part of a constraint between two neighbouring points on it, by ids.
@@ -78,13 +79,13 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
 class Forcing {
  public:
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
-          const Array<std::uint32_t>& place, const Run& run)
+          const std::vector<std::uint32_t>& place, const Run& run)
       : s_(s), constraints_(constraints), mesh_(t, place, s.count), run_(run) {
-    source_.assign(mesh_.size() / 2, none);
+    source_.assign(mesh_.size() / 2, no_index);
   }
 
   const HalfEdges& mesh() const { return mesh_; }
-  bool fixed(std::uint32_t half) const { return source_[half / 2] != none; }
+  bool fixed(std::uint32_t half) const { return source_[half / 2] != no_index; }
   std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
 
   /// Inserts a constraint from one point on it to the next, each time from the end of lower degree:
@@ -119,11 +120,13 @@ class Forcing {
     if (++steps_ % 4096 == 0) run_.check();
   }
 
-  /// The edges of a vertex: to the left, then at the hull to the right from the first.
-  class Turn {
+  /// Visits the edges of a vertex: counterclockwise, then, if the vertex is on the hull, clockwise
+  /// from the first.
+  class EdgeCirculator {
    public:
-    Turn(const HalfEdges& mesh, std::uint32_t v) : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
-    /// On to the next edge; false if there is none.
+    EdgeCirculator(const HalfEdges& mesh, std::uint32_t v)
+        : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
+    /// Moves to the next edge; false if all have been visited.
     bool next() {
       if (!right_ && mesh_.has_face(at_)) {
         at_ = HalfEdges::twin(mesh_.previous(at_));
@@ -144,7 +147,7 @@ class Forcing {
   };
   /// Whether v has fewer edges than w: visits the edges of both in turn until one has no more.
   bool fewer_edges(std::uint32_t v, std::uint32_t w) {
-    for (Turn at_v(mesh_, v), at_w(mesh_, w);;) {
+    for (EdgeCirculator at_v(mesh_, v), at_w(mesh_, w);;) {
       poll();
       if (!at_w.next()) return false;
       if (!at_v.next()) return true;
@@ -172,14 +175,14 @@ class Forcing {
   /// point. If the segment crosses a constraint, changes nothing and returns none if `may_refuse`,
   /// otherwise throws.
   Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
-    std::uint32_t first = none;
-    if (const std::uint32_t along = edge_along(a, b, first); along != none) {
+    std::uint32_t first = no_index;
+    if (const std::uint32_t along = edge_along(a, b, first); along != no_index) {
       fix(along);
       return {mesh_.origin(along) == a ? mesh_.target(along) : mesh_.origin(along), false};
     }
     Crossed crossed;
     const std::uint32_t end = collect(a, b, first, crossed, may_refuse);
-    if (end == none) return {none, true};
+    if (end == no_index) return {no_index, true};
     clear(a, end, crossed);
     restore();
     return {end, false};
@@ -192,19 +195,21 @@ class Forcing {
     std::uint32_t h = start;
     do {  // to the left
       poll();
-      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+      if (const std::uint32_t along = try_wedge(a, b, h, first);
+          along != no_index || first != no_index)
         return along;
       h = HalfEdges::twin(mesh_.previous(h));
     } while (h != start && mesh_.has_face(h));
-    if (h == start) return none;
+    if (h == start) return no_index;
     if (on_segment(a, b, mesh_.target(h))) return h;  // the last edge of the hull
     for (h = start; mesh_.has_face(HalfEdges::twin(h));) {
       poll();
       h = mesh_.next(HalfEdges::twin(h));
-      if (const std::uint32_t along = try_wedge(a, b, h, first); along != none || first != none)
+      if (const std::uint32_t along = try_wedge(a, b, h, first);
+          along != no_index || first != no_index)
         return along;
     }
-    return none;
+    return no_index;
   }
   bool on_segment(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     return v == b || (side(a, b, v) == Sign::zero && same_direction(a, b, v));
@@ -216,7 +221,7 @@ class Forcing {
     if (on_segment(a, b, x)) return h;
     const std::uint32_t y = mesh_.apex(h);
     if (side(a, b, x) == Sign::negative && side(a, b, y) == Sign::positive) first = mesh_.next(h);
-    return none;
+    return no_index;
   }
 
   /// Collects the edges that the segment crosses before it meets a point, and returns that point;
@@ -225,7 +230,7 @@ class Forcing {
                         bool may_refuse) {
     for (;;) {
       poll();
-      if (fixed(half) && may_refuse) return none;
+      if (fixed(half) && may_refuse) return no_index;
       if (fixed(half))
         refuse("edges " + constraints_.name(std::min(source(half), constraint_)) + " and " +
                constraints_.name(std::max(source(half), constraint_)) + " cross");
@@ -256,7 +261,7 @@ class Forcing {
       return i;
     };
     auto at = last_of_vertex(crossed.begin());  // the last edge of a vertex on the left
-    std::uint32_t last = none;
+    std::uint32_t last = no_index;
     while (!crossed.empty()) {
       poll();
       const std::uint32_t w = mesh_.target(*at);
@@ -282,7 +287,7 @@ class Forcing {
     const auto own = [&](Crossed::iterator i) {
       return i != crossed.end() && mesh_.target(*i) == w;
     };
-    std::uint32_t last = none;
+    std::uint32_t last = no_index;
     for (auto i = at; own(at);) {
       const std::uint32_t half = *i;
       const std::uint32_t before = mesh_.apex(half), after = mesh_.apex(HalfEdges::twin(half));
@@ -297,7 +302,7 @@ class Forcing {
       const auto back = first ? crossed.end() : std::prev(i);
       const std::uint32_t now = crossing_half(a, b, last);
       auto next = std::next(i);
-      if (now == none)
+      if (now == no_index)
         next = crossed.erase(i);
       else
         *i = now;  // the flipped edge now belongs to the vertex before or after
@@ -310,9 +315,9 @@ class Forcing {
   /// The half-edge from the right of the segment to its left; none if the edge does not cross it.
   std::uint32_t crossing_half(std::uint32_t a, std::uint32_t b, std::uint32_t edge) const {
     const std::uint32_t u = mesh_.origin(2 * edge), v = mesh_.target(2 * edge);
-    if (u == a || u == b || v == a || v == b) return none;
+    if (u == a || u == b || v == a || v == b) return no_index;
     const Sign of_u = side(a, b, u), of_v = side(a, b, v);
-    if (of_u == of_v) return none;
+    if (of_u == of_v) return no_index;
     return of_u == Sign::negative ? 2 * edge : 2 * edge + 1;
   }
 
@@ -413,10 +418,10 @@ class CellWriter {
   /// Computes depths from the outside inward (breadth first: cells of equal depth before deeper
   /// ones).
   void write_depths(const Array<std::uint32_t>& cell_of, Array<std::uint32_t>& depths) const {
-    depths.assign(cells_.size(), none);
+    depths.assign(cells_.size(), no_index);
     std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
     const auto reach = [&](std::uint32_t half, std::uint32_t depth) {
-      if (mesh_.has_face(half) && depths[cell_of[half]] == none) {
+      if (mesh_.has_face(half) && depths[cell_of[half]] == no_index) {
         if (forcing_.fixed(half))
           todo.emplace_back(half, depth + 1);
         else
@@ -428,7 +433,7 @@ class CellWriter {
     while (!todo.empty()) {
       auto [h, depth] = todo.front();
       todo.pop_front();
-      if (depths[cell_of[h]] != none) continue;
+      if (depths[cell_of[h]] != no_index) continue;
       depths[cell_of[h]] = depth;
       for (unsigned j = 0; j < 3; ++j, h = mesh_.next(h)) reach(HalfEdges::twin(h), depth);
     }
@@ -487,27 +492,13 @@ void keep_inside(ConstrainedTriangulation& out) {
   t.cells = std::move(cells);
   t.neighbours = std::move(neighbours);
   out.depths = std::move(depths);
-  std::vector<bool> told(t.point_count);
-  for (const std::uint32_t v : t.cells) told[v] = true;
-  for (const DuplicatePoint& p : t.duplicates) told[p.id] = true;
-  for (std::uint32_t v = 0; v < t.point_count; ++v)
-    if (!told[v]) t.hidden.push_back(v);
+  t.hidden = hidden_points(t);
 }
 
-void write_hull(Triangulation& t) {
-  t.hull_facets.clear();
-  t.hull_cells.clear();
-  Array<std::uint8_t> all(t.size());
-  std::fill(all.begin(), all.end(), std::uint8_t{1});
-  write_boundary(t, all, t.hull_facets, t.hull_cells);
-}
-
-void force_all(const PointView& points, const Constraints& constraints, const Run& run,
+void force_all(const LiftedPoints& points, const Constraints& constraints, const Run& run,
                ConstrainedTriangulation& out) {
-  const Prepared prepared = prepare_points(points, {}, false, {}, run);
-  Array<std::uint32_t> place(points.count);
-  for (std::uint32_t i = 0; i < prepared.points.count; ++i) place[prepared.points.ids[i]] = i;
-  Forcing forcing(out.triangulation, prepared.points, constraints, place, run);
+  const std::vector<std::uint32_t> place = places_of_ids(points, out.triangulation.point_count);
+  Forcing forcing(out.triangulation, points, constraints, place, run);
   for (std::uint32_t i = 0; i < constraints.size(); ++i) {
     if (i % 256 == 0) run.check();
     if (i % 65536 == 65535) run.report("constraints", double(i) / constraints.size());
@@ -515,7 +506,7 @@ void force_all(const PointView& points, const Constraints& constraints, const Ru
   }
   out.triangulation.cell_groups.clear();
   std::vector<Piece> pieces;
-  CellWriter(forcing, prepared.points.ids).write(out, pieces);
+  CellWriter(forcing, points.ids).write(out, pieces);
   write_pieces(pieces, out);
 }
 
@@ -530,7 +521,8 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
     refuse("constrained triangulations are of points in the plane, not in dimension " +
            std::to_string(points.dimension));
   ConstrainedTriangulation out;
-  out.triangulation = cullhull::delaunay(points, TriangulationOptions{o});
+  Prepared prepared;
+  out.triangulation = triangulate(points, TriangulationOptions{o}, prepared);
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);
@@ -539,9 +531,10 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   const Call call(o);
   const Run& run = call.run;
   require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
-  force_all(points, constraints, run, out);
+  force_all(prepared.points, constraints, run, out);
   if (o.inside_only) keep_inside(out);
-  write_hull(out.triangulation);
+  Triangulation& t = out.triangulation;
+  write_boundary(t, nullptr, t.hull_facets, t.hull_cells, run);
   run.report("done", 1);
   return out;
 }

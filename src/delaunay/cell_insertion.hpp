@@ -20,6 +20,7 @@
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
+#include "geometry/simplex.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -96,9 +97,9 @@ class CellInsertion {
 
   /// Inserts point p: visibility walk, cavity, new cells. May throw cancelled.
   Inserted insert(std::uint32_t p) {
-    signs_.aim(p);
+    signs_.set_query(p);
     const std::uint32_t first = locate();
-    if (first == unset) return Inserted::busy;
+    if (first == no_index) return Inserted::busy;
     if (s_.may_hide && !conflict(first)) {
       let_go();
       return Inserted::hidden;
@@ -151,12 +152,12 @@ class CellInsertion {
   struct Facet {
     std::uint32_t cell, slot, made;
   };
-  enum class Seen : std::uint8_t { inside, outside, first, busy };
+  enum class CellState : std::uint8_t { inside, outside, first, busy };
 
   void make_tables() {
     if constexpr (K == 3) {
       labels_.resize(s_.count, 0);
-      edges_.assign(std::size_t{most_labels} * most_labels, unset);
+      edges_.assign(std::size_t{most_labels} * most_labels, no_index);
     }
   }
 
@@ -183,17 +184,19 @@ class CellInsertion {
 
   /// Classifies a cell during the search for the cavity: known to be inside, known to be outside,
   /// seen for the first time (and now held), or held by another thread.
-  Seen look(std::uint32_t c) {
+  CellState classify(std::uint32_t c) {
     if constexpr (!shared) {
       const std::uint32_t known = cells_.store.mark(c);
-      return known == in_ ? Seen::inside : known == out() ? Seen::outside : Seen::first;
+      return known == in_     ? CellState::inside
+             : known == out() ? CellState::outside
+                              : CellState::first;
     } else {
       const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
-      if (known == in_) return Seen::inside;
-      if (known == out()) return Seen::outside;
-      if (known != 0 || !hold(c)) return Seen::busy;
+      if (known == in_) return CellState::inside;
+      if (known == out()) return CellState::outside;
+      if (known != 0 || !hold(c)) return CellState::busy;
       held_.push_back(c);
-      return Seen::first;
+      return CellState::first;
     }
   }
   void set_mark(std::uint32_t c, std::uint32_t value) {
@@ -244,25 +247,25 @@ class CellInsertion {
 
   /// Visibility walk: crosses facets that p is beyond until it reaches the cell that contains p, or
   /// a ghost. It terminates because the perturbed triangulation is regular, so that no cell is
-  /// visited twice. Returns unset if another thread holds a cell on the way.
+  /// visited twice. Returns no_index if another thread holds a cell on the way.
   std::uint32_t locate() {
     std::uint32_t c = start_of_walk();
-    if (c == unset) return unset;
+    if (c == no_index) return no_index;
     if (const unsigned g = cells_.store.ghost_slot(c); g < corners())
       c = step(c, cells_.store.cell_of(cells_.store.neighbours(c)[g]));
     unsigned from = corners();
-    while (c != unset) {
-      const unsigned j = signs_.beyond(cells_.store.vertices(c), from);
+    while (c != no_index) {
+      const unsigned j = signs_.separating_facet(cells_.store.vertices(c), from);
       if (j == corners()) break;
       const std::uint32_t code = cells_.store.neighbours(c)[j];
       c = step(c, cells_.store.cell_of(code));
-      if (c == unset) break;
+      if (c == no_index) break;
       from = cells_.store.slot_of(code);
       if (cells_.store.vertices(c)[from] == infinite) break;
       if ((++steps_ & 4095) == 0) run_.check();
     }
     if constexpr (shared)
-      if (c != unset) held_.push_back(c);
+      if (c != no_index) held_.push_back(c);
     return c;
   }
   std::uint32_t start_of_walk() {
@@ -273,16 +276,17 @@ class CellInsertion {
         if (hold(c)) return c;
         c = static_cast<std::uint32_t>(random_.next() % cells_.store.count());
       }
-      return unset;
+      return no_index;
     }
     return last_;
   }
-  /// Moves the walk to the next cell and releases the last one; unset if another thread holds it.
+  /// Moves the walk to the next cell and releases the last one; no_index if another thread holds
+  /// it.
   std::uint32_t step(std::uint32_t from, std::uint32_t to) {
     if constexpr (shared) {
       const bool held = hold(to);
       mark(from).store(0, std::memory_order_release);
-      return held ? to : unset;
+      return held ? to : no_index;
     }
     return to;
   }
@@ -322,10 +326,10 @@ class CellInsertion {
       if (i + 1 < cavity_.size()) prefetch_around(cavity_[i + 1]);
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = cells_.store.cell_of(n[j]);
-        const Seen seen = look(o);
-        if (seen == Seen::inside) continue;
-        if (seen == Seen::busy) return false;
-        if (seen == Seen::first) {
+        const CellState seen = classify(o);
+        if (seen == CellState::inside) continue;
+        if (seen == CellState::busy) return false;
+        if (seen == CellState::first) {
           if (conflict(o)) {
             set_mark(o, in_);
             cavity_.push_back(o);
@@ -333,7 +337,7 @@ class CellInsertion {
           }
           set_mark(o, out());
         }
-        facets_.push_back({c, j, unset});
+        facets_.push_back({c, j, no_index});
       }
     }
     return true;
@@ -357,7 +361,7 @@ class CellInsertion {
   /// vertex opposite to the facet replaced by p, which keeps the orientation. The cell in the
   /// cavity then refers to the new cell across this facet, where join() finds it.
   void make_cells(std::uint32_t p) {
-    last_ = unset;
+    last_ = no_index;
     for (Facet& f : facets_) {
       const std::uint32_t made = new_cell();
       f.made = made;
@@ -367,7 +371,7 @@ class CellInsertion {
       bool finite = true;
       for (unsigned i = 0; i < corners(); ++i) {
         v[i] = i == f.slot ? p : old[i];
-        n[i] = unset;
+        n[i] = no_index;
         finite = finite && v[i] != infinite;
       }
       cells_.store.link(made, f.slot, outside);
@@ -383,7 +387,7 @@ class CellInsertion {
       }
     }
     if constexpr (with_planes) planes_.flush(p);
-    if (last_ == unset) last_ = facets_.front().made;
+    if (last_ == no_index) last_ = facets_.front().made;
   }
 
   /// Forgets all labels: vertices of the next boundary are labelled from 0.
@@ -394,11 +398,12 @@ class CellInsertion {
     }
     label_base_ += most_labels;
     label_count_ = 0;
-    at_infinity_ = unset;
+    at_infinity_ = no_index;
   }
   /// A small number for a vertex of the boundary, the same for each of its occurrences.
   std::uint32_t label(std::uint32_t v) {
-    if (v == infinite) return at_infinity_ != unset ? at_infinity_ : at_infinity_ = label_count_++;
+    if (v == infinite)
+      return at_infinity_ != no_index ? at_infinity_ : at_infinity_ = label_count_++;
     const std::uint32_t known = labels_[v] - label_base_;
     if (known < most_labels) return known;
     labels_[v] = label_base_ + label_count_;
@@ -418,32 +423,29 @@ class CellInsertion {
       for (unsigned i = 0; i < 4; ++i) {
         if (i == f.slot) continue;
         // The edge joins the corners in the two slots other than i and the point's.
-        std::uint32_t a = unset, b = 0;
+        std::uint32_t a = no_index, b = 0;
         for (unsigned j = 0; j < 4; ++j) {
           if (j == i || j == f.slot) continue;
-          if (a == unset)
+          if (a == no_index)
             a = corner[j];
           else
             b = corner[j];
         }
         std::uint32_t& met = edges_[a < b ? a * most_labels + b : b * most_labels + a];
-        if (met == unset) {
+        if (met == no_index) {
           met = cells_.store.code(f.made, i);
         } else {
           cells_.store.link(f.made, i, met);
-          met = unset;
+          met = no_index;
         }
       }
     }
     return true;
   }
 
-  /// 4D to 6D: links the new cells. Exactly two of them share each ridge of the cavity's boundary.
-  /// A table indexed by the ridge's hash holds the count and the sum of these cells' codes in one
-  /// number. If the count is 2, the sum minus one code is the other code. Cells at ridges that
-  /// share a hash are linked by walking (join).
+  /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary, by the sums of
+  /// their codes. Cells at ridges that share a hash are linked by walking (join).
   void join_by_sums() {
-    constexpr unsigned sum_bits = 42;
     const std::size_t ridges = facets_.size() * (corners() - 1);
     const auto bits = static_cast<unsigned>(std::bit_width(2 * ridges));
     sums_.assign(std::size_t{1} << bits, 0);
@@ -459,7 +461,7 @@ class CellInsertion {
       for (unsigned i = 0; i <= K; ++i) {
         if (i == f.slot) continue;
         *place = static_cast<std::uint32_t>((all - hash[i]) >> (64 - bits));
-        sums_[*place++] += (std::uint64_t{1} << sum_bits) + cells_.store.code(f.made, i);
+        sums_[*place++] += RidgeSums::entry(cells_.store.code(f.made, i));
       }
     }
     place = places_.data();
@@ -468,10 +470,9 @@ class CellInsertion {
       for (unsigned i = 0; i <= K; ++i) {
         if (i == f.slot) continue;
         const std::uint64_t sum = sums_[*place++];
-        if (sum >> sum_bits == 2)
-          n[i] = static_cast<std::uint32_t>((sum & ((std::uint64_t{1} << sum_bits) - 1)) -
-                                            cells_.store.code(f.made, i));
-        else if (n[i] == unset)
+        if (RidgeSums::is_pair(sum))
+          n[i] = RidgeSums::other(sum, cells_.store.code(f.made, i));
+        else if (n[i] == no_index)
           join(f, i);
       }
     }
@@ -483,12 +484,12 @@ class CellInsertion {
 
   void join_cells() {
     if constexpr (with_planes) {
-      if (facets_.size() * K < std::size_t{1} << 20) return join_by_sums();  // counts and sums fit
+      if (facets_.size() * K < RidgeSums::max_entries) return join_by_sums();
     }
     for (const Facet& f : facets_) {
       const std::uint32_t* n = cells_.store.neighbours(f.made);
       for (unsigned i = 0; i < corners(); ++i)
-        if (n[i] == unset) join(f, i);
+        if (n[i] == no_index) join(f, i);
     }
   }
 
@@ -506,7 +507,7 @@ class CellInsertion {
       }
       const std::uint32_t corner = cells_.store.vertices(c)[pivot];
       pivot = cells_.store.slot_of(code);
-      cross = cells_.store.find_known(cells_.store.vertices(next), corner);
+      cross = cells_.store.index_of_present(cells_.store.vertices(next), corner);
       c = next;
     }
   }
@@ -528,7 +529,7 @@ class CellInsertion {
   std::vector<std::uint32_t> labels_, edges_;
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;
-  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = unset;
+  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = no_index;
   // If shared: the cells this thread holds, its unused cells, how many it created.
   std::vector<std::uint32_t> held_, spare_;
   std::uint64_t created_ = 0;

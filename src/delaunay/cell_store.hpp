@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
 namespace cullhull::internal::inline delaunay {
 
-/// `infinite`: the vertex at infinity. `unset`: a cell or neighbour that is not known yet.
-inline constexpr std::uint32_t infinite = 0xffffffff, unset = 0xffffffff;
+/// The vertex at infinity.
+inline constexpr std::uint32_t infinite = 0xffffffff;
 
 /// Vertices, neighbours and marks of numbered cells. K: the dimension if it is a compile-time
 /// constant, otherwise 0. A neighbour reference packs the neighbour's index and the slot in which
@@ -49,7 +50,7 @@ class CellStore {
     return j;
   }
   /// As find(), for an item that is present. Branch-free, because the slot is unpredictable.
-  unsigned find_known(const std::uint32_t* list, std::uint32_t item) const {
+  unsigned index_of_present(const std::uint32_t* list, std::uint32_t item) const {
     unsigned found = 0;
     for (unsigned j = 1; j < corners(); ++j) found |= list[j] == item ? j : 0;
     return found;

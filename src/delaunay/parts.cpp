@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/final_cells.hpp"
 #include "delaunay/plane_insertion.hpp"
+#include "geometry/simplex.hpp"
 
 namespace cullhull::internal::inline delaunay {
 namespace {
@@ -175,16 +176,12 @@ class Parts {
     assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
   }
 
-  /// Ascending corners of a facet; whether the permutation and the slot make it odd.
+  /// The corners of a facet, ascending; returns whether the permutation and the slot together are
+  /// odd.
   static bool facet_corners(const std::uint32_t* v, unsigned slot,
                             std::array<std::uint32_t, 2>& corners) {
-    bool odd = slot % 2 == 1;
     corners = {v[slot == 0 ? 1 : 0], v[slot == 2 ? 1 : 2]};
-    if (corners[1] < corners[0]) {
-      std::swap(corners[0], corners[1]);
-      odd = !odd;
-    }
-    return odd;
+    return sort_simplex<0>(corners.data(), nullptr, 2) != (slot % 2 == 1);
   }
   static std::size_t hash(const std::array<std::uint32_t, 2>& corners) {
     std::uint64_t h = 0;
@@ -208,7 +205,7 @@ class Parts {
         Border b{};
         b.odd = facet_corners(cells.vertices(c), j, b.corners);
         b.code = cells.code(cells.mark(c) - first_number, j);
-        b.across = unset;
+        b.across = no_index;
         borders.push_back(b);
       }
     }
@@ -219,21 +216,21 @@ class Parts {
     explicit BorderTable(std::vector<Border>& borders) : borders_(borders) {
       std::size_t size = 16;
       while (size < 2 * borders.size()) size *= 2;
-      slots_.assign(size, unset);
+      slots_.assign(size, no_index);
       for (std::size_t i = 0; i < borders.size(); ++i) {
         std::size_t at = hash(borders[i].corners) & (size - 1);
-        while (slots_[at] != unset) at = (at + 1) & (size - 1);
+        while (slots_[at] != no_index) at = (at + 1) & (size - 1);
         slots_[at] = static_cast<std::uint32_t>(i);
       }
     }
     /// The border on whose other side the facet's cell is.
     std::uint32_t find(const std::array<std::uint32_t, 2>& corners, bool odd) const {
-      for (std::size_t at = hash(corners) & (slots_.size() - 1); slots_[at] != unset;
+      for (std::size_t at = hash(corners) & (slots_.size() - 1); slots_[at] != no_index;
            at = (at + 1) & (slots_.size() - 1)) {
         const Border& b = borders_[slots_[at]];
         if (b.corners == corners && b.odd != odd) return slots_[at];
       }
-      return unset;
+      return no_index;
     }
 
    private:
@@ -248,7 +245,7 @@ class Parts {
     const BorderTable table(borders);
     std::vector<std::uint32_t> found;
     // Where a facet of a seam's cell is a border, `beyond` has it.
-    beyond.assign(std::size_t{seam.count()} * 3, unset);
+    beyond.assign(std::size_t{seam.count()} * 3, no_index);
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
       if (seam.dead(c)) continue;
       seam.mark(c) = open_mark;
@@ -258,7 +255,7 @@ class Parts {
         const bool odd = facet_corners(seam.vertices(c), j, corners);
         const std::uint32_t b = table.find(corners, odd);
         beyond[std::size_t{c} * 3 + j] = b;
-        at_border = at_border || b != unset;
+        at_border = at_border || b != no_index;
       }
       if (at_border) found.push_back(c);
     }
@@ -267,7 +264,7 @@ class Parts {
       const std::uint32_t c = found[i];
       for (unsigned j = 0; j <= 2; ++j) {
         const std::uint32_t o = seam.cell_of(seam.neighbours(c)[j]);
-        if (beyond[std::size_t{c} * 3 + j] != unset || seam.mark(o) != open_mark) continue;
+        if (beyond[std::size_t{c} * 3 + j] != no_index || seam.mark(o) != open_mark) continue;
         seam.mark(o) = final_mark;
         found.push_back(o);
       }
@@ -276,7 +273,7 @@ class Parts {
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
       if (seam.dead(c) || seam.mark(c) == open_mark) continue;
       for (unsigned j = 0; j <= 2; ++j)
-        if (const std::uint32_t b = beyond[std::size_t{c} * 3 + j]; b != unset)
+        if (const std::uint32_t b = beyond[std::size_t{c} * 3 + j]; b != no_index)
           borders[b].across = seam.code(seam.mark(c) - first_number, j);
     }
     return next;
@@ -294,7 +291,7 @@ class Parts {
         for (unsigned j = 0; j <= 2; ++j) {
           const std::uint32_t code = from.neighbours(c)[j], mark = from.mark(from.cell_of(code));
           to.neighbours(at)[j] =
-              mark == open_mark ? unset : from.code(mark - first_number, from.slot_of(code));
+              mark == open_mark ? no_index : from.code(mark - first_number, from.slot_of(code));
         }
       }
     });
@@ -318,7 +315,7 @@ class Parts {
     out.resize(count);
     for (CellStore<2>* from : {&a, &b, &seam}) copy_cells(*from, out, run);
     for (const Border& border : borders) {
-      if (border.across == unset)
+      if (border.across == no_index)
         throw Error(ErrorCode::internal, "parts of a triangulation do not fit together");
       out.link(out.cell_of(border.code), out.slot_of(border.code), border.across);
     }

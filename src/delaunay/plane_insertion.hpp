@@ -39,7 +39,7 @@ class PlaneInsertion {
 
   /// Inserts point p; always succeeds (true). May throw cancelled.
   bool insert(std::uint32_t p) {
-    signs_.aim(p);
+    signs_.set_query(p);
     px_ = s_.row(p)[0];
     py_ = s_.row(p)[1];
     const std::uint32_t first = locate();
@@ -90,7 +90,7 @@ class PlaneInsertion {
     if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
     unsigned from = 3;
     for (;;) {
-      const unsigned j = signs_.beyond(store_.vertices(c), from);
+      const unsigned j = signs_.separating_facet(store_.vertices(c), from);
       if (j == 3) return c;
       const std::uint32_t code = store_.neighbours(c)[j];
       c = store_.cell_of(code);
@@ -156,7 +156,7 @@ class PlaneInsertion {
     while (cavity_.size() < edges_.size()) cavity_.push_back(store_.new_cell());
     const std::size_t n = edges_.size();
     std::uint32_t before = cavity_[n - 1];
-    last_ = unset;
+    last_ = no_index;
     for (std::size_t i = 0; i < n; ++i) {
       const Rim& e = edges_[i];
       const std::uint32_t c = cavity_[i];
@@ -170,7 +170,7 @@ class PlaneInsertion {
       before = c;
       if (e.from != infinite && e.to != infinite) last_ = c;
     }
-    if (last_ == unset) last_ = before;
+    if (last_ == no_index) last_ = before;
   }
 
   const LiftedPoints& s_;

@@ -26,7 +26,7 @@ class PointSigns {
   const LiftCounts& counts() const { return counts_; }
 
   /// Sets the point that the following calls are about.
-  void aim(std::uint32_t point) {
+  void set_query(std::uint32_t point) {
     point_ = point;
     p_ = s_.row(point);
   }
@@ -49,9 +49,9 @@ class PointSigns {
 
   /// A slot of a finite cell, other than `from`, such that the point is beyond the facet opposite
   /// to it; corners() if there is no such slot.
-  unsigned beyond(const std::uint32_t* v, unsigned from) {
+  unsigned separating_facet(const std::uint32_t* v, unsigned from) {
     if constexpr (K == 2 || K == 3) {
-      if (s_.filtered) return beyond_filtered(v, from);
+      if (s_.filtered) return separating_facet_filtered(v, from);
     }
     for (unsigned j = 0; j < corners(); ++j)
       if (j != from && replaced(v, j) == Sign::negative) return j;
@@ -72,9 +72,9 @@ class PointSigns {
       std::conditional_t<K != 0, std::array<const double*, K + 1>, std::vector<const double*>>;
   unsigned corners() const { return (K ? K : s_.base) + 1; }
 
-  /// beyond() with a floating-point filter: the orientation with corner j replaced by p is (-1)^j
-  /// times the determinant of the other corners' differences from p.
-  unsigned beyond_filtered(const std::uint32_t* v, unsigned from) {
+  /// separating_facet() with a floating-point filter: the orientation with corner j replaced by p
+  /// is (-1)^j times the determinant of the other corners' differences from p.
+  unsigned separating_facet_filtered(const std::uint32_t* v, unsigned from) {
     double m[K + 1][K];
     double largest[K] = {};
     for (unsigned i = 0; i <= K; ++i) {
@@ -84,9 +84,8 @@ class PointSigns {
         largest[a] = std::max(largest[a], std::abs(m[i][a]));
       }
     }
-    double bound = (minor_roundings(K) + 6) * factorial(K) * unit_roundoff;
-    for (unsigned a = 0; a < K; ++a) bound *= largest[a];
-    bound += s_.tiny;
+    const double bound =
+        determinant_bound<K>(largest, minor_roundings(K) + 6, unit_roundoff, s_.tiny);
     for (unsigned j = 0; j <= K; ++j) {
       if (j == from) continue;
       double det = 0;

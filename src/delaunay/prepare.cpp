@@ -8,17 +8,153 @@
 #include <string>
 
 #include "cullhull/error.hpp"
-#include "delaunay/insertion_order.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "geometry/curve_frame.hpp"
 #include "geometry/gather.hpp"
+#include "geometry/insertion_rounds.hpp"
 #include "geometry/local_frame.hpp"
+#include "parallel/adjacency.hpp"
+#include "parallel/dispatch.hpp"
+#include "parallel/radix_sort.hpp"
+#include "parallel/random_stream.hpp"
 
 namespace cullhull::internal::inline delaunay {
 namespace {
 
-/// Places of k + 1 affinely independent of the points, and the axes of their flat. A few tuples
-/// that are spread over the order suffice nearly always, where the points span all of space.
+// ----------------------------------------------------------------- the order of insertion
+
+/// Sorts points along Hilbert curves.
+class Sorter {
+ public:
+  Sorter(const double* rows, unsigned d, const Run& run)
+      : rows_(rows), d_(d), run_(run), frame_(d) {}
+
+  /// Sorts items[0, n) along a Hilbert curve over their bounding box; equal points by id. A few
+  /// remote points make the box so large that many items share a key: such items are sorted along a
+  /// curve over their own box.
+  void sort(KeyedId* items, KeyedId* scratch, std::uint32_t n) {
+    if (n < 2) return;
+    if (!place(items, n)) return sort_by_coordinates(items, n);
+    KeyedId *from = items, *to = scratch;
+    radix_sort(from, to, n, frame_.key_bits(), run_);
+    if (from != items) std::copy(from, from + n, items);
+    for (std::uint32_t begin = 0; begin < n;) {
+      std::uint32_t end = begin + 1;
+      while (end < n && items[end].key == items[begin].key) ++end;
+      if (end - begin > few && end - begin < n) {
+        run_.check();
+        sort(items + begin, scratch, end - begin);
+      } else if (end - begin > 1) {
+        sort_by_coordinates(items + begin, end - begin);
+      }
+      begin = end;
+    }
+  }
+
+  bool equal(std::uint32_t a, std::uint32_t b) const {
+    return std::equal(row(a), row(a) + d_, row(b));
+  }
+
+ private:
+  static constexpr std::uint32_t few = 48;  // so many points are sorted by coordinates; a guess
+
+  const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
+  bool less(std::uint32_t a, std::uint32_t b) const {
+    for (unsigned j = 0; j < d_; ++j)
+      if (row(a)[j] != row(b)[j]) return row(a)[j] < row(b)[j];
+    return a < b;
+  }
+
+  void sort_by_coordinates(KeyedId* items, std::uint32_t n) const {
+    std::sort(items, items + n,
+              [&](const KeyedId& a, const KeyedId& b) { return less(a.id, b.id); });
+  }
+
+  /// Computes the items' curve keys; false if the box is a point or too small for keys.
+  bool place(KeyedId* items, std::uint32_t n) {
+    const auto row_of = [&](std::uint64_t i) { return row(items[i].id); };
+    if (!frame_.measure(n, row_of, run_)) return false;
+    with_dimension<2, 4, 0>(d_, [&](auto d) {
+      run_.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+        KeyedId* const own = items + begin;
+        frame_.keys<d()>(
+            end - begin, [&](std::uint64_t i) { return row(own[i].id); },
+            [&](std::uint64_t i, std::uint32_t key) { own[i].key = key; });
+      });
+    });
+    return true;
+  }
+
+  const double* rows_;
+  unsigned d_;
+  const Run& run_;
+  CurveFrame frame_;
+};
+
+/// Distributes ids to rounds; within a round they keep their order. Each round is expected to hold
+/// 8 times as many points as the one before. The choice is pseudorandom, the same in every run.
+void sort_into_rounds(Array<std::uint32_t>& ids) {
+  const InsertionRounds rounds(ids.size(), 1U << 10, 3);
+  if (rounds.count == 1) return;
+  Array<std::uint8_t> round(ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    XorShift random((i + 1) * XorShift::golden);
+    random.next();
+    round[i] = static_cast<std::uint8_t>(rounds.round_of(random.next()));
+  }
+  Adjacency<std::uint32_t> sorted(rounds.count, [&](const auto& add) {
+    for (std::size_t i = 0; i < ids.size(); ++i) add(round[i], ids[i]);
+  });
+  ids = std::move(sorted).take_items();
+}
+
+/// Rounds of growing size, each along a Hilbert curve (Amenta, Choi, Rote 2003). Sorting along the
+/// curve also finds equal points.
+struct InsertionOrder {
+  Array<std::uint32_t> ids;  ///< all points but the duplicates, in the order of insertion
+  std::vector<DuplicatePoint> duplicates;
+};
+
+/// The order for n points of d finite coordinates each. `weights`: null, or one for each point. The
+/// representative of equal points is that of the largest weight, among these that of the lowest id.
+/// The order affects the running time, never the triangulation.
+InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
+                               const double* weights, const Run& run) {
+  InsertionOrder order;
+  Array<KeyedId> items(n), scratch(n);
+  for (std::uint32_t i = 0; i < n; ++i) items[i] = {0, i};
+  Sorter sorter(rows, d, run);
+  sorter.sort(items.data(), scratch.data(), n);
+  order.ids.reserve(n);
+  for (std::uint32_t begin = 0; begin < n;) {
+    std::uint32_t end = begin + 1;
+    while (end < n && items[begin].key == items[end].key &&
+           sorter.equal(items[begin].id, items[end].id))
+      ++end;
+    std::uint32_t best = items[begin].id;
+    for (std::uint32_t i = begin + 1; i < end; ++i) {
+      const std::uint32_t id = items[i].id;
+      const bool heavier = weights != nullptr && weights[id] > weights[best];
+      const bool lighter = weights != nullptr && weights[id] < weights[best];
+      if (heavier || (!lighter && id < best)) best = id;
+    }
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (items[i].id != best) order.duplicates.push_back({items[i].id, best});
+    order.ids.push_back(best);
+    begin = end;
+  }
+  std::sort(order.duplicates.begin(), order.duplicates.end(),
+            [](const DuplicatePoint& a, const DuplicatePoint& b) { return a.id < b.id; });
+  sort_into_rounds(order.ids);
+  return order;
+}
+
+// ----------------------------------------------------------------------- flat and scale
+
+/// Finds k + 1 affinely independent points, by place, and the axes of the points' flat. If the
+/// points span all of space, one of a few tuples that are spread over the order nearly always
+/// suffices.
 void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared& out,
                const Run& run) {
   out.axes.resize(d);
@@ -40,12 +176,12 @@ void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared&
   out.axes.assign(frame.axes().begin(), frame.axes().end());
 }
 
-/// Of numbers that are not zero.
+/// The magnitudes of numbers other than zero.
 struct Range {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   int lowest_bit = std::numeric_limits<int>::max();
 
-  /// `limit`: lowest bits below it are of no use.
+  /// `limit`: a lowest bit below it need not be exact.
   void add(double v, int limit) {
     const double m = std::abs(v);
     if (m == 0) return;
@@ -58,16 +194,16 @@ struct Range {
     most = std::max(most, o.most);
     lowest_bit = std::min(lowest_bit, o.lowest_bit);
   }
-  /// Multiplied by 2^by, what stays above 2^-1022 loses nothing.
+  /// Whether multiplying the numbers by 2^by is exact: all of them stay normal.
   bool safe(int by) const { return most == 0 || by >= 0 || std::ldexp(least, by) >= 0x1p-1021; }
 };
 
-/// Of coordinates and weights.
+/// The ranges of the coordinates and of the weights.
 void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
   std::vector<Range> xs(chunk_count(s.count, light_grain)), ws(xs.size());
   run.each_chunk(s.count, light_grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    // A lattice of fewer than 2^-52 of a number of the chunk is none.
+    // A lattice finer than 2^-52 of a number of the chunk is of no use.
     const double first = std::abs(s.row(static_cast<std::uint32_t>(begin))[0]);
     const int limit = first > 0 ? std::ilogb(first) - 60 : std::numeric_limits<int>::min();
     for (std::uint64_t i = begin; i < end; ++i) {
@@ -82,9 +218,9 @@ void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
   }
 }
 
-/// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, and finds a
-/// lattice, if no bit is lost; else all stay as they are, of no lattice, and bounds allow for the
-/// size.
+/// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, and finds a lattice
+/// that all of them are on. If the product would not be exact, nothing is scaled, there is no
+/// lattice, and the error bounds allow for the points' size.
 void scale(LiftedPoints& s, const Run& run) {
   Range x, w;
   measure(s, x, w, run);
@@ -94,15 +230,15 @@ void scale(LiftedPoints& s, const Run& run) {
   int e = x.most > 0 ? -up : 0;
   if (w.most > 0 && (x.most == 0 || 2 * e + weight_up > 0)) e = -((weight_up + 1) >> 1);
   if (!x.safe(e) || !w.safe(2 * e)) {
-    // Left as they are. With at most 6 axes a determinant has degree 8: it stays below 2^600. With
-    // more, elimination sees to its range itself.
+    // With at most 6 axes a determinant has degree 8 and stays below 2^600. With more axes,
+    // elimination takes care of the range itself.
     constexpr int most_unscaled = 64;
     s.filtered = -e <= most_unscaled;
     s.tiny = std::ldexp(0x1p-1000, static_cast<int>(s.base + 2) * std::min(-e, most_unscaled));
     return;
   }
   s.filtered = true;
-  // In two steps, as 2^e itself may be no double.
+  // In two steps, because 2^e itself may not be a double.
   const auto half = [](int by) { return std::ldexp(1.0, by / 2); };
   const auto rest = [](int by) { return std::ldexp(1.0, by - by / 2); };
   const int weight_e = w.most > 0 ? 2 * e : 0;
@@ -114,7 +250,7 @@ void scale(LiftedPoints& s, const Run& run) {
       if (s.weighted) r[s.width] = r[s.width] * half_w * rest_w;
     }
   });
-  // Differences of multiples of 2^unit up to 2 are exact where that is at least 2^-51.
+  // Differences up to 2 of multiples of 2^unit are exact if unit >= -51.
   int unit = 0;
   if (x.most > 0) unit = x.lowest_bit + e;
   if (w.most > 0) unit = std::min(unit, (w.lowest_bit + 2 * e) >> 1);
@@ -122,14 +258,12 @@ void scale(LiftedPoints& s, const Run& run) {
   s.exact_limit = std::ldexp(1.0, 53 + unit * static_cast<int>(s.base + 2));
 }
 
-/// Rows of the points that are inserted, in order: the flat's axes first, the weight last.
+/// Sets the rows of the inserted points, in order: the columns of flat_columns(), then the weight.
 void gather_rows(const Array<double>& rows, std::span<const double> weights, Prepared& out,
                  const Run& run) {
   LiftedPoints& s = out.points;
   const unsigned d = s.width;
-  std::vector<unsigned> columns(out.axes.begin(), out.axes.end());
-  for (unsigned j = 0; j < d; ++j)
-    if (!std::count(out.axes.begin(), out.axes.end(), j)) columns.push_back(j);
+  const std::vector<std::uint32_t> columns = flat_columns(out.axes, d);
   Array<double> sorted(std::size_t{s.count} * s.stride);
   run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {

@@ -6,13 +6,14 @@
 #include <numeric>
 
 #include "delaunay/write_triangulation.hpp"
+#include "parallel/adjacency.hpp"
 
 namespace cullhull::internal::inline delaunay {
 namespace {
 
 using Row = std::vector<mpq_class>;
 
-/// The span of rational rows, as a basis in reduced echelon form.
+/// A basis of the space that rational rows span, in reduced echelon form.
 class EchelonBasis {
  public:
   explicit EchelonBasis(unsigned columns) : columns_(columns) {}
@@ -41,7 +42,7 @@ class EchelonBasis {
     pivots_.push_back(pivot);
   }
 
-  /// A row orthogonal to all rows of the span, whose rank is columns - 1.
+  /// A row orthogonal to all rows that were added. Requires rank columns - 1.
   Row normal() const {
     unsigned open = 0;
     while (std::count(pivots_.begin(), pivots_.end(), open) > 0) ++open;
@@ -62,10 +63,11 @@ class Redundancy {
   Redundancy(const LiftedPoints& s, const Triangulation& t)
       : s_(s), t_(t), places_(places_of_ids(s, t.point_count)) {}
 
-  /// The planes of the lower hull through a lifted vertex and the vertical ones over facets of the
-  /// hull leave it no direction to move in, if and only if it is an extreme point.
-  bool redundant(std::uint32_t v, const std::vector<std::uint32_t>& cells,
-                 const std::vector<std::uint32_t>& facets) const {
+  /// Whether v is not an extreme point of the lifted points. It is one if and only if the normals
+  /// of the lower hull's planes through the lifted vertex, and of the vertical planes over the
+  /// hull's facets at it, have full rank. `cells`, `facets`: all that contain v.
+  bool redundant(std::uint32_t v, std::span<const std::uint32_t> cells,
+                 std::span<const std::uint32_t> facets) const {
     const unsigned k = t_.corners() - 1;
     EchelonBasis normals(k + 1);
     std::vector<std::uint32_t> groups;
@@ -112,24 +114,25 @@ class Redundancy {
   std::vector<std::uint32_t> places_;
 };
 
-/// By id: the rows of `width` ids that it is in, of those ids that are wanted.
-std::vector<std::vector<std::uint32_t>> rows_around(const Array<std::uint32_t>& ids, unsigned width,
-                                                    const std::vector<std::uint32_t>& wanted) {
-  std::vector<std::vector<std::uint32_t>> around(wanted.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const auto it = std::lower_bound(wanted.begin(), wanted.end(), ids[i]);
-    if (it == wanted.end() || *it != ids[i]) continue;
-    around[static_cast<std::size_t>(it - wanted.begin())].push_back(
-        static_cast<std::uint32_t>(i / width));
-  }
-  return around;
+/// The rows of `width` ids that contain each of the wanted ids, which ascend.
+Adjacency<std::uint32_t> rows_around(const Array<std::uint32_t>& ids, unsigned width,
+                                     const std::vector<std::uint32_t>& wanted) {
+  return {wanted.size(),
+          [&](const auto& add) {
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      const auto it = std::lower_bound(wanted.begin(), wanted.end(), ids[i]);
+      if (it == wanted.end() || *it != ids[i]) continue;
+      add(static_cast<std::uint64_t>(it - wanted.begin()), static_cast<std::uint32_t>(i / width));
+    }
+          }};
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
                                               const Run& run) {
-  // Only where cells are merged, or the hull's facets are: an extreme point of either is one.
+  // A vertex of a group of one cell is an extreme point, so only vertices of merged cells are
+  // tested.
   std::vector<std::uint32_t> candidates;
   if (t.cell_groups.empty()) return candidates;
   std::vector<std::uint32_t> size(t.size());

@@ -1,4 +1,6 @@
 // delaunay() and regular_triangulation(): prepare, insert, write.
+#include "delaunay/triangulate.hpp"
+
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -11,9 +13,9 @@
 #include "delaunay/insert_together.hpp"
 #include "delaunay/parts.hpp"
 #include "delaunay/plane_insertion.hpp"
-#include "delaunay/prepare.hpp"
 #include "delaunay/redundant.hpp"
 #include "delaunay/write_triangulation.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
@@ -25,10 +27,7 @@ namespace internal::inline delaunay {
 namespace {
 
 void check_arguments(const PointView& points) {
-  if (points.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
-  if (points.data == nullptr && points.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  require_points(points);
   if (points.count >= no_cell)
     throw Error(
         ErrorCode::out_of_budget,
@@ -118,26 +117,18 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   statistics.write_seconds = seconds_since(start);
 }
 
-/// Writes `hidden`: all ids that are neither vertices nor duplicates.
-void write_hidden(Triangulation& out) {
-  std::vector<bool> told(out.point_count);
-  for (const std::uint32_t v : out.cells) told[v] = true;
-  for (const DuplicatePoint& p : out.duplicates) told[p.id] = true;
-  for (std::uint32_t i = 0; i < out.point_count; ++i)
-    if (!told[i]) out.hidden.push_back(i);
-}
-
 /// k = 0: one point.
 void write_single(const Prepared& p, Triangulation& out) {
   out.cells.assign(1, p.points.ids[0]);
   out.neighbours.assign(1, no_cell);
 }
 
-/// Triangulates all points but `left_out`. With weights, stores the vertices that are not extreme
-/// points into `redundant`.
+/// Triangulates all points but `left_out`, prepared as `p`. With weights, stores the vertices that
+/// are not extreme points into `redundant`.
 Triangulation triangulate_without(const PointView& points, std::span<const double> weights,
                                   bool furthest, const std::vector<std::uint32_t>& left_out,
-                                  const Run& run, std::vector<std::uint32_t>& redundant) {
+                                  const Run& run, Prepared& p,
+                                  std::vector<std::uint32_t>& redundant) {
   Triangulation out;
   out.dimension = points.dimension;
   out.point_count = points.count;
@@ -147,7 +138,7 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   auto start = Clock::now();
   TriangulationStatistics& statistics = out.statistics;
   run.report("order", 0);
-  Prepared p = prepare_points(points, weights, furthest, left_out, run);
+  p = prepare_points(points, weights, furthest, left_out, run);
   out.axes = p.axes;
   out.duplicates = std::move(p.duplicates);
   out.affine_dimension = static_cast<int>(p.points.base);
@@ -160,13 +151,13 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   start = Clock::now();
   if (statistics.ties > 0) write_groups(p.points, out, run);
   if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
-  if (p.points.may_hide) write_hidden(out);
+  if (p.points.may_hide) out.hidden = hidden_points(out);
   statistics.write_seconds += seconds_since(start);
   return out;
 }
 
-Triangulation triangulate(const PointView& points, std::span<const double> weights,
-                          const TriangulationOptions& o) {
+Triangulation triangulate_lifted(const PointView& points, std::span<const double> weights,
+                                 const TriangulationOptions& o, Prepared& p) {
   check_arguments(points);
   const Call call(o);
   const Run& run = call.run;
@@ -175,7 +166,7 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
   check_budget(points, run);
   std::vector<std::uint32_t> redundant, left_out;
   Triangulation out =
-      triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+      triangulate_without(points, weights, o.furthest_site, left_out, run, p, redundant);
   // The perturbation turns points exactly on a face into vertices. These are not extreme points, so
   // the points are triangulated again without them and without the hidden points. All remaining
   // points are extreme.
@@ -183,7 +174,8 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
     left_out.resize(redundant.size() + out.hidden.size());
     std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),
                left_out.begin());
-    out = triangulate_without(points, weights, o.furthest_site, left_out, run, redundant);
+    p = {};  // its memory is not needed meanwhile
+    out = triangulate_without(points, weights, o.furthest_site, left_out, run, p, redundant);
   }
   out.statistics.threads = run.threads;
   out.statistics.compute_seconds = seconds_since(start);
@@ -192,19 +184,24 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
 }
 
 }  // namespace
+
+Triangulation triangulate(const PointView& points, const TriangulationOptions& options,
+                          Prepared& prepared) {
+  return triangulate_lifted(points, {}, options, prepared);
+}
+
 }  // namespace internal::inline delaunay
 
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
-  return internal::triangulate(points, {}, options);
+  internal::Prepared prepared;
+  return internal::triangulate(points, options, prepared);
 }
 
 Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
                                     const TriangulationOptions& options) {
-  if (weights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(points.count) +
-                                                 " points, but " + std::to_string(weights.size()) +
-                                                 " weights");
-  Triangulation result = internal::triangulate(points, weights, options);
+  internal::require_weights(weights, points.count);
+  internal::Prepared prepared;
+  Triangulation result = internal::triangulate_lifted(points, weights, options, prepared);
   result.weighted = true;
   return result;
 }

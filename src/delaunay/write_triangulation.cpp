@@ -6,46 +6,17 @@
 #include <utility>
 
 #include "exact/insphere/lift_side.hpp"
+#include "geometry/simplex.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/index.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/sort_few.hpp"
 
 namespace cullhull::internal::inline delaunay {
 namespace {
 
-/// Sorts a row of ids ascending and carries its neighbours along; whether the permutation is odd.
-bool sort_corners(std::uint32_t* v, std::uint32_t* n, unsigned count) {
-  bool odd = false;
-  for (unsigned i = 1; i < count; ++i)
-    for (unsigned j = i; j > 0 && v[j] < v[j - 1]; --j) {
-      std::swap(v[j], v[j - 1]);
-      if (n != nullptr) std::swap(n[j], n[j - 1]);
-      odd = !odd;
-    }
-  return odd;
-}
-
-/// Corners as Triangulation has them: an odd permutation is made even by the last two.
-template <unsigned K>
-void order_corners(std::uint32_t* v, std::uint32_t* n, unsigned count) {
-  if constexpr (K == 0) {
-    if (!sort_corners(v, n, count)) return;
-    std::swap(v[count - 1], v[count - 2]);
-    std::swap(n[count - 1], n[count - 2]);
-  } else {
-    std::uint64_t both[K + 1];
-    for (unsigned i = 0; i <= K; ++i) both[i] = std::uint64_t{v[i]} << 32 | n[i];
-    if (sort_few<K + 1>(both)) std::swap(both[K], both[K - 1]);
-    for (unsigned i = 0; i <= K; ++i) {
-      v[i] = static_cast<std::uint32_t>(both[i] >> 32);
-      n[i] = static_cast<std::uint32_t>(both[i]);
-    }
-  }
-}
-
-/// A row of ids, as far as it decides most comparisons.
+/// A row of ids for sorting: its first ids, which decide most comparisons, and its number.
 struct Ranked {
   std::uint32_t ids[3], row;
 };
@@ -54,7 +25,7 @@ Ranked ranked(const std::uint32_t* ids, unsigned width, std::uint32_t row) {
   return {{ids[0], width > 1 ? ids[1] : 0, width > 2 ? ids[2] : 0}, row};
 }
 
-/// Sorts rows of `width` ids, all different, lexicographically; `ids_of(row)` are all of its ids.
+/// Sorts distinct rows of `width` ids lexicographically. ids_of(row): all ids of a row.
 template <class IdsOf>
 void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, const Run& run,
                const IdsOf& ids_of) {
@@ -73,7 +44,7 @@ void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, cons
     const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
     return std::lexicographical_compare(p, p + width, q, q + width);
   };
-  // Each run of equal first ids belongs to the chunk it begins in. Where chunks end is settled
+  // Each run of equal first ids belongs to the chunk it begins in. The ends of the chunks are found
   // before any of them is sorted.
   constexpr std::uint64_t chunk = light_grain;
   std::vector<std::uint64_t> begins(chunk_count(count, chunk) + 1, count);
@@ -94,53 +65,33 @@ void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, cons
   });
 }
 
-/// Facets without a neighbour: those of each chunk of cells, in order.
+/// A facet between a kept cell and a cell that is not kept, or no cell.
 struct OpenFacet {
   std::uint32_t cell, slot;
 };
-std::vector<OpenFacet> open_facets(const Triangulation& out, const Run& run) {
-  const std::uint64_t corners = out.corners(), chunk = light_grain;
-  std::vector<std::vector<OpenFacet>> found(chunk_count(out.size(), chunk));
-  run.each_chunk(out.size(), chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin * corners; i < end * corners; ++i)
-      if (out.neighbours[i] == no_cell)
-        found[c].push_back(
-            {static_cast<std::uint32_t>(i / corners), static_cast<std::uint32_t>(i % corners)});
+/// All of them in the order of cells. `kept`: a flag for each cell; null: all cells are kept.
+std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* kept,
+                                   const Run& run) {
+  const std::uint32_t* across = t.neighbours.data();
+  const std::uint64_t corners = t.corners();
+  constexpr std::uint64_t chunk = light_grain;
+  std::vector<std::vector<OpenFacet>> found(chunk_count(t.size(), chunk));
+  run.each_chunk(t.size(), chunk, [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin * corners; i < end * corners; ++i) {
+      const std::uint32_t o = across[i];
+      if (o != no_cell && (kept == nullptr || kept[o] != 0)) continue;
+      const auto c = static_cast<std::uint32_t>(i / corners);
+      if (kept == nullptr || kept[c] != 0)
+        found[at].push_back({c, static_cast<std::uint32_t>(i % corners)});
+    }
   });
   std::vector<OpenFacet> all;
   for (const auto& list : found) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 
-void write_hull(Triangulation& out, const Run& run) {
-  const unsigned k = out.corners() - 1;
-  const std::vector<OpenFacet> facets = open_facets(out, run);
-  Array<std::uint32_t> ids(facets.size() * k);
-  Array<Ranked> order(facets.size());
-  run.each(facets.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t f = begin; f < end; ++f) {
-      const unsigned slot = facets[f].slot;
-      const auto cell = out.cell(facets[f].cell);
-      std::uint32_t* row = ids.data() + f * k;
-      for (unsigned i = 0, to = 0; i <= k; ++i)
-        if (i != slot) row[to++] = cell[i];
-      // The boundary of a positive cell without corner j has the sign (-1)^j.
-      const bool odd = sort_corners(row, nullptr, k) != (slot % 2 == 1);
-      if (odd && k > 1) std::swap(row[k - 1], row[k - 2]);
-      order[f] = ranked(row, k, static_cast<std::uint32_t>(f));
-    }
-  });
-  sort_rows(order, k, static_cast<std::uint32_t>(out.point_count), run,
-            [&](std::uint32_t f) { return ids.data() + std::size_t{f} * k; });
-  out.hull_facets.resize(ids.size());
-  out.hull_cells.resize(facets.size());
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    std::copy_n(ids.data() + std::size_t{order[f].row} * k, k, out.hull_facets.data() + f * k);
-    out.hull_cells[f] = facets[order[f].row].cell;
-  }
-}
-
-/// Finite cells with the caller's ids, corners in order, as rows to be sorted; `rank` of others.
+/// Replaces the vertices of finite cells by the caller's ids and orders their corners; returns
+/// these cells as rows to be sorted. Sets `rank` of all other cells to no_cell.
 template <unsigned K>
 Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std::uint32_t>& rank,
                            const Run& run) {
@@ -168,7 +119,7 @@ Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std
       }
       std::uint32_t* v = store.vertices(c);
       for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
-      order_corners<K>(v, store.neighbours(c), corners);
+      sort_simplex<K == 0 ? 0 : K + 1, true>(v, store.neighbours(c), corners);
       rows[to++] = ranked(v, corners, c);
     }
   });
@@ -188,9 +139,7 @@ void join_groups(const LiftedPoints& s, const std::vector<std::uint32_t>& places
       for (unsigned j = 0; j < corners; ++j) {
         const std::uint32_t o = across[j];
         if (o == no_cell || o < c) continue;
-        const auto back = t.neighbours_of(o);
-        const auto slot = std::find(back.begin(), back.end(), c) - back.begin();
-        const std::uint32_t q = t.cell(o)[static_cast<std::size_t>(slot)];
+        const std::uint32_t q = t.cell(o)[place_in(t.neighbours_of(o), c)];
         if (lift_side<K>(s, rows.data(), s.row(places[q]), counts) == Sign::zero)
           sets.join(static_cast<std::uint32_t>(c), o);
       }
@@ -199,6 +148,43 @@ void join_groups(const LiftedPoints& s, const std::vector<std::uint32_t>& places
 }
 
 }  // namespace
+
+void write_boundary(const Triangulation& t, const std::uint8_t* kept,
+                    Array<std::uint32_t>& boundary, Array<std::uint32_t>& boundary_cells,
+                    const Run& run) {
+  boundary.clear();
+  boundary_cells.clear();
+  if (t.corners() < 2) return;
+  const unsigned k = t.corners() - 1;
+  const std::vector<OpenFacet> facets = open_facets(t, kept, run);
+  Array<std::uint32_t> ids(facets.size() * k);
+  Array<Ranked> order(facets.size());
+  run.each(facets.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      std::uint32_t* row = ids.data() + f * k;
+      outward_facet(t.cell(facets[f].cell), facets[f].slot, row);
+      order[f] = ranked(row, k, static_cast<std::uint32_t>(f));
+    }
+  });
+  sort_rows(order, k, static_cast<std::uint32_t>(t.point_count), run,
+            [&](std::uint32_t f) { return ids.data() + std::size_t{f} * k; });
+  boundary.resize(ids.size());
+  boundary_cells.resize(facets.size());
+  for (std::size_t f = 0; f < facets.size(); ++f) {
+    std::copy_n(ids.data() + std::size_t{order[f].row} * k, k, boundary.data() + f * k);
+    boundary_cells[f] = facets[order[f].row].cell;
+  }
+}
+
+std::vector<std::uint32_t> hidden_points(const Triangulation& t) {
+  std::vector<bool> accounted_for(t.point_count);
+  for (const std::uint32_t v : t.cells) accounted_for[v] = true;
+  for (const DuplicatePoint& p : t.duplicates) accounted_for[p.id] = true;
+  std::vector<std::uint32_t> hidden;
+  for (std::uint32_t i = 0; i < t.point_count; ++i)
+    if (!accounted_for[i]) hidden.push_back(i);
+  return hidden;
+}
 
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count) {
   std::vector<std::uint32_t> places(point_count);
@@ -233,7 +219,7 @@ void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out,
       }
     }
   });
-  write_hull(out, run);
+  write_boundary(out, nullptr, out.hull_facets, out.hull_cells, run);
 }
 template void write_cells(const LiftedPoints&, CellStore<0>&, Triangulation&, const Run&);
 template void write_cells(const LiftedPoints&, CellStore<1>&, Triangulation&, const Run&);

@@ -10,13 +10,23 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// Cells, neighbours and hull of `out` from the engine's cells, whose ids and corners are put in
-/// order on the way. K: as the store's.
+/// Writes the cells, neighbours and hull of `out` from the engine's cells. Their vertices become
+/// the caller's ids, and their corners change places. K: as the store's.
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run);
 
 /// Writes cell_groups: joins adjacent cells whose vertices are on one sphere.
 void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run);
+
+/// Writes the facets between a kept cell and a cell that is not kept, or no cell, in the format of
+/// Triangulation::hull_facets, and for each the kept cell. `kept`: a flag for each cell; null: all
+/// cells are kept. Writes empty lists for k < 1.
+void write_boundary(const Triangulation& t, const std::uint8_t* kept,
+                    Array<std::uint32_t>& boundary, Array<std::uint32_t>& boundary_cells,
+                    const Run& run);
+
+/// The ids that are neither vertices of cells nor duplicates, ascending.
+std::vector<std::uint32_t> hidden_points(const Triangulation& t);
 
 /// The place of each inserted id in the order of insertion; 0 for other ids.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);

@@ -1,6 +1,7 @@
 // What the steps from a triangulation to its dual share.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/voronoi.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -32,9 +34,9 @@ class DualPoints {
 };
 
 /// Lists that chunks of a loop make, joined in the order of chunks.
-class ListsInChunks {
+class ChunkedListBuilder {
  public:
-  explicit ListsInChunks(std::uint64_t count)
+  explicit ChunkedListBuilder(std::uint64_t count)
       : grain(light_grain / 16), parts_(chunk_count(count, grain)) {}
 
   void add(std::uint64_t chunk, const std::vector<std::uint32_t>& list) {
@@ -61,35 +63,47 @@ class ListsInChunks {
   std::vector<Part> parts_;
 };
 
-/// The edges of a triangulation by their lower point, with the cells around each.
+/// An edge by its points, low < high; compared lexicographically.
+struct Edge {
+  std::uint32_t low, high;
+  friend auto operator<=>(const Edge&, const Edge&) = default;
+};
+
+/// The edges of a triangulation by their lower point, and the cells around each edge.
 class EdgeCells {
  public:
   EdgeCells(const Triangulation& t, const Run& run);
+
+  /// A cell at an edge, and the edge's higher point.
   struct Item {
-    std::uint32_t other, cell;
+    std::uint32_t high, cell;
   };
-  /// Of the edges whose lower point is v: by the other point, then by cell.
-  std::span<const Item> of(std::uint64_t v) const {
-    return {items_.data() + begin_[v], begin_[v + 1] - begin_[v]};
+  /// An edge and the cells around it, ascending.
+  struct Star : Edge {
+    std::span<const Item> cells;
+  };
+  /// Calls body(star) for each edge whose lower point is in [begin, end), in lexicographic order.
+  template <class Body>
+  void each_edge(std::uint64_t begin, std::uint64_t end, const Body& body) const {
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const std::span<const Item> around = items_[v];
+      for (std::size_t i = 0; i < around.size();) {
+        std::size_t next = i + 1;
+        while (next < around.size() && around[next].high == around[i].high) ++next;
+        body(Star{{static_cast<std::uint32_t>(v), around[i].high}, around.subspan(i, next - i)});
+        i = next;
+      }
+    }
   }
+  /// The number of points.
+  std::uint64_t size() const { return items_.size(); }
 
  private:
-  Array<std::uint64_t> begin_;
-  Array<Item> items_;
+  Adjacency<Item> items_;  ///< by the lower point; sorted by higher point, then by cell
 };
 
-/// The points that share a cell with each point, ascending.
-class PointNeighbours {
- public:
-  PointNeighbours(const Triangulation& t, const Run& run);
-  std::span<const std::uint32_t> of(std::uint64_t v) const {
-    return {items_.data() + begin_[v], begin_[v + 1] - begin_[v]};
-  }
-
- private:
-  Array<std::uint64_t> begin_;
-  Array<std::uint32_t> items_;
-};
+/// The points that share an edge with each point, ascending.
+Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges);
 
 /// The first cell of each group; empty where every cell is a group of its own.
 Array<std::uint32_t> first_cells(const Triangulation& t);

@@ -6,13 +6,79 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "exact/determinants/minors.hpp"
-#include "exact/numbers/rational.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal::inline extreme {
+
+bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners) {
+  const unsigned d = points.dimension, n = d + 1;
+  constexpr double never = std::numeric_limits<double>::infinity();
+  rows_ = n;
+  rest_ = never;
+  // [A I], A's columns being the corners with a 1 below, by Gauss and Jordan.
+  std::vector<double> a(std::size_t{n} * 2 * n, 0.0);
+  const auto at = [&](unsigned i, unsigned j) -> double& { return a[std::size_t{i} * 2 * n + j]; };
+  const auto entry = [&](unsigned i, unsigned j) {
+    return i < d ? points.row(corners[j])[i] : 1.0;
+  };
+  for (unsigned i = 0; i < n; ++i) {
+    for (unsigned j = 0; j < n; ++j) at(i, j) = entry(i, j);
+    at(i, n + i) = 1;
+  }
+  for (unsigned k = 0; k < n; ++k) {
+    unsigned pivot = k;
+    for (unsigned i = k + 1; i < n; ++i)
+      if (std::abs(at(i, k)) > std::abs(at(pivot, k))) pivot = i;
+    if (!(std::abs(at(pivot, k)) > 0x1p-60)) return false;
+    if (pivot != k)
+      for (unsigned j = k; j < 2 * n; ++j) std::swap(at(pivot, j), at(k, j));
+    const double scale = 1 / at(k, k);
+    for (unsigned j = k; j < 2 * n; ++j) at(k, j) *= scale;
+    for (unsigned i = 0; i < n; ++i) {
+      const double f = at(i, k);
+      if (i == k || f == 0) continue;
+      for (unsigned j = k; j < 2 * n; ++j) at(i, j) -= f * at(k, j);
+    }
+  }
+  inverse_.resize(std::size_t{n} * n);
+  allowed_.resize(n);
+  double rest = 0;
+  for (unsigned i = 0; i < n; ++i) {
+    double size = 0, worst = 0;
+    for (unsigned j = 0; j < n; ++j) {
+      inverse_[i * n + j] = at(i, n + j);
+      size += std::abs(at(i, n + j));
+    }
+    allowed_[i] = (n + 6) * unit_roundoff * size + 0x1p-1000;
+    for (unsigned j = 0; j < n; ++j) {
+      double product = i == j ? -1 : 0;
+      for (unsigned k = 0; k < n; ++k) product += inverse_[i * n + k] * entry(k, j);
+      worst = std::max(worst, std::abs(product));
+    }
+    rest += worst + allowed_[i] + (n + 4) * unit_roundoff;
+  }
+  if (!(rest < 0x1p-11)) return false;
+  rest_ = 2 * rest * (1 + 0x1p-40);
+  return true;
+}
+
+bool SimplexInverse::surely_inside(const double* x) const {
+  const unsigned n = rows_;
+  double sum = 0, least = HUGE_VAL;
+  for (unsigned i = 0; i < n; ++i) {
+    const double* m = inverse_.data() + std::size_t{i} * n;
+    double v = m[n - 1];
+    for (unsigned j = 0; j + 1 < n; ++j) v += m[j] * x[j];
+    sum += std::abs(v);
+    least = std::min(least, v - allowed_[i]);
+  }
+  return least > rest_ * 1.0625 * (sum + 1);
+}
 
 HullMembership::HullMembership(const LocalPoints& points, const Control& control)
     : points_(points),
@@ -52,7 +118,7 @@ HullMembership::Answer HullMembership::search(std::uint32_t point, const PointCo
     Answer answer = approach(point, working, useful);
     if (answer != Answer::separated) return answer;
     // The direction separates the point from the working points: from all others, too?
-    std::uint32_t against = PointColumns::none;
+    std::uint32_t against = no_index;
     answer = separates_all(point, others, against);
     if (answer == Answer::separated) return answer;
     // If that point was tried already, rounding prevents progress.
@@ -172,7 +238,7 @@ HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns
   narrow_direction();
   Farthest result;
   result.id = points.least(narrow_.data(), point, count).id;
-  result.least = result.id == PointColumns::none ? HUGE_VAL : against(result.id);
+  result.least = result.id == no_index ? HUGE_VAL : against(result.id);
   return result;
 }
 
@@ -196,12 +262,12 @@ HullMembership::Answer HullMembership::approach(std::uint32_t point, const Point
     // Usually one of the first, which are the outermost, suffices.
     Farthest farthest = roughly_most_against(working, point, outermost);
     if (!(farthest.least < 0) || in_corral(farthest.id))
-      farthest = roughly_most_against(working, point, PointColumns::none);
+      farthest = roughly_most_against(working, point, no_index);
     if (in_corral(farthest.id)) farthest = most_against(working.ids(), point);
     const Farthest other = most_against(useful, point);
     if (other.least < farthest.least) farthest = other;
     if (farthest.least > 0) return Answer::separated;
-    if (farthest.id == PointColumns::none || in_corral(farthest.id))
+    if (farthest.id == no_index || in_corral(farthest.id))
       return prove_inside(point) ? Answer::inside : Answer::unknown;
     add(farthest.id);
     move_to_nearest();
@@ -315,20 +381,15 @@ bool HullMembership::certain_inside(std::uint32_t point) const {
     }
     return within;
   }
-  RationalMatrix a(rows, n + 1);
-  Rational t;
+  RationalRows a(rows, std::vector<mpq_class>(n + 1));
   const double* p = points_.exact_row(point);
   for (std::size_t i = 0; i < n; ++i) {
     const double* q = points_.exact_row(corral_[i]);
-    for (unsigned j = 0; j < d_; ++j) {
-      mpq_set_d(a.at(j, i), q[j]);
-      mpq_set_d(t.value, p[j]);
-      mpq_sub(a.at(j, i), a.at(j, i), t.value);
-    }
-    mpq_set_si(a.at(d_, i), 1, 1);
+    for (unsigned j = 0; j < d_; ++j) a[j][i] = mpq_class(q[j]) - mpq_class(p[j]);
+    a[d_][i] = 1;
   }
-  mpq_set_si(a.at(d_, n), 1, 1);
-  return a.solves_without_negatives();
+  a[d_][n] = 1;
+  return solves_without_negatives(a);
 }
 
 /// Sign of direction_ . (q - point), exactly.
@@ -343,16 +404,11 @@ int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   const double bound = (d_ + 4.0) * unit_roundoff * size + 0x1p-1000;
   if (sum > bound) return 1;
   if (sum < -bound) return -1;
-  Rational exact, t, v;
-  for (unsigned j = 0; j < d_; ++j) {
-    mpq_set_d(t.value, points_.exact_row(q)[j]);
-    mpq_set_d(v.value, points_.exact_row(point)[j]);
-    mpq_sub(t.value, t.value, v.value);
-    mpq_set_d(v.value, direction_[j]);
-    mpq_mul(t.value, t.value, v.value);
-    mpq_add(exact.value, exact.value, t.value);
-  }
-  return mpq_sgn(exact.value);
+  mpq_class exact;
+  for (unsigned j = 0; j < d_; ++j)
+    exact += (mpq_class(points_.exact_row(q)[j]) - mpq_class(points_.exact_row(point)[j])) *
+             mpq_class(direction_[j]);
+  return sgn(exact);
 }
 
 }  // namespace cullhull::internal::inline extreme

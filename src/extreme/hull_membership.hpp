@@ -3,14 +3,31 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "exact/points/local_points.hpp"
 #include "extreme/point_columns.hpp"
-#include "extreme/simplex_inverse.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline extreme {
+
+/// The rounded inverse of the matrix of a simplex's corners, and its error bound:
+/// docs/exactness.md, "Extreme points without facets".
+class SimplexInverse {
+ public:
+  /// False where the simplex is too flat for doubles. Coordinates must be exact, |x| <= 1.
+  bool set(const LocalPoints& points, const std::uint32_t* corners);
+  /// Whether x is proved to be strictly inside.
+  bool surely_inside(const double* x) const;
+
+ private:
+  unsigned rows_ = 0;
+  std::vector<double> inverse_;  ///< rows_ x rows_: barycentric coordinates of (x, 1)
+  std::vector<double> allowed_;  ///< rounding error of each
+  /// 2 sum_i max_j |I - M A|_ij; infinite where there is no simplex.
+  double rest_ = std::numeric_limits<double>::infinity();
+};
 
 /// Tests points of one set against the others. Not thread safe; each worker has its own object.
 class HullMembership {
@@ -26,7 +43,7 @@ class HullMembership {
  private:
   enum class Answer { inside, separated, unknown };
   struct Farthest {
-    std::uint32_t id = PointColumns::none;
+    std::uint32_t id = no_index;
     double least = 0;  ///< direction_ . (id - point)
   };
   Answer search(std::uint32_t point, const PointColumns& others, const PointColumns& working,

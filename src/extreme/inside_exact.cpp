@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "exact/determinants/minors.hpp"
-#include "exact/numbers/rational.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "extreme/hull_membership.hpp"
 
 namespace cullhull::internal::inline extreme {
@@ -22,16 +22,16 @@ class Simplex {
         control_(control),
         point_(point),
         rows_(points.dimension + 1),
-        inverse_(rows_, rows_ + 1),
-        column_(1, rows_),
-        entering_(1, rows_),
-        prices_(1, rows_),
+        inverse_(rows_, std::vector<mpq_class>(rows_ + 1)),
+        column_(rows_),
+        entering_(rows_),
+        prices_(rows_),
         basis_(rows_) {
     for (std::size_t i = 0; i < rows_; ++i) {
-      mpq_set_si(inverse_.at(i, i), 1, 1);
+      inverse_[i][i] = 1;
       basis_[i] = others.size() + i;  // artificial
     }
-    mpq_set_si(inverse_.at(rows_ - 1, rows_), 1, 1);  // the last column holds the basic values
+    inverse_[rows_ - 1][rows_] = 1;  // the last column holds the basic values
   }
 
   bool feasible() {
@@ -50,7 +50,7 @@ class Simplex {
 
   bool done() {
     for (std::size_t i = 0; i < rows_; ++i)
-      if (artificial(basis_[i]) && mpq_sgn(inverse_.at(i, rows_)) != 0) return false;
+      if (artificial(basis_[i]) && sgn(inverse_[i][rows_]) != 0) return false;
     return true;
   }
 
@@ -59,10 +59,10 @@ class Simplex {
     rounded_.assign(rows_, 0.0);
     rounded_size_ = 0;
     for (std::size_t j = 0; j < rows_; ++j) {
-      mpq_set_si(prices_.at(0, j), 0, 1);
+      prices_[j] = 0;
       for (std::size_t i = 0; i < rows_; ++i)
-        if (artificial(basis_[i])) mpq_add(prices_.at(0, j), prices_.at(0, j), inverse_.at(i, j));
-      rounded_[j] = mpq_get_d(prices_.at(0, j));  // towards zero: within 2u
+        if (artificial(basis_[i])) prices_[j] += inverse_[i][j];
+      rounded_[j] = prices_[j].get_d();  // towards zero: within 2u
       rounded_size_ += std::abs(rounded_[j]);
     }
   }
@@ -71,11 +71,20 @@ class Simplex {
     const double* x = points_.exact_row(others_[q]);
     const double* p = points_.exact_row(point_);
     for (std::size_t j = 0; j + 1 < rows_; ++j) {
-      mpq_set_d(column_.at(0, j), x[j]);
-      mpq_set_d(t_.value, p[j]);
-      mpq_sub(column_.at(0, j), column_.at(0, j), t_.value);
+      column_[j] = x[j];
+      t_ = p[j];
+      column_[j] -= t_;
     }
-    mpq_set_si(column_.at(0, rows_ - 1), 1, 1);
+    column_[rows_ - 1] = 1;
+  }
+
+  /// sum = row . column_.
+  void dot_column(const std::vector<mpq_class>& row, mpq_class& sum) {
+    sum = 0;
+    for (std::size_t j = 0; j < rows_; ++j) {
+      t_ = row[j] * column_[j];
+      sum += t_;
+    }
   }
 
   /// The first column with prices . column > 0. Columns that doubles prove negative are skipped.
@@ -95,44 +104,33 @@ class Simplex {
         if (sum < -bound) continue;
       }
       load(q);
-      mpq_set_si(sum_.value, 0, 1);
-      for (std::size_t j = 0; j < rows_; ++j) {
-        mpq_mul(t_.value, prices_.at(0, j), column_.at(0, j));
-        mpq_add(sum_.value, sum_.value, t_.value);
-      }
-      if (mpq_sgn(sum_.value) > 0) return q;
+      dot_column(prices_, sum_);
+      if (sgn(sum_) > 0) return q;
     }
     return others_.size();
   }
 
   void pivot(std::size_t q) {
     load(q);
-    for (std::size_t i = 0; i < rows_; ++i) {
-      mpq_set_si(entering_.at(0, i), 0, 1);
-      for (std::size_t j = 0; j < rows_; ++j) {
-        mpq_mul(t_.value, inverse_.at(i, j), column_.at(0, j));
-        mpq_add(entering_.at(0, i), entering_.at(0, i), t_.value);
-      }
-    }
+    for (std::size_t i = 0; i < rows_; ++i) dot_column(inverse_[i], entering_[i]);
     // Least ratio, the lowest variable among equals (Bland). One exists, as the sum of the
     // artificial variables is bounded below.
     std::size_t leaving = rows_;
     for (std::size_t i = 0; i < rows_; ++i) {
-      if (mpq_sgn(entering_.at(0, i)) <= 0) continue;
-      mpq_div(t_.value, inverse_.at(i, rows_), entering_.at(0, i));
-      const int c = leaving == rows_ ? -1 : mpq_cmp(t_.value, sum_.value);
+      if (sgn(entering_[i]) <= 0) continue;
+      t_ = inverse_[i][rows_] / entering_[i];
+      const int c = leaving == rows_ ? -1 : cmp(t_, sum_);
       if (c < 0 || (c == 0 && basis_[i] < basis_[leaving])) {
         leaving = i;
-        mpq_set(sum_.value, t_.value);
+        sum_ = t_;
       }
     }
-    for (std::size_t j = 0; j <= rows_; ++j)
-      mpq_div(inverse_.at(leaving, j), inverse_.at(leaving, j), entering_.at(0, leaving));
+    for (mpq_class& v : inverse_[leaving]) v /= entering_[leaving];
     for (std::size_t i = 0; i < rows_; ++i) {
-      if (i == leaving || mpq_sgn(entering_.at(0, i)) == 0) continue;
+      if (i == leaving || sgn(entering_[i]) == 0) continue;
       for (std::size_t j = 0; j <= rows_; ++j) {
-        mpq_mul(t_.value, entering_.at(0, i), inverse_.at(leaving, j));
-        mpq_sub(inverse_.at(i, j), inverse_.at(i, j), t_.value);
+        t_ = entering_[i] * inverse_[leaving][j];
+        inverse_[i][j] -= t_;
       }
     }
     basis_[leaving] = q;
@@ -143,11 +141,12 @@ class Simplex {
   const Control& control_;
   const std::uint32_t point_;
   const std::size_t rows_;
-  RationalMatrix inverse_, column_, entering_, prices_;
+  RationalRows inverse_;
+  std::vector<mpq_class> column_, entering_, prices_;
   std::vector<std::size_t> basis_;
   std::vector<double> rounded_;
   double rounded_size_ = 0;
-  Rational t_, sum_;
+  mpq_class t_, sum_;
 };
 
 }  // namespace

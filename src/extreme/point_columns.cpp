@@ -84,7 +84,7 @@ namespace cullhull::internal::inline extreme {
 HWY_EXPORT(least_in_columns);
 
 PointColumns::PointColumns(const LocalPoints& points)
-    : points_(points), slot_(points.count, none) {}
+    : points_(points), slot_(points.count, no_index) {}
 
 PointColumns::PointColumns(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
                            const Control& control)
@@ -120,12 +120,12 @@ void PointColumns::add(std::uint32_t id) {
 PointColumns::Least PointColumns::least(const float* direction, std::uint32_t except,
                                         std::size_t count) const {
   Least result;
-  std::uint32_t slot = none;
+  std::uint32_t slot = no_index;
   result.value = std::numeric_limits<float>::infinity();
   HWY_DYNAMIC_DISPATCH(least_in_columns)
   (columns_.data(), low_.data(), high_.data(), (std::min(ids_.size(), count) + block - 1) / block,
    points_.dimension, direction, slot_[except], &result.value, &slot);
-  if (slot != none) result.id = ids_[slot];
+  if (slot != no_index) result.id = ids_[slot];
   return result;
 }
 

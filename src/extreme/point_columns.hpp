@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "exact/points/local_points.hpp"
+#include "parallel/index.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline extreme {
@@ -14,7 +15,6 @@ namespace cullhull::internal::inline extreme {
 /// boxes.
 class PointColumns {
  public:
-  static constexpr std::uint32_t none = 0xFFFFFFFF;
   static constexpr unsigned block = 64;      ///< points
   static constexpr unsigned box_group = 16;  ///< boxes
 
@@ -24,16 +24,16 @@ class PointColumns {
   void add(std::uint32_t id);
 
   const std::vector<std::uint32_t>& ids() const { return ids_; }
-  bool contains(std::uint32_t id) const { return slot_[id] != none; }
+  bool contains(std::uint32_t id) const { return slot_[id] != no_index; }
 
   struct Least {
-    std::uint32_t id = none;  ///< none: there is no other point
+    std::uint32_t id = no_index;  ///< no_index: there is no other point
     float value = 0;
   };
   /// The least direction . x of the first `count` points (a multiple of `block`, or all) without
   /// point `except`, computed in f32: off by at most (d + 2) 2^-24 sum |direction_j| + 2^-120 where
   /// all |x_j| <= 1.
-  Least least(const float* direction, std::uint32_t except, std::size_t count = none) const;
+  Least least(const float* direction, std::uint32_t except, std::size_t count = no_index) const;
 
  private:
   const LocalPoints& points_;

@@ -6,6 +6,7 @@
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "flow/pipeline.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {
@@ -23,10 +24,7 @@ Filtered filtered_on_device(const DevicePointView& points, const Options& option
 }  // namespace
 
 void check_arguments(const DevicePointView& points) {
-  if (points.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
-  if (points.data == nullptr && points.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  require_points(points.dimension, points.data, points.count);
   if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
     throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
 }

@@ -19,10 +19,7 @@ namespace cullhull {
 namespace internal::inline flow {
 
 void check_arguments(const PointView& points, const Options& options) {
-  if (points.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
-  if (points.data == nullptr && points.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  require_points(points);
   if (options.backend == Backend::cuda) require_cuda(options.device);
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,

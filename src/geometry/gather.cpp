@@ -1,5 +1,6 @@
 #include "geometry/gather.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -82,6 +83,31 @@ class Lowest {
 };
 
 }  // namespace
+
+void require_dimension(std::uint32_t dimension) {
+  if (dimension == 0)
+    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+}
+
+void require_points(std::uint32_t dimension, const void* data, std::uint64_t count) {
+  require_dimension(dimension);
+  if (data == nullptr && count > 0) throw Error(ErrorCode::invalid_argument, "points.data is null");
+}
+
+void require_weights(std::span<const double> weights, std::uint64_t count) {
+  if (weights.size() != count)
+    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(count) +
+                                                 " points, but " + std::to_string(weights.size()) +
+                                                 " weights");
+}
+
+std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes,
+                                        unsigned dimension) {
+  std::vector<std::uint32_t> columns(axes);
+  for (unsigned j = 0; j < dimension; ++j)
+    if (std::find(axes.begin(), axes.end(), j) == axes.end()) columns.push_back(j);
+  return columns;
+}
 
 void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
                     std::size_t count, double* out) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/array.hpp"
@@ -9,6 +10,20 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline geometry {
+
+/// Throws Error{invalid_argument} for points of no dimension, and for points without data.
+void require_points(std::uint32_t dimension, const void* data, std::uint64_t count);
+inline void require_points(const PointView& view) {
+  require_points(view.dimension, view.data, view.count);
+}
+/// The first of these checks alone.
+void require_dimension(std::uint32_t dimension);
+
+/// Throws Error{invalid_argument} unless there is one weight for each of `count` points.
+void require_weights(std::span<const double> weights, std::uint64_t count);
+
+/// The columns of points in a flat: its axes first, then the others, ascending.
+std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes, unsigned dimension);
 
 /// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
 /// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must ascend. The

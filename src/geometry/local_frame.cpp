@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "exact/determinants/factorials.hpp"
+#include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"

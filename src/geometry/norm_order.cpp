@@ -139,14 +139,14 @@ void NormOrder::sort_outermost(std::uint32_t wanted) {
     end = outermost;
     // The key and the id order all points, so that the result does not depend on the algorithm.
     std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
-                     [](const Keyed& a, const Keyed& b) {
+                     [](const KeyedId& a, const KeyedId& b) {
       return a.key != b.key ? a.key < b.key : a.id < b.id;
     });
   }
   scratch_.reserve(end - sorted_);
-  Keyed* items = items_.data() + sorted_;
-  Keyed* other = scratch_.data();
-  radix_sort(items, other, end - sorted_, 32, run_, [](const Keyed& k) { return k.key; });
+  KeyedId* items = items_.data() + sorted_;
+  KeyedId* other = scratch_.data();
+  radix_sort(items, other, end - sorted_, 32, run_);
   if (items != items_.data() + sorted_) std::copy_n(items, end - sorted_, other);
   sorted_ = end;
 }
@@ -156,7 +156,7 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
   if (size > left() || left() - size < (taken_ + size) / 2) size = left();
   if (taken_ == 0) size = std::min(first_round, left());
   sort_outermost(taken_ + size);
-  Keyed* items = items_.data() + taken_;
+  KeyedId* items = items_.data() + taken_;
   if (taken_ > 0) arrange(items, size);
   for (std::uint32_t k = 0; k < size; ++k) order.push_back(items[k].id);
   taken_ += size;
@@ -164,7 +164,7 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
 
 /// Sorts along a Hilbert curve through a grid of 16^d cells for each point, as far as 32 bits hold
 /// a cell's key.
-void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
+void NormOrder::arrange(KeyedId* begin, std::uint32_t size) {
   const unsigned d = points_.dimension, used = std::min(d, 32U);
   const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
                                    std::clamp(32U / d, 1U, 10U));
@@ -185,9 +185,9 @@ void NormOrder::arrange(Keyed* begin, std::uint32_t size) {
     }
   });
   scratch_.reserve(size);
-  Keyed* items = begin;
-  Keyed* other = scratch_.data();
-  radix_sort(items, other, size, used * bits, run_, [](const Keyed& k) { return k.key; });
+  KeyedId* items = begin;
+  KeyedId* other = scratch_.data();
+  radix_sort(items, other, size, used * bits, run_);
   if (items != begin) std::copy_n(items, size, begin);
 }
 

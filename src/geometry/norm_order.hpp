@@ -6,6 +6,7 @@
 
 #include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
+#include "parallel/radix_sort.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline geometry {
@@ -33,17 +34,13 @@ class NormOrder {
   void drop(const std::uint8_t* dropped);
 
  private:
-  struct Keyed {
-    std::uint32_t key, id;
-  };
-
   void compute_norms();
   void sort_outermost(std::uint32_t wanted);
-  void arrange(Keyed* begin, std::uint32_t size);
+  void arrange(KeyedId* begin, std::uint32_t size);
 
   const LocalPoints& points_;
   const Run run_;
-  RawArray<Keyed> items_, scratch_;
+  RawArray<KeyedId> items_, scratch_;
   std::uint32_t count_ = 0;   ///< items, those taken included
   std::uint32_t taken_ = 0;   ///< from the front
   std::uint32_t sorted_ = 0;  ///< from the front: they are the outermost, in order

@@ -58,4 +58,13 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, co
   }
 }
 
+/// The number of an item and the key to sort it by.
+struct KeyedId {
+  std::uint32_t key, id;
+};
+inline void radix_sort(KeyedId*& items, KeyedId*& scratch, std::uint32_t n, unsigned bits,
+                       const Run& run) {
+  radix_sort(items, scratch, n, bits, run, [](const KeyedId& k) { return k.key; });
+}
+
 }  // namespace cullhull::internal::inline parallel

@@ -350,11 +350,11 @@ std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
     return out;
   }
   Doubt doubt;
-  std::uint32_t first = none;
+  std::uint32_t first = no_index;
   if (!gather_doubt(q, doubt)) first = doubt.certain;
-  for (std::size_t i = 0; i < doubt.facets.size() && first == none; ++i)
+  for (std::size_t i = 0; i < doubt.facets.size() && first == no_index; ++i)
     if (exact_side(doubt.facets[i], q) == Side::outside) first = doubt.facets[i];
-  if (first == none) return out;
+  if (first == no_index) return out;
   // The visible facets are connected.
   std::vector<std::uint8_t> seen(count(), 0);
   std::vector<std::uint32_t> stack{first};

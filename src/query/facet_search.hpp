@@ -12,6 +12,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
+#include "parallel/index.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 #include "query/direction_cube.hpp"
@@ -94,9 +95,8 @@ class FacetSearch {
  private:
   struct Doubt {
     std::vector<std::uint32_t> facets;  // that may be above or through the point
-    std::uint32_t certain = none;       // one that is certainly below it
+    std::uint32_t certain = no_index;   // one that is certainly below it
   };
-  static constexpr std::uint32_t none = 0xFFFFFFFF;
 
   std::size_t stride() const { return std::size_t{k_} + 1; }
   void scale_points();

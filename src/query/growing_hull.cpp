@@ -7,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
+#include "geometry/gather.hpp"
 #include "query/hull_arguments.hpp"
 
 namespace cullhull {
@@ -22,8 +23,7 @@ struct GrowingHull::State {
 };
 
 GrowingHull::GrowingHull(std::uint32_t dimension) : state_(std::make_unique<State>()) {
-  if (dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  internal::require_dimension(dimension);
   state_->hull.dimension = dimension;
 }
 GrowingHull::GrowingHull(Hull hull, std::vector<double> vertex_coordinates)

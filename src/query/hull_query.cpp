@@ -15,6 +15,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 #include "query/device_questions.hpp"
 #include "query/facet_search.hpp"
@@ -123,15 +124,11 @@ struct HullQuery::State {
       if (facet_vertices.size() % 8192 == 0) control.check();
       facet_vertices.push_back(points.index_of(id));
     }
-    // Lists of the facets at each vertex.
-    vertex_start.assign(points.count() + 1, 0);
-    for (const std::uint32_t v : facet_vertices) ++vertex_start[v + 1];
-    for (std::size_t v = 0; v < points.count(); ++v) vertex_start[v + 1] += vertex_start[v];
-    vertex_facets.resize(facet_vertices.size());
-    std::vector<std::uint64_t> at(vertex_start.begin(), vertex_start.end() - 1);
-    for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f)
-      for (std::uint64_t i = facet_start[f]; i < facet_start[f + 1]; ++i)
-        vertex_facets[at[facet_vertices[i]]++] = f;
+    vertex_facets = Adjacency<std::uint32_t>(points.count(), [&](const auto& add) {
+      for (std::uint32_t f = 0; f + 1 < facet_start.size(); ++f)
+        for (std::uint64_t i = facet_start[f]; i < facet_start[f + 1]; ++i)
+          add(facet_vertices[i], f);
+    });
     if (points.k == points.dimension && points.dimension >= GaugeMap::min_dimension &&
         points.dimension <= GaugeMap::max_dimension)
       polytope = polytope_of(points, hull);
@@ -199,8 +196,9 @@ struct HullQuery::State {
   VertexSearch vertices;
   std::vector<double> planes;
   std::optional<PlaneTree> tree;
-  std::vector<std::uint64_t> facet_start, vertex_start;
-  std::vector<std::uint32_t> facet_vertices, vertex_facets;
+  std::vector<std::uint64_t> facet_start;
+  std::vector<std::uint32_t> facet_vertices;
+  Adjacency<std::uint32_t> vertex_facets;
   InnerPolytope polytope;
   mutable std::once_flag map_once;
   mutable std::unique_ptr<GaugeMap> gauge_map;
@@ -230,8 +228,7 @@ std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corne
   std::uint32_t best = RayHit::no_facet;
   double best_value = 0;
   const std::uint32_t v = corners[0];
-  for (std::uint64_t i = vertex_start[v]; i < vertex_start[v + 1]; ++i) {
-    const std::uint32_t f = vertex_facets[i];
+  for (const std::uint32_t f : vertex_facets[v]) {
     const auto first = facet_vertices.begin() + static_cast<std::ptrdiff_t>(facet_start[f]);
     const auto last = facet_vertices.begin() + static_cast<std::ptrdiff_t>(facet_start[f + 1]);
     const bool all = std::all_of(corners.begin(), corners.end(), [&](std::uint32_t c) {

@@ -7,13 +7,12 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/simplify.hpp"
+#include "parallel/index.hpp"
 #include "parallel/sort_few.hpp"
 #include "query/hull_arguments.hpp"
 
 namespace cullhull {
 namespace {
-
-constexpr std::uint32_t none = 0xFFFFFFFF;
 
 class Planes {
  public:
@@ -28,16 +27,16 @@ class Planes {
   }
 
   std::vector<std::uint32_t> share() const {
-    std::vector<std::uint32_t> of(hull_.facet_count(), none), reached;
+    std::vector<std::uint32_t> of(hull_.facet_count(), no_index), reached;
     for (const std::uint32_t seed : largest_first()) {
-      if (of[seed] != none) continue;
+      if (of[seed] != no_index) continue;
       of[seed] = seed;
       reached.assign(1, seed);
       while (!reached.empty()) {
         const std::uint32_t facet = reached.back();
         reached.pop_back();
         for (const std::uint32_t next : hull_.facet_neighbours[facet]) {
-          if (of[next] != none || !holds(seed, next)) continue;
+          if (of[next] != no_index || !holds(seed, next)) continue;
           of[next] = seed;
           reached.push_back(next);
         }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
+#include "parallel/adjacency.hpp"
 
 namespace cullhull::internal::inline query {
 
@@ -16,19 +17,11 @@ namespace cullhull::internal::inline query {
 class VertexLinks {
  public:
   VertexLinks(const Hull& hull, std::size_t count)
-      : corners_(hull.simplices), width_(static_cast<std::size_t>(hull.affine_dimension)) {
-    begin_.assign(count + 1, 0);
-    for (const std::uint64_t v : corners_) ++begin_[v + 1];
-    for (std::size_t v = 0; v < count; ++v) begin_[v + 1] += begin_[v];
-    around_.resize(corners_.size());
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    for (std::size_t i = 0; i < corners_.size(); ++i)
-      around_[next[corners_[i]]++] = static_cast<std::uint32_t>(i / width_);
-  }
+      : corners_(hull.simplices),
+        width_(static_cast<std::size_t>(hull.affine_dimension)),
+        simplices_(rows_by_id(corners_, width_, count)) {}
 
-  std::span<const std::uint32_t> simplices(std::uint32_t v) const {
-    return {around_.data() + begin_[v], begin_[v + 1] - begin_[v]};
-  }
+  std::span<const std::uint32_t> simplices(std::uint32_t v) const { return simplices_[v]; }
 
   /// The other vertices of these simplices, ascending.
   void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
@@ -44,8 +37,7 @@ class VertexLinks {
  private:
   std::span<const std::uint64_t> corners_;
   std::size_t width_;
-  std::vector<std::size_t> begin_;
-  std::vector<std::uint32_t> around_;
+  Adjacency<std::uint32_t> simplices_;  ///< by vertex
 };
 
 }  // namespace cullhull::internal::inline query

@@ -40,30 +40,15 @@ VertexSearch::VertexSearch(const QueryPoints& points, const Control& control) : 
 void VertexSearch::join_neighbours(const Control& control) {
   const unsigned k = points_->k;
   const std::vector<std::uint32_t>& corners = points_->corners;
-  start_.assign(points_->count() + 1, 0);
-  for (const std::uint32_t v : corners) start_[v + 1] += k - 1;
-  control.check();
-  std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  neighbours_.resize(start_.back());
-  std::vector<std::uint32_t> at(start_.begin(), start_.end() - 1);
-  for (std::size_t s = 0; s < corners.size(); s += k) {
-    if (s / k % 8192 == 0) control.check();
-    for (unsigned i = 0; i < k; ++i)
-      for (unsigned j = 0; j < k; ++j)
-        if (i != j) neighbours_[at[corners[s + i]]++] = corners[s + j];
-  }
-  std::uint32_t out = 0;
-  for (std::size_t v = 0; v + 1 < start_.size(); ++v) {
-    if (v % 4096 == 0) control.check();
-    const auto begin = neighbours_.begin() + start_[v], end = neighbours_.begin() + start_[v + 1];
-    std::sort(begin, end);
-    const auto last = std::unique(begin, end);
-    start_[v] = out;
-    out = static_cast<std::uint32_t>(std::copy(begin, last, neighbours_.begin() + out) -
-                                     neighbours_.begin());
-  }
-  start_.back() = out;
-  neighbours_.resize(out);
+  neighbours_ = Adjacency<std::uint32_t, std::uint32_t>(points_->count(), [&](const auto& add) {
+    for (std::size_t s = 0; s < corners.size(); s += k) {
+      if (s / k % 8192 == 0) control.check();
+      for (unsigned i = 0; i < k; ++i)
+        for (unsigned j = 0; j < k; ++j)
+          if (i != j) add(corners[s + i], corners[s + j]);
+    }
+  });
+  neighbours_.sort_and_unique([&] { control.check(); });
 }
 
 double VertexSearch::product(std::uint32_t v, const double* u) const {
@@ -78,11 +63,11 @@ std::uint32_t VertexSearch::climb(std::uint32_t v, const double* u) const {
   double best = product(v, u);
   for (;;) {
     std::uint32_t next = v;
-    for (std::uint32_t i = start_[v]; i < start_[v + 1]; ++i) {
-      const double p = product(neighbours_[i], u);
+    for (const std::uint32_t w : neighbours_[v]) {
+      const double p = product(w, u);
       if (p > best) {
         best = p;
-        next = neighbours_[i];
+        next = w;
       }
     }
     if (next == v) return v;
@@ -95,7 +80,8 @@ int VertexSearch::compare(std::uint32_t a, std::uint32_t b, const double* direct
   const double* p = points_->full.data() + std::size_t{a} * d;
   const double* q = points_->full.data() + std::size_t{b} * d;
   ExactFloat sum;
-  for (unsigned j = 0; j < d; ++j) sum = sum + (ExactFloat(p[j]) - ExactFloat(q[j])) * ExactFloat(direction[j]);
+  for (unsigned j = 0; j < d; ++j)
+    sum = sum + (ExactFloat(p[j]) - ExactFloat(q[j])) * ExactFloat(direction[j]);
   return sum > ExactFloat() ? 1 : sum.zero() ? 0 : -1;
 }
 
@@ -131,8 +117,7 @@ std::uint32_t VertexSearch::support(const double* direction) const {
     const double floor = product(v, u.data()) - 2 * error;
     rivals = {v};
     for (std::size_t i = 0; i < rivals.size(); ++i)
-      for (std::uint32_t e = start_[rivals[i]]; e < start_[rivals[i] + 1]; ++e) {
-        const std::uint32_t w = neighbours_[e];
+      for (const std::uint32_t w : neighbours_[rivals[i]]) {
         if (product(w, u.data()) < floor) continue;
         if (std::find(rivals.begin(), rivals.end(), w) == rivals.end()) rivals.push_back(w);
       }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "parallel/adjacency.hpp"
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 
@@ -38,7 +39,7 @@ class VertexSearch {
   const QueryPoints* points_;
   std::vector<double> factor_;  // powers of two that scale each axis into [-1, 1]
   std::vector<double> scaled_;  // vertices x dimension
-  std::vector<std::uint32_t> start_, neighbours_;
+  Adjacency<std::uint32_t, std::uint32_t> neighbours_;  // vertices at edges of each vertex
   DirectionCube cube_;
   std::vector<std::uint32_t> hints_;
 };

@@ -6,43 +6,18 @@
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/oriented_plane.hpp"
+#include "geometry/simplex.hpp"
 #include "parallel/prefetch.hpp"
-#include "parallel/sort_few.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {
 
-/// Insertion sort of one simplex's ids with its neighbours; true if the permutation was odd.
-bool sort_simplex(std::uint32_t* ids, std::uint32_t* neighbours, unsigned k) {
-  bool odd = false;
-  for (unsigned i = 1; i < k; ++i)
-    for (unsigned j = i; j > 0 && ids[j - 1] > ids[j]; --j) {
-      std::swap(ids[j - 1], ids[j]);
-      std::swap(neighbours[j - 1], neighbours[j]);
-      odd = !odd;
-    }
-  return odd;
-}
-
-/// The same without branches, which random ids would make unpredictable.
-template <unsigned K>
-bool sort_simplex_of(std::uint32_t* ids, std::uint32_t* neighbours, unsigned) {
-  std::uint64_t packed[K];
-  for (unsigned i = 0; i < K; ++i) packed[i] = std::uint64_t{ids[i]} << 32 | neighbours[i];
-  const bool odd = sort_few<K>(packed);
-  for (unsigned i = 0; i < K; ++i) {
-    ids[i] = static_cast<std::uint32_t>(packed[i] >> 32);
-    neighbours[i] = static_cast<std::uint32_t>(packed[i]);
-  }
-  return odd;
-}
-
 using SortSimplex = bool (*)(std::uint32_t*, std::uint32_t*, unsigned);
 SortSimplex sort_of(unsigned k) {
-  static constexpr SortSimplex few[] = {sort_simplex_of<3>, sort_simplex_of<4>, sort_simplex_of<5>,
-                                        sort_simplex_of<6>, sort_simplex_of<7>, sort_simplex_of<8>};
-  return k >= 3 && k <= 8 ? few[k - 3] : sort_simplex;
+  static constexpr SortSimplex few[] = {sort_simplex<3>, sort_simplex<4>, sort_simplex<5>,
+                                        sort_simplex<6>, sort_simplex<7>, sort_simplex<8>};
+  return k >= 3 && k <= 8 ? few[k - 3] : sort_simplex<0>;
 }
 
 struct ChunkResult {

@@ -2,13 +2,13 @@
 #include <numeric>
 
 #include "exact/orientation/orientation.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
+#include "parallel/index.hpp"
 #include "result/boundary.hpp"
 
 namespace cullhull::internal::inline result {
 namespace {
-
-constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 /// A ridge on the border of a merged facet: simplex, slot.
 struct Border {
@@ -35,7 +35,7 @@ class Merger {
   }
 
  private:
-  std::uint32_t merged_count() const { return static_cast<std::uint32_t>(starts_.size()) - 1; }
+  std::uint32_t merged_count() const { return static_cast<std::uint32_t>(members_.size()); }
 
   /// Fills facet_: first single simplices in their order, then merged facets in the order of their
   /// first.
@@ -55,14 +55,10 @@ class Merger {
     std::uint32_t next = singles_;
     for (std::uint32_t f = 0; f < n; ++f)
       facet_[f] = !merged[f] ? single++ : facet_[f] == f ? next++ : facet_[facet_[f]];
-    starts_.assign(next - singles_ + 1, 0);
-    for (std::uint32_t f = 0; f < n; ++f)
-      if (merged[f]) ++starts_[facet_[f] - singles_ + 1];
-    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-    members_.resize(starts_.back());
-    std::vector<std::uint32_t> at(starts_.begin(), starts_.end() - 1);
-    for (std::uint32_t f = 0; f < n; ++f)
-      if (merged[f]) members_[at[facet_[f] - singles_]++] = f;
+    members_ = Adjacency<std::uint32_t, std::uint32_t>(next - singles_, [&](const auto& add) {
+      for (std::uint32_t f = 0; f < n; ++f)
+        if (merged[f]) add(facet_[f] - singles_, f);
+    });
   }
 
   void keep_singles() {
@@ -75,7 +71,7 @@ class Merger {
       for (unsigned i = 0; i < k_; ++i) {
         s.vertices.push_back(old_.simplex(f)[i]);
         const std::uint32_t g = facet_[old_.neighbours[std::size_t{f} * k_ + i]];
-        s.neighbours.push_back(g < singles_ ? g : none);  // facet g < singles_ is simplex g
+        s.neighbours.push_back(g < singles_ ? g : no_index);  // facet g < singles_ is simplex g
       }
     }
     out_.facet.resize(singles_);
@@ -86,7 +82,7 @@ class Merger {
   /// facet are corners of a simplex facet, so extreme.
   void drop_flat_vertices() {
     std::vector<std::uint8_t> candidate(points_.count, 0);
-    for (const std::uint32_t f : members_)
+    for (const std::uint32_t f : members_.items())
       for (unsigned i = 0; i < k_; ++i) candidate[old_.simplex(f)[i]] = 1;
     for (std::uint32_t f = 0; f < old_.facet_count(); ++f)
       for (unsigned i = 0; i < k_; ++i)
@@ -118,11 +114,11 @@ class Merger {
   bool extreme(std::size_t begin, std::size_t end) const {
     if (end - begin < k_) return false;
     if (k_ == 2) return true;
-    std::uint32_t smallest = none;
+    std::uint32_t smallest = no_index;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t facet = incidence_[i].second;
       if (facet < singles_) return true;
-      if (smallest == none ||
+      if (smallest == no_index ||
           on_facet_[facet - singles_].size() < on_facet_[smallest - singles_].size())
         smallest = facet;
     }
@@ -147,9 +143,9 @@ class Merger {
 
   void triangulate(std::uint32_t m) {
     borders_.clear();
-    for (std::uint32_t i = starts_[m]; i < starts_[m + 1]; ++i)
+    for (const std::uint32_t f : members_[m])
       for (unsigned j = 0; j < k_; ++j)
-        if (neighbour_facet({members_[i], j}) != singles_ + m) borders_.push_back({members_[i], j});
+        if (neighbour_facet({f, j}) != singles_ + m) borders_.push_back({f, j});
     if (on_facet_[m].size() < k_ || borders_.empty()) fail_not_exact("a facet has too few corners");
     if (k_ == 2)
       segment(m);
@@ -165,7 +161,7 @@ class Merger {
 
   void add_simplex(std::uint32_t m, bool odd) {  // its ids have been appended
     out_.surface.odd.push_back(odd);
-    out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, none);
+    out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, no_index);
     out_.facet.push_back(singles_ + m);
   }
 
@@ -242,7 +238,7 @@ class Merger {
     std::vector<Slot> open;
     for (std::uint32_t f = 0; f < s.facet_count(); ++f)
       for (unsigned j = 0; j < k_; ++j)
-        if (s.neighbours[std::size_t{f} * k_ + j] == none) open.push_back({f, j});
+        if (s.neighbours[std::size_t{f} * k_ + j] == no_index) open.push_back({f, j});
     const auto compare = [&](const Slot& a, const Slot& b) {
       const std::uint32_t* x = s.simplex(a.simplex);
       const std::uint32_t* y = s.simplex(b.simplex);
@@ -268,8 +264,8 @@ class Merger {
   const unsigned k_;
   Facets out_;
   std::uint32_t singles_ = 0;
-  std::vector<std::uint32_t> facet_;             // of each old simplex
-  std::vector<std::uint32_t> starts_, members_;  // old simplices of each merged facet
+  std::vector<std::uint32_t> facet_;                 // of each old simplex
+  Adjacency<std::uint32_t, std::uint32_t> members_;  // old simplices of each merged facet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> incidence_;  // (vertex, facet), sorted
   std::vector<std::size_t> first_;                                  // first incidence of a vertex
   std::vector<VertexSet> on_facet_;                                 // vertices of each merged facet

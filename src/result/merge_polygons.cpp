@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "parallel/disjoint_sets.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -16,7 +17,6 @@ namespace cullhull::internal::inline result {
 namespace {
 
 using Id = std::uint32_t;
-constexpr Id none = 0xFFFFFFFFU;
 constexpr std::memory_order relaxed = std::memory_order_relaxed;
 
 /// An edge of a merged facet's border, with the facet on its left seen from outside.
@@ -82,8 +82,8 @@ class PolygonMerger {
     run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Count count;
       for (std::uint64_t f = begin; f < end; ++f) {
-        facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : none;
-        count.singles += facet_[f] == none;
+        facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : no_index;
+        count.singles += facet_[f] == no_index;
         count.roots += facet_[f] == f;
       }
       counts[c + 1] = count;
@@ -104,7 +104,7 @@ class PolygonMerger {
     run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       Count at = counts[c];
       for (std::uint64_t f = begin; f < end; ++f)
-        facet_[f] = facet_[f] == none ? at.singles++ : number[facet_[f]];
+        facet_[f] = facet_[f] == no_index ? at.singles++ : number[facet_[f]];
     });
   }
 
@@ -261,7 +261,7 @@ class PolygonMerger {
       const Id next_facet = facet_across(edges_[start]);
       if (next_facet != facet) break;
     }
-    Id last_facet = none;
+    Id last_facet = no_index;
     Id i = start;
     for (steps = 0; steps < size; ++steps, i = next_[i]) {
       if (steps % 65536 == 65535) run_.check();
@@ -319,7 +319,7 @@ class PolygonMerger {
   /// and the last edge seen from one side is the first edge seen from the other.
   void write_surface() {
     const std::uint64_t count = out_.singles + corner_starts_.back() - 2 * merged_count();
-    if (count >= none) fail_not_exact("too many facets");
+    if (count >= no_index) fail_not_exact("too many facets");
     Boundary& s = out_.surface;
     s.dimension = 3;
     resize_big(s.vertices, count * 3);
@@ -328,7 +328,7 @@ class PolygonMerger {
     resize_big(out_.facet, count);
     place_ = BigArray<Id>(old_.facet_count() * 3);
     run_.each(old_.facet_count() * 3, simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
-      std::fill(place_.get() + begin, place_.get() + end, none);
+      std::fill(place_.get() + begin, place_.get() + end, no_index);
     });
     each_side([&](std::uint64_t m, std::uint64_t begin, std::uint64_t end) {
       const std::uint64_t first = corner_starts_[m], sides = corner_starts_[m + 1] - first;
@@ -353,7 +353,7 @@ class PolygonMerger {
     const Id g = across(f, j);
     if (single(facet_[g])) return facet_[g];
     const Id simplex = place_[std::size_t{g} * 3 + opposite_slot<3>(old_, f, j, g)];
-    if (simplex == none) fail_not_exact("facets do not fit together");
+    if (simplex == no_index) fail_not_exact("facets do not fit together");
     return simplex;
   }
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <numeric>
 
+#include "parallel/index.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
@@ -12,8 +13,6 @@
 
 namespace cullhull::internal::inline result {
 namespace {
-
-constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 /// Puts the simplices into canonical order, and derives all lists of the hull.
 class FacetOrderer {
@@ -137,12 +136,12 @@ class FacetOrderer {
     const std::size_t singles = facets_.singles, n = singles + facets_.vertices.size();
     BigArray<std::uint32_t> first(n);  // simplex of each facet
     each_chunk(0, n, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t f = begin; f < end; ++f) first[f] = f < singles ? rank_[f] : none;
+      for (std::uint64_t f = begin; f < end; ++f) first[f] = f < singles ? rank_[f] : no_index;
     });
     each_chunk(singles, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end;) {  // the simplices of a facet are consecutive
         const std::uint32_t facet = facets_.facet[f];
-        std::uint32_t lowest = none;
+        std::uint32_t lowest = no_index;
         for (; f < end && facets_.facet[f] == facet; ++f) lowest = std::min(lowest, rank_[f]);
         const std::atomic_ref<std::uint32_t> so_far(first[facet]);
         std::uint32_t now = so_far.load(std::memory_order_relaxed);

@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/stream.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/byte_order.hpp"
 #include "stream/numbered_points.hpp"
 
@@ -19,8 +20,7 @@ HullState::HullState() = default;
 
 HullState::HullState(std::uint32_t dimension, ScalarType scalar)
     : dimension_(dimension), scalar_(scalar) {
-  if (dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  require_dimension(dimension);
 }
 
 HullState::HullState(const PointView& points, std::uint64_t first_id, const Options& options) {

@@ -52,13 +52,11 @@ void refuse_not_finite(const NumberedPoints& points, unsigned threads) {
 }
 
 void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t dimension) {
-  if (block.dimension == 0)
-    throw Error(ErrorCode::invalid_argument, "points need at least one dimension");
+  require_dimension(block.dimension);
   if (dimension != 0 && block.dimension != dimension)
     throw Error(ErrorCode::invalid_argument, "points of dimension ", block.dimension,
                 " among points of dimension ", dimension);
-  if (block.data == nullptr && block.count > 0)
-    throw Error(ErrorCode::invalid_argument, "points.data is null");
+  require_points(block);
   if (block.count > 0 && first_id + (block.count - 1) < first_id)
     throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
 }

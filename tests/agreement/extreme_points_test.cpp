@@ -13,7 +13,6 @@
 #include "exact/orientation/orientation.hpp"
 #include "extreme/hull_membership.hpp"
 #include "extreme/point_columns.hpp"
-#include "extreme/simplex_inverse.hpp"
 #include "geometry/local_frame.hpp"
 #include "parallel/threads/run.hpp"
 #include "point_sets.hpp"
@@ -123,7 +122,7 @@ TEST(ExtremePoints, ColumnsFindTheLeast) {
           if (id == found.id) value = sum;
         }
         if (least == HUGE_VAL) {
-          EXPECT_EQ(found.id, internal::PointColumns::none);
+          EXPECT_EQ(found.id, internal::no_index);
           continue;
         }
         const double bound = (d + 2) * 0x1p-24 * size + 0x1p-120;

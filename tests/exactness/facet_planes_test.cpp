@@ -10,42 +10,26 @@
 #include <vector>
 
 #include "agreement/point_sets.hpp"
-#include "exact/numbers/rational.hpp"
+#include "exact/numbers/rationals.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 using testing_support::Random;
 
-/// n with n . (v_i - O) = 1 for the facet's vertices; false if there is none.
-bool exact_plane(const PlaneFrame& frame, const std::uint32_t* facet, RationalMatrix& plane) {
+/// n with n . (v_i - O) = 1 for the facet's vertices; empty if there is none.
+std::vector<mpq_class> exact_plane(const PlaneFrame& frame, const std::uint32_t* facet) {
   const unsigned d = frame.dimension;
-  RationalMatrix a(d, d + 1);
-  Rational t, f;
+  RationalRows a(d, std::vector<mpq_class>(d + 1));
   for (unsigned i = 0; i < d; ++i) {
-    for (unsigned j = 0; j < d; ++j) {
-      mpq_set_d(a.at(i, j), frame.rows[std::size_t{facet[i]} * d + j]);
-      mpq_set_d(t.value, frame.centre[j]);
-      mpq_sub(a.at(i, j), a.at(i, j), t.value);
-    }
-    mpq_set_si(a.at(i, d), 1, 1);
+    for (unsigned j = 0; j < d; ++j)
+      a[i][j] = mpq_class(frame.rows[std::size_t{facet[i]} * d + j]) - mpq_class(frame.centre[j]);
+    a[i][d] = 1;
   }
-  for (unsigned k = 0; k < d; ++k) {
-    unsigned pivot = k;
-    while (pivot < d && mpq_sgn(a.at(pivot, k)) == 0) ++pivot;
-    if (pivot == d) return false;
-    for (unsigned j = 0; j <= d; ++j) mpq_swap(a.at(pivot, j), a.at(k, j));
-    for (unsigned i = 0; i < d; ++i) {
-      if (i == k || mpq_sgn(a.at(i, k)) == 0) continue;
-      mpq_div(f.value, a.at(i, k), a.at(k, k));
-      for (unsigned j = k; j <= d; ++j) {
-        mpq_mul(t.value, f.value, a.at(k, j));
-        mpq_sub(a.at(i, j), a.at(i, j), t.value);
-      }
-    }
-  }
-  for (unsigned k = 0; k < d; ++k) mpq_div(plane.at(0, k), a.at(k, d), a.at(k, k));
-  return true;
+  if (!solve(a)) return {};
+  std::vector<mpq_class> plane(d);
+  for (unsigned k = 0; k < d; ++k) plane[k] = a[k][d];
+  return plane;
 }
 
 /// The largest share of its bound that an error reaches; more than 1 is a violation.
@@ -59,26 +43,19 @@ double worst_share(const PlaneFrame& frame, const std::vector<std::uint32_t>& fa
     return 0;
   }
   ++useful;
-  RationalMatrix exact(1, d);
-  if (!exact_plane(frame, facet.data(), exact)) return 2;  // there is no plane, so no bound holds
-  Rational g, t, o;
+  const std::vector<mpq_class> exact = exact_plane(frame, facet.data());
+  if (exact.empty()) return 2;  // there is no plane, so no bound holds
   double worst = 0;
   for (std::uint32_t p = 0; p < points; ++p) {
     float computed = 0;
-    mpq_set_si(g.value, 0, 1);
+    mpq_class gauge;
     for (unsigned j = 0; j < d; ++j) {
       const double x = frame.rows[std::size_t{p} * d + j];
       computed += plane[j] * static_cast<float>(x - frame.centre[j]);
-      mpq_set_d(t.value, x);
-      mpq_set_d(o.value, frame.centre[j]);
-      mpq_sub(t.value, t.value, o.value);
-      mpq_mul(t.value, t.value, exact.at(0, j));
-      mpq_add(g.value, g.value, t.value);
+      gauge += (mpq_class(x) - mpq_class(frame.centre[j])) * exact[j];
     }
-    mpq_set_d(t.value, computed);
-    mpq_sub(t.value, t.value, g.value);
-    const double error = std::abs(mpq_get_d(t.value));
-    worst = std::max(worst, error / (plane[d] * std::max(1.0, std::abs(mpq_get_d(g.value)))));
+    const double error = std::abs(mpq_class(mpq_class(computed) - gauge).get_d());
+    worst = std::max(worst, error / (plane[d] * std::max(1.0, std::abs(gauge.get_d()))));
   }
   return worst;
 }

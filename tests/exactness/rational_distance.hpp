@@ -1,33 +1,24 @@
 // Exact distances in rational numbers, to check what is said of distances in doubles.
 #pragma once
 
-#include <gmp.h>
+#include <gmpxx.h>
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "exact/numbers/rational.hpp"
+#include "exact/numbers/rationals.hpp"
 
 namespace cullhull::testing_support {
 
-using internal::Rational;
-using internal::RationalMatrix;
-
-/// out = (a - o) . (b - o), exactly.
-inline void relative_product(mpq_ptr out, const double* a, const double* b, const double* o,
-                             unsigned d) {
-  Rational x, y, z;
-  mpq_set_ui(out, 0, 1);
+/// (a - o) . (b - o), exactly.
+inline mpq_class relative_product(const double* a, const double* b, const double* o, unsigned d) {
+  mpq_class sum;
   for (unsigned j = 0; j < d; ++j) {
-    mpq_set_d(x.value, a[j]);
-    mpq_set_d(y.value, b[j]);
-    mpq_set_d(z.value, o[j]);
-    mpq_sub(x.value, x.value, z.value);
-    mpq_sub(y.value, y.value, z.value);
-    mpq_mul(x.value, x.value, y.value);
-    mpq_add(out, out, x.value);
+    const mpq_class from(o[j]);
+    sum += (mpq_class(a[j]) - from) * (mpq_class(b[j]) - from);
   }
+  return sum;
 }
 
 /// Whether the point of the flat of `corners` nearest to `o` is a combination of them without
@@ -36,20 +27,16 @@ inline void relative_product(mpq_ptr out, const double* a, const double* b, cons
 inline bool near_in_flat(const std::vector<const double*>& corners, const double* o, unsigned d,
                          double distance) {
   const std::size_t m = corners.size();
-  RationalMatrix system(m + 1, m + 2);
+  internal::RationalRows system(m + 1, std::vector<mpq_class>(m + 2));
   for (std::size_t i = 0; i < m; ++i) {
     for (std::size_t j = 0; j < m; ++j)
-      relative_product(system.at(i, j), corners[i], corners[j], o, d);
-    mpq_set_si(system.at(i, m), -1, 1);
-    mpq_set_ui(system.at(m, i), 1, 1);
+      system[i][j] = relative_product(corners[i], corners[j], o, d);
+    system[i][m] = -1;
+    system[m][i] = 1;
   }
-  mpq_set_ui(system.at(m, m + 1), 1, 1);
-  if (!system.solves_without_negatives()) return false;
-  Rational square, allowed;
-  mpq_div(square.value, system.at(m, m + 1), system.at(m, m));
-  mpq_set_d(allowed.value, distance);
-  mpq_mul(allowed.value, allowed.value, allowed.value);
-  return mpq_cmp(square.value, allowed.value) <= 0;
+  system[m][m + 1] = 1;
+  if (!internal::solves_without_negatives(system)) return false;
+  return system[m][m + 1] / system[m][m] <= mpq_class(distance) * mpq_class(distance);
 }
 
 /// Whether a simplex comes within `distance` of `o`, exactly: the nearest point of it is the
@@ -67,21 +54,13 @@ inline bool near_simplex(std::span<const double* const> simplex, const double* o
 
 /// Whether x is within `distance` of the plane of d + 1 doubles (normal of any length, offset).
 inline bool near_plane(const double* plane, const double* x, unsigned d, double distance) {
-  Rational value, length, a, b;
-  mpq_set_d(value.value, plane[d]);
+  mpq_class value(plane[d]), length;
   for (unsigned j = 0; j < d; ++j) {
-    mpq_set_d(a.value, plane[j]);
-    mpq_set_d(b.value, x[j]);
-    mpq_mul(b.value, a.value, b.value);
-    mpq_add(value.value, value.value, b.value);
-    mpq_mul(a.value, a.value, a.value);
-    mpq_add(length.value, length.value, a.value);
+    const mpq_class n(plane[j]);
+    value += n * mpq_class(x[j]);
+    length += n * n;
   }
-  mpq_mul(value.value, value.value, value.value);
-  mpq_set_d(a.value, distance);
-  mpq_mul(a.value, a.value, a.value);
-  mpq_mul(a.value, a.value, length.value);
-  return mpq_cmp(value.value, a.value) <= 0;
+  return value * value <= mpq_class(distance) * mpq_class(distance) * length;
 }
 
 }  // namespace cullhull::testing_support

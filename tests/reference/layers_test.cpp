@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <string>
@@ -172,6 +173,78 @@ std::vector<std::string> strays(const fs::path& root) {
     }
   }
   return found;
+}
+
+/// The sources outside src/exact that bound the rounding of doubles, each with what stands behind
+/// its bound. All other signs are those of src/exact: a filter that is new comes here with its
+/// argument, or there. (src/certify has arithmetic of its own, on purpose.)
+const std::map<std::string, std::string> bounds_elsewhere = {
+    {"src/cuda/kernels/hull_questions_kernel.cu", "what is in doubt is left to vertex_search"},
+    {"src/delaunay/final_cells.hpp", "a cell in doubt is not final"},
+    {"src/delaunay/lift_planes.cpp", "lanes of lift_side; what is in doubt is left to it"},
+    {"src/delaunay/plane_insertion.hpp", "a corner in doubt is left to point_signs"},
+    {"src/delaunay/point_signs.hpp", "one bound for all facets of a cell, else orientation()"},
+    {"src/diagrams/locate/triangulation_query.cpp",
+     "coordinates in double-doubles, else rationals"},
+    {"src/diagrams/locate/walk.cpp", "the nearer vertex, else sums of difference products"},
+    {"src/extreme/hull_membership.cpp", "signs of one direction, else rationals"},
+    {"src/extreme/inside_exact.cpp", "columns in doubt are priced in rationals"},
+    {"src/few/small_measures.hpp", "measures in doubt are computed with more bits"},
+    {"src/filter/gauge/gauge_planes.cpp", "an upper bound of the gauge; points in doubt survive"},
+    {"src/filter/gauge/gauge_walk.hpp", "an upper bound of the gauge; points in doubt survive"},
+    {"src/filter/pseudo_hull/pseudo_hull_math.hpp", "points in doubt survive"},
+    {"src/flow/sample_map.cpp", "random numbers"},
+    {"src/hull/general/facet_planes_any.cpp", "cached planes, else orientation()"},
+    {"src/hull/general/laplace.hpp", "cached planes, else orientation()"},
+    {"src/hull/plane/planar.hpp", "the turn of three points, else turn_exact()"},
+    {"src/hull/space/insertion_3d.cpp", "lanes of Orientation3D; what is in doubt is left to it"},
+    {"src/hull/space/moved_surface.cpp", "triangles in doubt are left to Orientation3D"},
+    {"src/parallel/random_stream.hpp", "random numbers"},
+    {"src/query/facet_cells.cpp", "cells in single precision; points in doubt are left to queries"},
+    {"src/query/halfspaces.cpp", "an interior point in doubt is refused"},
+    {"src/query/nearest_in_hull.cpp", "a bound of a distance that is reported, no sign"},
+    {"src/query/shared_planes.cpp", "facets in doubt do not share a plane"},
+    {"src/query/simplify.cpp", "the default of a distance, no sign"},
+    {"src/query/vertex_search.cpp", "signs of one direction, else floats that are exact"},
+    {"src/result/measures/measure.cpp", "measures in doubt are computed with more bits"},
+    {"src/result/measures/measure.hpp", "measures in doubt are computed with more bits"},
+    {"src/result/write/polygon_result.cpp", "measures in doubt are computed with more bits"},
+};
+
+/// Other sources that bound the rounding of doubles.
+std::vector<std::string> other_bounds(const fs::path& root) {
+  static const std::regex word(R"(\b(unit_roundoff|minor_roundings|0x1p-53|0x1p-24)\b)");
+  std::vector<std::string> found;
+  for (const fs::path& file : sources_below(root / "src")) {
+    const std::string name = file.lexically_relative(root).generic_string();
+    const std::string folder = folder_of(file.lexically_relative(root / "src"));
+    if (folder == "exact" || folder == "certify" || bounds_elsewhere.count(name) > 0) continue;
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);)
+      if (std::regex_search(line, word)) {
+        found.push_back(name);
+        break;
+      }
+  }
+  return found;
+}
+
+TEST(Layers, BoundsOfRoundingHaveAnArgument) {
+  EXPECT_EQ(other_bounds(CULLHULL_ROOT), std::vector<std::string>());
+  for (const auto& [place, why] : bounds_elsewhere) {
+    std::ifstream in(fs::path(CULLHULL_ROOT) / place);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_TRUE(text.find("roundoff") < text.size() || text.find("0x1p-53") < text.size() ||
+                text.find("0x1p-24") < text.size() || text.find("minor_roundings") < text.size())
+        << place << " (" << why << ")";
+  }
+  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_bounds";
+  fs::create_directories(planted / "src/hull");
+  fs::create_directories(planted / "src/exact");
+  std::ofstream(planted / "src/hull/a.cpp") << "const double bound = 4 * unit_roundoff * size;\n";
+  std::ofstream(planted / "src/exact/a.cpp") << "const double bound = 4 * unit_roundoff * size;\n";
+  EXPECT_EQ(other_bounds(planted), (std::vector<std::string>{"src/hull/a.cpp"}));
+  fs::remove_all(planted);
 }
 
 TEST(Layers, EachFolderIsANamespace) {

@@ -441,7 +441,7 @@ class Delaunay(Lifted):
         Examples
         --------
         >>> import cullhull
-        >>> found = cullhull.Delaunay([[0, 0], [2, 0], [0, 2]], qhull_options="Qc")
+        >>> found = cullhull.Delaunay([[0, 0], [1, 0], [0, 1]], qhull_options="Qc")
         >>> found.plane_distance([1, 1]).round(3).tolist()
         [0.0]
         """
@@ -490,6 +490,10 @@ def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     Returns
     -------
     (...) int32 array
+
+    Raises
+    ------
+    As `Delaunay.find_simplex`.
 
     Examples
     --------

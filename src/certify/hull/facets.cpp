@@ -1,6 +1,5 @@
 // Merged facets: lists, neighbours, extreme vertices, canonical triangulation.
 #include <algorithm>
-#include <numeric>
 
 #include "certify/certificate.hpp"
 
@@ -10,24 +9,19 @@ namespace {
 using Set = std::vector<std::uint32_t>;
 
 /// Facets are numbered by their first simplex.
-Members group_simplices(const Subject& s) {
+FacetSimplices group_simplices(const Subject& s) {
   const Hull& h = s.hull;
-  Members m;
   const auto facets = static_cast<std::uint32_t>(h.facets.size());
-  m.start.assign(facets + std::size_t{1}, 0);
   std::uint32_t seen = 0;
   for (std::uint32_t i = 0; i < s.simplex_count(); ++i) {
     const std::uint32_t f = h.simplex_facets[i];
     if (f > seen) fault("facet ", f, " appears before facet ", seen);
     seen += f == seen;
-    ++m.start[f + 1];
   }
   if (seen != facets) fault("facet ", seen, " has no simplex");
-  std::partial_sum(m.start.begin(), m.start.end(), m.start.begin());
-  m.simplices.resize(s.simplex_count());
-  std::vector<std::uint32_t> at(m.start.begin(), m.start.end() - 1);
-  for (std::uint32_t i = 0; i < s.simplex_count(); ++i) m.simplices[at[h.simplex_facets[i]]++] = i;
-  return m;
+  return {facets, [&](const auto& add) {
+            for (std::uint32_t i = 0; i < s.simplex_count(); ++i) add(h.simplex_facets[i], i);
+          }};
 }
 
 class FacetCheck {
@@ -49,6 +43,8 @@ class FacetCheck {
   }
 
  private:
+  using Simplices = std::span<const std::uint32_t>;
+
   std::pair<const std::uint64_t*, const std::uint64_t*> list(std::uint32_t f) const {
     return {h_.facets.items.data() + h_.facets.offsets[f],
             h_.facets.items.data() + h_.facets.offsets[f + 1]};
@@ -59,8 +55,8 @@ class FacetCheck {
     std::vector<std::uint8_t> reached(s_.simplex_count(), 0);
     std::vector<std::uint32_t> stack;
     for (std::uint32_t f = 0; f < h_.facets.size(); ++f) {
-      if (members_.start[f + 1] - members_.start[f] == 1) continue;
-      stack.push_back(members_.simplices[members_.start[f]]);
+      if (members_[f].size() == 1) continue;
+      stack.push_back(members_[f][0]);
       reached[stack.back()] = 1;
       std::uint32_t count = 0;
       while (!stack.empty()) {
@@ -74,33 +70,30 @@ class FacetCheck {
           stack.push_back(g);
         }
       }
-      if (count != members_.start[f + 1] - members_.start[f])
-        fault("the simplices of facet ", f, " are not connected");
+      if (count != members_[f].size()) fault("the simplices of facet ", f, " are not connected");
     }
   }
 
   void check_lists(std::uint32_t f) const {
-    const std::uint32_t* begin = members_.simplices.data() + members_.start[f];
-    const std::uint32_t* end = members_.simplices.data() + members_.start[f + 1];
-    if (k_ > 2 && end - begin == 1) return check_simplex(f, *begin);
+    const auto own = members_[f];
+    if (k_ > 2 && own.size() == 1) return check_simplex(f, own[0]);
     Set corners;
-    for (const auto* i = begin; i != end; ++i)
-      corners.insert(corners.end(), s_.simplex(*i), s_.simplex(*i) + k_);
+    for (const std::uint32_t i : own)
+      corners.insert(corners.end(), s_.simplex(i), s_.simplex(i) + k_);
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     const auto [first, last] = list(f);
     if (static_cast<std::size_t>(last - first) != corners.size())
       fault("facet ", f, " lists ", last - first, " vertices, its simplices have ", corners.size());
-    for (const auto* i = begin; i != end; ++i)
-      if (k_ > 1 &&
-          std::find(s_.simplex(*i), s_.simplex(*i) + k_, corners[0]) == s_.simplex(*i) + k_)
-        fault("simplex ", *i, " is not pulled from vertex ", id(corners[0]), " of facet ", f);
+    for (const std::uint32_t i : own)
+      if (k_ > 1 && std::find(s_.simplex(i), s_.simplex(i) + k_, corners[0]) == s_.simplex(i) + k_)
+        fault("simplex ", i, " is not pulled from vertex ", id(corners[0]), " of facet ", f);
     if (k_ == 2)
-      check_edge(f, *begin, static_cast<std::uint32_t>(end - begin));
+      check_edge(f, own[0], static_cast<std::uint32_t>(own.size()));
     else if (k_ == 3)
-      check_polygon(f, begin, end, corners[0]);
+      check_polygon(f, own, corners[0]);
     else
-      check_sets(f, begin, end, corners);
+      check_sets(f, own, corners);
   }
 
   /// A facet that is simplex i: the usual case, without the sets that other facets need.
@@ -145,8 +138,7 @@ class FacetCheck {
       fault("the neighbours of facet ", f, " are wrong");
   }
 
-  void check_polygon(std::uint32_t f, const std::uint32_t* begin, const std::uint32_t* end,
-                     std::uint32_t lowest) const {
+  void check_polygon(std::uint32_t f, Simplices own, std::uint32_t lowest) const {
     const auto [first, last] = list(f);
     const auto n = static_cast<std::size_t>(last - first);
     const std::uint64_t at = h_.facet_neighbours.offsets[f];
@@ -158,11 +150,11 @@ class FacetCheck {
       std::uint32_t across;
     };
     std::vector<Edge> edges;
-    for (const auto* i = begin; i != end; ++i)
+    for (const std::uint32_t i : own)
       for (unsigned j = 0; j < 3; ++j) {
-        const std::uint32_t across = h_.simplex_facets[s_.neighbour(*i, j)];
+        const std::uint32_t across = h_.simplex_facets[s_.neighbour(i, j)];
         if (across == f) continue;
-        const std::uint32_t* v = s_.simplex(*i);
+        const std::uint32_t* v = s_.simplex(i);
         edges.push_back({id(v[(j + 1) % 3]), id(v[(j + 2) % 3]), across});
       }
     if (edges.size() != n)
@@ -179,15 +171,14 @@ class FacetCheck {
     }
   }
 
-  void check_sets(std::uint32_t f, const std::uint32_t* begin, const std::uint32_t* end,
-                  const Set& corners) const {
+  void check_sets(std::uint32_t f, Simplices own, const Set& corners) const {
     const std::uint64_t* v = list(f).first;
     for (std::size_t j = 0; j < corners.size(); ++j)
       if (v[j] != id(corners[j])) fault("facet ", f, " does not list its vertices in order");
     Set across;
-    for (const auto* i = begin; i != end; ++i)
+    for (const std::uint32_t i : own)
       for (unsigned j = 0; j < k_; ++j) {
-        const std::uint32_t g = h_.simplex_facets[s_.neighbour(*i, j)];
+        const std::uint32_t g = h_.simplex_facets[s_.neighbour(i, j)];
         if (g != f) across.push_back(g);
       }
     std::sort(across.begin(), across.end());
@@ -211,32 +202,24 @@ class FacetCheck {
   }
 
   void index_incidence() {
-    start_.assign(s_.ids.size() + 1, 0);
     listed_.resize(h_.facets.items.size());
     check_chunks(s_, listed_.size(), std::uint64_t{1} << 14,
                  [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i)
         listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
     });
-    for (const std::uint32_t v : listed_) ++start_[v + std::size_t{1}];
-    std::partial_sum(start_.begin(), start_.end(), start_.begin());
-    on_.resize(listed_.size());
-    std::vector<std::uint64_t> at(start_.begin(), start_.end() - 1);
-    for (std::uint32_t f = 0; f < h_.facets.size(); ++f)
-      for (std::uint64_t i = h_.facets.offsets[f]; i < h_.facets.offsets[f + 1]; ++i)
-        on_[at[listed_[i]]++] = f;
+    on_ = Adjacency<std::uint32_t>(s_.ids.size(), [&](const auto& add) {
+      for (std::uint32_t f = 0; f < h_.facets.size(); ++f)
+        for (std::uint64_t i = h_.facets.offsets[f]; i < h_.facets.offsets[f + 1]; ++i)
+          add(listed_[i], f);
+    });
   }
   std::size_t size(std::uint32_t f) const {
     return h_.facets.offsets[f + 1] - h_.facets.offsets[f];
   }
-  Set facets_of(std::uint32_t v) const {
-    return {on_.begin() + static_cast<std::ptrdiff_t>(start_[v]),
-            on_.begin() + static_cast<std::ptrdiff_t>(start_[v + std::size_t{1}])};
-  }
+  Set facets_of(std::uint32_t v) const { return {on_[v].begin(), on_[v].end()}; }
   bool on_all(std::uint32_t w, const Set& facets) const {
-    return std::includes(on_.begin() + static_cast<std::ptrdiff_t>(start_[w]),
-                         on_.begin() + static_cast<std::ptrdiff_t>(start_[w + std::size_t{1}]),
-                         facets.begin(), facets.end());
+    return std::includes(on_[w].begin(), on_[w].end(), facets.begin(), facets.end());
   }
   /// The lowest vertex other than `self` on all of `facets` (not empty), or ids.size().
   std::uint32_t lowest_common(const Set& facets, std::uint32_t self) const {
@@ -291,9 +274,9 @@ class FacetCheck {
   const Subject& s_;
   const Hull& h_;
   const unsigned k_;
-  const Members& members_;
-  std::vector<std::uint64_t> start_;        // of a vertex in on_
-  std::vector<std::uint32_t> on_, listed_;  // facets of vertices; vertices of facets
+  const FacetSimplices& members_;
+  Adjacency<std::uint32_t> on_;        // the facets of each vertex
+  std::vector<std::uint32_t> listed_;  // the vertices of the facets, one facet after another
 };
 
 }  // namespace

@@ -47,22 +47,22 @@ class PlaneCheck {
 
   void check(std::uint32_t f, FacetTerms& terms) const {
     if (k_ > 8) s_.run.check();
-    const std::uint32_t* begin = s_.members.simplices.data() + s_.members.start[f];
-    const std::uint32_t* end = s_.members.simplices.data() + s_.members.start[f + 1];
+    const auto own = s_.members[f];
     // The plane of a facet's widest simplex is checked, as far as doubles determine the widest.
     double widest = 0;
-    if (end - begin > 1)
-      for (const std::uint32_t* i = begin; i != end; ++i) {
-        f_.terms(*i, terms);
+    if (own.size() > 1)
+      for (const std::uint32_t i : own) {
+        f_.terms(i, terms);
         widest = std::max(widest, terms.share * terms.lengths);
       }
     bool right = false;
-    for (const std::uint32_t* i = begin; i != end && !right; ++i) {
-      f_.terms(*i, terms);
-      right = terms.share * terms.lengths >= widest / 2 && normal_fits(f, *i, terms);
+    for (const std::uint32_t i : own) {
+      f_.terms(i, terms);
+      right = terms.share * terms.lengths >= widest / 2 && normal_fits(f, i, terms);
+      if (right) break;
     }
     if (!right) wrong_normal(f);
-    check_offset(f, *begin);
+    check_offset(f, own[0]);
   }
 
   [[noreturn]] static void wrong_normal(std::uint32_t f) {

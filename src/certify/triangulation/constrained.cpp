@@ -160,16 +160,16 @@ class ConstrainedSubject {
   }
 
   void check_points() const {
-    std::vector<bool> told(points_.count);
-    for (const std::uint32_t v : t_.cells) told[v] = true;
+    std::vector<bool> accounted_for(points_.count);
+    for (const std::uint32_t v : t_.cells) accounted_for[v] = true;
     for (const DuplicatePoint& p : t_.duplicates) {
       if (p.id >= points_.count || p.representative >= p.id || !equal(p.id, p.representative) ||
-          told[p.id])
+          accounted_for[p.id])
         fault("point ", p.id, " is no duplicate");
-      told[p.id] = true;
+      accounted_for[p.id] = true;
     }
     for (std::uint32_t v = 0; v < points_.count; ++v)
-      if (!told[v]) fault("point ", v, " is in no cell");
+      if (!accounted_for[v]) fault("point ", v, " is in no cell");
     if (!t_.hidden.empty()) fault("no point is hidden");
   }
 
@@ -188,13 +188,13 @@ class ConstrainedSubject {
       at.add({e.second, e.first}, i);
     }
     at.sort();
-    std::vector<std::uint32_t> standing_in(points_.count),
+    std::vector<std::uint32_t> representative(points_.count),
         sources(c_.piece_sources.size(), no_cell);
-    for (std::uint32_t v = 0; v < points_.count; ++v) standing_in[v] = v;
-    for (const DuplicatePoint& p : t_.duplicates) standing_in[p.id] = p.representative;
+    for (std::uint32_t v = 0; v < points_.count; ++v) representative[v] = v;
+    for (const DuplicatePoint& p : t_.duplicates) representative[p.id] = p.representative;
     for (std::uint32_t i = 0; 2 * std::size_t{i} < edges_.size(); ++i) {
-      std::uint32_t v = standing_in[edges_[2 * std::size_t{i}]];
-      const std::uint32_t end = standing_in[edges_[2 * std::size_t{i} + 1]];
+      std::uint32_t v = representative[edges_[2 * std::size_t{i}]];
+      const std::uint32_t end = representative[edges_[2 * std::size_t{i} + 1]];
       while (v != end) {
         std::uint32_t next = no_cell;
         for (auto item =
@@ -340,12 +340,12 @@ class InsideSubject {
         fault("facet ", i, " of the hull is another one");
   }
   void check_hidden() const {
-    std::vector<bool> told(t_.point_count);
-    for (const std::uint32_t v : t_.cells) told[v] = true;
-    for (const DuplicatePoint& p : t_.duplicates) told[p.id] = true;
+    std::vector<bool> accounted_for(t_.point_count);
+    for (const std::uint32_t v : t_.cells) accounted_for[v] = true;
+    for (const DuplicatePoint& p : t_.duplicates) accounted_for[p.id] = true;
     std::vector<std::uint32_t> hidden;
     for (std::uint32_t v = 0; v < t_.point_count; ++v)
-      if (!told[v]) hidden.push_back(v);
+      if (!accounted_for[v]) hidden.push_back(v);
     if (hidden != t_.hidden) fault("other points are hidden");
   }
 

@@ -101,9 +101,7 @@ class TriangulationSubject {
         std::adjacent_find(t_.axes.begin(), t_.axes.end()) != t_.axes.end() ||
         (k_ > 0 && t_.axes.back() >= d))
       fault("the axes are not as many as the affine dimension, or not ascending");
-    std::vector<unsigned> columns(t_.axes.begin(), t_.axes.end());
-    for (unsigned j = 0; j < d; ++j)
-      if (!std::binary_search(t_.axes.begin(), t_.axes.end(), j)) columns.push_back(j);
+    const std::vector<std::uint32_t> columns = flat_columns(t_.axes, d);
     stride_ = d + (weighted() ? 1 : 0);
     rows_.resize(t_.point_count * stride_);
     check_each(t_.point_count, [&](std::uint64_t i) {
@@ -147,14 +145,14 @@ class TriangulationSubject {
 
   /// Every id is a vertex, a duplicate or hidden, and only one of these.
   void check_points() {
-    enum : std::uint8_t { untold, vertex, duplicate, hidden };
-    std::vector<std::uint8_t> role(t_.point_count, untold);
+    enum : std::uint8_t { unlisted, vertex, duplicate, hidden };
+    std::vector<std::uint8_t> role(t_.point_count, unlisted);
     for (const std::uint32_t v : t_.cells) role[v] = vertex;
     std::uint64_t last = 0;
     for (const DuplicatePoint& p : t_.duplicates) {
       if (p.id >= t_.point_count || p.representative >= t_.point_count || p.id < last)
         fault("the duplicates are not ascending ids");
-      if (role[p.id] != untold) fault("point ", p.id, " is a duplicate and something else");
+      if (role[p.id] != unlisted) fault("point ", p.id, " is a duplicate and something else");
       role[p.id] = duplicate;
       last = std::uint64_t{p.id} + 1;
     }
@@ -170,12 +168,12 @@ class TriangulationSubject {
     last = 0;
     for (const std::uint32_t id : t_.hidden) {
       if (id >= t_.point_count || id < last) fault("the hidden points are not ascending ids");
-      if (role[id] != untold) fault("point ", id, " is hidden and something else");
+      if (role[id] != unlisted) fault("point ", id, " is hidden and something else");
       role[id] = hidden;
       last = std::uint64_t{id} + 1;
     }
     for (std::uint64_t i = 0; i < t_.point_count; ++i)
-      if (role[i] == untold) fault("point ", i, " is in no list");
+      if (role[i] == unlisted) fault("point ", i, " is in no list");
     if (!t_.hidden.empty() && !weighted() && !t_.furthest_site)
       fault("point ", t_.hidden[0], " is hidden without weights");
     if (!t_.hidden.empty()) check_distinct(role, duplicate);
@@ -478,7 +476,7 @@ class TriangulationSubject {
     fault("no cell has hidden point ", id);
   }
 
-  /// body(i) on all threads; of several faults that of the first chunk is told.
+  /// body(i) on all threads; of several faults, throws the one of the first chunk.
   template <class Body>
   void check_each(std::uint64_t count, const Body& body) const {
     constexpr std::uint64_t chunk = 4096;
@@ -531,9 +529,7 @@ Certificate certify(const PointView& points, const Triangulation& triangulation,
 
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options) {
-  if (weights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, "there are ", points.count, " points, but ",
-                weights.size(), " weights");
+  internal::require_weights(weights, points.count);
   return internal::certify::certify_triangulation(points, weights, triangulation, options);
 }
 

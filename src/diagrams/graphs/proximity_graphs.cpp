@@ -26,29 +26,11 @@ void require_delaunay(const Triangulation& t) {
                 "furthest site");
 }
 
-struct Edge {
-  std::uint32_t low, high;
-};
-
 void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
   out.reserve(2 * edges.size());
   for (const Edge& e : edges) {
     out.push_back(e.low);
     out.push_back(e.high);
-  }
-}
-
-/// body(edge, the cells around it) for all edges whose lower point is in [begin, end).
-template <class Body>
-void each_edge(const EdgeCells& edges, std::uint64_t begin, std::uint64_t end, const Body& body) {
-  for (std::uint64_t v = begin; v < end; ++v) {
-    const auto around = edges.of(v);
-    for (std::size_t i = 0; i < around.size();) {
-      std::size_t next = i + 1;
-      while (next < around.size() && around[next].other == around[i].other) ++next;
-      body(Edge{static_cast<std::uint32_t>(v), around[i].other}, around.subspan(i, next - i));
-      i = next;
-    }
   }
 }
 
@@ -88,7 +70,7 @@ class EdgeOrder {
   void sort(std::vector<MeasuredEdge>& edges) const {
     std::sort(edges.begin(), edges.end(), [](const MeasuredEdge& a, const MeasuredEdge& b) {
       if (a.size.high != b.size.high) return a.size.high < b.size.high;
-      return a.size.low != b.size.low ? a.size.low < b.size.low : by_ids(a, b);
+      return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
     });
     for (std::size_t begin = 0; begin < edges.size();) {
       std::size_t end = begin + 1;
@@ -104,9 +86,6 @@ class EdgeOrder {
   }
 
  private:
-  static bool by_ids(const MeasuredEdge& a, const MeasuredEdge& b) {
-    return a.edge.low != b.edge.low ? a.edge.low < b.edge.low : a.edge.high < b.edge.high;
-  }
   /// Twice what both may be off by, 2^-101 an operation; true for what overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
     if (a.exact && b.exact) return false;
@@ -116,7 +95,7 @@ class EdgeOrder {
   bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
     const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
                                       p_.row(b.edge.low), p_.row(b.edge.high));
-    return sign != Sign::zero ? sign == Sign::negative : by_ids(a, b);
+    return sign != Sign::zero ? sign == Sign::negative : a.edge < b.edge;
   }
 
   const DualPoints& p_;
@@ -125,11 +104,10 @@ class EdgeOrder {
 
 // ------------------------------------------------------------------ Gabriel and lunes of points
 
-/// Whether the ball over the edge has none of the points that share a cell with it.
-bool ball_is_empty(const DualPoints& p, const Triangulation& t, const Edge& e,
-                   std::span<const EdgeCells::Item> around) {
+/// Whether the ball whose diameter is the edge has none of the points that share a cell with it.
+bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells::Star& e) {
   const double *a = p.row(e.low), *b = p.row(e.high);
-  for (const auto& item : around)
+  for (const auto& item : e.cells)
     for (const std::uint32_t v : t.cell(item.cell)) {
       if (v == e.low || v == e.high) continue;
       const double* r = p.row(v);
@@ -139,16 +117,15 @@ bool ball_is_empty(const DualPoints& p, const Triangulation& t, const Edge& e,
   return true;
 }
 
-std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
+std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const EdgeCells& edges,
+                                const Run& run) {
   std::vector<Edge> all;
-  if (t.corners() < 2) return all;
-  const EdgeCells edges(t, run);
   constexpr std::uint64_t grain = light_grain / 16;
   std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-    each_edge(edges, begin, end, [&](const Edge& e, auto around) {
-      if (ball_is_empty(p, t, e, around)) parts[chunk].push_back(e);
+    edges.each_edge(begin, end, [&](const EdgeCells::Star& e) {
+      if (ball_is_empty(p, t, e)) parts[chunk].push_back(e);
     });
   });
   for (const std::vector<Edge>& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -158,7 +135,7 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
 /// Looks for a point nearer to both ends of an edge than these are to each other.
 class LuneSearch {
  public:
-  LuneSearch(const DualPoints& p, const PointNeighbours& graph, unsigned d)
+  LuneSearch(const DualPoints& p, const Adjacency<std::uint32_t>& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
   /// From both ends in turn: points that are nearer to an end than the other end are connected with
@@ -206,7 +183,7 @@ class LuneSearch {
   }
   /// False if a neighbour of v is in the lune.
   bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) {
-    for (const std::uint32_t next : graph_.of(v)) {
+    for (const std::uint32_t next : graph_[v]) {
       if (next == other || next == own || !nearer(next, own)) continue;
       if (nearer(next, other)) return false;
       if (side.meet(next)) side.todo.push_back(next);
@@ -215,7 +192,7 @@ class LuneSearch {
   }
 
   const DualPoints& p_;
-  const PointNeighbours& graph_;
+  const Adjacency<std::uint32_t>& graph_;  ///< point_neighbours()
   unsigned d_;
   Edge edge_{};
   Side sides_[2];
@@ -225,9 +202,8 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
   const EdgeOrder order(p, t.dimension);
   std::vector<MeasuredEdge> edges;
   if (t.corners() > 1) {
-    const EdgeCells around(t, run);
-    each_edge(around, 0, t.point_count,
-              [&](const Edge& e, auto) { edges.push_back(order.measure(e)); });
+    EdgeCells(t, run).each_edge(
+        0, t.point_count, [&](const EdgeCells::Star& e) { edges.push_back(order.measure(e)); });
   }
   run.report("sort", 0.3);
   order.sort(edges);
@@ -241,18 +217,20 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
     joined.join(m.edge.low, m.edge.high);
     tree.push_back(m.edge);
   }
-  std::sort(tree.begin(), tree.end(), [](const Edge& a, const Edge& b) {
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
-  });
+  std::sort(tree.begin(), tree.end());
   return tree;
 }
 
 std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
-  const std::vector<Edge> candidates = gabriel_edges(p, t, run);
-  std::vector<Edge> edges;
-  if (candidates.empty()) return edges;
-  run.report("lunes", 0.5);
-  const PointNeighbours graph(t, run);
+  std::vector<Edge> edges, candidates;
+  Adjacency<std::uint32_t> graph;
+  {
+    const EdgeCells around(t, run);
+    candidates = gabriel_edges(p, t, around, run);
+    if (candidates.empty()) return edges;
+    run.report("lunes", 0.5);
+    graph = point_neighbours(around);
+  }
   Array<std::uint8_t> kept(candidates.size());
   run.each(candidates.size(), 256, [&](std::uint64_t begin, std::uint64_t end) {
     LuneSearch search(p, graph, t.dimension);
@@ -290,7 +268,10 @@ Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
 
 Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
                                    const RunOptions& options) {
-  return graph_of(points, triangulation, options, gabriel_edges);
+  return graph_of(points, triangulation, options,
+                  [](const DualPoints& p, const Triangulation& t, const Run& run) {
+    return gabriel_edges(p, t, EdgeCells(t, run), run);
+  });
 }
 
 Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,

@@ -17,7 +17,6 @@ struct Interpolator::State {
   TriangulationQuery query;
   std::uint32_t components;
   unsigned corners;
-  Array<std::uint32_t> cells;
   Array<double> values;
   NaturalTriangulation triangulation;
 
@@ -69,10 +68,9 @@ Interpolator::Interpolator(const PointView& points, const Triangulation& triangu
                 "furthest site");
   const Call call(options);
   TriangulationQuery query(points, triangulation, {}, options);
-  state_ = std::make_unique<State>(
-      State{std::move(query), components, triangulation.corners(), triangulation.cells,
-            Array<double>(values, values + points.count * components),
-            NaturalTriangulation(points, triangulation, call.run)});
+  state_ = std::make_unique<State>(State{std::move(query), components, triangulation.corners(),
+                                         Array<double>(values, values + points.count * components),
+                                         NaturalTriangulation(points, triangulation, call.run)});
 }
 Interpolator::~Interpolator() = default;
 Interpolator::Interpolator(Interpolator&&) noexcept = default;
@@ -98,7 +96,7 @@ void Interpolator::linear(const PointView& points, double* out, double outside,
         for (unsigned j = 0; j < s.corners; ++j) {
           const double share = shares[i * s.corners + j];
           if (share == 0) continue;  // whatever the value there is
-          const double* value = s.of(s.cells[std::size_t{cells[i]} * s.corners + j]);
+          const double* value = s.of(s.triangulation.cell(cells[i])[j]);
           for (std::uint32_t c = 0; c < s.components; ++c) row[c] += share * value[c];
         }
       }

@@ -5,10 +5,11 @@
 
 #include "diagrams/interpolation/stolen_volumes-inl.hpp"
 #include "exact/insphere/lift_side.hpp"
-#include "exact/numbers/exact_numbers.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "exact/numbers/fractions.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {
@@ -18,8 +19,7 @@ class Places {
  public:
   explicit Places(std::vector<std::uint32_t>& ids) : ids_(ids) {}
   std::uint32_t of(std::uint32_t id) {
-    const auto at =
-        static_cast<std::uint32_t>(std::find(ids_.begin(), ids_.end(), id) - ids_.begin());
+    const std::uint32_t at = place_in(ids_, id);
     if (at == ids_.size()) ids_.push_back(id);
     return at;
   }
@@ -74,11 +74,9 @@ NaturalTriangulation::NaturalTriangulation(const PointView& points, const Triang
                                            const Run& run)
     : d_(t.dimension),
       k_(t.corners() == 0 ? 0 : t.corners() - 1),
-      columns_(t.axes),
+      columns_(flat_columns(t.axes, t.dimension)),
       cells_(t.cells),
       neighbours_(t.neighbours) {
-  for (std::uint32_t j = 0; j < d_; ++j)
-    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns_.push_back(j);
   const Array<double> given = gather_points(points, nullptr, points.count, run);
   double largest = 0;
   for (const double v : given) largest = std::max(largest, std::abs(v));

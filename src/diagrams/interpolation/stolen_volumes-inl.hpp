@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exact/numbers/bounded.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal::inline diagrams {
 
@@ -25,12 +26,11 @@ struct Cavity {
   unsigned d = K;
 
   /// A facet of a cell, ordered so that with the opposite corner as the last it is positive, and
-  /// the cell across it or none.
+  /// the cell across it or no_index.
   struct Side {
     Facet corners;
     std::uint32_t cell, across;
   };
-  static constexpr std::uint32_t none = 0xffffffff;
   std::vector<Side> sides;  ///< those between two cells once
 
   void find_sides() {
@@ -42,7 +42,7 @@ struct Cavity {
     sides.clear();
     for (std::uint32_t c = 0; c < cells.size(); ++c)
       for (unsigned j = 0; j <= K; ++j) {
-        Side s{{}, c, none};
+        Side s{{}, c, no_index};
         for (unsigned i = 0, n = 0; i <= K; ++i)
           if (i != j) s.corners[n++] = cells[c][i];
         if ((K - j) % 2 == 1) std::swap(s.corners[0], s.corners[1]);
@@ -84,7 +84,7 @@ class StolenVolumes {
     }
     for (const auto& side : cavity_.sides) {
       std::vector<std::uint32_t> corners(side.corners.begin(), side.corners.end());
-      const bool inner = side.across != Cavity<K>::none;
+      const bool inner = side.across != no_index;
       const Point other = inner ? centres[side.across] : centre_with_query(corners);
       add_side(side.corners, other, centres[side.cell]);
       if (!inner) rim_.push_back({side.corners, other});
@@ -214,24 +214,24 @@ class StolenVolumes {
             add(to.corners[0],
                 determinant(from.centre[0], from.centre[1], to.centre[0], to.centre[1]));
     } else {
-      struct Turn {
+      struct RimEdge {
         std::uint32_t low, high, rim;
         bool forward;
       };
-      std::vector<Turn> turns;
+      std::vector<RimEdge> edges;
       for (std::uint32_t r = 0; r < rim_.size(); ++r)
         for (unsigned i = 0; i < 3; ++i) {
           const std::uint32_t a = rim_[r].corners[i], b = rim_[r].corners[(i + 1) % 3];
-          turns.push_back({std::min(a, b), std::max(a, b), r, a < b});
+          edges.push_back({std::min(a, b), std::max(a, b), r, a < b});
         }
-      std::sort(turns.begin(), turns.end(), [](const Turn& x, const Turn& y) {
+      std::sort(edges.begin(), edges.end(), [](const RimEdge& x, const RimEdge& y) {
         return x.low != y.low     ? x.low < y.low
                : x.high != y.high ? x.high < y.high
                                   : x.forward > y.forward;
       });
-      for (std::size_t i = 0; i + 1 < turns.size(); i += 2)
-        close(turns[i].low, turns[i].high, rim_[turns[i].rim].centre,
-              rim_[turns[i + 1].rim].centre);
+      for (std::size_t i = 0; i + 1 < edges.size(); i += 2)
+        close(edges[i].low, edges[i].high, rim_[edges[i].rim].centre,
+              rim_[edges[i + 1].rim].centre);
     }
   }
   /// `own`: of the facet that has a before b, `other`: of that which has b before a.

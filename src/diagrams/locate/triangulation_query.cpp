@@ -10,9 +10,12 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "diagrams/locate/barycentric.hpp"
-#include "diagrams/locate/nearest_vertex.hpp"
 #include "diagrams/locate/walk.hpp"
+#include "exact/determinants/minors.hpp"
+#include "exact/insphere/lift_filter.hpp"
+#include "exact/numbers/double_double.hpp"
+#include "exact/numbers/rationals.hpp"
+#include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
@@ -26,10 +29,6 @@ namespace {
 /// Questions a chunk, and those that are sorted at once: memory stays the same for any number.
 constexpr std::uint64_t grain = std::uint64_t{1} << 10, block = std::uint64_t{1} << 22;
 
-struct Placed {
-  std::uint32_t key, id;
-};
-
 /// The points of a batch along the curve: body() makes a thread's work, which is called with the
 /// number of a point, its row in the mesh's columns, and its key.
 template <class Body>
@@ -39,7 +38,7 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
   for (std::uint64_t first = 0; first < view.count; first += block) {
     const auto n = static_cast<std::uint32_t>(std::min(block, view.count - first));
     Array<double> rows(std::size_t{n} * d);
-    Array<Placed> items(n), scratch(n);
+    Array<KeyedId> items(n), scratch(n);
     run.each(n, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
       double* r = rows.data() + begin * d;
       load_rows(view, first + begin, first + end, r);
@@ -56,8 +55,8 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
         items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
           });
     });
-    Placed *from = items.data(), *to = scratch.data();
-    radix_sort(from, to, n, mesh.frame.key_bits(), run, [](const Placed& p) { return p.key; });
+    KeyedId *from = items.data(), *to = scratch.data();
+    radix_sort(from, to, n, mesh.frame.key_bits(), run);
     run.each(n, grain, [&](std::uint64_t begin, std::uint64_t end) {
       auto work = body();
       for (std::uint64_t i = begin; i < end; ++i)
@@ -65,6 +64,82 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
     });
     run.report("query", static_cast<double>(first + n) / static_cast<double>(view.count));
   }
+}
+
+// ------------------------------------------------------------------- barycentric coordinates
+
+/// The determinants of the rows p_i - q but one by double-doubles, whose operations err by 2^-102
+/// relatively: each is within `bound`, and their sum, the cell's own determinant, within (k + 1)
+/// times that and some roundings. False where that does not prove the result.
+template <unsigned K>
+bool by_double_doubles(const double* const* p, const double* q, double* out) {
+  DoubleDouble m[K + 1][K];
+  double product = 1;
+  for (unsigned j = 0; j < K; ++j) {
+    double largest = 0;
+    for (unsigned i = 0; i <= K; ++i) {
+      m[i][j] = DoubleDouble::sum(p[i][j], -q[j]);
+      largest = std::max(largest, std::abs(m[i][j].high));
+    }
+    // Then nothing overflows, and what underflows adds up to less than 2^-300.
+    if (!(largest >= 0x1p-100 && largest <= 0x1p100)) return false;
+    product *= largest;
+  }
+  const double bound = (minor_roundings(K) + 4) * 0x1p-101 * factorial(K) * product + 0x1p-300;
+  DoubleDouble part[K + 1], whole;
+  double sizes = 0;
+  for (unsigned i = 0; i <= K; ++i) {
+    DoubleDouble rows[K][K];
+    for (unsigned r = 0, to = 0; r <= K; ++r)
+      if (r != i) std::copy_n(m[r], K, rows[to++]);
+    const DoubleDouble det = determinant(rows);
+    part[i] = i % 2 == 0 ? det : -det;
+    whole = whole + part[i];
+    sizes += std::abs(part[i].high);
+  }
+  const double doubt = (K + 1) * bound + (K + 1) * 0x1p-101 * sizes;
+  if (!(doubt < 0x1p-55 * std::abs(whole.high))) return false;
+  for (unsigned i = 0; i <= K; ++i) {
+    if (std::abs(part[i].high) > bound) {
+      out[i] = (part[i] / whole).value();
+      continue;
+    }
+    const double* corners[K + 1];
+    for (unsigned r = 0; r <= K; ++r) corners[r] = r == i ? q : p[r];
+    if (orientation(K, corners) != Sign::zero) return false;
+    out[i] = 0;
+  }
+  return true;
+}
+
+void by_rationals(unsigned k, const double* const* p, const double* q, double* out) {
+  RationalRows m(k, std::vector<mpq_class>(k + 1));
+  for (unsigned j = 0; j < k; ++j) {
+    for (unsigned i = 0; i < k; ++i) m[j][i] = mpq_class(p[i + 1][j]) - mpq_class(p[0][j]);
+    m[j][k] = mpq_class(q[j]) - mpq_class(p[0][j]);
+  }
+  if (!solve(m)) {
+    std::fill_n(out, k + 1, NAN);
+    return;
+  }
+  mpq_class first = 1;
+  for (unsigned i = 0; i < k; ++i) {
+    first -= m[i][k];
+    out[i + 1] = nearest_double(m[i][k]);
+  }
+  out[0] = nearest_double(first);
+}
+
+/// The barycentric coordinates of q in the simplex of k + 1 affinely independent points of R^k, k
+/// >= 0: each within 2^-50 max(1, |itself|) of exact, exact zeros zero. docs/exactness.md, "Points
+/// in cells", derives the bound.
+void barycentric(unsigned k, const double* const* p, const double* q, double* out) {
+  with_dimension<1, 6, 0>(k, [&](auto known) {
+    if constexpr (known() != 0) {
+      if (by_double_doubles<known()>(p, q, out)) return;
+    }
+    by_rationals(k, p, q, out);
+  });
 }
 
 }  // namespace
@@ -155,14 +230,14 @@ struct TriangulationQuery::State {
     internal::barycentric(mesh.corners - 1, corners.data(), row, out);
   }
 
-  const VertexGraph& graph(const Run& run) const {
-    std::call_once(graph_once, [&] { made_graph.emplace(mesh, run); });
-    return *made_graph;
+  const Adjacency<std::uint32_t>& graph(const Run& run) const {
+    std::call_once(graph_once, [&] { made_graph = neighbour_rows(mesh, run); });
+    return made_graph;
   }
 
   WalkMesh mesh;
   mutable std::once_flag graph_once;
-  mutable std::optional<VertexGraph> made_graph;
+  mutable Adjacency<std::uint32_t> made_graph;
 };
 
 TriangulationQuery::TriangulationQuery(const PointView& points, const Triangulation& triangulation,
@@ -231,7 +306,7 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
                                  const RunOptions& options) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
-    const VertexGraph& graph = s.graph(run);
+    const Adjacency<std::uint32_t>& graph = s.graph(run);
     each_along_curve(s.mesh, points, run, [&] {
       return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
                                                       std::uint32_t key) mutable {

@@ -1,4 +1,4 @@
-// Walks over the cells of a triangulation to the one that has a point.
+// Walks over a triangulation: to the cell that contains a point, and to the nearest vertex.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "diagrams/locate/walk_mesh.hpp"
-#include "exact/determinants/minors.hpp"
+#include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -17,33 +17,38 @@ namespace cullhull::internal::inline diagrams {
 /// decides nothing. K = 0: k is known at run time alone.
 template <unsigned K>
 inline Sign cell_orientation(unsigned k, const double* const* p) {
-  if constexpr (K == 2) {
-    const double l = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]);
-    const double r = (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
-    // Differences, products and the last difference: 4 roundings a path, and those of the bound.
-    const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + 0x1p-1000;
-    if (det > bound) return Sign::positive;
-    if (det < -bound) return Sign::negative;
-  } else if constexpr (K == 3) {
-    double m[3][3], largest = 0, columns[3] = {};
-    for (unsigned i = 0; i < 3; ++i)
-      for (unsigned j = 0; j < 3; ++j) {
-        m[i][j] = p[i + 1][j] - p[0][j];
-        columns[j] = std::max(columns[j], std::abs(m[i][j]));
-      }
-    largest = std::max({columns[0], columns[1], columns[2]});
-    double det[8];
-    expand_minors<3, false>(m, 3, det, static_cast<double*>(nullptr));
-    constexpr double factor = (minor_roundings(3) + 6) * 6 * unit_roundoff;
-    // Below 2^100 what underflows is worth less than 2^-340.
-    const double bound = factor * columns[0] * columns[1] * columns[2] + 0x1p-340;
-    if (largest <= 0x1p100) {
-      if (det[7] > bound) return Sign::positive;
-      if (det[7] < -bound) return Sign::negative;
-    }
-  }
+  // Without a limit to coordinates, what underflows is worth less than this.
+  constexpr double tiny = K == 2 ? 0x1p-1000 : 0x1p-340;
+  Sign sign = Sign::zero;
+  if constexpr (K != 0)
+    if (filtered_by_columns<K, false>(p, tiny, sign)) return sign;
   return orientation(k, p);
 }
+
+/// Visits what is connected with a start, for sets that are small beside the mesh.
+class Flood {
+ public:
+  /// Calls visit(item, add) once for each item that is reached: add(next) reaches a further one.
+  template <class Visit>
+  void run(std::uint32_t start, const Visit& visit) {
+    reached_.clear();
+    reached_.insert(start);
+    todo_.assign(1, start);
+    while (!todo_.empty()) {
+      const std::uint32_t item = todo_.back();
+      todo_.pop_back();
+      visit(item, [&](std::uint32_t next) {
+        if (reached_.insert(next).second) todo_.push_back(next);
+      });
+    }
+  }
+
+  bool reached(std::uint32_t item) const { return reached_.contains(item); }
+
+ private:
+  std::unordered_set<std::uint32_t> reached_;
+  std::vector<std::uint32_t> todo_;
+};
 
 /// A thread's walks, each from where the last one ended or from a vertex near on the curve.
 template <unsigned K>
@@ -109,19 +114,13 @@ class Walk {
   }
   std::uint32_t lowest_around() {
     std::uint32_t best = cell_;
-    met_.clear();
-    met_.insert(cell_);
-    todo_.assign(1, cell_);
-    while (!todo_.empty()) {
-      const std::uint32_t c = todo_.back();
-      todo_.pop_back();
+    flood_.run(cell_, [&](std::uint32_t c, const auto& add) {
       best = lower(best, c);
       for (unsigned j = 0; j <= k(); ++j) {
         const std::uint32_t next = mesh_.neighbours_of(c)[j], v = mesh_.corners_of(c)[j];
-        if (next == no_cell || std::find(face_.begin(), face_.end(), v) != face_.end()) continue;
-        if (met_.insert(next).second) todo_.push_back(next);
+        if (next != no_cell && std::find(face_.begin(), face_.end(), v) == face_.end()) add(next);
       }
-    }
+    });
     return best;
   }
 
@@ -129,8 +128,31 @@ class Walk {
   std::vector<const double*> probe_;
   std::uint32_t cell_ = no_cell, row_ = 0, key_ = 0;
   std::vector<unsigned> zeros_;
-  std::vector<std::uint32_t> face_, todo_;
-  std::unordered_set<std::uint32_t> met_;
+  std::vector<std::uint32_t> face_;
+  Flood flood_;
+};
+
+/// A thread's walks. The lifted vertices are those of a convex surface, over which a distance to q
+/// is the surface less a linear function: a vertex that no neighbour betters is the best, and those
+/// as good are connected.
+class NearestVertex {
+ public:
+  /// `graph`: neighbour_rows().
+  NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
+      : mesh_(mesh), graph_(graph) {}
+
+  /// The id of the nearest vertex, of several the lowest. `key`: of q.
+  std::uint32_t find(const double* q, std::uint32_t key);
+
+ private:
+  /// Negative: a is nearer to q than b (for the furthest site: further).
+  Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const;
+  std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
+
+  const WalkMesh& mesh_;
+  const Adjacency<std::uint32_t>& graph_;
+  std::uint32_t row_ = no_cell;
+  Flood flood_;
 };
 
 }  // namespace cullhull::internal::inline diagrams

@@ -14,17 +14,13 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-struct Placed {
-  std::uint32_t key, id;
-};
-
 /// The numbers [0, keys.size()) by key, stable.
-Array<Placed> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
+Array<KeyedId> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
   const auto n = static_cast<std::uint32_t>(keys.size());
-  Array<Placed> items(n), scratch(n);
+  Array<KeyedId> items(n), scratch(n);
   for (std::uint32_t i = 0; i < n; ++i) items[i] = {keys[i], i};
-  Placed *from = items.data(), *to = scratch.data();
-  radix_sort(from, to, n, bits, run, [](const Placed& p) { return p.key; });
+  KeyedId *from = items.data(), *to = scratch.data();
+  radix_sort(from, to, n, bits, run);
   if (from != items.data()) std::swap(items, scratch);
   return items;
 }
@@ -54,9 +50,7 @@ WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<co
       stride(t.dimension + (weights.empty() ? 0 : 1)),
       furthest(t.furthest_site) {
   require_points_of(t, points, weights);
-  columns.assign(t.axes.begin(), t.axes.end());
-  for (unsigned j = 0; j < dimension; ++j)
-    if (std::find(t.axes.begin(), t.axes.end(), j) == t.axes.end()) columns.push_back(j);
+  columns = flat_columns(t.axes, dimension);
   if (corners > 0) take_vertices(points, t, weights, run);
 }
 
@@ -84,7 +78,7 @@ void WalkMesh::take_vertices(const PointView& points, const Triangulation& t,
         end - begin, [&](std::uint64_t i) { return by_id.data() + (begin + i) * stride; },
         [&](std::uint64_t i, std::uint32_t key) { unsorted[begin + i] = key; });
   });
-  const Array<Placed> order = sorted_by_key(unsorted, frame.key_bits(), run);
+  const Array<KeyedId> order = sorted_by_key(unsorted, frame.key_bits(), run);
   ids.resize(n);
   keys.resize(n);
   Array<std::uint32_t> row_of(t.point_count);
@@ -112,7 +106,7 @@ void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& ro
   });
   unsigned bits = 0;
   while (vertex_count() >> bits != 0) ++bits;
-  const Array<Placed> order = sorted_by_key(first, bits, run);
+  const Array<KeyedId> order = sorted_by_key(first, bits, run);
   numbers.resize(count);
   places.resize(count);
   run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
@@ -150,35 +144,19 @@ std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {
   return i > 0 && key - keys[i - 1] < keys[i] - key ? i - 1 : i;
 }
 
-VertexGraph::VertexGraph(const WalkMesh& mesh, const Run& run) : begin(mesh.vertex_count() + 1) {
-  const unsigned m = mesh.corners;
+Adjacency<std::uint32_t> neighbour_rows(const WalkMesh& mesh, const Run& run) {
   const auto count = static_cast<std::uint32_t>(mesh.numbers.size());
-  std::fill(begin.begin(), begin.end(), 0U);
-  Array<std::uint64_t> at(begin.size());
-  for (std::uint32_t c = 0; c < count; ++c)
-    for (unsigned i = 0; i < m; ++i) begin[mesh.corners_of(c)[i] + 1] += m - 1;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) begin[v + 1] += begin[v];
-  std::copy(begin.begin(), begin.end(), at.begin());
-  Array<std::uint32_t> all(begin.back());
-  for (std::uint32_t c = 0; c < count; ++c) {
-    if (c % light_grain == 0) run.check();
-    const std::uint32_t* v = mesh.corners_of(c);
-    for (unsigned i = 0; i < m; ++i)
-      for (unsigned j = 0; j < m; ++j)
-        if (i != j) all[at[v[i]]++] = v[j];
-  }
-  std::uint64_t kept = 0;
-  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v) {
-    std::uint32_t* const from = all.data() + begin[v];
-    std::uint32_t* const end = all.data() + begin[v + 1];
-    std::sort(from, end);
-    std::uint32_t* const last = std::unique(from, end);
-    begin[v] = kept;
-    std::copy(from, last, all.data() + kept);
-    kept += static_cast<std::uint64_t>(last - from);
-  }
-  begin[mesh.vertex_count()] = kept;
-  items.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(kept));
+  Adjacency<std::uint32_t> rows(mesh.vertex_count(), [&](const auto& add) {
+    for (std::uint32_t c = 0; c < count; ++c) {
+      if (c % light_grain == 0) run.check();
+      const std::uint32_t* v = mesh.corners_of(c);
+      for (unsigned i = 0; i < mesh.corners; ++i)
+        for (unsigned j = 0; j < mesh.corners; ++j)
+          if (i != j) add(v[i], v[j]);
+    }
+  });
+  rows.sort_and_unique([&] { run.check(); });
+  return rows;
 }
 
 }  // namespace cullhull::internal::inline diagrams

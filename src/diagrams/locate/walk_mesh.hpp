@@ -8,6 +8,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
 #include "geometry/curve_frame.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -21,7 +22,7 @@ struct WalkMesh {
   unsigned corners = 0;       ///< k + 1
   unsigned stride = 0;        ///< numbers of a row: d, with weights d + 1
   bool furthest = false;
-  std::vector<unsigned> columns;  ///< the k axes, then the others
+  std::vector<std::uint32_t> columns;  ///< flat_columns()
 
   /// Vertices along the curve: coordinates in the order of `columns`, then the weight.
   Array<double> rows;
@@ -50,14 +51,7 @@ struct WalkMesh {
   void take_cells(const Triangulation& t, const Array<std::uint32_t>& row_of, const Run& run);
 };
 
-/// Rows that share a cell, for each row ascending.
-struct VertexGraph {
-  VertexGraph(const WalkMesh& mesh, const Run& run);
-  std::span<const std::uint32_t> of(std::uint32_t v) const {
-    return {items.data() + begin[v], begin[v + 1] - begin[v]};
-  }
-  Array<std::uint64_t> begin;
-  Array<std::uint32_t> items;
-};
+/// The rows that share a cell with each row, ascending.
+Adjacency<std::uint32_t> neighbour_rows(const WalkMesh& mesh, const Run& run);
 
 }  // namespace cullhull::internal::inline diagrams

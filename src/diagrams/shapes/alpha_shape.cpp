@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
-#include "delaunay/cell_boundary.hpp"
+#include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "parallel/disjoint_sets.hpp"
@@ -95,7 +95,7 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
   });
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) out.cells.push_back(c);
-  write_boundary(t, kept, out.facets, out.facet_cells);
+  write_boundary(t, kept.data(), out.facets, out.facet_cells, run);
   return out;
 }
 

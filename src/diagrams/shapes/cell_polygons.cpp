@@ -9,6 +9,7 @@
 #include "diagrams/dual.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/disjoint_sets.hpp"
+#include "parallel/index.hpp"
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
@@ -93,9 +94,7 @@ class PolygonWriter {
     j = (j + 1) % 3;  // opposite to where the edge came from
     while (!on_boundary(c, j)) {
       c = t_.neighbours_of(c)[j];
-      const auto cell = t_.cell(c);
-      const auto at = static_cast<unsigned>(std::find(cell.begin(), cell.end(), v) - cell.begin());
-      j = (at + 2) % 3;
+      j = (place_in(t_.cell(c), v) + 2) % 3;
     }
   }
 

@@ -7,9 +7,10 @@
 
 #include "cullhull/alpha_shape.hpp"
 #include "cullhull/error.hpp"
-#include "delaunay/cell_boundary.hpp"
+#include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/orientation/difference_products.hpp"
+#include "parallel/index.hpp"
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
@@ -26,11 +27,6 @@ void require_plane(const Triangulation& t) {
                 "concave hulls by the length of edges are of points in a plane");
 }
 
-/// An edge by its lower id first.
-struct Edge {
-  std::uint32_t low, high;
-};
-
 Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// Comparisons of lengths, exact; of equal ones the lower ids are before the higher.
@@ -42,7 +38,7 @@ class Lengths {
     const Sign sign =
         compare_lengths(d_, p_.row(a.low), p_.row(a.high), p_.row(b.low), p_.row(b.high));
     if (sign != Sign::zero) return sign == Sign::positive;
-    return a.low != b.low ? a.low < b.low : a.high < b.high;
+    return a < b;
   }
   void set_limit(double limit) { limit_[0] = limit; }
   bool over_limit(const Edge& e) const {
@@ -95,9 +91,7 @@ class Digging {
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = t_.neighbours_of(side.cell)[j];
         if (o == no_cell || kept_[o] == 0) continue;
-        const auto back = t_.neighbours_of(o);
-        add(o,
-            static_cast<unsigned>(std::find(back.begin(), back.end(), side.cell) - back.begin()));
+        add(o, place_in(t_.neighbours_of(o), side.cell));
       }
     }
     return std::move(kept_);
@@ -152,7 +146,7 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
   AlphaShape out;
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) out.cells.push_back(c);
-  write_boundary(t, kept, out.facets, out.facet_cells);
+  write_boundary(t, kept.data(), out.facets, out.facet_cells, run);
   return out;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/numbers/exact_numbers.hpp"
+#include "exact/numbers/rationals.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {

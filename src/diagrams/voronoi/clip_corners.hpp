@@ -49,7 +49,9 @@ class CellCorners {
   /// Each coordinate the nearest double.
   void round(std::uint32_t corner, double* out);
   bool equal(std::uint32_t a, std::uint32_t b);
-  const Halfspace<D, BoundedDoubleDouble>& halfspace(std::uint32_t plane) const { return planes_[plane].near; }
+  const Halfspace<D, BoundedDoubleDouble>& halfspace(std::uint32_t plane) const {
+    return planes_[plane].near;
+  }
   const Halfspace<D, mpq_class>& exact_halfspace(std::uint32_t plane);
 
  private:

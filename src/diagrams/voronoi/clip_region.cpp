@@ -197,9 +197,12 @@ std::array<Real, D> normal_of(const RegionPlane<D>& plane) {
   return n;
 }
 
-template std::array<BoundedDoubleDouble, 1> normal_of<1, BoundedDoubleDouble>(const RegionPlane<1>&);
-template std::array<BoundedDoubleDouble, 2> normal_of<2, BoundedDoubleDouble>(const RegionPlane<2>&);
-template std::array<BoundedDoubleDouble, 3> normal_of<3, BoundedDoubleDouble>(const RegionPlane<3>&);
+template std::array<BoundedDoubleDouble, 1> normal_of<1, BoundedDoubleDouble>(
+    const RegionPlane<1>&);
+template std::array<BoundedDoubleDouble, 2> normal_of<2, BoundedDoubleDouble>(
+    const RegionPlane<2>&);
+template std::array<BoundedDoubleDouble, 3> normal_of<3, BoundedDoubleDouble>(
+    const RegionPlane<3>&);
 template std::array<mpq_class, 1> normal_of<1, mpq_class>(const RegionPlane<1>&);
 template std::array<mpq_class, 2> normal_of<2, mpq_class>(const RegionPlane<2>&);
 template std::array<mpq_class, 3> normal_of<3, mpq_class>(const RegionPlane<3>&);

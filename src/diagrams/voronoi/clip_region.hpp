@@ -19,8 +19,8 @@ namespace cullhull::internal::inline diagrams {
 template <unsigned D>
 struct RegionPlane {
   std::array<std::array<double, D>, D> through;
-  int axis = -1;                  ///< all points have this coordinate in common; -1: none
-  double toward = 1;              ///< -1: the region is where that coordinate is larger
+  int axis = -1;      ///< all points have this coordinate in common; -1: none
+  double toward = 1;  ///< -1: the region is where that coordinate is larger
   std::array<BoundedDoubleDouble, D> normal;  ///< outward
 };
 

@@ -12,13 +12,13 @@ namespace {
 
 using Point = std::array<double, 2>;
 
-struct Edge {
+struct PieceEdge {
   std::uint32_t from, to, plane;  ///< corners by number
   Point start;                    ///< `from`, rounded
 };
 
 template <class Real, class At>
-Real twice_area(const std::vector<Edge>& edges, const std::vector<std::uint32_t>& ring,
+Real twice_area(const std::vector<PieceEdge>& edges, const std::vector<std::uint32_t>& ring,
                 const At& at) {
   Real sum(0.0);
   for (const std::uint32_t e : ring) {
@@ -31,10 +31,10 @@ Real twice_area(const std::vector<Edge>& edges, const std::vector<std::uint32_t>
 /// The boundary of pieces that are connected through edges.
 class PieceBoundary {
  public:
-  PieceBoundary(CellCorners<2>& corners, std::vector<Edge> edges)
+  PieceBoundary(CellCorners<2>& corners, std::vector<PieceEdge> edges)
       : corners_(corners), edges_(std::move(edges)) {
     std::sort(edges_.begin(), edges_.end(),
-              [](const Edge& a, const Edge& b) { return a.start < b.start; });
+              [](const PieceEdge& a, const PieceEdge& b) { return a.start < b.start; });
   }
 
   /// False if nothing is left of it.
@@ -69,8 +69,8 @@ class PieceBoundary {
     Point end;
     corners_.round(edges_[e].to, end.data());
     const auto [first, last] =
-        std::equal_range(edges_.begin(), edges_.end(), Edge{0, 0, 0, end},
-                         [](const Edge& a, const Edge& b) { return a.start < b.start; });
+        std::equal_range(edges_.begin(), edges_.end(), PieceEdge{0, 0, 0, end},
+                         [](const PieceEdge& a, const PieceEdge& b) { return a.start < b.start; });
     auto best = first;
     if (last - first > 1) {
       best = last;
@@ -104,7 +104,7 @@ class PieceBoundary {
   CellRing points_of(const std::vector<std::uint32_t>& ring) const {
     CellRing out;
     for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Edge &before = edges_[ring[i > 0 ? i - 1 : ring.size() - 1]], &e = edges_[ring[i]];
+      const PieceEdge &before = edges_[ring[i > 0 ? i - 1 : ring.size() - 1]], &e = edges_[ring[i]];
       if (before.plane == e.plane && !corners_.is_given(e.from)) continue;
       out.points.push_back(e.start);
       out.across.push_back(corners_.is_bisector(e.plane) ? corners_.label(e.plane) : no_point);
@@ -121,7 +121,7 @@ class PieceBoundary {
   }
 
   CellCorners<2>& corners_;
-  std::vector<Edge> edges_;
+  std::vector<PieceEdge> edges_;
 };
 
 /// Calls body(i, j) for pieces that an edge of the region's triangles joins.
@@ -161,20 +161,20 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   DisjointSets sets(pieces.size());
   sets.clear(0, pieces.size());
   each_seam(corners, pieces, [&](std::uint32_t i, std::uint32_t j) { sets.join(i, j); });
-  std::vector<std::vector<Edge>> boundaries(pieces.size());
+  std::vector<std::vector<PieceEdge>> boundaries(pieces.size());
   for (std::uint32_t i = 0; i < pieces.size(); ++i) {
     const auto& [piece, vertices, planes] = pieces[i];
     for (std::size_t e = 0; e < planes.size(); ++e) {
       const std::uint32_t plane = planes[e];
       if (!corners.is_bisector(plane) && corners.label(plane) != no_point) continue;
-      Edge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], plane, {}};
+      PieceEdge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], plane, {}};
       corners.round(edge.from, edge.start.data());
       boundaries[sets.root(i)].push_back(edge);
     }
   }
   std::vector<CellPolygon> polygons;
   CellPolygon polygon;
-  for (std::vector<Edge>& boundary : boundaries)
+  for (std::vector<PieceEdge>& boundary : boundaries)
     if (!boundary.empty() && PieceBoundary(corners, std::move(boundary)).write(polygon))
       polygons.push_back(polygon);
   std::sort(polygons.begin(), polygons.end(), [](const CellPolygon& a, const CellPolygon& b) {

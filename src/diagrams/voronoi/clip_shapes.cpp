@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "parallel/index.hpp"
+
 namespace cullhull::internal::inline diagrams {
 namespace {
-
-constexpr std::uint32_t unset = 0xffffffff;
 
 /// The corners of a piece and its planes, as numbers; a plane's label is the piece across it.
 template <unsigned D>
@@ -146,8 +146,8 @@ std::uint32_t ClipShape<3>::cut_vertex(std::uint32_t inside, std::uint32_t outsi
     }
   const bool at_vertex = sides_[inside] == Sign::zero;
   const auto place = at_vertex ? inside : static_cast<std::uint32_t>(vertices.size());
-  if (!at_vertex) vertices.push_back(unset);  // made once both faces are known
-  edges_.push_back({inside, outside, place, unset, {face_plane, unset}});
+  if (!at_vertex) vertices.push_back(no_index);  // made once both faces are known
+  edges_.push_back({inside, outside, place, no_index, {face_plane, no_index}});
   return static_cast<std::uint32_t>(edges_.size() - 1);
 }
 
@@ -159,7 +159,7 @@ void ClipShape<3>::cut_faces() {
   next_planes_.clear();
   for (std::size_t f = 0; f < planes.size(); ++f) {
     const std::uint32_t begin = starts[f], end = starts[f + 1];
-    std::uint32_t left = unset, first_return = unset;
+    std::uint32_t left = no_index, first_return = no_index;
     for (std::uint32_t i = begin; i < end; ++i) {
       const std::uint32_t a = items[i], b = items[i + 1 < end ? i + 1 : begin];
       const bool stays = sides_[a] != Sign::positive, next_stays = sides_[b] != Sign::positive;
@@ -169,12 +169,12 @@ void ClipShape<3>::cut_faces() {
       next_items_.push_back(edges_[e].place);
       if (stays)
         left = e;
-      else if (left != unset)
+      else if (left != no_index)
         edges_[e].next = left;
       else
         first_return = e;  // it left before the list began
     }
-    if (first_return != unset) edges_[first_return].next = left;
+    if (first_return != no_index) edges_[first_return].next = left;
     end_face(next_starts_, next_items_, next_planes_, planes[f]);
   }
   std::swap(starts, next_starts_);
@@ -190,21 +190,21 @@ void ClipShape<3>::add_cut_vertices(CellCorners<3>& corners, std::uint32_t plane
 
 void ClipShape<3>::close(std::uint32_t plane) {
   for (CutEdge& first : edges_) {
-    if (first.next == unset) continue;
-    for (CutEdge* e = &first; e->next != unset;) {
+    if (first.next == no_index) continue;
+    for (CutEdge* e = &first; e->next != no_index;) {
       items.push_back(e->place);
-      e = &edges_[std::exchange(e->next, unset)];
+      e = &edges_[std::exchange(e->next, no_index)];
     }
     end_face(starts, items, planes, plane);
   }
 }
 
 void ClipShape<3>::drop_unused() {
-  number_.assign(vertices.size(), unset);
+  number_.assign(vertices.size(), no_index);
   for (const std::uint32_t v : items) number_[v] = 0;
   std::uint32_t kept = 0;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    if (number_[v] == unset) continue;
+    if (number_[v] == no_index) continue;
     vertices[kept] = vertices[v];
     number_[v] = kept++;
   }

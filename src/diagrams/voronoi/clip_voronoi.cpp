@@ -15,7 +15,8 @@
 #include "diagrams/voronoi/clip_rings.hpp"
 #include "diagrams/voronoi/clip_shapes.hpp"
 #include "diagrams/voronoi/whole_cells.hpp"
-#include "exact/numbers/exact_numbers.hpp"
+#include "exact/numbers/rationals.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -176,7 +177,8 @@ class CellClipper {
       const std::uint32_t plane = corners_.add_bisector(points.row(item.other), item.other);
       const auto& h = corners_.halfspace(plane);
       double largest = 0;
-      for (const BoundedDoubleDouble& n : h.normal) largest = std::max(largest, std::abs(n.value.high));
+      for (const BoundedDoubleDouble& n : h.normal)
+        largest = std::max(largest, std::abs(n.value.high));
       const double distance = h.offset.value.high / largest;
       order_.emplace_back(std::isnan(distance) ? INFINITY : distance, plane);
     }
@@ -218,11 +220,10 @@ class CellClipper {
 class PiecesOfCells {
  public:
   /// One piece: every cell may meet it.
-  explicit PiecesOfCells(std::uint64_t sites) : sites_(sites) {}
+  PiecesOfCells() = default;
 
   PiecesOfCells(const DiagramCells& cells, const Triangulation& t, const Region<2>& region,
-                const Run& run)
-      : sites_(t.point_count) {
+                const Run& run) {
     const std::vector<std::uint32_t> starts = sites_at_corners(cells, t, region, run);
     constexpr std::uint64_t grain = 64;
     std::vector<std::vector<Pair>> parts(chunk_count(region.size(), grain));
@@ -233,20 +234,16 @@ class PiecesOfCells {
         spread(cells, region, static_cast<std::uint32_t>(piece), starts[piece], clipper,
                parts[chunk], run);
     });
-    begin_.assign(sites_ + 1, 0);
-    for (const auto& part : parts)
-      for (const Pair& pair : part) ++begin_[pair.site + 1];
-    for (std::uint64_t i = 0; i < sites_; ++i) begin_[i + 1] += begin_[i];
-    pieces_.resize(begin_.back());
-    std::vector<std::uint64_t> at(begin_);
-    for (const auto& part : parts)
-      for (const Pair& pair : part) pieces_[at[pair.site]++] = pair.piece;
+    pieces_ = Adjacency<std::uint32_t>(t.point_count, [&](const auto& add) {
+      for (const auto& part : parts)
+        for (const Pair& pair : part) add(pair.site, pair.piece);
+    });
   }
 
   std::span<const std::uint32_t> of(std::uint32_t site) const {
     static constexpr std::uint32_t only = 0;
-    if (begin_.empty()) return {&only, 1};
-    return {pieces_.data() + begin_[site], begin_[site + 1] - begin_[site]};
+    if (pieces_.empty()) return {&only, 1};
+    return pieces_[site];
   }
 
  private:
@@ -309,9 +306,7 @@ class PiecesOfCells {
     }
   }
 
-  std::uint64_t sites_;
-  std::vector<std::uint64_t> begin_;
-  std::vector<std::uint32_t> pieces_;
+  Adjacency<std::uint32_t> pieces_;  ///< by site; empty: one piece
 };
 
 // ---------------------------------------------------------------------------- all cells
@@ -473,7 +468,7 @@ PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const
                         const Run& run) {
   if constexpr (D == 2)
     if (region.size() > 1 && t.corners() > 0) return {cells, t, region, run};
-  return PiecesOfCells(t.point_count);
+  return {};
 }
 
 template <unsigned D>
@@ -518,11 +513,9 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Triangulation& t = triangulation;
   check_dimension(t);
   check_box(t, low, high);
-  return t.dimension == 1
-             ? clip<1>(points, t, box_region<1>(low, high), weights, shapes, diagram, run)
-         : t.dimension == 2
-             ? clip<2>(points, t, box_region<2>(low, high), weights, shapes, diagram, run)
-             : clip<3>(points, t, box_region<3>(low, high), weights, shapes, diagram, run);
+  return with_dimension<1, 2, 3>(t.dimension, [&](auto d) {
+    return clip<d()>(points, t, box_region<d()>(low, high), weights, shapes, diagram, run);
+  });
 }
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,

@@ -5,6 +5,7 @@
 
 #include "diagrams/dual.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "geometry/simplex.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {
@@ -16,24 +17,20 @@ class GroupVertices {
     if (t.cell_groups.empty()) return;
     const unsigned m = t.corners();
     const std::size_t groups = *std::max_element(t.cell_groups.begin(), t.cell_groups.end()) + 1ULL;
-    begin_.assign(groups + 1, 0);
-    for (std::uint64_t c = 0; c < t.size(); ++c) begin_[t.group(c) + 1] += m;
-    for (std::size_t g = 0; g < groups; ++g) begin_[g + 1] += begin_[g];
-    vertices_.resize(begin_.back());
+    vertices_ = Adjacency<std::uint32_t>(groups, [&](const auto& add) {
+      for (std::uint64_t c = 0; c < t.size(); ++c)
+        for (const std::uint32_t v : t.cell(c)) add(t.group(c), v);
+    });
     count_.resize(groups);
-    Array<std::uint64_t> at(begin_);
-    for (std::uint64_t c = 0; c < t.size(); ++c)
-      for (const std::uint32_t v : t.cell(c)) vertices_[at[t.group(c)]++] = v;
     run.each(groups, light_grain / 8, [&](std::uint64_t first, std::uint64_t last) {
       for (std::uint64_t g = first; g < last; ++g) {
-        std::uint32_t *from = vertices_.data() + begin_[g], *to = vertices_.data() + begin_[g + 1];
-        const auto corners = static_cast<std::size_t>(to - from);
-        if (corners == m) {
+        const std::span<std::uint32_t> own = vertices_.list(g);
+        if (own.size() == m) {
           count_[g] = 0;  // one cell
           continue;
         }
-        std::sort(from, to);
-        count_[g] = static_cast<std::uint32_t>(std::unique(from, to) - from);
+        std::sort(own.begin(), own.end());
+        count_[g] = static_cast<std::uint32_t>(std::unique(own.begin(), own.end()) - own.begin());
       }
     });
   }
@@ -41,19 +38,13 @@ class GroupVertices {
   bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
   /// Whether v is one of the vertices of a group of merged cells.
   bool has(std::uint32_t g, std::uint32_t v) const {
-    const std::uint32_t* from = vertices_.data() + begin_[g];
-    return std::binary_search(from, from + count_[g], v);
+    const auto own = vertices_[g].first(count_[g]);
+    return std::binary_search(own.begin(), own.end(), v);
   }
 
  private:
-  Array<std::uint64_t> begin_;
-  Array<std::uint32_t> vertices_, count_;
-};
-
-/// One edge with the cells around it.
-struct Edge {
-  std::uint32_t low, high;
-  std::span<const EdgeCells::Item> cells;
+  Adjacency<std::uint32_t> vertices_;
+  Array<std::uint32_t> count_;  ///< the distinct vertices come first; 0: the group is one cell
 };
 
 class RidgeWriter {
@@ -62,7 +53,7 @@ class RidgeWriter {
       : p_(p), t_(t), groups_(groups), k_(t.corners() - 1) {}
 
   /// The vertices of the edge's ridge; false if it has none of dimension k - 1.
-  bool write(const Edge& e, std::vector<std::uint32_t>& out) {
+  bool write(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) {
     out.clear();
     if (within_merged(e)) return false;
     if (k_ == 2)
@@ -75,14 +66,16 @@ class RidgeWriter {
   }
 
  private:
-  bool on_edge(const Edge& e, std::uint32_t v) const { return v == e.low || v == e.high; }
+  bool on_edge(const EdgeCells::Star& e, std::uint32_t v) const {
+    return v == e.low || v == e.high;
+  }
 
   /// The edge is none of the merged complex if the least face of that complex that has it has other
   /// vertices too: those common to all groups around it that lie in the planes of all facets of the
   /// hull at it. Vertices are extreme points of the lift, so such a face has dimension 2 or more,
   /// and the cells of each group cut it into simplices: some cell of the group at the edge has a
   /// further vertex of it. So corners of the group with the fewest cells here are all to look at.
-  bool within_merged(const Edge& e) {
+  bool within_merged(const EdgeCells::Star& e) {
     if (k_ < 2) return false;
     bool any = false;
     for (const auto& item : e.cells) any = any || groups_.merged(t_.group(item.cell));
@@ -105,7 +98,7 @@ class RidgeWriter {
     return std::any_of(candidates_.begin(), candidates_.end(),
                        [&](std::uint32_t v) { return in_all_groups(v) && on_hull(e, v); });
   }
-  void sort_by_group(const Edge& e) {
+  void sort_by_group(const EdgeCells::Star& e) {
     around_.clear();
     for (const auto& item : e.cells) around_.emplace_back(t_.group(item.cell), item.cell);
     std::sort(around_.begin(), around_.end());
@@ -124,7 +117,7 @@ class RidgeWriter {
   }
 
   /// Whether v is in the planes of the hull's facets that have the edge.
-  bool on_hull(const Edge& e, std::uint32_t v) {
+  bool on_hull(const EdgeCells::Star& e, std::uint32_t v) {
     for (const auto& item : e.cells)
       for (unsigned j = 0; j <= k_; ++j) {
         if (t_.neighbours_of(item.cell)[j] != no_cell || on_edge(e, t_.cell(item.cell)[j]))
@@ -147,7 +140,7 @@ class RidgeWriter {
   }
 
   /// Left, then right. In a triangle low is followed by high where its third corner is on the left.
-  void in_plane(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_plane(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     out.assign(2, at_infinity);
     for (const auto& item : e.cells) {
       const auto v = t_.cell(item.cell);
@@ -159,18 +152,17 @@ class RidgeWriter {
 
   /// Places in the cell of the corners off the edge, so that from the first to the second is a
   /// positive turn around the way from low to high.
-  std::pair<unsigned, unsigned> others(const Edge& e, std::uint32_t c) const {
+  std::pair<unsigned, unsigned> others(const EdgeCells::Star& e, std::uint32_t c) const {
     const auto v = t_.cell(c);
-    unsigned order[4], n = 2;
+    std::uint32_t order[4], n = 2;
     for (unsigned i = 0; i < 4; ++i) order[v[i] == e.low ? 0 : v[i] == e.high ? 1 : n++] = i;
-    unsigned inversions = 0;
-    for (unsigned i = 0; i < 4; ++i)
-      for (unsigned j = i + 1; j < 4; ++j) inversions += order[i] > order[j] ? 1 : 0;
-    if (inversions % 2 == 1) std::swap(order[2], order[3]);
+    std::uint32_t sorted[4];
+    std::copy_n(order, 4, sorted);
+    if (sort_simplex<0>(sorted, nullptr, 4)) std::swap(order[2], order[3]);
     return {order[2], order[3]};
   }
 
-  void in_space(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_space(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     std::uint32_t first = e.cells[0].cell;
     for (const auto& item : e.cells) {  // infinity first
       if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_cell) continue;
@@ -187,7 +179,7 @@ class RidgeWriter {
     std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
   }
 
-  void in_any(const Edge& e, std::vector<std::uint32_t>& out) const {
+  void in_any(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     bool unbounded = false;
     for (const auto& item : e.cells) {
       out.push_back(t_.group(item.cell));
@@ -211,80 +203,48 @@ class RidgeWriter {
 
 }  // namespace
 
-EdgeCells::EdgeCells(const Triangulation& t, const Run& run) : begin_(t.point_count + 1) {
-  const unsigned m = t.corners();
-  std::fill(begin_.begin(), begin_.end(), 0U);
-  const auto each = [&](std::uint64_t c, const auto& body) {
-    const auto v = t.cell(c);
-    for (unsigned i = 0; i < m; ++i)
-      for (unsigned j = i + 1; j < m; ++j) body(std::min(v[i], v[j]), std::max(v[i], v[j]));
-  };
-  for (std::uint64_t c = 0; c < t.size(); ++c)
-    each(c, [&](std::uint32_t low, std::uint32_t) { ++begin_[low + 1]; });
-  for (std::uint64_t i = 0; i < t.point_count; ++i) begin_[i + 1] += begin_[i];
-  items_.resize(begin_.back());
-  Array<std::uint64_t> at(begin_);
-  for (std::uint64_t c = 0; c < t.size(); ++c) {
-    if (c % light_grain == 0) run.check();
-    each(c, [&](std::uint32_t low, std::uint32_t high) {
-      items_[at[low]++] = {high, static_cast<std::uint32_t>(c)};
-    });
-  }
+EdgeCells::EdgeCells(const Triangulation& t, const Run& run)
+    : items_(t.point_count, [&](const auto& add) {
+        const unsigned m = t.corners();
+        for (std::uint32_t c = 0; c < t.size(); ++c) {
+          if (c % light_grain == 0) run.check();
+          const auto v = t.cell(c);
+          for (unsigned i = 0; i < m; ++i)
+            for (unsigned j = i + 1; j < m; ++j)
+              add(std::min(v[i], v[j]), Item{std::max(v[i], v[j]), c});
+        }
+      }) {
   run.each(t.point_count, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t v = begin; v < end; ++v)
-      std::sort(items_.data() + begin_[v], items_.data() + begin_[v + 1],
-                [](const Item& a, const Item& b) {
-        return a.other != b.other ? a.other < b.other : a.cell < b.cell;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const std::span<Item> around = items_.list(v);
+      std::sort(around.begin(), around.end(), [](const Item& a, const Item& b) {
+        return a.high != b.high ? a.high < b.high : a.cell < b.cell;
       });
+    }
   });
 }
 
-PointNeighbours::PointNeighbours(const Triangulation& t, const Run& run)
-    : begin_(t.point_count + 1) {
-  const EdgeCells edges(t, run);
-  std::fill(begin_.begin(), begin_.end(), 0U);
-  const auto each = [&](const auto& body) {
-    for (std::uint64_t v = 0; v < t.point_count; ++v) {
-      std::uint32_t last = no_point;
-      for (const auto& item : edges.of(v)) {
-        if (item.other != last) body(static_cast<std::uint32_t>(v), item.other);
-        last = item.other;
-      }
-    }
-  };
-  each([&](std::uint32_t a, std::uint32_t b) {
-    ++begin_[a + 1];
-    ++begin_[b + 1];
-  });
-  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
-  items_.resize(begin_.back());
-  Array<std::uint64_t> at(begin_);
-  // Lower neighbours come first, in order, as rows ascend; then the higher ones.
-  each([&](std::uint32_t a, std::uint32_t b) { items_[at[b]++] = a; });
-  each([&](std::uint32_t a, std::uint32_t b) { items_[at[a]++] = b; });
+Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
+  return {edges.size(), [&](const auto& add) {
+            // A point's lower neighbours come first, ascending because the edges are sorted.
+            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.high, e.low); });
+            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.low, e.high); });
+          }};
 }
 
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
   const EdgeCells edges(t, run);
   const GroupVertices groups(t, run);
-  ListsInChunks vertices(t.point_count), points(t.point_count);
+  ChunkedListBuilder vertices(t.point_count), points(t.point_count);
   run.each_chunk(t.point_count, vertices.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     RidgeWriter writer(p, t, groups);
     std::vector<std::uint32_t> ridge;
-    for (std::uint64_t v = begin; v < end; ++v) {
-      const auto around = edges.of(v);
-      for (std::size_t i = 0; i < around.size();) {
-        std::size_t next = i + 1;
-        while (next < around.size() && around[next].other == around[i].other) ++next;
-        const Edge e{static_cast<std::uint32_t>(v), around[i].other, around.subspan(i, next - i)};
-        if (writer.write(e, ridge)) {
-          vertices.add(chunk, ridge);
-          points.add(chunk, {e.low, e.high});
-        }
-        i = next;
-      }
-    }
+    edges.each_edge(begin, end, [&](const EdgeCells::Star& e) {
+      if (!writer.write(e, ridge)) return;
+      vertices.add(chunk, ridge);
+      points.add(chunk, {e.low, e.high});
+    });
   });
   vertices.join(out.ridge_offsets, out.ridge_vertices);
   Array<std::uint64_t> pairs;

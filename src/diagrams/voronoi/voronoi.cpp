@@ -10,6 +10,8 @@
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/adjacency.hpp"
+#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -40,32 +42,11 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Cells at each point, in the order of cells.
-struct Stars {
-  explicit Stars(const Triangulation& t) : begin(t.point_count + 1) {
-    std::fill(begin.begin(), begin.end(), 0U);
-    for (const std::uint32_t v : t.cells) ++begin[v + 1];
-    for (std::uint64_t i = 0; i < t.point_count; ++i) begin[i + 1] += begin[i];
-    Array<std::uint64_t> at(begin);
-    cells.resize(t.cells.size());
-    const unsigned m = t.corners();
-    for (std::size_t i = 0; i < t.cells.size(); ++i)
-      cells[at[t.cells[i]]++] = static_cast<std::uint32_t>(i / m);
-  }
-  std::span<const std::uint32_t> of(std::uint64_t v) const {
-    return {cells.data() + begin[v], begin[v + 1] - begin[v]};
-  }
-  Array<std::uint64_t> begin;
-  Array<std::uint32_t> cells;
-};
-
 /// Groups around a point in the plane, from infinity if that is there.
 void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
                  std::vector<std::uint32_t>& out) {
   const auto across = [&](std::uint32_t c, unsigned turn) {
-    const auto cell = t.cell(c);
-    const auto at = static_cast<unsigned>(std::find(cell.begin(), cell.end(), v) - cell.begin());
-    return t.neighbours_of(c)[(at + turn) % 3];
+    return t.neighbours_of(c)[(place_in(t.cell(c), v) + turn) % 3];
   };
   std::uint32_t first = start;
   for (std::uint32_t c = across(start, 2); c != start; c = across(c, 2)) {
@@ -87,17 +68,17 @@ void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
 }
 
 void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
-  const Stars stars(t);
+  const Adjacency<std::uint32_t> stars = rows_by_id(t.cells, t.corners(), t.point_count);
   std::vector<bool> unbounded(t.point_count);
   for (const std::uint32_t v : t.hull_facets) unbounded[v] = true;
   if (t.corners() == 1) unbounded[t.cells[0]] = true;
-  ListsInChunks lists(t.point_count);
+  ChunkedListBuilder lists(t.point_count);
   run.each_chunk(t.point_count, lists.grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     std::vector<std::uint32_t> list;
     for (std::uint64_t v = begin; v < end; ++v) {
       list.clear();
-      const auto star = stars.of(v);
+      const auto star = stars[v];
       if (t.corners() == 3 && !star.empty()) {
         turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
       } else {
@@ -117,16 +98,13 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
 
 void require_points_of(const Triangulation& t, const PointView& points,
                        std::span<const double> weights) {
-  const auto require = [](bool condition, const std::string& message) {
-    if (!condition) throw Error(ErrorCode::invalid_argument, message);
-  };
-  require(points.dimension == t.dimension && points.count == t.point_count,
-          "the triangulation is of " + std::to_string(t.point_count) + " points in dimension " +
-              std::to_string(t.dimension) + ", not of " + std::to_string(points.count) +
-              " in dimension " + std::to_string(points.dimension));
-  require(weights.empty() || weights.size() == points.count,
-          "there are " + std::to_string(points.count) + " points, but " +
-              std::to_string(weights.size()) + " weights");
+  if (points.dimension != t.dimension || points.count != t.point_count)
+    throw Error(ErrorCode::invalid_argument,
+                "the triangulation is of " + std::to_string(t.point_count) +
+                    " points in dimension " + std::to_string(t.dimension) + ", not of " +
+                    std::to_string(points.count) + " in dimension " +
+                    std::to_string(points.dimension));
+  if (!weights.empty()) require_weights(weights, points.count);
 }
 
 DualPoints::DualPoints(const PointView& points, const Triangulation& t,

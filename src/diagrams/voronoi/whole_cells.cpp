@@ -31,36 +31,27 @@ void require_diagram_of(const Triangulation& t, std::uint64_t vertices, const Vo
 
 DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, const Voronoi* known,
                            const Run& run)
-    : points_(points),
-      t_(t),
-      diagram_(known != nullptr ? *known : own_),
-      first_(first_cells(t)),
-      begin_(t.point_count + 1) {
+    : points_(points), t_(t), diagram_(known != nullptr ? *known : own_), first_(first_cells(t)) {
   is_site_.assign(t.point_count, false);
   for (const std::uint32_t v : t.cells) is_site_[v] = true;
-  std::fill(begin_.begin(), begin_.end(), 0U);
   if (known != nullptr) {
     const std::uint64_t groups = first_.empty() ? t.size() : first_.size();
     require_diagram_of(t, t.corners() < 2 ? 0 : groups, *known);
   }
-  if (t.corners() < 2) return;
-  if (known == nullptr) {
+  if (known == nullptr && t.corners() > 1) {
     own_.dimension = t.dimension;
     write_vertices(points, t, own_, run);
     write_ridges(points, t, own_, run);
   }
-  for (const std::uint32_t v : diagram_.ridge_points) ++begin_[v + 1];
-  for (std::uint64_t v = 0; v < t.point_count; ++v) begin_[v + 1] += begin_[v];
-  items_.resize(begin_.back());
-  Array<std::uint64_t> at(begin_);
-  const auto add = [&](unsigned end) {  // pairs are sorted, so what is across ascends
-    for (std::uint32_t r = 0; r < diagram_.ridge_count(); ++r) {
-      const std::uint32_t* pair = diagram_.ridge_points.data() + 2 * std::uint64_t{r};
-      items_[at[pair[end]]++] = {pair[1 - end], r};
-    }
-  };
-  add(1);
-  add(0);
+  ridges_ = Adjacency<Item>(t.point_count, [&](const auto& add) {
+    if (t.corners() < 2) return;
+    // Pairs are sorted, so the sites across ascend: first the lower ones, then the higher ones.
+    for (const unsigned end : {1U, 0U})
+      for (std::uint32_t r = 0; r < diagram_.ridge_count(); ++r) {
+        const std::uint32_t* pair = diagram_.ridge_points.data() + 2 * std::uint64_t{r};
+        add(pair[end], Item{pair[1 - end], r});
+      }
+  });
 }
 
 namespace {
@@ -175,12 +166,12 @@ void WholeCell<D>::place(const DiagramCells& cells, std::uint32_t site,
 template class WholeCell<1>;
 template class WholeCell<2>;
 template class WholeCell<3>;
-#define CULLHULL_PLACES(d)                                                       \
-  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
-                                    std::vector<std::array<BoundedDouble, d>>&) const; \
-  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
+#define CULLHULL_PLACES(d)                                                                   \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,                      \
+                                    std::vector<std::array<BoundedDouble, d>>&) const;       \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,                      \
                                     std::vector<std::array<BoundedDoubleDouble, d>>&) const; \
-  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,          \
+  template void WholeCell<d>::place(const DiagramCells&, std::uint32_t,                      \
                                     std::vector<std::array<mpq_class, d>>&) const;
 CULLHULL_PLACES(1)
 CULLHULL_PLACES(2)

@@ -22,9 +22,7 @@ class DiagramCells {
     std::uint32_t other, ridge;
   };
   /// The ridges of a site's cell and the sites across them, ascending.
-  std::span<const Item> of(std::uint32_t site) const {
-    return {items_.data() + begin_[site], begin_[site + 1] - begin_[site]};
-  }
+  std::span<const Item> of(std::uint32_t site) const { return ridges_[site]; }
   std::span<const std::uint32_t> ridge(std::uint32_t r) const { return diagram_.ridge(r); }
   const double* vertex(std::uint32_t v) const {
     return diagram_.vertices.data() + std::uint64_t{v} * t_.dimension;
@@ -46,8 +44,7 @@ class DiagramCells {
   Voronoi own_;
   const Voronoi& diagram_;  ///< as known, or own_
   Array<std::uint32_t> first_;
-  Array<std::uint64_t> begin_;
-  Array<Item> items_;
+  Adjacency<Item> ridges_;
   std::vector<bool> is_site_;
 };
 

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "exact/determinants/factorials.hpp"
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/exact_plane.hpp"
@@ -77,12 +76,9 @@ Sign determinant_sign_big(const Rows& rows) {
       flips = -flips;
     }
     for (unsigned i = k + 1; i < n; ++i)
-      for (unsigned j = k + 1; j < n; ++j) {
-        mpz_mul(t, at(i, k), at(k, j));
-        mpz_mul(at(i, j), at(i, j), at(k, k));
-        mpz_sub(at(i, j), at(i, j), t);
-        if (k > 0) mpz_divexact(at(i, j), at(i, j), at(k - 1, k - 1));
-      }
+      for (unsigned j = k + 1; j < n; ++j)
+        fraction_free_step(at(i, j), at(k, k), at(i, k), at(k, j),
+                           k > 0 ? at(k - 1, k - 1) : nullptr, t);
   }
   return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
 }

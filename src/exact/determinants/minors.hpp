@@ -97,6 +97,29 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   }
 }
 
+/// The determinant of N rows by expand_minors.
+template <unsigned N, class Real>
+inline Real determinant(const Real (&m)[N][N]) {
+  Real det[1U << N];
+  expand_minors<N, false>(m, N, det, static_cast<Real*>(nullptr));
+  return det[(1U << N) - 1];
+}
+
+constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
+/// n! is at most 2 to this, n <= 8.
+inline constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
+
+/// How far a determinant of N rows is off where the entries of column j are at most largest[j] in
+/// magnitude and each of its N! products passes `roundings` of relative size `roundoff`, those of
+/// this bound included. What underflows adds up to less than `tiny`.
+template <unsigned N>
+inline double determinant_bound(const double* largest, double roundings, double roundoff,
+                                double tiny) {
+  double product = largest[0];
+  for (unsigned j = 1; j < N; ++j) product *= largest[j];
+  return roundings * roundoff * factorial(N) * product + tiny;
+}
+
 /// The cofactor normal of K - 1 rows, and the sums of the absolute values of its terms.
 template <unsigned K>
 void normal_and_spread(const double (*rows)[K], double* normal, double* spread) {

@@ -7,7 +7,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/insphere/lift_filter.hpp"
 #include "exact/numbers/double_double.hpp"
-#include "exact/numbers/exact_numbers.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 

@@ -8,7 +8,6 @@
 #include "exact/insphere/eliminated_sign.hpp"
 #include "exact/insphere/lift_filter.hpp"
 #include "exact/insphere/lifted_rows.hpp"
-#include "exact/numbers/double_double.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal::inline exact {
@@ -16,41 +15,16 @@ namespace {
 
 /// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
 /// Muller, Popescu 2017), and room for second-order terms.
-constexpr double wide_roundoff = 0x1p-102;
+constexpr double double_double_roundoff = 0x1p-102;
 
 template <unsigned K>
-Sign wide_side(const LiftedPoints& s, const double* const* c, const double* p) {
+Sign double_double_side(const LiftedPoints& s, const double* const* c, const double* p) {
   DoubleDouble m[K + 1][K + 1];
   double largest[K + 1] = {};
-  for (unsigned i = 0; i <= K; ++i) {
-    const double* q = i < K ? c[i + 1] : p;
-    DoubleDouble lift;
-    double magnitude = 0;
-    for (unsigned j = 0; j < s.width; ++j) {
-      const DoubleDouble v = DoubleDouble::sum(q[j], -c[0][j]);
-      if (j < K) {
-        m[i][j] = v;
-        largest[j] = std::max(largest[j], std::abs(v.high));
-      }
-      const DoubleDouble square = v * v;
-      lift = lift + square;
-      magnitude += square.high;
-    }
-    if (s.weighted) {
-      const DoubleDouble w = DoubleDouble::sum(q[s.width], -c[0][s.width]);
-      lift = lift - w;
-      magnitude += std::abs(w.high);
-    }
-    m[i][K] = lift;
-    largest[K] = std::max(largest[K], magnitude);
-  }
-  DoubleDouble det[1U << (K + 1)];
-  expand_minors<K + 1, false>(m, K + 1, det, static_cast<DoubleDouble*>(nullptr));
-  const DoubleDouble value = det[(1U << (K + 1)) - 1];
-  const double bound = lift_bound<K>(largest, s.width, wide_roundoff, s.tiny);
-  if (value.high > bound) return Sign::positive;
-  if (value.high < -bound) return Sign::negative;
-  return Sign::zero;
+  lifted_rows<K>(s, c, p, m, largest);
+  const double value = determinant(m).high;
+  const double bound = lift_bound<K>(largest, s.width, double_double_roundoff, s.tiny);
+  return value > bound ? Sign::positive : value < -bound ? Sign::negative : Sign::zero;
 }
 
 /// The matrix of `lift_side_exact` as computed, and bounds of the errors of its lifts: a
@@ -109,12 +83,12 @@ Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double
   return s.furthest ? -sign : sign;
 }
 
-Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p) {
+Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, const double* p) {
   return with_dimension<2, 6, 0>(s.base, [&](auto k) {
     if constexpr (k() == 0) {
       return Sign::zero;
     } else {
-      const Sign sign = wide_side<k()>(s, c, p);
+      const Sign sign = double_double_side<k()>(s, c, p);
       return s.furthest ? -sign : sign;
     }
   });

@@ -21,6 +21,6 @@ bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign)
 
 /// `lift_side_exact` by double-doubles where their bound allows, for 2 <= k <= 6 and s.filtered;
 /// zero: they cannot tell.
-Sign lift_side_wide(const LiftedPoints& s, const double* const* c, const double* p);
+Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, const double* p);
 
 }  // namespace cullhull::internal::inline exact

@@ -5,24 +5,60 @@
 #include <cmath>
 
 #include "exact/determinants/minors.hpp"
+#include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
 namespace cullhull::internal::inline exact {
 
-constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
-
-/// Error of the determinant of k + 1 rows [differences, lift], if each column's entries are at most
-/// largest[j] in magnitude (the lift's: the sum of the magnitudes of its terms) and operations err
-/// by `roundoff`. A product of k + 1 entries passes the roundings of the expansion and those of its
+/// The bound for the determinant of K + 1 rows [differences, lift]; largest[K]: of the sums of the
+/// magnitudes of a lift's terms. A product passes the roundings of the expansion and those of its
 /// lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and their product add
-/// k + d + 4. What underflows adds up to less than `tiny`.
+/// k + d + 4.
 template <unsigned K>
 double lift_bound(const double* largest, unsigned d, double roundoff, double tiny) {
-  double product = largest[0];
-  for (unsigned j = 1; j <= K; ++j) product *= largest[j];
-  const double roundings = minor_roundings(K + 1) + 2 * d + K + 10;
-  return roundings * roundoff * factorial(K + 1) * product + tiny;
+  return determinant_bound<K + 1>(largest, minor_roundings(K + 1) + 2 * d + K + 10, roundoff, tiny);
+}
+
+inline double lift_difference(double a, double b, double) { return a - b; }
+inline DoubleDouble lift_difference(double a, double b, DoubleDouble) {
+  return DoubleDouble::sum(a, -b);
+}
+inline double magnitude_of(double v) { return std::abs(v); }
+inline double magnitude_of(const DoubleDouble& v) { return std::abs(v.high); }
+
+/// The matrix of an in-sphere or power test, in numbers of one kind: rows c_1 - c_0, ..., c_k -
+/// c_0, p - c_0, each with the difference of the lifts |x|^2 - w as its last entry; and the largest
+/// magnitudes of its columns.
+template <unsigned K, class Real>
+inline void lifted_rows(const LiftedPoints& s, const double* const* c, const double* p,
+                        Real (&m)[K + 1][K + 1], double* largest) {
+  const bool plain = s.stride == K;  // neither a flat nor weights
+  for (unsigned i = 0; i <= K; ++i) {
+    const double* q = i < K ? c[i + 1] : p;
+    Real lift = 0;
+    for (unsigned j = 0; j < K; ++j) {
+      const Real v = lift_difference(q[j], c[0][j], Real());
+      m[i][j] = v;
+      largest[j] = std::max(largest[j], magnitude_of(v));
+      lift = lift + v * v;
+    }
+    double magnitude = magnitude_of(lift);
+    if (!plain) {
+      for (unsigned j = K; j < s.width; ++j) {
+        const Real v = lift_difference(q[j], c[0][j], Real());
+        lift = lift + v * v;
+      }
+      magnitude = magnitude_of(lift);
+      if (s.weighted) {
+        const Real w = lift_difference(q[s.width], c[0][s.width], Real());
+        lift = lift - w;
+        magnitude += magnitude_of(w);
+      }
+    }
+    m[i][K] = lift;
+    largest[K] = std::max(largest[K], magnitude);
+  }
 }
 
 /// lift_side by doubles: false if they cannot tell. Only for s.filtered.
@@ -31,35 +67,8 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
                                Sign& sign) {
   double m[K + 1][K + 1];
   double largest[K + 1] = {};
-  const bool plain = s.stride == K;  // neither a flat nor weights
-  for (unsigned i = 0; i <= K; ++i) {
-    const double* q = i < K ? c[i + 1] : p;
-    double lift = 0;
-    for (unsigned j = 0; j < K; ++j) {
-      const double v = q[j] - c[0][j];
-      m[i][j] = v;
-      largest[j] = std::max(largest[j], std::abs(v));
-      lift += v * v;
-    }
-    double magnitude = lift;
-    if (!plain) {
-      for (unsigned j = K; j < s.width; ++j) {
-        const double v = q[j] - c[0][j];
-        lift += v * v;
-      }
-      magnitude = lift;
-      if (s.weighted) {
-        const double w = q[s.width] - c[0][s.width];
-        lift -= w;
-        magnitude += std::abs(w);
-      }
-    }
-    m[i][K] = lift;
-    largest[K] = std::max(largest[K], magnitude);
-  }
-  double det[1U << (K + 1)];
-  expand_minors<K + 1, false>(m, K + 1, det, static_cast<double*>(nullptr));
-  const double value = det[(1U << (K + 1)) - 1];
+  lifted_rows<K>(s, c, p, m, largest);
+  const double value = determinant(m);
   const double bound = lift_bound<K>(largest, s.width, unit_roundoff, s.tiny);
   if (value > bound) {
     sign = Sign::positive;

@@ -5,6 +5,7 @@
 
 #include "exact/insphere/lift_exact.hpp"
 #include "exact/insphere/lift_filter.hpp"
+#include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/lifted_points.hpp"
 
@@ -37,7 +38,7 @@ inline Sign lift_side(const LiftedPoints& s, const double* const* c, const doubl
       ++counts.rungs[0];
       return sign;
     }
-    sign = lift_side_wide(s, c, p);
+    sign = lift_side_double_double(s, c, p);
     if (sign != Sign::zero) {
       ++counts.rungs[1];
       return sign;
@@ -50,38 +51,11 @@ inline Sign lift_side(const LiftedPoints& s, const double* const* c, const doubl
 /// Orientation of k + 1 points. K as above.
 template <unsigned K>
 inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
-  if constexpr (K == 2) {
-    if (s.filtered) {
-      const double ax = p[1][0] - p[0][0], ay = p[1][1] - p[0][1];
-      const double bx = p[2][0] - p[0][0], by = p[2][1] - p[0][1];
-      const double l = ax * by, r = ay * bx;
-      // Differences, products and the last difference: 4 roundings a path, and those of the bound.
-      const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + s.tiny;
-      if (det > bound) return Sign::positive;
-      if (det < -bound) return Sign::negative;
-    }
-  } else if constexpr (K >= 3) {
-    if (s.filtered) {
-      double m[K][K];
-      double largest[K] = {};
-      for (unsigned i = 0; i < K; ++i)
-        for (unsigned j = 0; j < K; ++j) {
-          m[i][j] = p[i + 1][j] - p[0][j];
-          largest[j] = std::max(largest[j], std::abs(m[i][j]));
-        }
-      double det[1U << K];
-      expand_minors<K, false>(m, K, det, static_cast<double*>(nullptr));
-      // Each of the K! products: K differences, the roundings of the expansion; those of the bound.
-      double bound = (minor_roundings(K) + 2 * K) * factorial(K) * unit_roundoff;
-      for (unsigned j = 0; j < K; ++j) bound *= largest[j];
-      bound += s.tiny;
-      if (det[(1U << K) - 1] > bound) return Sign::positive;
-      if (det[(1U << K) - 1] < -bound) return Sign::negative;
-    }
-  }
+  Sign sign = Sign::zero;
   if constexpr (K == 0) {
-    Sign sign = Sign::zero;
     if (base_orientation_eliminated(s.base, p, sign)) return sign;
+  } else if constexpr (K >= 2) {
+    if (s.filtered && filtered_by_columns<K, true>(p, s.tiny, sign)) return sign;
   }
   return orientation(s.base, p);
 }

@@ -20,14 +20,18 @@ struct BoundedDoubleDouble {
   BoundedDoubleDouble() = default;
   BoundedDoubleDouble(double v) : value(v) {}  // NOLINT: every double is one
   BoundedDoubleDouble(DoubleDouble v, double e) : value(v), error(e) {}
-  static BoundedDoubleDouble difference(double a, double b) { return {DoubleDouble::sum(a, -b), 0}; }
+  static BoundedDoubleDouble difference(double a, double b) {
+    return {DoubleDouble::sum(a, -b), 0};
+  }
 
   friend BoundedDoubleDouble operator+(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
     const DoubleDouble v = a.value + b.value;
     return {v, (a.error + b.error + 0x1p-100 * std::abs(v.high)) * grow};
   }
   friend BoundedDoubleDouble operator-(const BoundedDoubleDouble& a) { return {-a.value, a.error}; }
-  friend BoundedDoubleDouble operator-(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) { return a + -b; }
+  friend BoundedDoubleDouble operator-(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
+    return a + -b;
+  }
   friend BoundedDoubleDouble operator*(const BoundedDoubleDouble& a, const BoundedDoubleDouble& b) {
     const DoubleDouble v = a.value * b.value;
     const double x = std::abs(a.value.high), y = std::abs(b.value.high);

@@ -1,7 +1,7 @@
-// Double-doubles: unevaluated sums of two doubles with |low| <= u |high|, u = 2^-53; about 104 bits.
-// Errors relative to the result, barring overflow and underflow: sums 3 u^2 + 13 u^3, products 7
-// u^2, quotients 16 u^2 (Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic
-// building blocks of double-word arithmetic", 2017).
+// Double-doubles: unevaluated sums of two doubles with |low| <= u |high|, u = 2^-53; about 104
+// bits. Errors relative to the result, barring overflow and underflow: sums 3 u^2 + 13 u^3,
+// products 7 u^2, quotients 16 u^2 (Joldes, Muller and Popescu, "Tight and rigorous error bounds
+// for basic building blocks of double-word arithmetic", 2017).
 #pragma once
 
 #include <cmath>

@@ -33,12 +33,22 @@ class ExactFloat {
   }
   ~ExactFloat() { mpf_clear(v_); }
 
-  friend ExactFloat operator+(const ExactFloat& a, const ExactFloat& b) { return apply(mpf_add, a, b); }
-  friend ExactFloat operator-(const ExactFloat& a, const ExactFloat& b) { return apply(mpf_sub, a, b); }
-  friend ExactFloat operator*(const ExactFloat& a, const ExactFloat& b) { return apply(mpf_mul, a, b); }
-  friend ExactFloat operator/(const ExactFloat& a, const ExactFloat& b) { return apply(mpf_div, a, b); }
+  friend ExactFloat operator+(const ExactFloat& a, const ExactFloat& b) {
+    return apply(mpf_add, a, b);
+  }
+  friend ExactFloat operator-(const ExactFloat& a, const ExactFloat& b) {
+    return apply(mpf_sub, a, b);
+  }
+  friend ExactFloat operator*(const ExactFloat& a, const ExactFloat& b) {
+    return apply(mpf_mul, a, b);
+  }
+  friend ExactFloat operator/(const ExactFloat& a, const ExactFloat& b) {
+    return apply(mpf_div, a, b);
+  }
   ExactFloat operator-() const { return ExactFloat() - *this; }
-  friend bool operator>(const ExactFloat& a, const ExactFloat& b) { return mpf_cmp(a.v_, b.v_) > 0; }
+  friend bool operator>(const ExactFloat& a, const ExactFloat& b) {
+    return mpf_cmp(a.v_, b.v_) > 0;
+  }
   bool zero() const { return mpf_sgn(v_) == 0; }
   ExactFloat magnitude() const {
     ExactFloat r;
@@ -71,7 +81,8 @@ class ExactFloat {
   }
 
  private:
-  static ExactFloat apply(void (*op)(mpf_ptr, mpf_srcptr, mpf_srcptr), const ExactFloat& a, const ExactFloat& b) {
+  static ExactFloat apply(void (*op)(mpf_ptr, mpf_srcptr, mpf_srcptr), const ExactFloat& a,
+                          const ExactFloat& b) {
     ExactFloat r;
     op(r.v_, a.v_, b.v_);
     return r;

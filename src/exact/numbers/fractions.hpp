@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "exact/numbers/exact_numbers.hpp"
 #include "exact/numbers/bounded.hpp"
+#include "exact/numbers/rationals.hpp"
 
 namespace cullhull::internal::inline exact {
 

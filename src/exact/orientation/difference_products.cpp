@@ -36,7 +36,8 @@ Sign exactly(unsigned d, std::span<const DifferenceProduct> terms) {
   ExactFloat sum;
   for (const DifferenceProduct& t : terms)
     for (unsigned j = 0; j < d; ++j) {
-      const ExactFloat product = (ExactFloat(t.a[j]) - ExactFloat(t.b[j])) * (ExactFloat(t.c[j]) - ExactFloat(t.e[j]));
+      const ExactFloat product =
+          (ExactFloat(t.a[j]) - ExactFloat(t.b[j])) * (ExactFloat(t.c[j]) - ExactFloat(t.e[j]));
       sum = t.sign > 0 ? sum + product : sum - product;
     }
   return sum.zero() ? Sign::zero : sum > ExactFloat() ? Sign::positive : Sign::negative;

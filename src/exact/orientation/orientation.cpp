@@ -216,12 +216,8 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
     if (pivot == rows) continue;
     for (unsigned j = 0; j < d; ++j) mpz_swap(at(pivot, j), at(rank, j));
     for (unsigned i = rank + 1; i < rows; ++i) {
-      for (unsigned j = c + 1; j < d; ++j) {
-        mpz_mul(t, at(i, c), at(rank, j));
-        mpz_mul(at(i, j), at(i, j), at(rank, c));
-        mpz_sub(at(i, j), at(i, j), t);
-        mpz_divexact(at(i, j), at(i, j), previous);
-      }
+      for (unsigned j = c + 1; j < d; ++j)
+        fraction_free_step(at(i, j), at(rank, c), at(i, c), at(rank, j), previous, t);
       mpz_set_ui(at(i, c), 0);
     }
     mpz_set(previous, at(rank, c));

@@ -13,7 +13,7 @@ DoubleDouble cross(DoubleDouble a, DoubleDouble b, DoubleDouble c, DoubleDouble 
   return a * b - c * d;
 }
 
-double determinant(const DoubleDouble (&m)[3][3]) {
+double determinant_high(const DoubleDouble (&m)[3][3]) {
   const DoubleDouble x = m[0][0] * cross(m[1][1], m[2][2], m[1][2], m[2][1]);
   const DoubleDouble y = m[0][1] * cross(m[1][2], m[2][0], m[1][0], m[2][2]);
   const DoubleDouble z = m[0][2] * cross(m[1][0], m[2][1], m[1][1], m[2][0]);
@@ -37,8 +37,8 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
 
 }  // namespace
 
-bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p, double tiny,
-                   Sign& sign) {
+bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p,
+                            double tiny, Sign& sign) {
   DoubleDouble m[3][3];
   for (unsigned j = 0; j < 3; ++j) {
     m[0][j] = DoubleDouble::sum(b[j], -a[j]);
@@ -48,7 +48,7 @@ bool side_in_double_doubles(const double* a, const double* b, const double* c, c
     sign = Sign::zero;
     if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return true;
   }
-  const double det = determinant(m);
+  const double det = determinant_high(m);
   sign = sign_of(det);
   return std::abs(det) > 0x1p-101 * high_permanent(m) + tiny;
 }
@@ -146,7 +146,7 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) cons
       m[1][j] = DoubleDouble::sum(b.row[j], -a.row[j]);
       m[2][j] = DoubleDouble::sum(p.row[j], -a.row[j]);
     }
-    det = determinant(m);
+    det = determinant_high(m);
     if (std::abs(det) > 0x1p-101 * scale * (length[0] + 1) + 0x1p-1000) return sign_of(det);
   }
   const double* rows[3] = {exact_row(a), exact_row(b), exact_row(p)};

@@ -25,8 +25,8 @@ inline double permanent_3(const double* a, const double* b, const double* c) {
 
 /// Sign of det [b - a; c - a; p - a] by double-doubles; false where that is in doubt. `tiny`: what
 /// underflow may do to the determinant, 2^-1000 for |x| <= 1.
-bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p, double tiny,
-                   Sign& sign);
+bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p,
+                            double tiny, Sign& sign);
 
 /// Signs among the points of one LocalPoints of dimension 3. Const functions may be called by many
 /// threads; each has its own counts.

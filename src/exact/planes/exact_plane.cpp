@@ -65,15 +65,12 @@ bool ExactPlane::find_pivot(unsigned r) {
 void ExactPlane::eliminate(unsigned r) {
   mpz_ptr t = scratch_[0];
   mpz_ptr pivot = matrix_[row_[r] + column_[r]];
+  mpz_ptr previous = r > 0 ? matrix_[row_[r - 1] + column_[r - 1]] : nullptr;
   for (unsigned i = r + 1; i + 1 < d_; ++i) {
     mpz_ptr factor = matrix_[row_[i] + column_[r]];
-    for (unsigned j = r + 1; j < d_; ++j) {
-      mpz_ptr x = matrix_[row_[i] + column_[j]];
-      mpz_mul(t, factor, matrix_[row_[r] + column_[j]]);
-      mpz_mul(x, x, pivot);
-      mpz_sub(x, x, t);
-      if (r > 0) mpz_divexact(x, x, matrix_[row_[r - 1] + column_[r - 1]]);
-    }
+    for (unsigned j = r + 1; j < d_; ++j)
+      fraction_free_step(matrix_[row_[i] + column_[j]], pivot, factor,
+                         matrix_[row_[r] + column_[j]], previous, t);
   }
 }
 

@@ -11,6 +11,16 @@
 
 namespace cullhull::internal::inline exact {
 
+/// One entry of a step of fraction-free elimination (Bareiss 1968): x = (x pivot - factor top) /
+/// previous, where previous is the pivot before (null: there is none). Every division is exact.
+inline void fraction_free_step(mpz_ptr x, mpz_srcptr pivot, mpz_srcptr factor, mpz_srcptr top,
+                               mpz_srcptr previous, mpz_ptr scratch) {
+  mpz_mul(scratch, factor, top);
+  mpz_mul(x, x, pivot);
+  mpz_sub(x, x, scratch);
+  if (previous != nullptr) mpz_divexact(x, x, previous);
+}
+
 /// Integers of GMP that keep their memory from one computation to the next.
 class BigNumbers {
  public:

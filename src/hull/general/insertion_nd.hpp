@@ -33,6 +33,7 @@
 #include "hull/general/cavity.hpp"
 #include "hull/general/facet_planes.hpp"
 #include "hull/general/facet_store.hpp"
+#include "parallel/index.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/crew.hpp"
 #include "parallel/threads/crowding.hpp"
@@ -49,7 +50,6 @@ class InsertionNd {
 
  private:
   using Id = std::uint32_t;
-  static constexpr Id none = 0xFFFFFFFF;
   static constexpr Id dead = FacetStore<D>::dead;
   /// How many iterations ahead records are prefetched in loops over scattered ones (a tenth of
   /// `replace`).
@@ -430,7 +430,7 @@ bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
   return false;
 }
 
-/// A facet visible from the point, or `none`. `end`: the facet where the search ended.
+/// A facet visible from the point, or no_index. `end`: the facet where the search ended.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
   Id f = start;
@@ -457,7 +457,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
       // point is beneath f. The sums here are rounded, by less than 2^-22.
       if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
         lane.rung_counts.count(Rung::plane);
-        return none;
+        return no_index;
       }
       return locate_exactly(lane, f, point, end);
     }
@@ -469,7 +469,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start, Id point,
                                                            Id& end) const {
-  if (note_duplicate(lane, start, point)) return none;
+  if (note_duplicate(lane, start, point)) return no_index;
   if (side(lane, start, point) == Sign::positive) return start;
   const unsigned d = dim();
   Id f = start;
@@ -480,12 +480,12 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   for (std::uint32_t step = 1;; ++step) {
     if (step % 256 == 0) run_.check();
     const auto first = static_cast<unsigned>(random.next() % d);
-    Id next = none;
-    for (unsigned k = 0; k < d && next == none; ++k) {
+    Id next = no_index;
+    for (unsigned k = 0; k < d && next == no_index; ++k) {
       const unsigned j = (first + k) % d;
       if (cone_side(lane, f, j, point) == Sign::negative) next = store_.neighbours(f)[j];
     }
-    if (next == none) break;
+    if (next == no_index) break;
     f = next;
     if (gauge(lane, f) > 1 + error(f)) return f;
   }
@@ -493,7 +493,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   const Sign s = side(lane, f, point);
   if (s == Sign::positive) return f;
   if (s == Sign::zero) note_duplicate(lane, f, point);
-  return none;
+  return no_index;
 }
 
 }  // namespace cullhull::internal::inline hull

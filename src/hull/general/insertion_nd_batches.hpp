@@ -113,7 +113,7 @@ void InsertionNd<D>::advance(Stream& s, Lane& lane) {
     if (!store_.alive(s.hint)) s.hint = recent_;
     aim(lane, s.next);
     const Id seed = locate(lane, s.hint, s.next, s.hint);
-    if (seed == none) continue;
+    if (seed == no_index) continue;
     find_cavity(s, lane, seed);
     s.hint = seed;
     s.found = true;

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "geometry/simplex.hpp"
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/prefetch.hpp"
 
@@ -117,16 +118,13 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
 
 /// Finds the other new facets around the new facets, into lane.neighbours (0 across the horizon).
 ///
-/// Every ridge through the point belongs to two of them. Each adds 1 to the count and its number to
-/// the sum in the table slot that the ridge's vertices hash to. Where a slot's count is 2, its
-/// facets are the two of one ridge, whatever the hash function, and the sum minus one facet's
-/// number is the other's. Where the count is larger, the neighbour is found by turning.
+/// Every ridge through the point belongs to two of them, which RidgeSums pairs. Where ridges share
+/// a hash, the neighbour is found by turning.
 template <unsigned D>
 void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   const unsigned d = dim();
-  constexpr unsigned sum_bits = 42;
   const std::size_t count = s.horizon.size();
-  if (count * d >= std::size_t{1} << 20) {  // sums might carry into the counts
+  if (count * d >= RidgeSums::max_entries) {
     for (std::size_t k = 0; k < count; ++k)
       for (unsigned i = 0; i < d; ++i)
         lane.neighbours[k * d + i] = i != lane.apex[k] ? turn(s, k, i) : 0;
@@ -151,10 +149,9 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
     }
     for (unsigned i = 0; i < d; ++i) ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
     ridge[lane.apex[k]] = none_of_them;
-    const std::uint64_t entry = (std::uint64_t{1} << sum_bits) | k;
+    const std::uint64_t entry = RidgeSums::entry(static_cast<std::uint32_t>(k));
     for (unsigned i = 0; i < d; ++i) table[ridge[i]] += entry;
   }
-  constexpr std::uint64_t sum_mask = (std::uint64_t{1} << sum_bits) - 1;
   for (std::size_t k = 0; k < count; ++k) {
     Id* const local = lane.neighbours.data() + k * d;
     const Id* ridge = lane.ridges.data() + k * d;
@@ -162,12 +159,12 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
     const unsigned apex = lane.apex[k];
     for (unsigned i = 0; i < d; ++i) {
       const std::uint64_t entry = table[ridge[i]];
-      local[i] = static_cast<Id>(entry & sum_mask) - static_cast<Id>(k);
-      crowded |= (entry >> sum_bits != 2) & (i != apex);
+      local[i] = RidgeSums::other(entry, static_cast<Id>(k));
+      crowded |= !RidgeSums::is_pair(entry) & (i != apex);
     }
     if (crowded)
       for (unsigned i = 0; i < d; ++i)
-        if (table[ridge[i]] >> sum_bits != 2 && i != apex) local[i] = turn(s, k, i);
+        if (!RidgeSums::is_pair(table[ridge[i]]) && i != apex) local[i] = turn(s, k, i);
     local[apex] = 0;
   }
 }
@@ -204,7 +201,7 @@ Boundary InsertionNd<D>::collect() {
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     Id count = 0;
     for (std::uint64_t f = begin; f < end; ++f)
-      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : none;
+      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : no_index;
     before[c + 1] = count;
   });
   for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
@@ -214,7 +211,7 @@ Boundary InsertionNd<D>::collect() {
   run_.each_chunk(facet_slots_, chunk,
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
-      if (number[f] == none) continue;
+      if (number[f] == no_index) continue;
       const std::size_t base = std::size_t{before[c] + number[f]} * d;
       const Id* v = store_.vertices(static_cast<Id>(f));
       const Id* n = store_.neighbours(static_cast<Id>(f));

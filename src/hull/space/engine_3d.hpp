@@ -77,8 +77,8 @@ class Engine3D {
   void sort_by_normals(std::size_t round);
   void rank_facets();
   double way_across(Id f, const double* p) const;
-  bool shorter_walks(Id begin, Id end, const Keyed* order) const;
-  void permute(Id begin, const Keyed* order);
+  bool shorter_walks(Id begin, Id end, const KeyedId* order) const;
+  void permute(Id begin, const KeyedId* order);
 
   const LocalPoints& points_;
   const Run& run_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hull/space/triangle_mesh.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {
@@ -67,11 +68,10 @@ class Positions {
 NearbyNumbers::NearbyNumbers(const Hull& hull) {
   const std::uint64_t count = hull.simplex_count();
   const Positions positions(hull.vertices);
-  constexpr Id none = 0xFFFFFFFF;
-  std::vector<Id> walk, slot(count, none), number(hull.vertices.size(), none);
+  std::vector<Id> walk, slot(count, no_index), number(hull.vertices.size(), no_index);
   walk.reserve(count);
   const auto visit = [&](Id f) {
-    if (slot[f] != none) return;
+    if (slot[f] != no_index) return;
     slot[f] = static_cast<Id>(walk.size());
     walk.push_back(f);
   };
@@ -82,7 +82,7 @@ NearbyNumbers::NearbyNumbers(const Hull& hull) {
     for (std::size_t j = 0; j < 3; ++j) {
       visit(hull.simplex_neighbours[3 * std::size_t{walk[i]} + j]);
       const Id v = positions.of(hull.simplices[3 * std::size_t{walk[i]} + j]);
-      if (number[v] == none) {
+      if (number[v] == no_index) {
         number[v] = static_cast<Id>(order.size());
         order.push_back(v);
       }

@@ -71,8 +71,8 @@ void Engine3D::sort_by_normals(std::size_t round) {
   rank_facets();
   const auto rank_bits = static_cast<unsigned>(std::bit_width(slots_));
   const unsigned way_bits = std::min(8U, 32 - rank_bits);
-  BigArray<Keyed> memory(2 * std::size_t{n - begin});
-  Keyed *keyed = memory.get(), *scratch = memory.get() + (n - begin);
+  BigArray<KeyedId> memory(2 * std::size_t{n - begin});
+  KeyedId *keyed = memory.get(), *scratch = memory.get() + (n - begin);
   const Id start = live_facet();
   run_.each(n - begin, 1 << 14, [&](std::uint64_t first, std::uint64_t last) {
     Id f = start;
@@ -87,8 +87,8 @@ void Engine3D::sort_by_normals(std::size_t round) {
   const auto& ends = order_.round_ends;
   for (std::size_t r = round; r + 1 < ends.size(); ++r) {
     const Id offset = ends[r] - begin;
-    Keyed *items = keyed + offset, *other = scratch + offset;
-    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, run_, sort_key);
+    KeyedId *items = keyed + offset, *other = scratch + offset;
+    radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, run_);
     if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
   }
   if (!shorter_walks(begin, ends[round + 1], keyed)) {
@@ -101,7 +101,7 @@ void Engine3D::sort_by_normals(std::size_t round) {
 
 /// Compares both orders on parts of the round's points. Where normals are noise, as on a rotated
 /// plane, ordering by them scatters points that were in order.
-bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
+bool Engine3D::shorter_walks(Id begin, Id end, const KeyedId* order) const {
   // 16 times 32 walks for each order: where orders differ at all, walks differ by factors.
   constexpr Id stretches = 16, length = 32;
   if (end - begin < stretches * length) return false;
@@ -125,7 +125,7 @@ bool Engine3D::shorter_walks(Id begin, Id end, const Keyed* order) const {
 }
 
 /// Permutes the points from position `begin` on into the given order of positions.
-void Engine3D::permute(Id begin, const Keyed* order) {
+void Engine3D::permute(Id begin, const KeyedId* order) {
   const Id n = points_.count;
   BigArray<Id> ids(n);
   BigArray<double> rows(std::size_t{n} * Shared3D::row_stride);

@@ -5,14 +5,14 @@
 #include <bit>
 #include <numeric>
 
-#include "parallel/radix_sort.hpp"
+#include "geometry/insertion_rounds.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {
 
-/// Each round is 2^4 times as large as all before it (8 to 32 measured alike).
+/// A round has 15 times as many points as all rounds before it (7 to 31 measured alike).
 constexpr unsigned round_bits = 4;
 constexpr std::uint32_t first_round = 64;
 
@@ -23,7 +23,7 @@ std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 
 /// cell's unordered points are long. `keyed` is sorted from `first` on; cells of more than
 /// `longest` points (many near-copies, which no order helps) are left as they are. On two circles,
 /// 200,000 points, 848 ms instead of 1015.
-void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* keyed,
+void refine_cells(const LocalPoints& points, const DirectionKey& key, KeyedId* keyed,
                   std::uint32_t first, std::uint32_t n, const Run& run) {
   constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
   // Crowded: a quarter of the points share a cell with 4 others. Of fewer than 2^16 points the
@@ -31,7 +31,7 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, Keyed* key
   constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
   if (n < first + fewest) return;
   const std::uint64_t count = n - first;
-  const Keyed* const begin_all = keyed + first;
+  const KeyedId* const begin_all = keyed + first;
   std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
   run.each_chunk(count, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t sum = 0;
@@ -88,14 +88,14 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
                                     const std::uint32_t* simplex, const Run& run) {
   const std::uint32_t n = points.count;
   InsertionOrder3D order;
-  unsigned rounds = 1;
-  for (std::uint64_t size = first_round; size < n; size <<= round_bits) ++rounds;
+  const InsertionRounds random_rounds(n, first_round, round_bits);
+  const unsigned rounds = random_rounds.count;
   // About as many cells as points.
   order.key_bits = std::clamp((static_cast<unsigned>(std::bit_width(n)) + 1) / 2, 2U, 12U);
   const unsigned key_width = 2 * order.key_bits + 3;
   const auto width = key_width + static_cast<unsigned>(std::bit_width(rounds));
-  BigArray<Keyed> memory(2 * std::size_t{n});
-  Keyed *keyed = memory.get(), *scratch = memory.get() + n;
+  BigArray<KeyedId> memory(2 * std::size_t{n});
+  KeyedId *keyed = memory.get(), *scratch = memory.get() + n;
   const std::uint64_t chunk_size = sort_chunk(n);
   std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
   run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -113,12 +113,8 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
       }
       key.keys(x, y, z, order.key_bits, keys);
       for (std::uint32_t i = 0; i < size; ++i) {
-        // Round r > 1 has a share (1 - 1/ratio) ratio^(r - rounds) of the points; round 0 is the
-        // simplex.
         const auto id = static_cast<std::uint32_t>(at + i);
-        const auto back =
-            static_cast<unsigned>(std::countr_zero(mix64(id + 0x9E3779B97F4A7C15ULL))) / round_bits;
-        unsigned r = back < rounds ? rounds - back : 1;
+        unsigned r = 1 + random_rounds.round_of(mix64(id + 0x9E3779B97F4A7C15ULL));  // 0: simplex
         if (id == simplex[0] || id == simplex[1] || id == simplex[2] || id == simplex[3]) r = 0;
         keyed[id] = {(r << key_width) | (r > 1 ? keys[i] : 0), id};
         ++count[r];
@@ -126,7 +122,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
     }
     sizes[c] = count;
   });
-  radix_sort(keyed, scratch, n, width, run, sort_key);
+  radix_sort(keyed, scratch, n, width, run);
   std::uint32_t unsorted = 0;  // the first rounds
   for (const auto& count : sizes) unsorted += count[0] + count[1];
   refine_cells(points, key, keyed, unsorted, n, run);

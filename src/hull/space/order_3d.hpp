@@ -6,6 +6,7 @@
 
 #include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
+#include "parallel/radix_sort.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline hull {
@@ -48,11 +49,6 @@ struct InsertionOrder3D {
   std::vector<std::uint32_t> round_ends;  // ascending, the last is the number of points
   unsigned key_bits = 0;
 };
-
-struct Keyed {
-  std::uint32_t key, id;
-};
-inline constexpr auto sort_key = [](const Keyed& k) { return k.key; };
 
 /// The four points of `simplex` come first, as a round of their own; the round after it is small
 /// and not sorted. Deterministic, whatever the number of threads.

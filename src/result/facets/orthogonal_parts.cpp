@@ -48,7 +48,8 @@ void eliminate(mpz_class& target, const mpz_class& pivot, const mpz_class& facto
 
 }  // namespace
 
-ExactOrthogonalParts::ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows) : d_(d) {
+ExactOrthogonalParts::ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows)
+    : d_(d) {
   Unit unit;
   for (unsigned i = 0; i <= rows; ++i)
     for (unsigned c = 0; c < d; ++c) unit.add(p[i][c]);

@@ -8,8 +8,8 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "result/facets/orthogonal_parts.hpp"
 #include "result/facets/facet_plane.hpp"
+#include "result/facets/orthogonal_parts.hpp"
 #include "result/measures/totals.hpp"
 
 namespace cullhull::internal::inline result {
@@ -296,7 +296,8 @@ class Measurer {
     out.volume = out.volume + volume;
     for (unsigned c = 0; c < frame_.dimension; ++c) {
       ExactFloat sum;
-      for (unsigned j = 0; j < k_; ++j) sum = sum + (ExactFloat(corners[j][c]) - ExactFloat(corners[k_][c]));
+      for (unsigned j = 0; j < k_; ++j)
+        sum = sum + (ExactFloat(corners[j][c]) - ExactFloat(corners[k_][c]));
       out.moment[c] = out.moment[c] + volume * sum;
     }
   }
@@ -403,7 +404,8 @@ void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index
     hull.facet_planes.push_back(offset.to_double());
   }
   for (unsigned c = 0; c < d; ++c)
-    hull.centroid.push_back((ExactFloat(frame.raw_at(index[0])[c]) + step[c] / ExactFloat(2)).to_double());
+    hull.centroid.push_back(
+        (ExactFloat(frame.raw_at(index[0])[c]) + step[c] / ExactFloat(2)).to_double());
 }
 
 ExactFloat widened(const DoubleDouble& v) { return ExactFloat(v.high) + ExactFloat(v.low); }

@@ -240,8 +240,8 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   bool lost = false;
   for (unsigned c = 0; c < f.dimension; ++c)
     lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));
-  f.wild =
-      lost || !(narrowest > std::exp2(-400.0 / k)) || !(f.stretch > 0 && ExactFloat(0x1p8) > f.stretch);
+  f.wild = lost || !(narrowest > std::exp2(-400.0 / k)) ||
+           !(f.stretch > 0 && ExactFloat(0x1p8) > f.stretch);
   return f;
 }
 

@@ -1,4 +1,4 @@
-#include "diagrams/locate/nearest_vertex.hpp"
+#include "diagrams/locate/walk.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +50,7 @@ std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
   for (bool moved = true; moved;) {
     moved = false;
     tied = false;
-    for (const std::uint32_t next : graph_.of(row)) {
+    for (const std::uint32_t next : graph_[row]) {
       const Sign sign = compare(q, next, row);
       tied = tied || sign == Sign::zero;
       if (sign != Sign::negative) continue;
@@ -65,19 +65,11 @@ std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
 
 std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row) {
   std::uint32_t best = mesh_.ids[row];
-  met_.clear();
-  met_.insert(row);
-  todo_.assign(1, row);
-  while (!todo_.empty()) {
-    const std::uint32_t v = todo_.back();
-    todo_.pop_back();
+  flood_.run(row, [&](std::uint32_t v, const auto& add) {
     best = std::min(best, mesh_.ids[v]);
-    for (const std::uint32_t next : graph_.of(v))
-      if (!met_.contains(next) && compare(q, next, row) == Sign::zero) {
-        met_.insert(next);
-        todo_.push_back(next);
-      }
-  }
+    for (const std::uint32_t next : graph_[v])
+      if (!flood_.reached(next) && compare(q, next, row) == Sign::zero) add(next);
+  });
   return best;
 }
 
