@@ -19,7 +19,7 @@
 #include "delaunay/point_signs.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "geometry/simplex.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/run.hpp"

@@ -8,7 +8,7 @@
 #include "delaunay/cell_store.hpp"
 #include "delaunay/lift_planes.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 

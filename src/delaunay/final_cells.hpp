@@ -10,7 +10,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/insphere/lift_filter.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal::inline delaunay {
 

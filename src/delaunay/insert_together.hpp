@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "delaunay/cell_insertion.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline delaunay {

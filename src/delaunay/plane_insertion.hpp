@@ -12,7 +12,7 @@
 #include "delaunay/cell_store.hpp"
 #include "delaunay/point_signs.hpp"
 #include "exact/insphere/lift_side.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline delaunay {

@@ -9,7 +9,7 @@
 
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal::inline delaunay {
 

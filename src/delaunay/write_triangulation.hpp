@@ -5,7 +5,7 @@
 
 #include "cullhull/triangulation.hpp"
 #include "delaunay/cell_store.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline delaunay {

@@ -1,7 +1,7 @@
-#include "few/inner_disc.hpp"
-
 #include <algorithm>
 #include <cmath>
+
+#include "few/small_hull.hpp"
 
 namespace cullhull::internal::inline few {
 

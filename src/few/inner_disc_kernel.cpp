@@ -1,4 +1,4 @@
-#include "few/inner_disc.hpp"
+#include "few/small_hull.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS

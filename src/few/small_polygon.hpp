@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cullhull/point_view.hpp"
-#include "few/inner_disc.hpp"
+#include "few/small_hull.hpp"
 #include "hull/plane/polygon.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/write/polygon_result.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "io/placing.hpp"
+#include "io/coordinates.hpp"
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"
 

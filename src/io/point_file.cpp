@@ -5,11 +5,10 @@
 #include <cstring>
 
 #include "io/columns.hpp"
+#include "io/coordinates.hpp"
 #include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
-#include "io/packed/unwrap.hpp"
-#include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text/text.hpp"

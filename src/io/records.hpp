@@ -1,12 +1,16 @@
-// Formats of fixed-size records after a header: they can be read in pieces.
+// Formats of fixed-size records after a header, which can be read in pieces: headers of .npy files,
+// and 64-bit integers as the doubles that equal them.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
 
+#include "cullhull/point_view.hpp"
 #include "io/source.hpp"
 
 namespace cullhull::internal::inline io {
@@ -49,5 +53,24 @@ std::string choose_format(const Source& head, const ReadOptions& options);
 bool is_text(const std::string& format);
 /// The names of the columns that every file of the format has; none for most formats.
 std::vector<std::string> column_names(const std::string& format);
+
+// 64-bit integers as the doubles that equal them.
+
+/// The double of the same value, or false.
+template <class T>
+bool exact_double(T v, double& out) {
+  out = static_cast<double>(v);
+  // 2^63 and 2^64 are doubles that T cannot hold: converting them back would be undefined.
+  const double limit = std::ldexp(1.0, std::numeric_limits<T>::digits);
+  return out < limit && static_cast<T>(out) == v;
+}
+
+// The headers of .npy files.
+
+/// NumPy's word for a scalar type, little-endian: "<f8".
+std::string npy_descr(ScalarType type);
+
+/// The header of an array in C order.
+std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape);
 
 }  // namespace cullhull::internal::inline io

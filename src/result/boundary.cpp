@@ -5,7 +5,7 @@
 
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/planes/oriented_plane.hpp"
+#include "exact/planes/exact_plane.hpp"
 #include "geometry/simplex.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"

@@ -1,10 +1,9 @@
-#include "tracker/changes.hpp"
-
 #include <algorithm>
 #include <compare>
 #include <vector>
 
 #include "parallel/sort_few.hpp"
+#include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal::inline tracker {
 namespace {

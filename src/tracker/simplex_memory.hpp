@@ -1,11 +1,12 @@
-// The filters of a frame: by the last frame's simplices, the paper's way for moving points, and by
-// a gauge map on the last frame's vertices.
+// The filters of a frame, by the last frame's simplices, the paper's way for moving points, and by
+// a gauge map on the last frame's vertices; and what changed from one hull to the next.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
 #include "cullhull/hull.hpp"
+#include "cullhull/track.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
@@ -47,5 +48,10 @@ class SimplexMemory {
 bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds);
+
+// What changed from one hull to the next.
+
+/// Counts vertices and facets that came and went. Linear in the sizes of the hulls.
+void count_changes(const Hull& before, const Hull& after, FrameReport& report);
 
 }  // namespace cullhull::internal::inline tracker

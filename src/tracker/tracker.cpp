@@ -14,7 +14,6 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/helpers.hpp"
-#include "tracker/changes.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/simplex_memory.hpp"
 

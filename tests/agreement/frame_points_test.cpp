@@ -12,7 +12,6 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/sort_few.hpp"
-#include "tracker/changes.hpp"
 #include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal {

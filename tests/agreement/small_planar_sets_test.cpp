@@ -11,7 +11,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "few/inner_disc.hpp"
+#include "few/small_hull.hpp"
 #include "few/small_polygon.hpp"
 
 namespace cullhull {

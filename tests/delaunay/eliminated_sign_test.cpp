@@ -12,7 +12,7 @@
 #include "cullhull/triangulation.hpp"
 #include "delaunay/brute_triangulation.hpp"
 #include "delaunay/lifted_sets.hpp"
-#include "exact/insphere/lift_exact.hpp"
+#include "exact/insphere/lift_filter.hpp"
 
 namespace cullhull {
 namespace {

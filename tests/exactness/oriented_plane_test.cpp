@@ -1,6 +1,4 @@
 // Planes by elimination and the rungs above them, against rational arithmetic and exact rungs.
-#include "exact/planes/oriented_plane.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "exact/orientation/orientation.hpp"
+#include "exact/planes/exact_plane.hpp"
 
 namespace cullhull::internal {
 namespace {

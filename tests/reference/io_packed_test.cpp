@@ -15,7 +15,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "cullhull/triangulation_io.hpp"
-#include "io/formats/npy.hpp"
+#include "io/records.hpp"
 #include "tests/io_fixtures.hpp"
 #if __has_include(<zlib.h>) && __has_include(<zstd.h>)
 #include <zlib.h>

@@ -9,7 +9,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/interpolate.hpp"
 #include "cullhull/triangulation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline diagrams {

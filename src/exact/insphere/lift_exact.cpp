@@ -1,5 +1,3 @@
-#include "exact/insphere/lift_exact.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

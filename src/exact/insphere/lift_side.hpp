@@ -3,11 +3,10 @@
 
 #include <cstdint>
 
-#include "exact/insphere/lift_exact.hpp"
 #include "exact/insphere/lift_filter.hpp"
 #include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/points/lifted_points.hpp"
+#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal::inline exact {
 

@@ -14,7 +14,6 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/planes/exact_plane.hpp"
-#include "exact/planes/oriented_plane.hpp"
 #include "exact/points/integer_points.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"

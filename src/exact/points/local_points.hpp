@@ -1,9 +1,11 @@
-// The engines' input: points as packed doubles, scaled so that filters cannot overflow.
+// The points that engines get: of hulls as packed doubles, scaled so that filters cannot overflow;
+// of triangulations in the order of insertion, with all that their lifts are made of.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal::inline exact {
@@ -26,6 +28,35 @@ struct LocalPoints {
 
   const double* row(std::uint32_t i) const { return coordinates + std::size_t{i} * dimension; }
   const double* exact_row(std::uint32_t i) const { return exact + std::size_t{i} * dimension; }
+};
+
+/// The points of a triangulation as the engine sees them: in the order of insertion, each row with
+/// all that its lift is made of. The lift itself, |x|^2 - w, is never rounded: it exists in
+/// predicates alone.
+struct LiftedPoints {
+  unsigned base = 0;   ///< k: the first so many numbers of a row are what orientation sees
+  unsigned width = 0;  ///< d >= k: the squares of so many make the lift
+  unsigned stride = 0;
+  std::uint32_t count = 0;
+  bool weighted = false;  ///< the number after the width is the weight
+  bool furthest = false;  ///< the lift is turned upside down
+  /// Some points may be no vertices: weights, or the upper hull.
+  bool may_hide = false;
+  /// Coordinates are at most 2^l in magnitude and weights 2^(2 l), l as below, so that no filter
+  /// need fear overflow. Else signs are exact at once.
+  bool filtered = false;
+  /// More than all that underflows adds to a filter's determinant: 2^-1000 where l = 0, and
+  /// 2^(-1000 + (k + 2) l) where small coordinates forbid to scale large ones down.
+  double tiny = 0x1p-1000;
+  /// Doubles compute an in-sphere determinant without rounding if the product of the largest
+  /// magnitudes of its columns is at most this: 2^53 units of a lattice that has all points and
+  /// weights; 0: there is none.
+  double exact_limit = 0;
+
+  Array<double> rows;
+  Array<std::uint32_t> ids;  ///< the caller's, by place in the order
+
+  const double* row(std::uint32_t i) const { return rows.data() + std::size_t{i} * stride; }
 };
 
 }  // namespace cullhull::internal::inline exact

@@ -27,7 +27,7 @@
 #include "cullhull/error.hpp"
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "exact/planes/oriented_plane.hpp"
+#include "exact/planes/exact_plane.hpp"
 #include "geometry/norm_order.hpp"
 #include "hull/engine.hpp"
 #include "hull/general/cavity.hpp"

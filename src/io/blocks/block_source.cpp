@@ -7,11 +7,11 @@
 
 #include "io/blocks/byte_stream.hpp"
 #include "io/columns.hpp"
+#include "io/coordinates.hpp"
 #include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
-#include "io/placing.hpp"
 #include "io/records.hpp"
 #include "io/system.hpp"
 #include "io/text/text.hpp"

@@ -7,7 +7,6 @@
 
 #include "cullhull/error.hpp"
 #include "io/packed/unpack.hpp"
-#include "io/packed/unwrap.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"

@@ -1,4 +1,5 @@
-// A hull in the plane as GeoJSON and WKT geometries.
+// GeoJSON and WKT: geometries of hulls in the plane, maps of polygons, and the polygons that are
+// read from GeoJSON (RFC 7946).
 #pragma once
 
 #include <cstdint>
@@ -7,7 +8,10 @@
 #include <vector>
 
 #include "cullhull/io.hpp"
+#include "cullhull/triangulation_io.hpp"
 #include "io/coordinates.hpp"
+#include "io/source.hpp"
+#include "io/write/output_text.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -31,5 +35,37 @@ void append_wkt(std::string& out, const PlanePolygons& polygons);
 /// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
 /// unless the points are 2D.
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
+
+/// Maps of polygons: GeoJSON and WKT.
+inline bool is_map(const std::string& f) { return f == "geojson" || f == "wkt"; }
+
+/// Writes a collection of polygons, each with its number under `name`; rings(i): those of polygon
+/// i.
+template <class Rings>
+void write_map(const std::string& path, const std::string& f, std::uint64_t count, const char* name,
+               const Rings& rings) {
+  OutputText out(path);
+  const bool geojson = f == "geojson";
+  out.add(geojson ? "{\"type\": \"FeatureCollection\", \"features\": [" : "GEOMETRYCOLLECTION ");
+  if (!geojson) out.add(count == 0 ? "EMPTY" : "(");
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (i > 0) out.add(geojson ? "," : ", ");
+    if (geojson) {
+      out.add("\n{\"type\": \"Feature\", \"properties\": {\"").add(name).add("\": ").number(i);
+      out.add("}, \"geometry\": ");
+      append_geojson(out.text(), rings(i));
+      out.add("}");
+    } else {
+      append_wkt(out.text(), rings(i));
+    }
+  }
+  out.add(geojson ? "]}\n" : count == 0 ? "\n" : ")\n");
+  out.commit();
+}
+
+// Polygons of GeoJSON (RFC 7946).
+
+/// As the public read_polygons.
+Polygons read_polygons(const Source& source);
 
 }  // namespace cullhull::internal::inline io

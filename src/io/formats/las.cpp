@@ -7,9 +7,8 @@
 #include <memory>
 
 #include "io/formats/las_fields.hpp"
-#include "io/formats/las_units.hpp"
 #include "io/mapped_file.hpp"
-#include "io/packed/unwrap.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/output_file.hpp"

@@ -1,6 +1,7 @@
 // The fields of a LAS record behind its coordinates, by the names that laspy gives them.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -27,5 +28,11 @@ const std::vector<LasField>& las_fields(unsigned format);
 /// made doubles in the world at once, and have no placement.
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options);
+
+// The unit of a LAS file's coordinates, by its coordinate reference system.
+
+/// "metre", "foot", "US survey foot", "degree", or the name that the WKT has for the unit of x and
+/// y; empty where the records behind the header, `count` from byte `begin` on, do not tell.
+std::string las_unit(const Source& head, std::size_t begin, std::size_t count);
 
 }  // namespace cullhull::internal::inline io

@@ -1,5 +1,3 @@
-#include "io/formats/las_units.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <cstdint>
@@ -7,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "io/formats/las_fields.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull::internal::inline io {

@@ -1,11 +1,8 @@
 // NumPy's .npy, versions 1 to 3 (numpy/lib/format.py documents it).
-#include "io/formats/npy.hpp"
-
 #include <algorithm>
 #include <atomic>
 #include <cstring>
 
-#include "io/exact_double.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text/lines.hpp"

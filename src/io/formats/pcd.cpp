@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "io/columns.hpp"
-#include "io/exact_double.hpp"
 #include "io/packed/lzf.hpp"
 #include "io/records.hpp"
 #include "io/text/lines.hpp"

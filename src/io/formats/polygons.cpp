@@ -1,6 +1,4 @@
 // Polygons of GeoJSON (RFC 7946).
-#include "io/formats/polygons.hpp"
-
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
+#include "io/formats/geometry_text.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 

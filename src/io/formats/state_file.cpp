@@ -4,8 +4,8 @@
 #include <span>
 
 #include "cullhull/point_blocks.hpp"
-#include "io/formats/npy.hpp"
 #include "io/mapped_file.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/output_file.hpp"
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "io/columns.hpp"
-#include "io/exact_double.hpp"
 #include "io/hdf5/library.hpp"
+#include "io/records.hpp"
 #include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal::inline io {

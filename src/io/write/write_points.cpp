@@ -4,7 +4,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
-#include "io/formats/npy.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"

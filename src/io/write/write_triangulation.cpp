@@ -7,7 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
-#include "io/formats/plane_map.hpp"
+#include "io/formats/geometry_text.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_text.hpp"
