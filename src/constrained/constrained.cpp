@@ -17,6 +17,7 @@
 #include "delaunay/write_triangulation.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/difference_products.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
@@ -24,10 +25,6 @@
 namespace cullhull {
 namespace internal::inline constrained {
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorCode::invalid_argument, message);
-}
 
 /// The constraints as pairs of ids, each duplicate point replaced by its representative.
 class Constraints {
@@ -39,8 +36,7 @@ class Constraints {
     for (const DuplicatePoint& p : t.duplicates) representative_[p.id] = p.representative;
     for (std::size_t i = 0; i < edges.size(); ++i)
       if (edges[i] >= t.point_count)
-        refuse("edge " + std::to_string(i / 2) + " has the point " + std::to_string(edges[i]) +
-               " of " + std::to_string(t.point_count));
+        refuse("edge ", i / 2, " has the point ", edges[i], " of ", t.point_count);
   }
   std::uint32_t size() const { return static_cast<std::uint32_t>(given_.size() / 2); }
   std::uint32_t from(std::uint32_t i) const { return representative_[given_[2 * std::size_t{i}]]; }
@@ -232,8 +228,8 @@ class Forcing {
       poll();
       if (fixed(half) && may_refuse) return no_index;
       if (fixed(half))
-        refuse("edges " + constraints_.name(std::min(source(half), constraint_)) + " and " +
-               constraints_.name(std::max(source(half), constraint_)) + " cross");
+        refuse("edges ", constraints_.name(std::min(source(half), constraint_)), " and ",
+               constraints_.name(std::max(source(half), constraint_)), " cross");
       crossed.push_back(half);
       const std::uint32_t back = HalfEdges::twin(half);
       const std::uint32_t z = mesh_.apex(back);
@@ -518,8 +514,8 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               const ConstrainedOptions& o) {
   using namespace internal;
   if (points.dimension != 2)
-    refuse("constrained triangulations are of points in the plane, not in dimension " +
-           std::to_string(points.dimension));
+    refuse("constrained triangulations are of points in the plane, not in dimension ",
+           points.dimension);
   ConstrainedTriangulation out;
   Prepared prepared;
   out.triangulation = triangulate(points, TriangulationOptions{o}, prepared);

@@ -278,8 +278,7 @@ void gather_rows(const Array<double>& rows, std::span<const double> weights, Pre
 void check_weights(std::span<const double> weights) {
   for (std::size_t i = 0; i < weights.size(); ++i)
     if (!std::isfinite(weights[i]))
-      throw Error(ErrorCode::not_finite,
-                  "the weight of point " + std::to_string(i) + " is not finite");
+      throw Error(ErrorCode::not_finite, "the weight of point ", i, " is not finite");
 }
 
 }  // namespace

@@ -29,9 +29,8 @@ namespace {
 void check_arguments(const PointView& points) {
   require_points(points);
   if (points.count >= no_cell)
-    throw Error(
-        ErrorCode::out_of_budget,
-        "a triangulation takes fewer than 4294967295 points, not " + std::to_string(points.count));
+    throw Error(ErrorCode::out_of_budget,
+                "a triangulation takes fewer than 4294967295 points, not ", points.count);
 }
 
 /// Throws out_of_budget if memory that is certain to be needed exceeds the budget: the coordinates

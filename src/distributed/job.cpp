@@ -10,6 +10,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "stream/numbered_points.hpp"
@@ -18,8 +19,6 @@ namespace cullhull::internal::inline distributed {
 namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::invalid_argument, why); }
 
 /// The minimum and the maximum of a value over all ranks, as two elements of least(); none(): no
 /// rank had a value.
@@ -77,8 +76,7 @@ void Job::agree(std::vector<mpi::Block> blocks, bool numbered) {
   blocks_ = std::move(blocks);
   ranks_.together([&] {
     if (options_.root < mpi::every_rank || options_.root >= ranks_.size())
-      refuse("root " + std::to_string(options_.root) + " is no rank of " +
-             std::to_string(ranks_.size()));
+      refuse("root ", options_.root, " is no rank of ", ranks_.size());
     check_local(numbered);
   });
   for (const mpi::Block& b : blocks_) local_ += b.points.count;
@@ -121,8 +119,7 @@ void Job::agree_on_points() {
   const Range& scalars = of[empty ? 3 : 1];
   if (dimension.none()) refuse("points need at least one dimension");
   if (!dimension.one())
-    refuse("the ranks have points of dimension " + std::to_string(dimension.low()) + " and " +
-           std::to_string(dimension.high()));
+    refuse("the ranks have points of dimension ", dimension.low(), " and ", dimension.high());
   dimension_ = static_cast<std::uint32_t>(dimension.low());
   scalar_ = scalars.one() ? static_cast<ScalarType>(scalars.low()) : ScalarType::f64;
   total_ = local_;

@@ -6,10 +6,17 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline geometry {
+
+/// Throws Error{invalid_argument} with a message of these parts.
+template <class... Parts>
+[[noreturn]] void refuse(const Parts&... parts) {
+  throw Error(ErrorCode::invalid_argument, parts...);
+}
 
 /// Throws Error{invalid_argument} for points of no dimension, and for points without data.
 void require_points(std::uint32_t dimension, const void* data, std::uint64_t count);

@@ -11,7 +11,7 @@ namespace {
 constexpr const char* what_to_write = "write a range such as 0:3 or a list such as 0,2,5";
 
 [[noreturn]] void refuse(const std::string& file, const std::string& text, const std::string& why) {
-  throw Error(ErrorCode::invalid_argument, file + ": columns " + quoted_text(text) + ": " + why);
+  throw Error(ErrorCode::invalid_argument, file, ": columns ", quoted_text(text), ": ", why);
 }
 
 struct Item {

@@ -12,8 +12,8 @@ namespace cullhull {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
-  throw Error(ErrorCode::bad_file,
-              internal::display_name(path) + ": " + why + "; run cullhull bench machine again");
+  throw Error(ErrorCode::bad_file, internal::display_name(path), ": ", why,
+              "; run cullhull bench machine again");
 }
 
 double rate(const nlohmann::json& json, const char* key, const std::string& path) {

@@ -46,7 +46,7 @@ int list_mapping(const Source& source) {
 }
 
 [[noreturn]] void refuse(const std::string& name, const char* doing, int error) {
-  throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
+  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::system_category().message(error));
 }
 
 /// The memory that a mapped file's size is compared with.
@@ -100,9 +100,8 @@ void MappedFile::read_stream(int descriptor) {
   for (;;) {
     if (size == capacity) {
       if (capacity > limit / 2)
-        throw Error(ErrorCode::out_of_budget,
-                    source_.name + ": more than " + std::to_string(capacity >> 20) +
-                        " MiB from a stream; write it to a file, which is read in place");
+        throw Error(ErrorCode::out_of_budget, source_.name, ": more than ", capacity >> 20,
+                    " MiB from a stream; write it to a file, which is read in place");
       Buffer larger(2 * capacity);
       std::memcpy(larger.data(), stream_.data(), size);
       stream_ = std::move(larger);
@@ -143,7 +142,7 @@ void MappedFile::check_size() const {
   system::FileStatus status{};
   if (system::status_of(descriptor_, status) != 0) refuse(source_.name, "cannot read", errno);
   if (static_cast<std::uint64_t>(status.st_size) < source_.size)
-    throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
+    throw Error(ErrorCode::io, source_.name, ": shrank while it was being read");
 }
 
 void MappedFile::prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const {
@@ -207,7 +206,7 @@ const Source& FileWindow::move_to(std::uint64_t offset, std::size_t length) {
   system::FileStatus status{};
   if (system::status_of(descriptor_, status) != 0) refuse(source_.name, "cannot read", errno);
   if (static_cast<std::uint64_t>(status.st_size) < offset + length)
-    throw Error(ErrorCode::io, source_.name + ": shrank while it was being read");
+    throw Error(ErrorCode::io, source_.name, ": shrank while it was being read");
   const std::uint64_t page = system::map_granularity();
   const std::uint64_t begin = offset / page * page;
   mapped_ = static_cast<std::size_t>(offset - begin) + length;

@@ -119,9 +119,8 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   };
   if (!options.format.empty()) {
     if (!is_known(options.format))
-      throw Error(ErrorCode::invalid_argument,
-                  "unknown format " + quoted_text(options.format) +
-                      "; known are npy ply las pcd obj off stl xyz txt csv raw");
+      throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
+                  "; known are npy ply las pcd obj off stl xyz txt csv raw");
     return options.format;
   }
   const std::string extension = extension_of(unpacked_name(source.name));
@@ -189,17 +188,16 @@ std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
     const char* p = word.data();
     const char* const end = p + word.size();
     if (scan_number(p, end, numbers[i]) != Scan::ok || skip_blanks(p, end) != end)
-      throw Error(ErrorCode::bad_file, name + ": column " + quoted_text(column) + " of point " +
-                                           std::to_string(i) +
-                                           " is no number: " + quoted_text(std::string(word)));
+      throw Error(ErrorCode::bad_file, name, ": column ", quoted_text(column), " of point ", i,
+                  " is no number: ", quoted_text(std::string(word)));
   }
   return numbers;
 }
 
 std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
   if (options.raw_dimension == 0 || !options.raw_scalar)
-    throw Error(ErrorCode::invalid_argument,
-                source.name + ": raw input needs a dimension and a scalar type");
+    throw Error(ErrorCode::invalid_argument, source.name,
+                ": raw input needs a dimension and a scalar type");
   return std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
 }
 
@@ -246,9 +244,7 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 
 Slice::Slice(std::uint64_t points, const ReadOptions& options) : total(points) {
   const std::uint64_t part = options.part, parts = options.parts;
-  if (part >= parts)
-    throw Error(ErrorCode::invalid_argument,
-                "part " + std::to_string(part) + " of " + std::to_string(parts));
+  if (part >= parts) throw Error(ErrorCode::invalid_argument, "part ", part, " of ", parts);
   first = points / parts * part + std::min(part, points % parts);
   count = points / parts + (part < points % parts ? 1 : 0);
 }

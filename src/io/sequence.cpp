@@ -92,11 +92,9 @@ bool natural_less(const std::string& a, const std::string& b) {
 void refuse_zarr(const std::string& path) {
   for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
     if (std::filesystem::exists(std::filesystem::path(path) / mark))
-      throw Error(
-          ErrorCode::bad_file,
-          display_name(path) +
-              ": a Zarr folder is read by the Python package alone: cullhull.read(path), or "
-              "cullhull.dask");
+      throw Error(ErrorCode::bad_file, display_name(path),
+                  ": a Zarr folder is read by the Python package alone: cullhull.read(path), or "
+                  "cullhull.dask");
 }
 
 void list_folder(const std::string& path, std::vector<std::string>& files) {
@@ -107,9 +105,9 @@ void list_folder(const std::string& path, std::vector<std::string>& files) {
        it.increment(error))
     if (it->path().filename().string()[0] != '.' && !it->is_directory())
       found.push_back(it->path().string());
-  if (error) throw Error(ErrorCode::io, display_name(path) + ": " + error.message());
+  if (error) throw Error(ErrorCode::io, display_name(path), ": ", error.message());
   if (found.empty())
-    throw Error(ErrorCode::bad_file, display_name(path) + ": a folder without files");
+    throw Error(ErrorCode::bad_file, display_name(path), ": a folder without files");
   std::sort(found.begin(), found.end(), natural_less);
   files.insert(files.end(), found.begin(), found.end());
 }
@@ -117,7 +115,7 @@ void list_folder(const std::string& path, std::vector<std::string>& files) {
 void list_pattern(const std::string& pattern, std::vector<std::string>& files) {
   std::vector<std::string> found = system::files_matching(pattern);
   if (found.empty())
-    throw Error(ErrorCode::io, display_name(pattern) + ": no file matches the pattern");
+    throw Error(ErrorCode::io, display_name(pattern), ": no file matches the pattern");
   std::sort(found.begin(), found.end(), natural_less);
   files.insert(files.end(), found.begin(), found.end());
 }

@@ -37,7 +37,7 @@ PointData with_reversed_bytes(PointData data) {
 }
 
 void fail(const Source& source, const std::string& message) {
-  throw Error(ErrorCode::bad_file, source.name + ": " + message);
+  throw Error(ErrorCode::bad_file, source.name, ": ", message);
 }
 
 void remark(const Source& source, const ReadOptions& options, const std::string& message,
@@ -46,12 +46,11 @@ void remark(const Source& source, const ReadOptions& options, const std::string&
 }
 
 void fail_at_line(const Source& source, std::uint64_t line, const std::string& message) {
-  throw Error(ErrorCode::bad_file, source.name + ":" + std::to_string(line) + ": " + message);
+  throw Error(ErrorCode::bad_file, source.name, ":", line, ": ", message);
 }
 
 void fail_at_byte(const Source& source, std::uint64_t offset, const std::string& message) {
-  throw Error(ErrorCode::bad_file,
-              source.name + ": byte " + std::to_string(offset) + ": " + message);
+  throw Error(ErrorCode::bad_file, source.name, ": byte ", offset, ": ", message);
 }
 
 std::string quoted_text(std::string_view text) {

@@ -23,8 +23,7 @@ struct Interpolator::State {
   void require_natural() const {
     if (corners > 4)
       throw Error(ErrorCode::invalid_argument,
-                  "natural neighbours are of points in up to 3 dimensions, not in " +
-                      std::to_string(corners - 1));
+                  "natural neighbours are of points in up to 3 dimensions, not in ", corners - 1);
   }
 
   const double* of(std::uint32_t id) const { return values.data() + std::size_t{id} * components; }

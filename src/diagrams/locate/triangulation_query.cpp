@@ -158,16 +158,15 @@ struct TriangulationQuery::State {
     for (unsigned j = 0; j < mesh.dimension; ++j) {
       row[j] = point[mesh.columns[j]];
       if (!std::isfinite(row[j]))
-        throw Error(ErrorCode::not_finite, "coordinate " + std::to_string(mesh.columns[j]) +
-                                               " is " + (std::isnan(row[j]) ? "NaN" : "infinite"));
+        throw Error(ErrorCode::not_finite, "coordinate ", mesh.columns[j], " is ",
+                    (std::isnan(row[j]) ? "NaN" : "infinite"));
     }
     return row;
   }
   void check(const PointView& view, const Run& run) const {
     if (view.dimension != mesh.dimension)
-      throw Error(ErrorCode::invalid_argument,
-                  "points of dimension " + std::to_string(view.dimension) +
-                      " asked of a triangulation in dimension " + std::to_string(mesh.dimension));
+      throw Error(ErrorCode::invalid_argument, "points of dimension ", view.dimension,
+                  " asked of a triangulation in dimension ", mesh.dimension);
     check_finite(view, nullptr, run);
   }
   /// Cells or vertices for all points, by body(run): no_cell where the triangulation has none.
@@ -219,7 +218,7 @@ struct TriangulationQuery::State {
       return;
     }
     if (cell >= mesh.numbers.size())
-      throw Error(ErrorCode::invalid_argument, "there is no cell " + std::to_string(cell));
+      throw Error(ErrorCode::invalid_argument, "there is no cell ", cell);
     if (mesh.corners == 1) {
       out[0] = 1;
       return;

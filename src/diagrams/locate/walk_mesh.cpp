@@ -30,8 +30,7 @@ Array<std::uint32_t> vertices_of(const Triangulation& t) {
   std::vector<bool> seen(t.point_count);
   for (const std::uint32_t v : t.cells) {
     if (v >= t.point_count)
-      throw Error(ErrorCode::invalid_argument, "a cell has the point " + std::to_string(v) +
-                                                   " of " + std::to_string(t.point_count));
+      throw Error(ErrorCode::invalid_argument, "a cell has the point ", v, " of ", t.point_count);
     seen[v] = true;
   }
   Array<std::uint32_t> ids;

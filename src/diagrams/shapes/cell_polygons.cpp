@@ -152,15 +152,13 @@ CellPolygons cell_polygons(const PointView& points, const Triangulation& triangu
   const Triangulation& t = triangulation;
   if (t.affine_dimension > 2)
     throw Error(ErrorCode::invalid_argument,
-                "polygons are of cells in the plane, not in dimension " +
-                    std::to_string(t.affine_dimension));
+                "polygons are of cells in the plane, not in dimension ", t.affine_dimension);
   const DualPoints p(points, t, {}, run);
   CellPolygons out;
   out.ring_offsets.assign(1, 0);
   out.polygon_offsets.assign(1, 0);
   for (const std::uint32_t c : cells)
-    if (c >= t.size())
-      throw Error(ErrorCode::invalid_argument, "there is no cell " + std::to_string(c));
+    if (c >= t.size()) throw Error(ErrorCode::invalid_argument, "there is no cell ", c);
   if (t.affine_dimension == 2) PolygonWriter(p, t, cells).write(cells, out);
   return out;
 }

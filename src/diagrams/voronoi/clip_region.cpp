@@ -10,13 +10,10 @@
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {
-
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorCode::invalid_argument, message);
-}
 
 template <unsigned D>
 RegionPlane<D> plane_through(const std::array<std::array<double, D>, D>& points) {
@@ -90,8 +87,7 @@ struct Outline {
 
 Outline outline_of(const PolygonRings& rings) {
   if (rings.points.dimension != 2)
-    refuse("a polygon has corners in dimension 2, not in " +
-           std::to_string(rings.points.dimension));
+    refuse("a polygon has corners in dimension 2, not in ", rings.points.dimension);
   const auto& offsets = rings.ring_offsets;
   if (offsets.empty() || offsets.front() != 0 || offsets.back() != rings.points.count ||
       !std::is_sorted(offsets.begin(), offsets.end()))
@@ -106,8 +102,7 @@ Outline outline_of(const PolygonRings& rings) {
     };
     while (end > begin + 1 && repeats(begin, end - 1)) --end;
     if (end - begin < 3)
-      refuse("ring " + std::to_string(r) + " of the polygon has " + std::to_string(end - begin) +
-             " corners; three are needed");
+      refuse("ring ", r, " of the polygon has ", end - begin, " corners; three are needed");
     const auto first = static_cast<std::uint32_t>(out.size());
     for (std::uint64_t i = begin; i < end; ++i) {
       for (unsigned j = 0; j < 2; ++j) out.corners.push_back(rings.points.at(i, j));
@@ -249,7 +244,7 @@ template <unsigned D>
 Region<D> hull_region(const PointView& points, const Run& run) {
   const Hull hull = convex_hull(points, run.options);
   if (hull.affine_dimension != static_cast<int>(D))
-    refuse("the region spans dimension " + std::to_string(hull.affine_dimension) + " only");
+    refuse("the region spans dimension ", hull.affine_dimension, " only");
   std::vector<std::uint64_t> ids(hull.vertices.begin(), hull.vertices.end());
   if constexpr (D == 1) {
     const double a = points.at(ids[0], 0), b = points.at(ids[1], 0);
@@ -287,7 +282,7 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
   Outline outline = outline_of(rings);
   const Hull hull = convex_hull(outline.view(), run.options);
   if (hull.affine_dimension != 2)
-    refuse("the region spans dimension " + std::to_string(hull.affine_dimension) + " only");
+    refuse("the region spans dimension ", hull.affine_dimension, " only");
   if (rings.ring_offsets.size() == 2 && outline.size() <= few && convex_ring(outline, hull)) {
     RegionPiece<2> piece;
     for (const std::uint64_t i : hull.vertices)
@@ -304,7 +299,7 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
       return constrained_delaunay(outline.view(), outline.edges, options);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::invalid_argument) throw;
-      refuse("the boundary of the polygon crosses itself: " + std::string(e.what()));
+      refuse("the boundary of the polygon crosses itself: ", e.what());
     }
   }();
   if (found.triangulation.size() == 0)

@@ -16,6 +16,7 @@
 #include "diagrams/voronoi/clip_shapes.hpp"
 #include "diagrams/voronoi/whole_cells.hpp"
 #include "exact/numbers/rationals.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
@@ -24,22 +25,18 @@ namespace cullhull {
 namespace internal::inline diagrams {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-  throw Error(ErrorCode::invalid_argument, message);
-}
-
 void check_dimension(const Triangulation& t) {
   if (t.dimension == 0 || t.dimension > 3)
-    refuse("cells are clipped in dimensions 1 to 3, not in " + std::to_string(t.dimension));
+    refuse("cells are clipped in dimensions 1 to 3, not in ", t.dimension);
 }
 
 void check_box(const Triangulation& t, std::span<const double> low, std::span<const double> high) {
   const unsigned d = t.dimension;
   if (low.size() != d || high.size() != d)
-    refuse("a box in dimension " + std::to_string(d) + " needs as many numbers for each corner");
+    refuse("a box in dimension ", d, " needs as many numbers for each corner");
   for (unsigned j = 0; j < d; ++j)
     if (!(low[j] < high[j]) || !std::isfinite(low[j]) || !std::isfinite(high[j]))
-      refuse("the box is empty or not finite along axis " + std::to_string(j));
+      refuse("the box is empty or not finite along axis ", j);
 }
 
 // ---------------------------------------------------------------------------- measures
@@ -525,8 +522,7 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Triangulation& t = triangulation;
   check_dimension(t);
   if (region.dimension != t.dimension)
-    refuse("a region in dimension " + std::to_string(region.dimension) +
-           " for a diagram in dimension " + std::to_string(t.dimension));
+    refuse("a region in dimension ", region.dimension, " for a diagram in dimension ", t.dimension);
   if (t.dimension == 2) {
     const std::uint64_t one[2] = {0, region.count};
     return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options, diagram);
@@ -545,8 +541,7 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   const Call call(options);
   const Run& run = call.run;
   const Triangulation& t = triangulation;
-  if (t.dimension != 2)
-    refuse("a polygon for a diagram in dimension " + std::to_string(t.dimension));
+  if (t.dimension != 2) refuse("a polygon for a diagram in dimension ", t.dimension);
   return clip<2>(points, t, polygon_region(region, run), weights, shapes, diagram, run);
 }
 

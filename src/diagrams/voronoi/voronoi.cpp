@@ -99,11 +99,9 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
 void require_points_of(const Triangulation& t, const PointView& points,
                        std::span<const double> weights) {
   if (points.dimension != t.dimension || points.count != t.point_count)
-    throw Error(ErrorCode::invalid_argument,
-                "the triangulation is of " + std::to_string(t.point_count) +
-                    " points in dimension " + std::to_string(t.dimension) + ", not of " +
-                    std::to_string(points.count) + " in dimension " +
-                    std::to_string(points.dimension));
+    throw Error(ErrorCode::invalid_argument, "the triangulation is of ", t.point_count,
+                " points in dimension ", t.dimension, ", not of ", points.count, " in dimension ",
+                points.dimension);
   if (!weights.empty()) require_weights(weights, points.count);
 }
 

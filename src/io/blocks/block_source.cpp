@@ -308,9 +308,9 @@ class WholeInput : public BlockSource {
       size += got;
       if (size < capacity) break;
       if (capacity > limit)
-        throw Error(ErrorCode::out_of_budget,
-                    name_ + ": this format is read whole, and it has more than " +
-                        std::to_string(capacity >> 20) + " MiB; .npy or text come in pieces");
+        throw Error(ErrorCode::out_of_budget, name_,
+                    ": this format is read whole, and it has more than ", capacity >> 20,
+                    " MiB; .npy or text come in pieces");
       capacity *= 2;
       out = memory.room(capacity, size);
     }
@@ -340,7 +340,7 @@ class WholeInput : public BlockSource {
         block.state =
             HullState::from_bytes({reinterpret_cast<const std::byte*>(source.data), source.size});
       } catch (const Error& e) {
-        throw Error(e.code(), name_ + ": " + e.what());
+        throw Error(e.code(), name_, ": ", e.what());
       }
       if (!grid_.empty()) block.state->to_grid();
     } else {

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t head_bytes = std::size_t{1} << 20;
 
 [[noreturn]] void refuse(const std::string& name, const char* doing, int error) {
-  throw Error(ErrorCode::io, name + ": " + doing + ": " + std::system_category().message(error));
+  throw Error(ErrorCode::io, name, ": ", doing, ": ", std::system_category().message(error));
 }
 
 /// Reads a descriptor from its present position.
@@ -112,10 +112,9 @@ Descriptor another(const Descriptor& file, const std::string& name) {
 /// Replaces an archive by one of its arrays.
 OpenedBytes open_member(OpenedBytes&& archive, const std::string& member) {
   if (archive.file.get() < 0)
-    throw Error(ErrorCode::invalid_argument,
-                archive.name +
-                    ": an .npz is read in blocks from a file alone: its directory is "
-                    "at its end");
+    throw Error(ErrorCode::invalid_argument, archive.name,
+                ": an .npz is read in blocks from a file alone: its directory is "
+                "at its end");
   const ReadAt read = [&archive](char* out, std::size_t size, std::uint64_t offset) {
     read_at(archive, out, size, offset);
   };
@@ -201,7 +200,7 @@ void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t
     const std::ptrdiff_t got = system::read_some_at(from.file.get(), out, size, offset);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(from.name, "cannot read", errno);
-    if (got == 0) throw Error(ErrorCode::io, from.name + ": shrank while it was being read");
+    if (got == 0) throw Error(ErrorCode::io, from.name, ": shrank while it was being read");
     out += got;
     offset += static_cast<std::uint64_t>(got);
     size -= static_cast<std::size_t>(got);

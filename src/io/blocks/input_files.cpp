@@ -17,11 +17,11 @@ namespace {
 std::vector<std::string> listed(const std::string& path) {
   internal::system::FileStatus status{};
   if (internal::system::status_of(path.c_str(), status) == 0 && internal::system::is_folder(status))
-    throw Error(ErrorCode::io, internal::display_name(path) +
-                                   ": a folder, where a list of files is wanted; without the @ its "
-                                   "files are the input");
+    throw Error(ErrorCode::io, internal::display_name(path),
+                ": a folder, where a list of files is wanted; without the @ its "
+                "files are the input");
   std::ifstream list(path);
-  if (!list) throw Error(ErrorCode::io, internal::display_name(path) + ": cannot open the list");
+  if (!list) throw Error(ErrorCode::io, internal::display_name(path), ": cannot open the list");
   std::vector<std::string> words;
   for (std::string line; std::getline(list, line);) {
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.pop_back();

@@ -282,9 +282,8 @@ class Reading {
 
   [[noreturn]] void tell_error() const {
     if (error_ != nullptr) std::rethrow_exception(error_);
-    throw Error(ErrorCode::bad_file, odd_.file + ": points of dimension " +
-                                         std::to_string(odd_.dimension) + ", but of " +
-                                         std::to_string(lowest_.dimension) + " in " + lowest_.file);
+    throw Error(ErrorCode::bad_file, odd_.file, ": points of dimension ", odd_.dimension,
+                ", but of ", lowest_.dimension, " in ", lowest_.file);
   }
 
   /// Blocks arrive in any order but are compared with the lowest, and the error is that of the
@@ -309,8 +308,8 @@ class Reading {
     const std::string& file = taken.input->source->name();
     if (block.state) {
       if (!visitor_.state)
-        throw Error(ErrorCode::invalid_argument,
-                    file + ": holds the extreme points of a part, which are not all its points");
+        throw Error(ErrorCode::invalid_argument, file,
+                    ": holds the extreme points of a part, which are not all its points");
       visitor_.state(*block.state, taken.first_id);
       return;
     }
@@ -321,7 +320,7 @@ class Reading {
         visitor_.keyed(block.data.view, taken.first_id, block.data.keys);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
-      throw Error(e.code(), file + ": " + e.what());
+      throw Error(e.code(), file, ": ", e.what());
     }
   }
 

@@ -131,9 +131,8 @@ void append_wkt(std::string& out, const PlanePolygons& polygons) {
 
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format) {
   if (hull.dimension != 2)
-    throw Error(ErrorCode::invalid_argument, "." + format + " holds hulls of 2D points, not " +
-                                                 std::to_string(hull.dimension) +
-                                                 "D; meshes hold 3D, .json any");
+    throw Error(ErrorCode::invalid_argument, ".", format, " holds hulls of 2D points, not ",
+                hull.dimension, "D; meshes hold 3D, .json any");
   std::vector<double> boundary;
   for (const std::uint64_t id : hull.vertices)
     for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(points.at(id, j));

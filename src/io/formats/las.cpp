@@ -209,8 +209,7 @@ void write_records(OutputFile& out, const Source& las, const std::vector<std::ui
   Census census(h, las);
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] >= h.count || (i > 0 && ids[i] <= ids[i - 1]))
-      throw Error(ErrorCode::invalid_argument,
-                  las.name + ": ids must ascend below " + std::to_string(h.count));
+      throw Error(ErrorCode::invalid_argument, las.name, ": ids must ascend below ", h.count);
     census.count(census.record(ids[i]));
   }
   census.write(head);

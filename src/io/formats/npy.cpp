@@ -387,8 +387,8 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
       ok = v[i] >= static_cast<double>(std::numeric_limits<T>::min()) &&
            v[i] <= static_cast<double>(std::numeric_limits<T>::max()) && std::trunc(v[i]) == v[i];
     if (!ok)
-      throw Error(ErrorCode::invalid_argument,
-                  "coordinate " + std::to_string(i) + " does not fit the scalar type asked for");
+      throw Error(ErrorCode::invalid_argument, "coordinate ", i,
+                  " does not fit the scalar type asked for");
     converted[i % block] = static_cast<T>(v[i]);
     if (i % block == block - 1 || i + 1 == count)
       write_little_endian(out, converted, i % block + 1);

@@ -316,9 +316,8 @@ PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOp
                  std::to_string(packed) + " packed bytes of " + std::to_string(size) +
                      " do not fit the " + std::to_string(source.size - body - 8) + " that follow");
   if (size > resolve_budget(options.memory_budget))
-    throw Error(
-        ErrorCode::out_of_budget,
-        source.name + ": unpacks to " + std::to_string(size >> 20) + " MiB, which does not fit");
+    throw Error(ErrorCode::out_of_budget, source.name, ": unpacks to ", size >> 20,
+                " MiB, which does not fit");
   Buffer unpacked(size);
   if (!unpack_lzf(h.body + 8, packed, unpacked.as<char>(), size))
     fail_at_byte(source, body + 8, "the packed points are corrupt");

@@ -29,7 +29,7 @@ class PolygonReader {
 
  private:
   [[noreturn]] void fault(const std::string& message) const {
-    throw Error(ErrorCode::bad_file, name_ + ": " + message);
+    throw Error(ErrorCode::bad_file, name_, ": ", message);
   }
   const json& member(const json& object, const char* key) const {
     const auto found = object.find(key);
@@ -89,10 +89,9 @@ Polygons read_polygons(const Source& source) {
   try {
     document = json::parse(source.data, source.data + source.size);
   } catch (const json::parse_error& e) {
-    throw Error(ErrorCode::bad_file,
-                source.name + ": no GeoJSON: byte " + std::to_string(e.byte) + " is no JSON");
+    throw Error(ErrorCode::bad_file, source.name, ": no GeoJSON: byte ", e.byte, " is no JSON");
   } catch (const json::out_of_range&) {
-    throw Error(ErrorCode::bad_file, source.name + ": no GeoJSON: a number out of range");
+    throw Error(ErrorCode::bad_file, source.name, ": no GeoJSON: a number out of range");
   }
   return PolygonReader(source.name).read(document);
 }

@@ -12,11 +12,9 @@ void require_picture(const Hull& hull, const char* what) {
   if ((hull.dimension == 2 || hull.dimension == 3) &&
       hull.affine_dimension == static_cast<int>(hull.dimension))
     return;
-  throw Error(ErrorCode::invalid_argument,
-              std::string("--format ") + what +
-                  " draws hulls of 2D and 3D points that span their space, not one of dimension " +
-                  std::to_string(hull.affine_dimension) + " among points of dimension " +
-                  std::to_string(hull.dimension));
+  throw Error(ErrorCode::invalid_argument, "--format ", what,
+              " draws hulls of 2D and 3D points that span their space, not one of dimension ",
+              hull.affine_dimension, " among points of dimension ", hull.dimension);
 }
 
 /// "{x, y, z}" with eight digits, as Qhull prints for these programs.

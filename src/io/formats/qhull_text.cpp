@@ -423,11 +423,11 @@ void check_qhull_format(std::string_view what) {
   const auto& known = qhull_formats();
   if (std::find(known.begin(), known.end(), what) != known.end()) return;
   if (const std::string why = internal::refused_word(what); !why.empty())
-    throw Error(ErrorCode::invalid_argument, "--format " + std::string(what) + " " + why);
+    throw Error(ErrorCode::invalid_argument, "--format ", what, " ", why);
   std::string list;
   for (const std::string& word : known) list += " " + word;
-  throw Error(ErrorCode::invalid_argument,
-              "unknown text format " + internal::quoted_text(what) + "; known are" + list);
+  throw Error(ErrorCode::invalid_argument, "unknown text format ", internal::quoted_text(what),
+              "; known are", list);
 }
 
 namespace {
@@ -442,9 +442,8 @@ std::string qhull_text(const internal::Coordinates& points, const Hull& hull,
   using namespace internal;
   check_qhull_format(what);
   if (!points.complete() && lists_all_points(what))
-    throw Error(ErrorCode::invalid_argument,
-                "--format " + std::string(what) +
-                    " lists every point, of which a stream keeps the extreme ones alone");
+    throw Error(ErrorCode::invalid_argument, "--format ", what,
+                " lists every point, of which a stream keeps the extreme ones alone");
   if (what == "Fx") return extreme_ids(hull);
   if (what == "i") return incidences(hull);
   if (what == "o") return off_like(points, hull);

@@ -135,7 +135,7 @@ HullState read_state(const std::string& path) {
     return state;
   } catch (const Error& e) {
     if (e.code() != ErrorCode::bad_file) throw;
-    throw Error(e.code(), source.name + ": " + e.what());
+    throw Error(e.code(), source.name, ": ", e.what());
   }
 }
 

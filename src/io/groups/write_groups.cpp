@@ -69,9 +69,8 @@ class GroupRecords {
         text_(text),
         json_(text) {
     if (format_ == "geojson" && dimension_ != 2 && dimension_ != 0)
-      throw Error(ErrorCode::invalid_argument, ".geojson holds hulls of 2D points, not " +
-                                                   std::to_string(dimension_) +
-                                                   "D; .csv and .json hold any");
+      throw Error(ErrorCode::invalid_argument, ".geojson holds hulls of 2D points, not ",
+                  dimension_, "D; .csv and .json hold any");
   }
 
   void begin() {

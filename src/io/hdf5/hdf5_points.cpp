@@ -124,8 +124,8 @@ class OpenDataset {
     if (!dataset_) throw NoSuchDataset{};
     const auto shape = shape_of(dataset_.get());
     if (!shape)
-      throw Error(ErrorCode::bad_file, name + ": dataset " + quoted_text(path) +
-                                           " is no array (n, d) or (n) of numbers up to 64 bits");
+      throw Error(ErrorCode::bad_file, name, ": dataset ", quoted_text(path),
+                  " is no array (n, d) or (n) of numbers up to 64 bits");
     shape_ = *shape;
     find_layout();
     if (chunk_bytes_ > std::size_t{1} << 20) {
@@ -269,9 +269,8 @@ struct Hdf5Points::Impl {
       names +=
           (i > 0 ? ", " : "") + quoted_text("/" + list[i].first) + " " + text_of(list[i].second);
     if (list.size() > most) names += ", ...";
-    throw Error(ErrorCode::invalid_argument, file_name + ": " + why +
-                                                 "; of numbers, (n, d) or (n), there are " +
-                                                 (names.empty() ? "none" : names));
+    throw Error(ErrorCode::invalid_argument, file_name, ": ", why,
+                "; of numbers, (n, d) or (n), there are ", (names.empty() ? "none" : names));
   }
 
   /// Columns agree in length; their common type.
@@ -379,10 +378,9 @@ struct Hdf5Points::Impl {
   std::string name;
 };
 Hdf5Points::Hdf5Points(const std::string& file, const std::string&) {
-  throw Error(ErrorCode::invalid_argument,
-              display_name(file) +
-                  ": this cullhull was built without libhdf5; from Python "
-                  "cullhull.read(path) reads it with h5py");
+  throw Error(ErrorCode::invalid_argument, display_name(file),
+              ": this cullhull was built without libhdf5; from Python "
+              "cullhull.read(path) reads it with h5py");
 }
 Hdf5Points::~Hdf5Points() = default;
 const std::string& Hdf5Points::name() const { return impl_->name; }
@@ -402,10 +400,8 @@ PointData read_hdf5(const std::string& file, const std::string& datasets,
   std::uint64_t bytes = 0;
   if (!multiply(slice.count, points.record_bytes(), bytes) ||
       bytes > resolve_budget(options.memory_budget))
-    throw Error(ErrorCode::out_of_budget,
-                points.name() + ": " + std::to_string(slice.count) + " points of " +
-                    std::to_string(points.record_bytes()) +
-                    " bytes do not fit; --stream on reads them in blocks");
+    throw Error(ErrorCode::out_of_budget, points.name(), ": ", slice.count, " points of ",
+                points.record_bytes(), " bytes do not fit; --stream on reads them in blocks");
   Buffer memory(std::max<std::uint64_t>(bytes, 1));
   PointData data = points.read(slice.first, slice.count, memory.as<char>());
   data.storage = std::move(memory);

@@ -19,25 +19,26 @@
 
 namespace cullhull::internal::inline io {
 
-#define CULLHULL_HDF5_FUNCTIONS(X)                                                             \
-  X(H5Dclose)                                                                                  \
-  X(H5Dget_chunk_storage_size)                                                                 \
-  X(H5Dget_create_plist)                                                                       \
-  X(H5Dget_space)                                                                              \
-  X(H5Dget_space_status)                                                                       \
-  X(H5Dget_type)                                                                               \
-  X(H5Dopen2)                                                                                  \
-  X(H5Dread)                                                                                   \
-  X(H5Eget_auto2)                                                                              \
-  X(H5Eset_auto2)                                                                              \
-  X(H5Ewalk2)                                                                                  \
-  X(H5Fclose)                                                                                  \
-  X(H5Fopen)                                                                                   \
-  X(H5Ovisit) X(H5Pclose) X(H5Pcreate) X(H5Pfill_value_defined) X(H5Pget_chunk)                \
-      X(H5Pget_external_count) X(H5Pget_fill_time) X(H5Pget_layout) X(H5Pset_chunk_cache)      \
-          X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)                         \
-              X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class) \
-                  X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size) X(H5dont_atexit) X(H5open)
+#define CULLHULL_HDF5_FUNCTIONS(X)                                                               \
+  X(H5Dclose)                                                                                    \
+  X(H5Dget_chunk_storage_size)                                                                   \
+  X(H5Dget_create_plist)                                                                         \
+  X(H5Dget_space)                                                                                \
+  X(H5Dget_space_status)                                                                         \
+  X(H5Dget_type)                                                                                 \
+  X(H5Dopen2)                                                                                    \
+  X(H5Dread)                                                                                     \
+  X(H5Eget_auto2)                                                                                \
+  X(H5Eset_auto2)                                                                                \
+  X(H5Ewalk2)                                                                                    \
+  X(H5Fclose)                                                                                    \
+  X(H5Fopen)                                                                                     \
+  X(H5Ovisit)                                                                                    \
+  X(H5Pclose) X(H5Pcreate) X(H5Pfill_value_defined) X(H5Pget_chunk) X(H5Pget_external_count)     \
+      X(H5Pget_fill_time) X(H5Pget_layout) X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple) \
+          X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab)      \
+              X(H5Tclose) X(H5Tget_class) X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size)         \
+                  X(H5dont_atexit) X(H5open)
 // In two steps: some of the names are macros, for the version of a function.
 #define CULLHULL_HDF5_NAME(f) #f
 #define CULLHULL_HDF5_MEMBER(f) decltype(&::f) f;
@@ -51,8 +52,8 @@ class Hdf5Library {
   /// Throws Error{io} where the library is not installed.
   Hdf5Library() : library_(system::open_library(CULLHULL_HDF5_LIBRARY)) {
     if (library_ == nullptr)
-      throw Error(ErrorCode::io, std::string("HDF5 is read by ") + CULLHULL_HDF5_LIBRARY +
-                                     ", which cannot be loaded: is it installed?");
+      throw Error(ErrorCode::io, "HDF5 is read by ", CULLHULL_HDF5_LIBRARY,
+                  ", which cannot be loaded: is it installed?");
     CULLHULL_HDF5_FUNCTIONS(CULLHULL_HDF5_FIND)
     // Before all else. Opening a corrupt file leaves something open in libhdf5 1.10, which would
     // complain of it on standard error when the process ends. What a caller leaves open itself is
@@ -66,8 +67,7 @@ class Hdf5Library {
  private:
   void* symbol(const char* name) const {
     void* found = system::find_symbol(library_, name);
-    if (found == nullptr)
-      throw Error(ErrorCode::io, std::string(CULLHULL_HDF5_LIBRARY) + " has no " + name);
+    if (found == nullptr) throw Error(ErrorCode::io, CULLHULL_HDF5_LIBRARY, " has no ", name);
     return found;
   }
   void* library_;

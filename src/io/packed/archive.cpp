@@ -176,12 +176,12 @@ ArchiveMember find_member(const ReadAt& read, std::uint64_t size, const std::str
     return m.name == member || without_ending(m.name) == member;
   });
   if (!member.empty() && wanted == arrays.end())
-    throw Error(ErrorCode::invalid_argument, name + ": no array " + quoted_text(member) +
-                                                 "; there are " + (names.empty() ? "none" : names));
+    throw Error(ErrorCode::invalid_argument, name, ": no array ", quoted_text(member),
+                "; there are ", (names.empty() ? "none" : names));
   if (arrays.empty()) archive.refuse("an archive without an array (.npy)");
   if (member.empty() && arrays.size() > 1)
-    throw Error(ErrorCode::invalid_argument,
-                name + ": holds the arrays " + names + "; say which as FILE.npz:NAME");
+    throw Error(ErrorCode::invalid_argument, name, ": holds the arrays ", names,
+                "; say which as FILE.npz:NAME");
   ArchiveMember found = member.empty() ? arrays[0] : *wanted;
   archive.locate(found);
   return found;

@@ -19,8 +19,8 @@ constexpr std::size_t piece_bytes = std::size_t{1} << 18;
 
 #if !CULLHULL_HAVE_ZLIB || !CULLHULL_HAVE_ZSTD
 [[noreturn]] void not_built(const std::string& name, const char* library, const char* program) {
-  throw Error(ErrorCode::invalid_argument, name + ": this cullhull was built without " + library +
-                                               "; " + program + " FILE | cullhull hull - reads it");
+  throw Error(ErrorCode::invalid_argument, name, ": this cullhull was built without ", library,
+              "; ", program, " FILE | cullhull hull - reads it");
 }
 #endif
 
@@ -255,8 +255,8 @@ std::unique_ptr<ByteStream> inflate_member(std::unique_ptr<ByteStream> from, std
                                          size, crc, name);
 #else
   (void)size, (void)crc, (void)from;
-  throw Error(ErrorCode::invalid_argument,
-              name + ": this cullhull was built without zlib; numpy.savez writes what it reads");
+  throw Error(ErrorCode::invalid_argument, name,
+              ": this cullhull was built without zlib; numpy.savez writes what it reads");
 #endif
 }
 
@@ -275,9 +275,8 @@ Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget,
     if (size < capacity) return buffer;
     // While it grows, two buffers exist.
     if (capacity > limit / 3)
-      throw Error(ErrorCode::out_of_budget,
-                  name + ": unpacks to more than " + std::to_string(capacity >> 20) +
-                      " MiB, which does not fit; --stream on reads it in blocks");
+      throw Error(ErrorCode::out_of_budget, name, ": unpacks to more than ", capacity >> 20,
+                  " MiB, which does not fit; --stream on reads it in blocks");
     Buffer larger(2 * capacity);
     std::memcpy(larger.data(), buffer.data(), size);
     buffer = std::move(larger);

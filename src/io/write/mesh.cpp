@@ -19,8 +19,8 @@ class VertexNumbers {
   std::uint32_t of(std::uint64_t id) const {
     const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{id, 0U});
     if (it == sorted_.end() || it->first != id)
-      throw Error(ErrorCode::invalid_argument,
-                  "hull names point " + std::to_string(id) + ", which is none of its vertices");
+      throw Error(ErrorCode::invalid_argument, "hull names point ", id,
+                  ", which is none of its vertices");
     return it->second;
   }
 
@@ -42,9 +42,8 @@ void triangulate(HullMesh& mesh) {
 HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
                    Faces faces) {
   if (hull.dimension != 2 && hull.dimension != 3)
-    throw Error(ErrorCode::invalid_argument,
-                "." + format + " holds hulls of 2D and 3D points, not " +
-                    std::to_string(hull.dimension) + "D; .json and .txt hold any");
+    throw Error(ErrorCode::invalid_argument, ".", format, " holds hulls of 2D and 3D points, not ",
+                hull.dimension, "D; .json and .txt hold any");
   HullMesh mesh;
   mesh.coordinates.reserve(3 * hull.vertices.size());
   for (const std::uint64_t id : hull.vertices)

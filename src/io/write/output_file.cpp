@@ -103,7 +103,7 @@ void OutputFile::abandon() noexcept {
 
 void OutputFile::refuse(const char* doing, int error) {
   abandon();
-  throw Error(ErrorCode::io, name_ + ": " + doing + ": " + std::system_category().message(error));
+  throw Error(ErrorCode::io, name_, ": ", doing, ": ", std::system_category().message(error));
 }
 
 void OutputFile::write(std::string_view bytes) {

@@ -89,8 +89,7 @@ void write_json(const std::string& path, const Triangulation& t, const AlphaShap
 }
 
 [[noreturn]] void refuse(const std::string& f, const char* holds, std::uint32_t dimension) {
-  throw Error(ErrorCode::invalid_argument,
-              "." + f + " holds " + holds + ", not " + std::to_string(dimension) + "D");
+  throw Error(ErrorCode::invalid_argument, ".", f, " holds ", holds, ", not ", dimension, "D");
 }
 
 void check(const std::string& path, const std::string& f, std::uint32_t dimension) {

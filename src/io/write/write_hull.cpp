@@ -23,8 +23,8 @@ std::string output_format(const std::string& path, const std::string& format,
 }
 
 void refuse_format(const std::string& path, const std::string& format, const char* known) {
-  throw Error(ErrorCode::invalid_argument, display_name(path) + ": cannot tell the format from " +
-                                               quoted_text("." + format) + "; known are " + known);
+  throw Error(ErrorCode::invalid_argument, display_name(path), ": cannot tell the format from ",
+              quoted_text("." + format), "; known are ", known);
 }
 
 }  // namespace internal::inline io

@@ -99,8 +99,8 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
   if (f != "npy" && f != "ply" && f != "csv" && f != "xyz" && f != "txt")
     refuse_format(path, f, ".npy .ply .csv .xyz .txt");
   if (f == "ply" && points.dimension != 2 && points.dimension != 3)
-    throw Error(ErrorCode::invalid_argument, ".ply holds points of 2 and 3 dimensions, not of " +
-                                                 std::to_string(points.dimension));
+    throw Error(ErrorCode::invalid_argument, ".ply holds points of 2 and 3 dimensions, not of ",
+                points.dimension);
   OutputFile out(path);
   if (f == "npy") {
     out.write(npy_header(npy_descr(points.scalar).c_str(), {ids.size(), points.dimension}));

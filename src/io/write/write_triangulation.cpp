@@ -24,31 +24,29 @@ bool is_mesh(const std::string& f) { return f == "ply" || f == "obj" || f == "of
 bool holds_triangles(const std::string& f) { return is_mesh(f) || f == "stl" || f == "glb"; }
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
-  throw Error(
-      ErrorCode::invalid_argument,
-      "." + f + " holds " + holds + ", and these are " + std::to_string(dimension) + "D" +
-          (dimension == 3 && holds.starts_with("triangles") ? "; .vtk holds tetrahedra" : ""));
+  throw Error(ErrorCode::invalid_argument, ".", f, " holds ", holds, ", and these are ", dimension,
+              "D",
+              (dimension == 3 && holds.starts_with("triangles") ? "; .vtk holds tetrahedra" : ""));
 }
 
 void refuse_heights(const std::string& f) {
-  throw Error(ErrorCode::invalid_argument,
-              "." + f + " holds no heights; .ply .obj .off .stl .glb .vtp .vtk .json do");
+  throw Error(ErrorCode::invalid_argument, ".", f,
+              " holds no heights; .ply .obj .off .stl .glb .vtp .vtk .json do");
 }
 
 /// The plane's points at their heights, row after row. Throws unless there is one for each.
 std::vector<double> lift(const PointView& points, std::span<const double> heights) {
   if (points.dimension != 2)
-    throw Error(ErrorCode::invalid_argument, "heights are of 2D points, and these are " +
-                                                 std::to_string(points.dimension) + "D");
+    throw Error(ErrorCode::invalid_argument, "heights are of 2D points, and these are ",
+                points.dimension, "D");
   if (heights.size() != points.count)
-    throw Error(ErrorCode::invalid_argument, std::to_string(heights.size()) + " heights for " +
-                                                 std::to_string(points.count) + " points");
+    throw Error(ErrorCode::invalid_argument, heights.size(), " heights for ", points.count,
+                " points");
   std::vector<double> rows;
   rows.reserve(3 * heights.size());
   for (std::uint64_t i = 0; i < points.count; ++i) {
     if (!std::isfinite(heights[i]))
-      throw Error(ErrorCode::not_finite,
-                  "the height of point " + std::to_string(i) + " is NaN or infinite");
+      throw Error(ErrorCode::not_finite, "the height of point ", i, " is NaN or infinite");
     rows.insert(rows.end(), {points.at(i, 0), points.at(i, 1), heights[i]});
   }
   return rows;
@@ -136,9 +134,8 @@ HullMesh mesh_of(const ClippedCells& cells) {
       for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
         const std::uint64_t ring = cells.polygon_rings[g];
         if (cells.polygon_rings[g + 1] > ring + 1)
-          throw Error(ErrorCode::invalid_argument,
-                      "the cell of point " + std::to_string(i) +
-                          " has a hole, which meshes cannot hold; .geojson and .wkt can");
+          throw Error(ErrorCode::invalid_argument, "the cell of point ", i,
+                      " has a hole, which meshes cannot hold; .geojson and .wkt can");
         polygon.clear();
         for (std::uint64_t v = cells.ring_starts[ring]; v < cells.ring_starts[ring + 1]; ++v)
           polygon.push_back(static_cast<std::uint32_t>(v));
@@ -263,8 +260,8 @@ namespace {
 void refuse_word(std::string_view what, const std::vector<std::string>& known) {
   std::string words;
   for (const std::string& word : known) words += (words.empty() ? "" : " ") + word;
-  throw Error(ErrorCode::invalid_argument,
-              "unknown format " + quoted_text(std::string(what)) + "; known are " + words);
+  throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(std::string(what)),
+              "; known are ", words);
 }
 
 void add_line(std::string& out, std::uint64_t v) {
