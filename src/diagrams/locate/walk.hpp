@@ -13,14 +13,14 @@
 
 namespace cullhull::internal {
 
-/// The sign of the orientation of K + 1 points. No overflow is wrong here: what is not finite
-/// decides nothing. K = 0: k is known at run time alone.
+/// The sign of the orientation of k + 1 points. Overflow does no harm: a value that is not finite
+/// decides nothing. K: k if it is a compile-time constant, otherwise 0.
 template <unsigned K>
 inline Sign cell_orientation(unsigned k, const double* const* p) {
   if constexpr (K == 2) {
     const double l = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]);
     const double r = (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
-    // Differences, products and the last difference: 4 roundings a path, and those of the bound.
+    // 4 roundings on a path (differences, product, last difference), the others of the bound.
     const double det = l - r, bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + 0x1p-1000;
     if (det > bound) return Sign::positive;
     if (det < -bound) return Sign::negative;
@@ -35,7 +35,7 @@ inline Sign cell_orientation(unsigned k, const double* const* p) {
     double det[8];
     expand_minors<3, false>(m, 3, det, static_cast<double*>(nullptr));
     constexpr double factor = (minor_roundings(3) + 6) * 6 * unit_roundoff;
-    // Below 2^100 what underflows is worth less than 2^-340.
+    // With magnitudes up to 2^100, underflow adds less than 2^-340.
     const double bound = factor * columns[0] * columns[1] * columns[2] + 0x1p-340;
     if (largest <= 0x1p100) {
       if (det[7] > bound) return Sign::positive;
@@ -70,14 +70,15 @@ class Flood {
   std::vector<std::uint32_t> todo_;
 };
 
-/// A thread's walks, each from where the last one ended or from a vertex near on the curve.
+/// Visibility walks of one thread. Each starts where the last one ended or at a vertex near on the
+/// curve.
 template <unsigned K>
 class Walk {
  public:
   explicit Walk(const WalkMesh& mesh) : mesh_(mesh), probe_(mesh.corners) {}
 
-  /// The place of the cell of lowest number that has q (numbers in the mesh's columns), or no_cell.
-  /// For k >= 1. `key`: of q.
+  /// The place of the cell that contains q, of several the one with the lowest number; no_cell if
+  /// there is none. `q`: in the mesh's columns; `key`: its curve key. Requires k >= 1.
   std::uint32_t find(const double* q, std::uint32_t key) {
     const std::uint32_t row = mesh_.row_at(key, key >= key_ ? row_ : 0);
     const bool from_last =
@@ -94,7 +95,7 @@ class Walk {
   static std::uint32_t distance(std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; }
   unsigned k() const { return K ? K : mesh_.corners - 1; }
 
-  /// Sets cell_ to a cell that has q, or to the last one before the hull was left.
+  /// Sets cell_ to a cell that contains q, or to the cell where the walk left the hull (false).
   bool walk(const double* q) {
     for (std::uint32_t from = nowhere;;) {
       const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -118,7 +119,7 @@ class Walk {
     }
   }
 
-  /// Of the cells around the face of cell_ whose corners are not in zeros_.
+  /// The cell of lowest number around the face that q is in: the corners of cell_ not in zeros_.
   std::uint32_t lowest() {
     if (zeros_.empty()) return cell_;
     const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -152,20 +153,20 @@ class Walk {
   Flood flood_;
 };
 
-/// A thread's walks. The lifted vertices are those of a convex surface, over which a distance to q
-/// is the surface less a linear function: a vertex that no neighbour betters is the best, and those
-/// as good are connected.
+/// Walks of one thread to the nearest vertex. The lifted vertices are those of a convex surface, on
+/// which the power distance to q is the height less a linear function. So a vertex that is not
+/// farther than any of its neighbours is a nearest one, and all nearest vertices are connected.
 class NearestVertex {
  public:
   /// `graph`: neighbour_rows().
   NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
       : mesh_(mesh), graph_(graph) {}
 
-  /// The id of the nearest vertex, of several the lowest. `key`: of q.
+  /// The id of the nearest vertex, of several the lowest. `key`: q's curve key.
   std::uint32_t find(const double* q, std::uint32_t key);
 
  private:
-  /// Negative: a is nearer to q than b (for the furthest site: further).
+  /// Negative if a is nearer to q than b is; for the furthest site, if it is farther.
   Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const;
   std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
 
