@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "certify/certificate.hpp"
-#include "certify/side_filter.hpp"
 #include "certify/triangulation/group_corners.hpp"
+#include "certify/triangulation/side_filter.hpp"
 #include "exact/insphere/lifted_rows.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
