@@ -32,6 +32,9 @@ template <class... Parts>
   throw Fault{std::move(text)};
 }
 
+/// Throws Error{invalid_argument} for points of no dimension or without data.
+void require_certifiable(const PointView& points);
+
 /// The simplices of each facet, ascending.
 using FacetSimplices = Adjacency<std::uint32_t, std::uint32_t>;
 
@@ -117,7 +120,7 @@ struct Subject {
 };
 
 /// As Run::each, but the fault of the first chunk that has one is thrown at the end.
-void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 
 void check_shape(Subject& s);  // sizes, ranges, order; fills ids, full, index

@@ -1,4 +1,4 @@
-// Planes of the cells of a growing triangulation, kept beside them.
+// Planes of the cells of a growing triangulation, stored in an array of their own.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace cullhull::internal::inline delaunay {
 template <unsigned K>
 struct LiftedPlane {
   double normal[K + 1];
-  double linear, square;  ///< as lift_planes has them
+  double linear, square;  ///< the numbers a and b of lift_planes()
   std::uint32_t origin;
 };
 /// Indexed by cell.
@@ -41,8 +41,8 @@ class CellPlanes {
   /// Marks cell c, a ghost for instance, as having no plane.
   void set_none(std::uint32_t c) { planes_[c].origin = infinite; }
 
-  /// Of cells that have the point p: collected until there are enough. `v`: corners of cell c, of
-  /// which `slot` is p.
+  /// Adds the plane of cell c, whose corners are `v` and whose corner `slot` is the point p. Planes
+  /// are computed lift_block at a time.
   void add(std::uint32_t c, const std::uint32_t* v, unsigned slot, std::uint32_t p) {
     const double* o = s_.row(p);
     for (unsigned i = 0, to = 0; i <= K; ++i) {
@@ -55,7 +55,7 @@ class CellPlanes {
     odd_[open_] = slot % 2 == 1;
     if (++open_ == lift_block) flush(p);
   }
-  /// All that were added are of the same p; to be called after the last of them.
+  /// Computes the planes added last. To be called after the last cell of each point p.
   void flush(std::uint32_t p) {
     if (open_ == 0) return;
     lift_planes(K, rows_, block_);
@@ -78,7 +78,7 @@ class CellPlanes {
     prefetch_line(planes_ + c);
     prefetch_line(&planes_[c].origin);
   }
-  /// As lift_side(), for a cell whose plane is known; zero: undecided in floating point.
+  /// As lift_side(), for a cell whose plane is known; zero if floating point does not decide.
   Sign side(std::uint32_t c, const double* p) const {
     const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);
@@ -106,7 +106,7 @@ class CellPlanes {
   double rows_[K * (K + 1) * lift_block] = {}, block_[(K + 3) * lift_block] = {};
 };
 
-/// Where no planes are kept.
+/// Stands in for CellPlanes in dimensions without planes.
 struct NoPlanes {
   explicit NoPlanes(const LiftedPoints&) {}
 };

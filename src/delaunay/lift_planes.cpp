@@ -1,4 +1,4 @@
-// In lanes, compiled once per instruction set.
+// One cell in each lane of a vector; compiled once per instruction set.
 #include "delaunay/lift_planes.hpp"
 
 #include <array>
@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<double, lift_block>;
 using V = hn::Vec<F>;
 
-/// One vector of cells. `m`, `out`: of the first of them.
+/// The planes of one vector of cells. `m`, `out`: the data of the first cell.
 template <unsigned K>
 HWY_INLINE void planes_of_vector(double* m, double* out) {
   const F f;
@@ -41,7 +41,8 @@ HWY_INLINE void planes_of_vector(double* m, double* out) {
     largest[K] = hn::Max(largest[K], lift);
     hn::StoreU(lift, f, entry(i, K));
   }
-  // Minors of the first rows on the columns of a mask, along their last row (expand_minors).
+  // det[mask]: the minor of the first rows on the columns of a mask, expanded along its last row
+  // (as in expand_minors).
   V det[full];
   for (unsigned mask = 1; mask < full; ++mask) {
     const auto size = static_cast<unsigned>(std::popcount(mask));
@@ -60,7 +61,7 @@ HWY_INLINE void planes_of_vector(double* m, double* out) {
     }
     det[mask] = sum;
   }
-  // Along the last row of K + 1.
+  // The cofactors of the last of K + 1 rows.
   for (unsigned j = 0; j < columns; ++j) {
     const V d = det[(full - 1) ^ (1U << j)];
     hn::StoreU((K + j) % 2 == 0 ? d : hn::Neg(d), f, out + j * lift_block);

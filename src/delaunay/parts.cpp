@@ -18,7 +18,7 @@ namespace {
 /// Places of points in the order of insertion, ascending.
 using Places = std::vector<std::uint32_t>;
 
-/// Three points of the places that are not on a line, among the first few; false if there are none.
+/// Finds three points that are not on a line among the first few; false if there are none.
 bool find_triangle(const LiftedPoints& s, const Places& places, std::uint32_t* simplex) {
   constexpr std::size_t few = 512;
   const std::size_t n = std::min(places.size(), few);
@@ -189,7 +189,8 @@ class Parts {
     return static_cast<std::size_t>(h ^ h >> 32);
   }
 
-  /// Numbers of the final cells of a part from `next` on, into their marks shifted by two.
+  /// Numbers the final cells of a part from `next` on: their marks become first_number + the
+  /// number.
   static std::uint32_t number_final(CellStore<2>& cells, std::uint32_t next) {
     for (std::uint32_t c = 0; c < cells.count(); ++c)
       if (!cells.dead(c) && cells.mark(c) == final_mark) cells.mark(c) = first_number + next++;
@@ -223,7 +224,7 @@ class Parts {
         slots_[at] = static_cast<std::uint32_t>(i);
       }
     }
-    /// The border on whose other side the facet's cell is.
+    /// The border with these corners and the opposite orientation; no_index if there is none.
     std::uint32_t find(const std::array<std::uint32_t, 2>& corners, bool odd) const {
       for (std::size_t at = hash(corners) & (slots_.size() - 1); slots_[at] != no_index;
            at = (at + 1) & (slots_.size() - 1)) {
@@ -238,13 +239,13 @@ class Parts {
     std::vector<std::uint32_t> slots_;
   };
 
-  /// Those cells of the seam that are in reach of the borders, numbered from `next` on; what is
-  /// across each border.
+  /// Numbers the cells of the seam that are reached from the borders, from `next` on, and sets what
+  /// is across each border. A flood that stops at borders.
   static std::uint32_t flood(CellStore<2>& seam, std::vector<Border>& borders,
                              std::vector<std::uint32_t>& beyond, std::uint32_t next) {
     const BorderTable table(borders);
     std::vector<std::uint32_t> found;
-    // Where a facet of a seam's cell is a border, `beyond` has it.
+    // beyond[3 c + j]: the border at facet j of the seam's cell c.
     beyond.assign(std::size_t{seam.count()} * 3, no_index);
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
       if (seam.dead(c)) continue;
@@ -279,7 +280,7 @@ class Parts {
     return next;
   }
 
-  /// Final cells with the numbers in their marks; links across borders are made afterwards.
+  /// Copies final cells to the places that their marks name. Links across borders are made later.
   static void copy_cells(CellStore<2>& from, CellStore<2>& to, const Run& run) {
     run.each(from.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
@@ -304,7 +305,7 @@ class Parts {
     std::vector<Border> borders;
     find_borders(a, borders);
     find_borders(b, borders);
-    if (count == 0) {  // nothing is final: the seam is all
+    if (count == 0) {  // no cell is final: the seam is the whole triangulation
       for (std::uint32_t c = 0; c < seam.count(); ++c)
         if (!seam.dead(c)) seam.mark(c) = final_mark;
       count = number_final(seam, 0);

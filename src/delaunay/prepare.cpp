@@ -57,7 +57,9 @@ class Sorter {
   }
 
  private:
-  static constexpr std::uint32_t few = 48;  // so many points are sorted by coordinates; a guess
+  /// Up to so many points of one key are sorted by coordinates: as radix_sort(), which counts
+  /// digits only from 48 items on.
+  static constexpr std::uint32_t few = 48;
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
   bool less(std::uint32_t a, std::uint32_t b) const {

@@ -10,7 +10,7 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// Returns the ids of these vertices, ascending. `t`: cells, hull and groups must be complete.
+/// The ids of these vertices, ascending. Requires complete cells, hull and groups of `t`.
 std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
                                               const Run& run);
 

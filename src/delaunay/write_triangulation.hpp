@@ -1,4 +1,5 @@
-// Writes the canonical result: sorted cells with the caller's ids, groups, the hull's facets.
+// Writes the canonical result: sorted cells with the caller's ids, groups, the facets of the hull
+// or of any part of the cells, hidden points.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,5 @@
-// What the steps from a triangulation to its dual share.
+// Shared by the steps from a triangulation to its dual: the points as rows, lists built in chunks,
+// edges with the cells around them.
 #pragma once
 
 #include <compare>
@@ -19,7 +20,11 @@ namespace cullhull::internal::inline diagrams {
 void require_points_of(const Triangulation& t, const PointView& points,
                        std::span<const double> weights);
 
-/// All points as rows of d doubles, and the weight where there is one.
+/// Throws Error{invalid_argument} for triangulations of the furthest site or with hidden points.
+/// `what`: the plural that the message begins with.
+void require_unweighted(const Triangulation& t, const char* what);
+
+/// All points as rows of d doubles, followed by the weight if there are weights.
 class DualPoints {
  public:
   DualPoints(const PointView& points, const Triangulation& t, std::span<const double> weights,
@@ -33,7 +38,7 @@ class DualPoints {
   Array<double> rows_;
 };
 
-/// Lists that chunks of a loop make, joined in the order of chunks.
+/// Collects lists from the chunks of a parallel loop and joins them in the order of the chunks.
 class ChunkedListBuilder {
  public:
   explicit ChunkedListBuilder(std::uint64_t count)
@@ -105,11 +110,11 @@ class EdgeCells {
 /// The points that share an edge with each point, ascending.
 Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges);
 
-/// The first cell of each group; empty where every cell is a group of its own.
+/// The first cell of each group; empty if every cell is a group of its own.
 Array<std::uint32_t> first_cells(const Triangulation& t);
-/// Vertices into `out`; k >= 1.
+/// Writes the vertices of `out`. Requires k >= 1.
 void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
-/// Ridges into `out`.
+/// Writes the ridges of `out`.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 
 }  // namespace cullhull::internal::inline diagrams

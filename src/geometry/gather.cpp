@@ -96,9 +96,8 @@ void require_points(std::uint32_t dimension, const void* data, std::uint64_t cou
 
 void require_weights(std::span<const double> weights, std::uint64_t count) {
   if (weights.size() != count)
-    throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(count) +
-                                                 " points, but " + std::to_string(weights.size()) +
-                                                 " weights");
+    throw Error(ErrorCode::invalid_argument, "there are ", count, " points, but ", weights.size(),
+                " weights");
 }
 
 std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes,

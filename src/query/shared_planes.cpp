@@ -27,16 +27,16 @@ class Planes {
   }
 
   std::vector<std::uint32_t> share() const {
-    std::vector<std::uint32_t> of(hull_.facet_count(), no_index), reached;
+    std::vector<std::uint32_t> of(hull_.facet_count(), internal::no_index), reached;
     for (const std::uint32_t seed : largest_first()) {
-      if (of[seed] != no_index) continue;
+      if (of[seed] != internal::no_index) continue;
       of[seed] = seed;
       reached.assign(1, seed);
       while (!reached.empty()) {
         const std::uint32_t facet = reached.back();
         reached.pop_back();
         for (const std::uint32_t next : hull_.facet_neighbours[facet]) {
-          if (of[next] != no_index || !holds(seed, next)) continue;
+          if (of[next] != internal::no_index || !holds(seed, next)) continue;
           of[next] = seed;
           reached.push_back(next);
         }

@@ -14,11 +14,16 @@
 namespace cullhull {
 namespace internal::certify {
 
-void check_chunks(const Subject& s, std::uint64_t count, std::uint64_t chunk_size,
+void require_certifiable(const PointView& points) {
+  if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
+    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+}
+
+void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
   std::vector<std::string> faults(chunk_count(count, chunk_size));
-  s.run.each_chunk(count, chunk_size,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+  run.each_chunk(count, chunk_size,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     try {
       body(begin, end);
     } catch (const Fault& f) {
@@ -137,7 +142,8 @@ void check_single(Subject& s) {
 
 /// k = 0: checks that each point is the single vertex.
 void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
-  check_chunks(s, block.count, std::uint64_t{1} << 16, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s.run, block.count, std::uint64_t{1} << 16,
+               [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < block.dimension; ++j) {
         const double v = block.at(i, j);
@@ -180,8 +186,7 @@ void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
 
 void check_all(Subject& s, Certificate& out) {
   const std::uint64_t n = s.points.count;
-  if (s.points.dimension == 0 || (n > 0 && s.points.data == nullptr))
-    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  require_certifiable(s.points);
   std::optional<Cones> cones;
   check_hull(s, cones, out);
   if (s.k > 0)
@@ -279,8 +284,7 @@ CertifyStream::~CertifyStream() = default;
 
 void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   Impl& m = *impl_;
-  if (block.dimension == 0 || (block.count > 0 && block.data == nullptr))
-    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  internal::certificate::require_certifiable(block);
   {
     const std::lock_guard lock(m.mutex);
     m.checked += block.count;

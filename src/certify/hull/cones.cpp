@@ -50,7 +50,7 @@ template <unsigned K>
 void Cones::build() {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work; not tuned
   std::vector<double> longest(chunk_count(s_.simplex_count(), chunk), 0);
-  check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     double most = 0;
     for (std::uint64_t i = begin; i < end; ++i) {
       s_.prefetch_corners(i);

@@ -30,7 +30,7 @@ class FacetCheck {
 
   void run() {
     if (k_ > 1) check_connected();
-    check_chunks(s_, h_.facets.size(), std::uint64_t{1} << 12,
+    check_chunks(s_.run, h_.facets.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end; ++f) check_lists(static_cast<std::uint32_t>(f));
     });
@@ -203,7 +203,7 @@ class FacetCheck {
 
   void index_incidence() {
     listed_.resize(h_.facets.items.size());
-    check_chunks(s_, listed_.size(), std::uint64_t{1} << 14,
+    check_chunks(s_.run, listed_.size(), std::uint64_t{1} << 14,
                  [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i)
         listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
@@ -232,7 +232,7 @@ class FacetCheck {
 
   /// A vertex is extreme iff no other is on all of its facets.
   void check_extreme() const {
-    check_chunks(s_, s_.ids.size(), std::uint64_t{1} << 12,
+    check_chunks(s_.run, s_.ids.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto v = static_cast<std::uint32_t>(i);
@@ -250,7 +250,7 @@ class FacetCheck {
   /// Pulling: the first vertex of every tail of a simplex is the lowest one of the smallest face
   /// that contains the tail.
   void check_pulled() const {
-    check_chunks(s_, s_.simplex_count(), std::uint64_t{1} << 10,
+    check_chunks(s_.run, s_.simplex_count(), std::uint64_t{1} << 10,
                  [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         if (size(h_.simplex_facets[i]) == k_) continue;

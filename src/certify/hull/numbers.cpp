@@ -33,7 +33,7 @@ class PlaneCheck {
   }
 
   void run() const {
-    check_chunks(s_, h_.facets.size(), std::uint64_t{1} << 12,
+    check_chunks(s_.run, h_.facets.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
       FacetTerms terms;
       for (std::uint64_t f = begin; f < end; ++f) check(static_cast<std::uint32_t>(f), terms);
@@ -202,7 +202,7 @@ class MeasureCheck {
   QuickSums quick_sums() const {
     constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work; not tuned
     std::vector<QuickSums> parts((s_.simplex_count() + chunk - 1) / chunk, QuickSums(d_, 0.0, 0.0));
-    check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       FacetTerms terms;
       std::vector<double> reach(d_);
       for (std::uint64_t i = begin; i < end; ++i) {
@@ -256,7 +256,7 @@ class MeasureCheck {
     constexpr mp_bitcnt_t bits = 4608;    // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
-    check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         s_.run.check();
         add_wide(static_cast<std::uint32_t>(i), bits, parts[begin / chunk]);

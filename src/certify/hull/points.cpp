@@ -184,7 +184,7 @@ class InnerFilter {
     }
     std::vector<double> radius(2 * k_ * face_nodes);
     std::vector<std::uint32_t> simplex(radius.size());
-    check_chunks(s_, radius.size(), 512, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s_.run, radius.size(), 512, [&](std::uint64_t begin, std::uint64_t end) {
       const double* scratch[7];
       std::uint32_t f = 0;
       for (std::uint64_t n = begin; n < end; ++n) {
@@ -419,7 +419,7 @@ PointCheck::PointCheck(const Subject& s, const Cones& cones)
 PointCheck::~PointCheck() = default;
 
 void PointCheck::check(const PointView& block, std::uint64_t first_id) const {
-  check_chunks(s_, block.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s_.run, block.count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     scan_->range(block, first_id, begin, end);
   });
 }

@@ -55,7 +55,7 @@ void read_vertices(Subject& s) {
   s.index_ids();
   const unsigned d = h.dimension;
   s.full.resize(s.ids.size() * d);
-  check_chunks(s, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s.run, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < d; ++j) {
         s.full[i * d + j] =
@@ -70,7 +70,7 @@ void read_simplices(Subject& s) {
   const unsigned k = s.k;
   const std::uint64_t count = h.simplex_facets.size();
   s.index.resize(count * k);
-  check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s.run, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t* row = h.simplices.data() + i * k;
       if (i + 24 < count) s.prefetch_positions(row + 24 * k, row + 12 * k);
@@ -134,7 +134,7 @@ class RidgeCheck {
   /// The number of ridges.
   std::uint64_t run() const {
     std::vector<std::uint64_t> pairs(chunk_count(s_.simplex_count(), chunk), 0);
-    check_chunks(s_, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       pairs[begin / chunk] = range(begin, end);
     });
     const std::uint64_t all = std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0});
@@ -216,7 +216,7 @@ class RidgeCheck {
 bool beneath_all(const Subject& s, const Cones& cones) {
   const std::uint32_t count = s.simplex_count();
   try {
-    check_chunks(s, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s.run, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
       std::vector<const double*> scratch(s.k + 1);
       for (std::uint64_t f = begin; f < end; ++f) {
         if (cones.usable() && cones.beneath(static_cast<std::uint32_t>(f))) continue;
@@ -267,7 +267,7 @@ class Wedges {
     if (!cones.relative(x, y)) return;
     add_functionals(y);
     behind_.resize(s.ids.size());
-    check_chunks(s, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    check_chunks(s.run, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       double v[Cones::max_dimension];
       for (std::uint64_t i = begin; i < end; ++i) {
         cones.relative(s.row(static_cast<std::uint32_t>(i)), v);
@@ -427,7 +427,7 @@ void check_covering(Subject& s, Cones& cones) {
     beneath_all(s, cones);
   }
   const Wedges wedges(s, cones, x.data());
-  check_chunks(s, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+  check_chunks(s.run, s.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<const double*> own(s.k + 1);
     for (std::uint64_t wide = begin; wide < end; ++wide) {
       const auto f = static_cast<std::uint32_t>(wide);

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "certify/certificate.hpp"
-#include "certify/side_filter.hpp"
+#include "certify/triangulation/side_filter.hpp"
 #include "cullhull/error.hpp"
 #include "exact/insphere/lifted_rows.hpp"
 #include "exact/orientation/orientation.hpp"

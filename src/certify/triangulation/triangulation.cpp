@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "certify/certificate.hpp"
-#include "certify/side_filter.hpp"
 #include "certify/triangulation/group_corners.hpp"
+#include "certify/triangulation/side_filter.hpp"
 #include "exact/insphere/lifted_rows.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
@@ -476,20 +476,12 @@ class TriangulationSubject {
     fault("no cell has hidden point ", id);
   }
 
-  /// body(i) on all threads; of several faults, throws the one of the first chunk.
+  /// Calls body(i) on all threads; of several faults, throws the one of the first chunk.
   template <class Body>
   void check_each(std::uint64_t count, const Body& body) const {
-    constexpr std::uint64_t chunk = 4096;
-    std::vector<std::string> faults(chunk_count(count, chunk));
-    run_.each_chunk(count, chunk, [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
-      try {
-        for (std::uint64_t i = begin; i < end; ++i) body(i);
-      } catch (const Fault& f) {
-        faults[at] = f.reason;
-      }
+    check_chunks(run_, count, 4096, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) body(i);
     });
-    for (std::string& f : faults)
-      if (!f.empty()) throw Fault{std::move(f)};
   }
 
   const PointView& points_;
@@ -503,8 +495,7 @@ class TriangulationSubject {
 
 Certificate certify_triangulation(const PointView& points, std::span<const double> weights,
                                   const Triangulation& t, const TriangulationOptions& o) {
-  if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
-    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
+  require_certifiable(points);
   const Call call(o);
   const Run& run = call.run;
   Certificate out;

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
-#include "cullhull/error.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/difference_products.hpp"
@@ -18,13 +16,6 @@
 namespace cullhull {
 namespace internal::inline diagrams {
 namespace {
-
-void require_delaunay(const Triangulation& t) {
-  if (t.furthest_site || !t.hidden.empty())
-    throw Error(ErrorCode::invalid_argument,
-                "graphs of near points are of Delaunay triangulations without weights, not of the "
-                "furthest site");
-}
 
 void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
   out.reserve(2 * edges.size());
@@ -42,13 +33,14 @@ struct MeasuredEdge {
   bool exact;  ///< not rounded
 };
 
-/// Edges by length, then by ids. First by what double-doubles tell; where neighbours in that order
-/// are too near for it, exactly.
+/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; edges whose
+/// lengths are too close for that are then sorted again by exact comparisons.
 class EdgeOrder {
  public:
   EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
 
-  /// Whole where each square is the only one, or squares and sums are doubles.
+  /// The squared length. It is exact if it has a single nonzero square, or if all squares and sums
+  /// are doubles.
   MeasuredEdge measure(const Edge& e) const {
     MeasuredEdge m{{}, e, true};
     for (unsigned j = 0; j < d_; ++j) {
@@ -86,7 +78,8 @@ class EdgeOrder {
   }
 
  private:
-  /// Twice what both may be off by, 2^-101 an operation; true for what overflowed.
+  /// Whether two lengths may be in the wrong order: their distance is within twice the error of
+  /// both, 2^-101 an operation. True if they overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
     if (a.exact && b.exact) return false;
     const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
@@ -138,12 +131,13 @@ class LuneSearch {
   LuneSearch(const DualPoints& p, const Adjacency<std::uint32_t>& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
-  /// From both ends in turn: points that are nearer to an end than the other end are connected with
-  /// it in the triangulation. Done where one end has no more of them.
+  /// Whether there is no such point. Searches from both ends in turn: the points that are nearer to
+  /// an end than the other end is are connected with it in the triangulation. The search is
+  /// complete when one end has no more of them.
   bool empty(const Edge& e) {
     edge_ = e;
     for (Side& side : sides_) side.clear();
-    // Where there is one it is most often a neighbour of both.
+    // If there is such a point, it usually is a neighbour of both ends.
     if (!expand(sides_[0], e.low, e.low, e.high) || !expand(sides_[1], e.high, e.high, e.low))
       return false;
     for (;;)
@@ -156,7 +150,7 @@ class LuneSearch {
   }
 
  private:
-  /// Points met: few, so that a list is looked through, or else a table.
+  /// The points met from one end: a list that is searched while there are few, then a hash table.
   struct Side {
     static constexpr std::size_t few = 32;
     std::vector<std::uint32_t> todo, met;
@@ -241,11 +235,11 @@ std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const 
   return edges;
 }
 
-/// What a graph's public function does: checks, then `edges_of(points, triangulation, run)`.
+/// The common part of the public functions: checks, then edges_of(points, triangulation, run).
 template <class EdgesOf>
 Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
                               const RunOptions& options, const EdgesOf& edges_of) {
-  require_delaunay(t);
+  require_unweighted(t, "graphs of near points");
   const Call call(options);
   const Run& run = call.run;
   const DualPoints p(points, t, {}, run);

@@ -5,8 +5,8 @@
 
 #include "diagrams/interpolation/stolen_volumes-inl.hpp"
 #include "exact/insphere/lift_side.hpp"
-#include "exact/numbers/rationals.hpp"
 #include "exact/numbers/fractions.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"

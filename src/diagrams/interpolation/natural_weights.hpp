@@ -1,4 +1,4 @@
-// Sibson's coordinates: the shares that a new point's Voronoi cell takes from its neighbours.
+// Sibson's coordinates: the shares of its Voronoi cell that a new point steals from each neighbour.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// A triangulation made by delaunay(), kept for the question.
+/// A copy of a triangulation made by delaunay(), with its points scaled.
 class NaturalTriangulation {
  public:
   NaturalTriangulation(const PointView& points, const Triangulation& t, const Run& run);
 
   unsigned dimension() const { return d_; }
-  /// k.
+  /// The affine dimension k.
   unsigned base() const { return k_; }
   const std::uint32_t* cell(std::uint32_t c) const {
     return cells_.data() + std::size_t{c} * (k_ + 1);
@@ -28,11 +28,12 @@ class NaturalTriangulation {
   const std::uint32_t* neighbours(std::uint32_t c) const {
     return neighbours_.data() + std::size_t{c} * (k_ + 1);
   }
-  /// Coordinates, the k axes first; scaled by a power of two.
+  /// Coordinates in the order of flat_columns(), scaled by a power of two.
   const double* row(std::uint32_t v) const { return rows_.data() + std::size_t{v} * d_; }
-  /// Without the scale.
+  /// The same, not scaled.
   void copy_plain(std::uint32_t v, double* out) const;
-  /// A point's coordinates as rows have them; false, and without the scale, if that is not exact.
+  /// Writes a point's coordinates as row() has them. If scaling is not exact, writes them not
+  /// scaled and returns false.
   bool scaled(const double* point, double* out) const;
   const LiftedPoints& frame() const { return frame_; }
 
@@ -45,12 +46,13 @@ class NaturalTriangulation {
   LiftedPoints frame_;  ///< for predicates; without rows
 };
 
-/// A thread's questions.
+/// Answers queries on one thread.
 class NaturalWeights {
  public:
   explicit NaturalWeights(const NaturalTriangulation& t) : t_(t), query_(t.dimension()) {}
 
-  /// Of a point in the cell, with its barycentric coordinates there. See Interpolator. k <= 3.
+  /// The natural neighbours of a point in the cell; `barycentric`: its coordinates there. See
+  /// Interpolator. Requires k <= 3.
   void find(const double* point, std::uint32_t cell, const double* barycentric,
             NaturalNeighbours& out);
 
@@ -70,9 +72,9 @@ class NaturalWeights {
 
   const NaturalTriangulation& t_;
   std::vector<double> query_;
-  bool plain_ = false;  ///< rows without the scale
+  bool plain_ = false;  ///< whether this query uses rows that are not scaled
   std::deque<std::vector<double>> plain_rows_;
-  std::vector<std::uint32_t> cells_;  ///< in whose spheres the query is
+  std::vector<std::uint32_t> cells_;  ///< the cells whose circumspheres contain the query
 };
 
 }  // namespace cullhull::internal::inline diagrams

@@ -26,11 +26,11 @@ namespace cullhull {
 namespace internal::inline diagrams {
 namespace {
 
-/// Questions a chunk, and those that are sorted at once: memory stays the same for any number.
+/// Queries in a chunk, and queries sorted at once: memory does not grow with their number.
 constexpr std::uint64_t grain = std::uint64_t{1} << 10, block = std::uint64_t{1} << 22;
 
-/// The points of a batch along the curve: body() makes a thread's work, which is called with the
-/// number of a point, its row in the mesh's columns, and its key.
+/// Visits the points of a batch along the curve. body() creates the work of one thread, which is
+/// called with the number of a point, its row in the mesh's columns, and its key.
 template <class Body>
 void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& run,
                       const Body& body) {
@@ -68,9 +68,10 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
 
 // ------------------------------------------------------------------- barycentric coordinates
 
-/// The determinants of the rows p_i - q but one by double-doubles, whose operations err by 2^-102
-/// relatively: each is within `bound`, and their sum, the cell's own determinant, within (k + 1)
-/// times that and some roundings. False where that does not prove the result.
+/// Computes, in double-doubles, the determinants of all rows p_i - q but one. The operations have
+/// relative errors of 2^-102: each determinant is within `bound`, and their sum, the cell's own
+/// determinant, within (k + 1) times that and some roundings. Returns false if that does not prove
+/// the result.
 template <unsigned K>
 bool by_double_doubles(const double* const* p, const double* q, double* out) {
   DoubleDouble m[K + 1][K];
@@ -152,7 +153,7 @@ struct TriangulationQuery::State {
         const Run& run)
       : mesh(points, t, weights, run) {}
 
-  /// One point: checked, its columns in order.
+  /// The coordinates of one point in the mesh's columns. Throws not_finite.
   std::vector<double> row_of(const double* point) const {
     std::vector<double> row(mesh.dimension);
     for (unsigned j = 0; j < mesh.dimension; ++j) {
@@ -169,7 +170,8 @@ struct TriangulationQuery::State {
                   " asked of a triangulation in dimension ", mesh.dimension);
     check_finite(view, nullptr, run);
   }
-  /// Cells or vertices for all points, by body(run): no_cell where the triangulation has none.
+  /// Calls body(run) to write cells or vertices for all points; writes no_cell for each of them if
+  /// the triangulation is empty.
   template <class Body>
   void answer(const PointView& points, std::uint32_t* out, const RunOptions& options,
               const Body& body) const {
@@ -183,8 +185,8 @@ struct TriangulationQuery::State {
   }
   std::uint32_t key(const double* row) const { return mesh.corners > 1 ? mesh.frame.key(row) : 0; }
 
-  /// Whether the row is in the flat of the points: for each axis that the flat leaves out, a cell's
-  /// corners and the row have no volume there.
+  /// Whether the row is in the flat of the points: projected onto the flat's axes and any other
+  /// axis, a cell's corners and the row have no volume.
   bool in_flat(const double* row) const {
     const unsigned k = mesh.corners - 1, d = mesh.dimension;
     if (k == d) return true;

@@ -9,9 +9,9 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// Sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b): the sum of (a - b) ((a - q) + (b - q)), less the
-/// weights' difference. Each product passes 5 roundings at the size of its factors' magnitudes,
-/// then d + 1 sums, and the bound as many.
+/// The sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b), the sum of (a - b) ((a - q) + (b - q)) less
+/// the difference of the weights. Each product has at most 5 roundings, relative to the product of
+/// its factors' magnitudes, then d + 1 sums; the bound has as many.
 Sign power_sign(unsigned d, bool weighted, const double* q, const double* a, const double* b) {
   double sum = 0, size = 0;
   for (unsigned j = 0; j < d; ++j) {

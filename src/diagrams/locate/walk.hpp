@@ -13,8 +13,8 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// The sign of the orientation of K + 1 points. No overflow is wrong here: what is not finite
-/// decides nothing. K = 0: k is known at run time alone.
+/// The sign of the orientation of k + 1 points. Overflow does no harm: a value that is not finite
+/// decides nothing. K: k if it is a compile-time constant, otherwise 0.
 template <unsigned K>
 inline Sign cell_orientation(unsigned k, const double* const* p) {
   // Without a limit to coordinates, what underflows is worth less than this.
@@ -50,14 +50,15 @@ class Flood {
   std::vector<std::uint32_t> todo_;
 };
 
-/// A thread's walks, each from where the last one ended or from a vertex near on the curve.
+/// Visibility walks of one thread. Each starts where the last one ended or at a vertex near on the
+/// curve.
 template <unsigned K>
 class Walk {
  public:
   explicit Walk(const WalkMesh& mesh) : mesh_(mesh), probe_(mesh.corners) {}
 
-  /// The place of the cell of lowest number that has q (numbers in the mesh's columns), or no_cell.
-  /// For k >= 1. `key`: of q.
+  /// The place of the cell that contains q, of several the one with the lowest number; no_cell if
+  /// there is none. `q`: in the mesh's columns; `key`: its curve key. Requires k >= 1.
   std::uint32_t find(const double* q, std::uint32_t key) {
     const std::uint32_t row = mesh_.row_at(key, key >= key_ ? row_ : 0);
     const bool from_last =
@@ -74,7 +75,7 @@ class Walk {
   static std::uint32_t distance(std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; }
   unsigned k() const { return K ? K : mesh_.corners - 1; }
 
-  /// Sets cell_ to a cell that has q, or to the last one before the hull was left.
+  /// Sets cell_ to a cell that contains q, or to the cell where the walk left the hull (false).
   bool walk(const double* q) {
     for (std::uint32_t from = nowhere;;) {
       const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -98,7 +99,7 @@ class Walk {
     }
   }
 
-  /// Of the cells around the face of cell_ whose corners are not in zeros_.
+  /// The cell of lowest number around the face that q is in: the corners of cell_ not in zeros_.
   std::uint32_t lowest() {
     if (zeros_.empty()) return cell_;
     const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -132,20 +133,20 @@ class Walk {
   Flood flood_;
 };
 
-/// A thread's walks. The lifted vertices are those of a convex surface, over which a distance to q
-/// is the surface less a linear function: a vertex that no neighbour betters is the best, and those
-/// as good are connected.
+/// Walks of one thread to the nearest vertex. The lifted vertices are those of a convex surface, on
+/// which the power distance to q is the height less a linear function. So a vertex that is not
+/// farther than any of its neighbours is a nearest one, and all nearest vertices are connected.
 class NearestVertex {
  public:
   /// `graph`: neighbour_rows().
   NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
       : mesh_(mesh), graph_(graph) {}
 
-  /// The id of the nearest vertex, of several the lowest. `key`: of q.
+  /// The id of the nearest vertex, of several the lowest. `key`: q's curve key.
   std::uint32_t find(const double* q, std::uint32_t key);
 
  private:
-  /// Negative: a is nearer to q than b (for the furthest site: further).
+  /// Negative if a is nearer to q than b is; for the furthest site, if it is farther.
   Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const;
   std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
 

@@ -14,7 +14,7 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// The numbers [0, keys.size()) by key, stable.
+/// The numbers [0, keys.size()) with their keys, sorted by key; stable.
 Array<KeyedId> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, const Run& run) {
   const auto n = static_cast<std::uint32_t>(keys.size());
   Array<KeyedId> items(n), scratch(n);
@@ -25,7 +25,7 @@ Array<KeyedId> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, co
   return items;
 }
 
-/// Distinct ids of all cells, ascending.
+/// The distinct ids of all cells, ascending.
 Array<std::uint32_t> vertices_of(const Triangulation& t) {
   std::vector<bool> seen(t.point_count);
   for (const std::uint32_t v : t.cells) {
@@ -132,7 +132,7 @@ void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& ro
 std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {
   const std::uint32_t n = vertex_count();
   std::uint32_t width = 1, high = from;
-  while (high < n && keys[high] < key) {  // gallops: the next key of a batch is near
+  while (high < n && keys[high] < key) {  // galloping: in a batch the next key is near
     from = high + 1;
     high = n - high > width ? high + width : n;
     width *= 2;

@@ -1,4 +1,4 @@
-// A triangulation as walks see it: vertices along a curve, cells beside their vertices.
+// A triangulation laid out for walks: vertices are stored along a curve, cells near their vertices.
 #pragma once
 
 #include <cstdint>
@@ -26,15 +26,15 @@ struct WalkMesh {
 
   /// Vertices along the curve: coordinates in the order of `columns`, then the weight.
   Array<double> rows;
-  Array<std::uint32_t> ids;   ///< of the caller, by row
-  Array<std::uint32_t> keys;  ///< ascending
+  Array<std::uint32_t> ids;   ///< the caller's id of each row
+  Array<std::uint32_t> keys;  ///< the curve key of each row, ascending
   CurveFrame frame;
 
-  /// A cell: k + 1 rows, then k + 1 neighbours, all by place here.
+  /// Each cell: k + 1 rows, then k + 1 neighbours by their places in this list.
   Array<std::uint32_t> cells;
-  Array<std::uint32_t> numbers;      ///< the caller's, by place
-  Array<std::uint32_t> places;       ///< the other way
-  Array<std::uint32_t> lowest_cell;  ///< by row: the place of the cell of lowest number
+  Array<std::uint32_t> numbers;      ///< the caller's number of the cell at each place
+  Array<std::uint32_t> places;       ///< the place of each of the caller's cells
+  Array<std::uint32_t> lowest_cell;  ///< the place of each row's cell of lowest number
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(ids.size()); }
   const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * stride; }
@@ -42,7 +42,7 @@ struct WalkMesh {
     return cells.data() + std::size_t{c} * 2 * corners;
   }
   const std::uint32_t* neighbours_of(std::uint32_t c) const { return corners_of(c) + corners; }
-  /// The row nearest to the key on the curve; `from`: where to begin to look.
+  /// The row whose key is nearest; the search begins at row `from`.
   std::uint32_t row_at(std::uint32_t key, std::uint32_t from = 0) const;
 
  private:

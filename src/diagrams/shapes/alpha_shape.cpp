@@ -23,7 +23,7 @@ void require_delaunay(const Triangulation& t) {
                 "alpha shapes are of Delaunay triangulations, not of the furthest site");
 }
 
-/// body(cell, rows of its corners).
+/// Calls body(cell, rows of its corners) for all cells.
 template <class Body>
 void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, const Body& body) {
   run.each(t.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
@@ -35,7 +35,8 @@ void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, cons
   });
 }
 
-/// Of the vertex that gets its first cell last.
+/// The least radius at which every vertex has a cell: the largest, over the vertices, of the
+/// smallest radius around each.
 double greatest_first_radius(const Triangulation& t, const Array<double>& radii) {
   Array<double> first(t.point_count);
   std::fill(first.begin(), first.end(), INFINITY);
@@ -46,7 +47,8 @@ double greatest_first_radius(const Triangulation& t, const Array<double>& radii)
   return greatest;
 }
 
-/// Cells join by ascending radius; the first radius from `least` on at which all are one.
+/// The first radius from `least` on at which the cells up to it are one region: joins cells in
+/// ascending order of their radii.
 double first_single_region(const Triangulation& t, const Array<double>& radii, double least) {
   const auto count = static_cast<std::uint32_t>(t.size());
   std::vector<std::uint32_t> order(count);

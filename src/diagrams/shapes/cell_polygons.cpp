@@ -74,8 +74,9 @@ class PolygonWriter {
     }
   }
 
-  /// The boundary from the edge opposite to corner j on: at each end around it through cells to the
-  /// next edge. What comes back to a point on the way is a ring of its own.
+  /// Follows the boundary from the edge opposite to corner j: at the end of each edge, turns
+  /// through the cells around it to the next edge. A path that returns to one of its points closes
+  /// a ring.
   void walk(std::uint32_t c, unsigned j) {
     const std::uint32_t piece = piece_[c];
     Ring path;
@@ -89,7 +90,7 @@ class PolygonWriter {
     }
   }
 
-  /// From the edge that ends at v to the one that begins there.
+  /// Moves from the edge that ends at v to the one that begins there.
   void turn(std::uint32_t& c, unsigned& j, std::uint32_t v) const {
     j = (j + 1) % 3;  // opposite to where the edge came from
     while (!on_boundary(c, j)) {
@@ -98,7 +99,7 @@ class PolygonWriter {
     }
   }
 
-  /// Takes the path's part from place `first` on.
+  /// Removes the path's part from place `first` on and adds it as a ring of the piece.
   void close(Ring& path, std::size_t first, std::uint32_t piece) {
     Ring ring(path.begin() + static_cast<std::ptrdiff_t>(first), path.end());
     path.resize(first);
@@ -110,7 +111,7 @@ class PolygonWriter {
       polygons_[piece].holes.push_back(std::move(ring));
   }
 
-  /// A ring turns at its least point by coordinates as it does on the whole.
+  /// The orientation at a ring's lexicographically least point is that of the ring.
   bool counterclockwise(const Ring& ring) const {
     const auto at = [&](std::uint32_t v, unsigned j) { return p_.row(v)[t_.axes[j]]; };
     const auto least = std::min_element(ring.begin(), ring.end(), [&](auto a, auto b) {

@@ -18,10 +18,7 @@ namespace internal::inline diagrams {
 namespace {
 
 void require_plane(const Triangulation& t) {
-  if (t.furthest_site || !t.hidden.empty())
-    throw Error(ErrorCode::invalid_argument,
-                "concave hulls are of Delaunay triangulations without weights, not of the furthest "
-                "site");
+  require_unweighted(t, "concave hulls");
   if (t.corners() > 3)
     throw Error(ErrorCode::invalid_argument,
                 "concave hulls by the length of edges are of points in a plane");
@@ -29,7 +26,7 @@ void require_plane(const Triangulation& t) {
 
 Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Comparisons of lengths, exact; of equal ones the lower ids are before the higher.
+/// Exact comparisons of edges by length; of equal ones the lexicographically lower is the longer.
 class Lengths {
  public:
   Lengths(const DualPoints& p, unsigned d) : p_(p), d_(d), none_(d), limit_(d) {}
@@ -45,7 +42,8 @@ class Lengths {
     return compare_lengths(d_, p_.row(e.low), p_.row(e.high), limit_.data(), none_.data()) ==
            Sign::positive;
   }
-  /// To a rounding or two; scaled, so that no square overflows or vanishes.
+  /// The length in floating point, with a few roundings; scaled so that no square over- or
+  /// underflows.
   double rounded(const Edge& e) const {
     double widest = 0;
     for (unsigned j = 0; j < d_; ++j)
@@ -84,7 +82,7 @@ class Digging {
       const Side side = queue_.top();
       queue_.pop();
       const std::uint32_t apex = t_.cell(side.cell)[side.corner];
-      // Else the boundary would touch itself, or lose a point. It never leaves a point again.
+      // Otherwise the boundary would touch itself, or lose a point. A point on it stays on it.
       if (kept_[side.cell] == 0 || outside_[apex] != 0) continue;
       outside_[apex] = 1;
       kept_[side.cell] = 0;

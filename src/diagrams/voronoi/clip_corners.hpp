@@ -1,5 +1,5 @@
-// The numbers of one clipped cell: halfspaces, and the corners that D of them meet in. All signs
-// are exact. docs/exactness.md, "Clipped cells".
+// The halfspaces of one clipped cell and the corners in which D of their planes meet. All signs are
+// exact. docs/exactness.md, "Clipped cells".
 #pragma once
 
 #include <gmpxx.h>
@@ -26,11 +26,11 @@ using TrackedPoint = std::array<BoundedDoubleDouble, D>;
 template <unsigned D>
 class CellCorners {
  public:
-  /// A new cell, of the site with the row p: D coordinates, and its weight if `weighted`.
+  /// Starts a new cell. `p`: the row of its site, D coordinates and, if `weighted`, the weight.
   void start(const double* p, bool weighted, bool furthest);
 
-  /// The points that are at least as near to p as to the site with row q; with `furthest`, at least
-  /// as far. The site's number is the label.
+  /// Adds the halfspace of the points at least as near to p as to the site with row q; with
+  /// `furthest`, at least as far. `label`: that site's number. Returns the plane's number.
   std::uint32_t add_bisector(const double* q, std::uint32_t label);
   std::uint32_t add_boundary(const RegionPlane<D>& plane, std::uint32_t label);
   std::uint32_t add_given(const double* x);
@@ -41,12 +41,12 @@ class CellCorners {
   bool is_given(std::uint32_t corner) const { return corners_[corner].given != nullptr; }
   std::uint32_t corner_count() const { return static_cast<std::uint32_t>(corners_.size()); }
 
-  /// Which side of the plane the corner is on; positive: outside.
+  /// The side of the plane that the corner is on; positive: outside the halfspace.
   Sign side(std::uint32_t plane, std::uint32_t corner);
-  /// Relative to p.
+  /// The corner relative to p.
   const TrackedPoint<D>& at(std::uint32_t corner) const { return corners_[corner].at; }
   const ExactPoint<D>& exact(std::uint32_t corner);
-  /// Each coordinate the nearest double.
+  /// Writes the corner's coordinates, each rounded to the nearest double.
   void round(std::uint32_t corner, double* out);
   bool equal(std::uint32_t a, std::uint32_t b);
   const Halfspace<D, BoundedDoubleDouble>& halfspace(std::uint32_t plane) const {
@@ -56,7 +56,7 @@ class CellCorners {
 
  private:
   struct Plane {
-    const double* site;  ///< of a bisector
+    const double* site;  ///< the other site's row if the plane is a bisector, else null
     const RegionPlane<D>* boundary;
     std::uint32_t label;
     Halfspace<D, BoundedDoubleDouble> near;

@@ -1,4 +1,4 @@
-// The regions that diagrams are clipped to: convex pieces that do not overlap.
+// The regions that diagrams are clipped to, as convex pieces that do not overlap.
 #pragma once
 
 #include <gmpxx.h>
@@ -15,12 +15,12 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// A plane through D given points, or at right angles to an axis.
+/// A plane through D given points, or orthogonal to an axis.
 template <unsigned D>
 struct RegionPlane {
   std::array<std::array<double, D>, D> through;
-  int axis = -1;      ///< all points have this coordinate in common; -1: none
-  double toward = 1;  ///< -1: the region is where that coordinate is larger
+  int axis = -1;      ///< the axis that the plane is orthogonal to; -1: none
+  double toward = 1;  ///< -1: the region has larger values of that coordinate
   std::array<BoundedDoubleDouble, D> normal;  ///< outward
 };
 
@@ -29,13 +29,13 @@ struct RegionPlane {
 template <unsigned D, class Real>
 std::array<Real, D> normal_of(const RegionPlane<D>& plane);
 
-/// A convex polytope. On a line both ends; in the plane corners counterclockwise, plane i from
-/// corner i to the next; in space faces counterclockwise from outside.
+/// A convex polytope. On a line: both ends. In the plane: corners counterclockwise, plane i leads
+/// from corner i to the next. In space: faces counterclockwise seen from outside.
 template <unsigned D>
 struct RegionPiece {
   std::vector<std::array<double, D>> corners;
   std::vector<RegionPlane<D>> planes;
-  std::vector<std::vector<std::uint32_t>> faces;  ///< D = 3, one a plane
+  std::vector<std::vector<std::uint32_t>> faces;  ///< D = 3: the corners on each plane
   std::vector<std::uint32_t> across;              ///< the piece beyond each plane, or no_point
 
   /// Whether a point whose coordinates are the nearest doubles `rounded` is certainly inside.
@@ -52,8 +52,8 @@ Region<D> box_region(std::span<const double> low, std::span<const double> high);
 template <unsigned D>
 Region<D> hull_region(const PointView& points, const Run& run);
 
-/// A polygon with dents and holes, or several: one piece if it is convex and has few corners, else
-/// the triangles of its constrained triangulation.
+/// One or several polygons, not necessarily convex, with holes. One piece if it is convex and has
+/// few corners, otherwise the triangles of its constrained triangulation.
 Region<2> polygon_region(const PolygonRings& rings, const Run& run);
 
 }  // namespace cullhull::internal::inline diagrams

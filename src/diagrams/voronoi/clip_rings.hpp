@@ -1,5 +1,5 @@
-// The cells of the plane as polygons with holes, from the convex pieces that a region's triangles
-// cut them into.
+// Joins the convex pieces of a clipped cell in the plane into polygons with holes. A region's
+// triangles cut the cell into these pieces.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// Corners, and what lies across the edge that begins at each: a site's number, or no_point.
+/// Corners, and the site across the edge that begins at each; no_point if there is none.
 struct CellRing {
   std::vector<std::array<double, 2>> points;
   std::vector<std::uint32_t> across;
@@ -25,12 +25,12 @@ struct CellPiece {
   std::vector<std::uint32_t> vertices, planes;  ///< as in ClipShape<2>
 };
 
-/// Equal neighbours among the points become one; the ring begins at its least point. False if less
-/// than three are left.
+/// Merges equal consecutive points and rotates the ring so that it begins at its least point.
+/// Returns false if fewer than three points are left.
 bool tidy(CellRing& ring);
 
-/// The union of a cell's pieces, which are ascending by number. Polygons and holes are sorted by
-/// their first points; those of which rounding leaves less than three corners are left out.
+/// The union of a cell's pieces, which ascend by number. Polygons and holes are sorted by their
+/// first points; those that rounding leaves fewer than three corners are omitted.
 std::vector<CellPolygon> join_pieces(CellCorners<2>& corners, const std::vector<CellPiece>& pieces);
 
 }  // namespace cullhull::internal::inline diagrams

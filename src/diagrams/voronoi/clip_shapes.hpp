@@ -1,5 +1,5 @@
-// Convex polygons and polyhedra that are cut by planes: their corners and faces by number, without
-// coordinates.
+// Convex intervals, polygons and polyhedra that are cut by planes. They store the numbers of
+// corners and faces, no coordinates.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// A shape starts as a convex piece of a region and is cut by planes of `corners`; what is on the
-/// outer side of one goes. Empty once it has no interior.
+/// A shape starts as a convex piece of a region and is cut by planes of `corners`: the part on the
+/// outer side of a plane is removed. It becomes empty when it has no interior.
 template <unsigned D>
 class ClipShape;
 
@@ -26,7 +26,7 @@ class ClipShape<1> {
   std::span<const std::uint32_t> face_planes() const { return planes; }
 
   std::vector<std::uint32_t> vertices;  ///< corners by number
-  std::vector<std::uint32_t> planes;    ///< of ends
+  std::vector<std::uint32_t> planes;    ///< the plane at each end
 };
 
 /// Counterclockwise; edge i goes from vertex i to the next.
@@ -34,13 +34,13 @@ template <>
 class ClipShape<2> {
  public:
   void start(const RegionPiece<2>& piece, CellCorners<2>& corners);
-  /// A plane that has an edge becomes that edge's plane where the edge was between two pieces.
+  /// If the plane contains an edge that was between two pieces, it becomes that edge's plane.
   void cut(CellCorners<2>& corners, std::uint32_t plane);
   bool empty() const { return vertices.empty(); }
   std::span<const std::uint32_t> face_planes() const { return planes; }
 
   std::vector<std::uint32_t> vertices;
-  std::vector<std::uint32_t> planes;  ///< of edges
+  std::vector<std::uint32_t> planes;  ///< the plane of each edge
 
  private:
   void cut_off(CellCorners<2>& corners, std::uint32_t plane);
@@ -59,15 +59,16 @@ class ClipShape<3> {
   std::span<const std::uint32_t> face_planes() const { return planes; }
 
   std::vector<std::uint32_t> vertices;  ///< corners by number
-  std::vector<std::uint32_t> starts;    ///< faces + 1
+  std::vector<std::uint32_t> starts;    ///< the begin of each face in `items`; faces + 1
   std::vector<std::uint32_t> items;     ///< places in `vertices`
-  std::vector<std::uint32_t> planes;    ///< of faces
+  std::vector<std::uint32_t> planes;    ///< the plane of each face
 
  private:
-  /// An edge between a vertex that stays and one that goes. Each of its two faces meets it once.
+  /// An edge from a vertex that is kept to one that is removed. Each of its two faces meets it
+  /// once.
   struct CutEdge {
     std::uint32_t inside, outside, place, next;
-    std::array<std::uint32_t, 2> faces;  ///< their planes
+    std::array<std::uint32_t, 2> faces;  ///< the planes of its two faces
   };
   std::uint32_t cut_vertex(std::uint32_t inside, std::uint32_t outside, std::uint32_t face_plane);
   void cut_faces();

@@ -1,4 +1,4 @@
-// The ridges of a diagram: edges of the triangulation, less those within merged cells.
+// The ridges of a diagram, dual to the edges of the triangulation that are not within merged cells.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -10,7 +10,7 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// The vertices of each group of merged cells, ascending: each list is made once.
+/// The vertices of each group of merged cells, ascending.
 class GroupVertices {
  public:
   GroupVertices(const Triangulation& t, const Run& run) {
@@ -34,7 +34,7 @@ class GroupVertices {
       }
     });
   }
-  /// Whether cells are merged there.
+  /// Whether group g has more than one cell.
   bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
   /// Whether v is one of the vertices of a group of merged cells.
   bool has(std::uint32_t g, std::uint32_t v) const {
@@ -103,7 +103,7 @@ class RidgeWriter {
     for (const auto& item : e.cells) around_.emplace_back(t_.group(item.cell), item.cell);
     std::sort(around_.begin(), around_.end());
   }
-  /// Of the groups around the edge.
+  /// Whether v is a vertex of all groups around the edge.
   bool in_all_groups(std::uint32_t v) const {
     for (std::size_t i = 0; i < around_.size(); ++i) {
       const auto [group, c] = around_[i];
@@ -116,7 +116,7 @@ class RidgeWriter {
     return true;
   }
 
-  /// Whether v is in the planes of the hull's facets that have the edge.
+  /// Whether v is in the planes of all the hull's facets that contain the edge.
   bool on_hull(const EdgeCells::Star& e, std::uint32_t v) {
     for (const auto& item : e.cells)
       for (unsigned j = 0; j <= k_; ++j) {
@@ -139,7 +139,8 @@ class RidgeWriter {
     return orientation(k_, at.data()) == Sign::zero;
   }
 
-  /// Left, then right. In a triangle low is followed by high where its third corner is on the left.
+  /// The left cell's vertex, then the right one's. A triangle is on the left if high follows low in
+  /// it.
   void in_plane(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     out.assign(2, at_infinity);
     for (const auto& item : e.cells) {
@@ -150,8 +151,8 @@ class RidgeWriter {
     }
   }
 
-  /// Places in the cell of the corners off the edge, so that from the first to the second is a
-  /// positive turn around the way from low to high.
+  /// The slots of the cell's corners that are not on the edge, in counterclockwise order around the
+  /// direction from low to high.
   std::pair<unsigned, unsigned> others(const EdgeCells::Star& e, std::uint32_t c) const {
     const auto v = t_.cell(c);
     std::uint32_t order[4], n = 2;

@@ -1,4 +1,4 @@
-// voronoi(): vertices, rays, regions; ridges are ridges.cpp's.
+// voronoi(): vertices, rays and regions. Ridges are written in ridges.cpp.
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
@@ -42,7 +42,8 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Groups around a point in the plane, from infinity if that is there.
+/// Writes the groups of cells around a point in the plane, counterclockwise. Begins at infinity if
+/// the point is on the hull, otherwise at the lowest group.
 void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
                  std::vector<std::uint32_t>& out) {
   const auto across = [&](std::uint32_t c, unsigned turn) {
@@ -103,6 +104,13 @@ void require_points_of(const Triangulation& t, const PointView& points,
                 " points in dimension ", t.dimension, ", not of ", points.count, " in dimension ",
                 points.dimension);
   if (!weights.empty()) require_weights(weights, points.count);
+}
+
+void require_unweighted(const Triangulation& t, const char* what) {
+  if (t.furthest_site || !t.hidden.empty())
+    throw Error(ErrorCode::invalid_argument, what,
+                " are of Delaunay triangulations without weights, not of the "
+                "furthest site");
 }
 
 DualPoints::DualPoints(const PointView& points, const Triangulation& t,

@@ -10,7 +10,7 @@ namespace cullhull::internal::inline diagrams {
 
 namespace {
 
-/// By its sizes and numbers, so that no wrong one leads beyond the lists.
+/// Checks sizes and indices, so that a wrong diagram cannot cause reads outside the lists.
 void require_diagram_of(const Triangulation& t, std::uint64_t vertices, const Voronoi& diagram) {
   const auto below = [](const Array<std::uint32_t>& list, std::uint64_t end) {
     return std::all_of(list.begin(), list.end(),
@@ -56,7 +56,8 @@ DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, con
 
 namespace {
 
-/// Where ridges turn around a site as they do in its cell; the furthest site's turn the other way.
+/// Whether the ridges around a site have the orientation that its cell needs. In diagrams of the
+/// furthest site they have the opposite one.
 bool in_full(const Triangulation& t, unsigned d) {
   return t.corners() == d + 1 && !t.furthest_site;
 }
@@ -67,7 +68,7 @@ bool reaches_infinity(std::span<const std::uint32_t> ridge) {
 
 }  // namespace
 
-/// The lower end is the one towards the site of the smaller coordinate.
+/// The lower end comes first: it is towards the site of smaller coordinate.
 template <>
 bool WholeCell<1>::start(const DiagramCells& cells, std::uint32_t site) {
   const auto around = cells.of(site);
@@ -136,8 +137,9 @@ bool WholeCell<3>::start(const DiagramCells& cells, std::uint32_t site) {
   return true;
 }
 
-/// A dual cell that has the site gives its bisectors towards the others; another one the centre
-/// less its first site, and that site less this one.
+/// If the vertex's dual cell contains the site, the vertex is the meeting of the site's bisectors
+/// with the other corners. Otherwise it is computed relative to the cell's first corner, and the
+/// difference of that corner and the site is added.
 template <unsigned D>
 template <class Real>
 void WholeCell<D>::place(const DiagramCells& cells, std::uint32_t site,

@@ -1,4 +1,4 @@
-// The cells of a diagram as it has them: bounded by ridges, with vertices of the diagram.
+// The unclipped cells of a diagram: bounded by its ridges, with its vertices.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ namespace cullhull::internal::inline diagrams {
 /// The vertices and ridges of a diagram, by site.
 class DiagramCells {
  public:
-  /// `known`: the diagram, or null. Throws Error{invalid_argument} where it cannot be that one.
+  /// `known`: the diagram if the caller has it, otherwise null. Throws Error{invalid_argument} if
+  /// it cannot be the diagram of `t`.
   DiagramCells(const DualPoints& points, const Triangulation& t, const Voronoi* known,
                const Run& run);
 
@@ -42,7 +43,7 @@ class DiagramCells {
   const DualPoints& points_;
   const Triangulation& t_;
   Voronoi own_;
-  const Voronoi& diagram_;  ///< as known, or own_
+  const Voronoi& diagram_;  ///< the known diagram, or own_
   Array<std::uint32_t> first_;
   Adjacency<Item> ridges_;
   std::vector<bool> is_site_;
@@ -56,13 +57,13 @@ class WholeCell {
   /// furthest site.
   bool start(const DiagramCells& cells, std::uint32_t site);
 
-  /// As in ClipShape: on a line both ends, in the plane counterclockwise, in space places in
-  /// `vertices` for each face.
+  /// As in ClipShape: the two ends on a line, counterclockwise in the plane; in space, `items` has
+  /// for each face the places of its corners in `vertices`.
   std::vector<std::uint32_t> vertices;  ///< of the diagram
   std::vector<std::uint32_t> across;    ///< the site across each face, edge or end
   std::vector<std::uint32_t> starts, items;
 
-  /// Vertices relative to the site; BoundedDouble, BoundedDoubleDouble or rationals.
+  /// The vertices relative to the site. Real: BoundedDouble, BoundedDoubleDouble or rationals.
   template <class Real>
   void place(const DiagramCells& cells, std::uint32_t site,
              std::vector<std::array<Real, D>>& at) const;

@@ -34,7 +34,8 @@ namespace cullhull::internal::inline io {
   X(H5Fclose)                                                                                    \
   X(H5Fopen)                                                                                     \
   X(H5Ovisit)                                                                                    \
-  X(H5Pclose) X(H5Pcreate) X(H5Pfill_value_defined) X(H5Pget_chunk) X(H5Pget_external_count)     \
+  X(H5Pclose)                                                                                    \
+  X(H5Pcreate) X(H5Pfill_value_defined) X(H5Pget_chunk) X(H5Pget_external_count)                 \
       X(H5Pget_fill_time) X(H5Pget_layout) X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple) \
           X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab)      \
               X(H5Tclose) X(H5Tget_class) X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size)         \

@@ -1,4 +1,4 @@
-// In-sphere and power tests in doubles, as certificates of triangulations make them.
+// In-sphere and power tests in doubles for the certificates of triangulations.
 #pragma once
 
 #include <algorithm>
