@@ -5,6 +5,7 @@
 
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
+#include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 Filtered filtered_on_device(const DevicePointView& points, const Options& options) {
   check_arguments(points);
+  check_engine(options);
   const Run run(options);
   run.check();
   return run_device_filter(points, run);
@@ -32,11 +34,14 @@ void check_arguments(const DevicePointView& points) {
 Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options) {
   const Survivors& s = filtered.survivors;
   const std::uint64_t count = s.size(points.count);
-  Options rest = options;
-  rest.backend = Backend::cpu;
-  rest.cull = CullMethod::none;
-  Hull hull =
-      convex_hull(PointView::row_major(filtered.rows.data(), count, points.dimension), rest);
+  const Call call(options);
+  Run run = call.run;
+  run.threads = useful_threads(run.threads, count, points.dimension);
+  Filtered rows;
+  rows.survivors.all = true;
+  Hull hull = hull_of_survivors(PointView::row_major(filtered.rows.data(), count, points.dimension),
+                                std::move(rows), run);
+  hull.statistics.threads = call.run.threads;
   // Survivors ascend, so all that is ordered by position among them is ordered by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
   hull.point_count = points.count;
@@ -45,6 +50,7 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   hull.statistics.cull_method = s.method;
   hull.statistics.cull_reason = s.reason;
   hull.statistics.backend = s.backend;
+  run.report("done", 1);
   return hull;
 }
 

@@ -21,6 +21,10 @@ namespace internal::inline flow {
 void check_arguments(const PointView& points, const Options& options) {
   require_points(points);
   if (options.backend == Backend::cuda) require_cuda(options.device);
+  check_engine(options);
+}
+
+void check_engine(const Options& options) {
   if (options.engine == Engine::qhull && !qhull_available())
     throw Error(ErrorCode::backend_unavailable,
                 "this build has no Qhull engine; use the native engine");

@@ -37,9 +37,23 @@ inline constexpr std::uint64_t most_by_outermost = 1 << 16;
 /// the budget gives no map; survivors that exceed it are Error{out_of_budget}.
 Filtered run_filter(const PointView& points, const Run& run);
 
+/// One filter each, which run_filter chooses among. The paper's two levels: the subsets'
+/// pseudo-hulls, then one of all their survivors.
+Filtered run_pseudo_hull(const PointView& points, const Run& run);
+/// A map of the outermost points, for some thousand points in space; false where it would not pay.
+bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result);
+/// The map of a sample's hull, and a second one of what it leaves. Keeps all where it would not
+/// pay.
+void filter_by_sample(const PointView& points, const Run& run, Filtered& result);
+
 /// The same by the map of a given polytope, whose vertices are points of a larger set: a dropped
 /// point lies strictly inside it. Keeps all points where there is no map.
 Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run);
+
+/// The rows of the survivors, which have been gathered.
+inline PointView view_of_rows(const Filtered& result, unsigned d) {
+  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+}
 
 /// Why the gauge map is not tried; empty if it is.
 std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
@@ -105,6 +119,8 @@ struct PlanarRows {
 
 /// Throws Error for null data, no dimension, a backend or an engine missing from this build.
 void check_arguments(const PointView& points, const Options& options);
+/// The check of the engine alone.
+void check_engine(const Options& options);
 
 /// Runs the filter, and sets run.threads to the number that pays for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);

@@ -284,7 +284,7 @@ CertifyStream::~CertifyStream() = default;
 
 void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   Impl& m = *impl_;
-  internal::certificate::require_certifiable(block);
+  internal::certify::require_certifiable(block);
   {
     const std::lock_guard lock(m.mutex);
     m.checked += block.count;

@@ -1,0 +1,87 @@
+#include <algorithm>
+
+#include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
+#include "flow/pipeline.hpp"
+#include "flow/sample_map.hpp"
+#include "geometry/gather.hpp"
+
+namespace cullhull::internal::inline flow {
+namespace {
+
+/// Fetches samples of points in the host's memory.
+SampledPoints host_points(const PointView& points, const Run& run) {
+  return {points.count, points.dimension, [&points, &run](const std::vector<std::uint64_t>& ids) {
+            return gather_points(points, ids.data(), ids.size(), run);
+          }};
+}
+
+/// The pass of a map over all points, and the stages after it.
+void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& points, const Run& run,
+             Filtered& result) {
+  const unsigned d = points.dimension;
+  result.survivors.method = "gauge";
+  SurvivorRows gathered;
+  // A second copy of the survivors for a short time; where most points survive, fetching them later
+  // costs no more.
+  gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
+  pass.cull(*map, result.survivors, &gathered);
+  map.reset();
+  if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
+    // Points so close together that single precision does not separate them. The plane's engine
+    // drops inner points in double precision, from the caller's memory.
+    result.survivors.ids = {};
+    result.survivors.all = true;
+    result.survivors.reason += "; it kept nearly all";
+    return;
+  }
+  result.rows = std::move(gathered.rows);
+
+  gather_survivors(points, result, run);
+  refine_survivors(result, d, run);
+}
+
+}  // namespace
+
+void filter_by_sample(const PointView& points, const Run& run, Filtered& result) {
+  const bool forced = run.options.cull == CullMethod::gauge;
+  run.report("cull", 0);
+  CullPass pass(points, run);
+  SampledMap sampled;
+  try {
+    sampled = map_of_sample(host_points(points, run), forced ? Insist::yes : Insist::no,
+                            pass.most_nodes(), run);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;
+    check_finite(points, nullptr, run);  // names the first bad point, not the sample's
+  }
+  result.survivors.reason = sampled.reason;
+  if (sampled.map == nullptr) return;
+  cull_by(pass, std::move(sampled.map), points, run, result);
+}
+
+Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run) {
+  Filtered result;
+  result.survivors.all = true;
+  result.pass_survivors = points.count;
+  if (polytope.dimension != points.dimension) return result;
+  CullPass pass(points, run);
+  auto map = map_of_polytope(std::move(polytope), points.count, Insist::no, pass.most_nodes(), run);
+  if (map != nullptr) cull_by(pass, std::move(map), points, run, result);
+  return result;
+}
+
+// Survivors lie near the boundary, so a sample of them gives a much finer polytope.
+void refine_survivors(Filtered& result, unsigned d, const Run& run) {
+  const PointView left = view_of_rows(result, d);
+  if (left.count < smallest_worth_refining(d)) return;
+  const SampledMap sampled = map_of_sample(host_points(left, run), Insist::late, 0, run);
+  result.survivors.reason += "; a second map: " + sampled.reason;
+  if (sampled.map == nullptr) return;
+  SurvivorRows gathered;
+  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, run, &gathered);
+  keep_of_survivors(result, d, kept, std::move(gathered.rows));
+  result.survivors.method = "gauge x2";
+}
+
+}  // namespace cullhull::internal::inline flow
