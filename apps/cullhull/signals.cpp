@@ -1,12 +1,7 @@
 #include "signals.hpp"
 
-#if defined(_WIN32)
-#define WIN32_LEAN_AND_MEAN
-#if !defined(NOMINMAX)
-#define NOMINMAX
-#endif
-#include <windows.h>
-#else
+#include "parallel/windows.hpp"
+#if !defined(_WIN32)
 #include <pthread.h>
 #include <unistd.h>
 #endif

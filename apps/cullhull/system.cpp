@@ -5,12 +5,8 @@
 #include <cerrno>
 #include <cstdio>
 
+#include "parallel/windows.hpp"
 #if defined(_WIN32)
-#define WIN32_LEAN_AND_MEAN
-#if !defined(NOMINMAX)
-#define NOMINMAX
-#endif
-#include <windows.h>
 // After <windows.h>.
 #include <fcntl.h>
 #include <io.h>

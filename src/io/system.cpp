@@ -5,13 +5,8 @@
 #include <climits>
 #include <new>
 
-#if defined(_WIN32)
-#define WIN32_LEAN_AND_MEAN
-#if !defined(NOMINMAX)
-#define NOMINMAX
-#endif
-#include <windows.h>
-#else
+#include "parallel/windows.hpp"
+#if !defined(_WIN32)
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <glob.h>

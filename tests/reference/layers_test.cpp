@@ -112,6 +112,7 @@ const std::vector<std::string> portable_places = {
     "src/parallel/memory/memory.cpp",
     "src/parallel/memory/pages.cpp",
     "src/parallel/prefetch.hpp",
+    "src/parallel/windows.hpp",
     "src/io/system.cpp",
     "src/io/system.hpp",
     "src/cuda/backend.cpp",

@@ -28,6 +28,11 @@ struct Interpolator::State {
 
   const double* of(std::uint32_t id) const { return values.data() + std::size_t{id} * components; }
 
+  void add(std::uint32_t id, double weight, double* row) const {
+    const double* value = of(id);
+    for (std::uint32_t c = 0; c < components; ++c) row[c] += weight * value[c];
+  }
+
   /// body(view of a part of the points, where its results go): memory stays the same for any
   /// number of points.
   template <class Body>
@@ -41,16 +46,27 @@ struct Interpolator::State {
     }
   }
 
-  /// The cell of each point, or no_cell, and its barycentric coordinates there.
-  struct Located {
-    Array<std::uint32_t> cells;
-    Array<double> shares;
-  };
-  Located locate(const PointView& part, const RunOptions& options) const {
-    Located found{Array<std::uint32_t>(part.count), Array<double>(part.count * corners)};
-    query.find(part, found.cells.data(), options);
-    query.barycentric(part, found.cells.data(), found.shares.data(), options);
-    return found;
+  /// For each point that is in a cell write(i, cell, barycentric coordinates there, row of zeros),
+  /// with write = make(view of a part of the points) for each chunk of `grain` points; `outside`
+  /// for all others.
+  template <class Make>
+  void each_inside(const PointView& points, double* out, double outside, const RunOptions& options,
+                   std::uint64_t grain, const Make& make) const {
+    const Call call(options);
+    each_block(points, out, [&](const PointView& part, double* to) {
+      Array<std::uint32_t> cells(part.count);
+      Array<double> shares(part.count * corners);
+      query.find(part, cells.data(), options);
+      query.barycentric(part, cells.data(), shares.data(), options);
+      call.run.each(part.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+        auto write = make(part);
+        for (std::uint64_t i = begin; i < end; ++i) {
+          double* row = to + i * components;
+          std::fill_n(row, components, cells[i] == no_cell ? outside : 0);
+          if (cells[i] != no_cell) write(i, cells[i], shares.data() + i * corners, row);
+        }
+      });
+    });
   }
 };
 
@@ -81,25 +97,12 @@ const TriangulationQuery& Interpolator::query() const noexcept { return state_->
 void Interpolator::linear(const PointView& points, double* out, double outside,
                           const RunOptions& options) const {
   const State& s = *state_;
-  const Call call(options);
-  const Run& run = call.run;
-  s.each_block(points, out, [&](const PointView& part, double* to) {
-    const auto located = s.locate(part, options);
-    const auto& cells = located.cells;
-    const auto& shares = located.shares;
-    run.each(part.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) {
-        double* row = to + i * s.components;
-        std::fill_n(row, s.components, cells[i] == no_cell ? outside : 0);
-        if (cells[i] == no_cell) continue;
-        for (unsigned j = 0; j < s.corners; ++j) {
-          const double share = shares[i * s.corners + j];
-          if (share == 0) continue;  // whatever the value there is
-          const double* value = s.of(s.triangulation.cell(cells[i])[j]);
-          for (std::uint32_t c = 0; c < s.components; ++c) row[c] += share * value[c];
-        }
-      }
-    });
+  s.each_inside(points, out, outside, options, light_grain, [&](const PointView&) {
+    return [&](std::uint64_t, std::uint32_t cell, const double* shares, double* row) {
+      for (unsigned j = 0; j < s.corners; ++j)
+        if (shares[j] != 0)  // else whatever the value there is
+          s.add(s.triangulation.cell(cell)[j], shares[j], row);
+    };
   });
 }
 
@@ -107,28 +110,14 @@ void Interpolator::natural(const PointView& points, double* out, double outside,
                            const RunOptions& options) const {
   const State& s = *state_;
   s.require_natural();
-  const Call call(options);
-  const Run& run = call.run;
-  s.each_block(points, out, [&](const PointView& part, double* to) {
-    const auto located = s.locate(part, options);
-    const auto& cells = located.cells;
-    const auto& shares = located.shares;
-    run.each(part.count, 256, [&](std::uint64_t begin, std::uint64_t end) {
-      NaturalWeights natural(s.triangulation);
-      NaturalNeighbours found;
-      std::vector<double> point(part.dimension);
-      for (std::uint64_t i = begin; i < end; ++i) {
-        double* row = to + i * s.components;
-        std::fill_n(row, s.components, cells[i] == no_cell ? outside : 0);
-        if (cells[i] == no_cell) continue;
-        for (std::uint32_t j = 0; j < part.dimension; ++j) point[j] = part.at(i, j);
-        natural.find(point.data(), cells[i], shares.data() + i * s.corners, found);
-        for (std::size_t n = 0; n < found.ids.size(); ++n) {
-          const double* value = s.of(found.ids[n]);
-          for (std::uint32_t c = 0; c < s.components; ++c) row[c] += found.weights[n] * value[c];
-        }
-      }
-    });
+  s.each_inside(points, out, outside, options, 256, [&](const PointView& part) {
+    return [&, natural = NaturalWeights(s.triangulation), found = NaturalNeighbours(),
+            point = std::vector<double>(part.dimension)](
+               std::uint64_t i, std::uint32_t cell, const double* shares, double* row) mutable {
+      for (std::uint32_t j = 0; j < part.dimension; ++j) point[j] = part.at(i, j);
+      natural.find(point.data(), cell, shares, found);
+      for (std::size_t n = 0; n < found.ids.size(); ++n) s.add(found.ids[n], found.weights[n], row);
+    };
   });
 }
 

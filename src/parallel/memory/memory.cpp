@@ -1,14 +1,8 @@
 #include "parallel/memory/memory.hpp"
 
 #include "cullhull/error.hpp"
-
-#if defined(_WIN32)
-#define WIN32_LEAN_AND_MEAN
-#if !defined(NOMINMAX)
-#define NOMINMAX
-#endif
-#include <windows.h>
-#elif __has_include(<unistd.h>) && __has_include(<sys/resource.h>)
+#include "parallel/windows.hpp"
+#if !defined(_WIN32) && __has_include(<unistd.h>) && __has_include(<sys/resource.h>)
 #include <sys/resource.h>
 #include <unistd.h>
 #endif
