@@ -14,6 +14,9 @@ namespace cullhull {
 
 /// Only the Delaunay triangulation, the first step, uses threads.
 struct ConstrainedOptions : RunOptions {
+  ConstrainedOptions() = default;
+  explicit ConstrainedOptions(const RunOptions& run) : RunOptions(run) {}
+
   /// Keep only the cells of odd depth, those inside. Points left without a cell become `hidden`.
   bool inside_only = false;
 };

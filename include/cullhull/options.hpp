@@ -37,6 +37,9 @@ struct RunOptions {
 };
 
 struct Options : RunOptions {
+  Options() = default;
+  explicit Options(const RunOptions& run) : RunOptions(run) {}
+
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
   Engine engine = Engine::native;

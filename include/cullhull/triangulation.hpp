@@ -19,6 +19,9 @@ namespace cullhull {
 inline constexpr std::uint32_t no_cell = 0xffffffff;
 
 struct TriangulationOptions : RunOptions {
+  TriangulationOptions() = default;
+  explicit TriangulationOptions(const RunOptions& run) : RunOptions(run) {}
+
   /// The triangulation of the furthest-point Voronoi diagram: the upper hull of the lifted points
   /// instead of the lower one. Its vertices are extreme points, all others are hidden. Of the
   /// options the only one that changes the result.

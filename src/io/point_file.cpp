@@ -128,7 +128,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   if (extension == "laz") return "las";  // whose error names a reader for it
   for (const char* other : {"e57", "parquet", "zarr", "copc"})
     if (extension == other)
-      fail(source, "." + extension + " is read by the Python package alone: cullhull.read(path)");
+      fail(source, ".", extension, " is read by the Python package alone: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
   return format_of_content(source);
 }
@@ -203,8 +203,7 @@ std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
 
 void check_whole_records(const Source& source, std::uint64_t size, std::uint64_t record) {
   if (size % record != 0)
-    fail_at_byte(source, size - size % record,
-                 "ends within a point: one takes " + std::to_string(record) + " bytes");
+    fail_at_byte(source, size - size % record, "ends within a point: one takes ", record, " bytes");
 }
 
 PointData raw_points(const Source& source, std::uint64_t count, const ReadOptions& options) {

@@ -36,21 +36,9 @@ PointData with_reversed_bytes(PointData data) {
   return data;
 }
 
-void fail(const Source& source, const std::string& message) {
-  throw Error(ErrorCode::bad_file, source.name, ": ", message);
-}
-
 void remark(const Source& source, const ReadOptions& options, const std::string& message,
             Remark::Kind kind) {
   if (options.remark) options.remark({kind, source.name, message});
-}
-
-void fail_at_line(const Source& source, std::uint64_t line, const std::string& message) {
-  throw Error(ErrorCode::bad_file, source.name, ":", line, ": ", message);
-}
-
-void fail_at_byte(const Source& source, std::uint64_t offset, const std::string& message) {
-  throw Error(ErrorCode::bad_file, source.name, ": byte ", offset, ": ", message);
 }
 
 std::string quoted_text(std::string_view text) {

@@ -101,14 +101,21 @@ PointData read_points(const Source& source, const ReadOptions& options);
 Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinates = nullptr,
                     const Options& options = {}, std::uint64_t first_id = 0);
 
-[[noreturn]] void fail(const Source& source, const std::string& message);
+template <class... Parts>
+[[noreturn]] void fail(const Source& source, const Parts&... parts) {
+  throw Error(ErrorCode::bad_file, source.name, ": ", parts...);
+}
 /// Calls options.remark, if there is one.
 void remark(const Source& source, const ReadOptions& options, const std::string& message,
             Remark::Kind kind = Remark::Kind::left_out);
-[[noreturn]] void fail_at_line(const Source& source, std::uint64_t line,
-                               const std::string& message);
-[[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset,
-                               const std::string& message);
+template <class... Parts>
+[[noreturn]] void fail_at_line(const Source& source, std::uint64_t line, const Parts&... parts) {
+  throw Error(ErrorCode::bad_file, source.name, ":", line, ": ", parts...);
+}
+template <class... Parts>
+[[noreturn]] void fail_at_byte(const Source& source, std::uint64_t offset, const Parts&... parts) {
+  throw Error(ErrorCode::bad_file, source.name, ": byte ", offset, ": ", parts...);
+}
 
 /// A piece of a file for a message: one line, printable, shortened, in quotes.
 std::string quoted_text(std::string_view text);

@@ -100,6 +100,12 @@ def rays(s: PointSet) -> Optional[str]:
     return "InvalidArgument" if s.kind in ("huge", "wide") else not_finite(s)
 
 
+def adding(kind: str) -> Call:
+    """`add_points` of a class in SciPy's place."""
+    text = f"(made := cullhull.{kind}(b, incremental=True)).add_points(p) or made"
+    return Call(f"{kind}.add_points", text, raises=added)
+
+
 CALLS = (
     Call("convex_hull", "cullhull.convex_hull(p)", arrays="all"),
     Call("convex_hull certified", "cullhull.convex_hull(p, certify=True)"),
@@ -152,28 +158,16 @@ CALLS = (
     ),
     Call("GrowingHull.add", "[(g := cullhull.GrowingHull(d)).add(p), g.hull]", arrays="all"),
     Call("ConvexHull", "cullhull.ConvexHull(p)", arrays="all", raises=hull_as_scipy),
-    Call(
-        "ConvexHull.add_points",
-        "(h := cullhull.ConvexHull(b, incremental=True)).add_points(p) or h",
-        raises=added,
-    ),
+    adding("ConvexHull"),
     Call(
         "ConvexHull.close",
         "[(h := cullhull.ConvexHull(p, incremental=True)).close(), h.vertices]",
         raises=hull_as_scipy,
     ),
     Call("TolerantConvexHull", "cullhull.TolerantConvexHull(p)", raises=as_scipy),
-    Call(
-        "TolerantConvexHull.add_points",
-        "(h := cullhull.TolerantConvexHull(b, incremental=True)).add_points(p) or h",
-        raises=added,
-    ),
+    adding("TolerantConvexHull"),
     Call("Delaunay", "cullhull.Delaunay(p)", arrays="all", raises=as_scipy),
-    Call(
-        "Delaunay.add_points",
-        "(t := cullhull.Delaunay(b, incremental=True)).add_points(p) or t",
-        raises=added,
-    ),
+    adding("Delaunay"),
     Call("Delaunay.find_simplex", "cullhull.Delaunay(b).find_simplex(p)", raises=asked_as_scipy),
     Call("Delaunay.lift_points", "cullhull.Delaunay(b).lift_points(p)", raises=asked_as_scipy),
     Call(
@@ -181,28 +175,16 @@ CALLS = (
     ),
     Call("tsearch", "cullhull.tsearch(cullhull.Delaunay(b), p)", raises=asked_as_scipy),
     Call("Voronoi", "cullhull.Voronoi(p)", arrays="all", raises=as_scipy),
-    Call(
-        "Voronoi.add_points",
-        "(v := cullhull.Voronoi(b, incremental=True)).add_points(p) or v",
-        raises=added,
-    ),
+    adding("Voronoi"),
     Call("TolerantDelaunay", "cullhull.TolerantDelaunay(p)", arrays="all", raises=as_scipy),
-    Call(
-        "TolerantDelaunay.add_points",
-        "(t := cullhull.TolerantDelaunay(b, incremental=True)).add_points(p) or t",
-        raises=added,
-    ),
+    adding("TolerantDelaunay"),
     Call(
         "TolerantDelaunay.find_simplex",
         "cullhull.TolerantDelaunay(b).find_simplex(p)",
         raises=asked_as_scipy,
     ),
     Call("TolerantVoronoi", "cullhull.TolerantVoronoi(p)", arrays="all", raises=as_scipy),
-    Call(
-        "TolerantVoronoi.add_points",
-        "(v := cullhull.TolerantVoronoi(b, incremental=True)).add_points(p) or v",
-        raises=added,
-    ),
+    adding("TolerantVoronoi"),
     Call(
         "HalfspaceIntersection",
         "cullhull.HalfspaceIntersection(p, np.zeros(d))",

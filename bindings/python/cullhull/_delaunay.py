@@ -11,7 +11,7 @@ import numpy.typing as npt
 from ._arguments import Progress, as_array, as_coordinates
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument
-from ._incremental import IncrementalPoints, Lazy, lazy_names
+from ._incremental import IncrementalPoints, Lazy
 from ._qhull_options import QhullOptions, parse
 from ._triangulation import Triangulation, delaunay
 
@@ -36,7 +36,7 @@ def _blocks(count: int) -> Iterator[slice]:
 class Lifted(IncrementalPoints):
     """What `Delaunay` and `Voronoi` share: points, options, adding, copies."""
 
-    _lazy: frozenset[str]
+    _target = "ones"
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Lifted(IncrementalPoints):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> None:
-        array = self._first(points)
+        array = self._take(points, incremental)
         if qhull_options is None:
             self._options = _DEFAULTS_INCREMENTAL if incremental else _DEFAULTS
         else:
@@ -58,41 +58,21 @@ class Lifted(IncrementalPoints):
             raise InvalidArgument("Qhull option 'Qz' is not for incremental use")
         self.furthest_site = bool(furthest_site)
         self._choices = (threads, memory_budget, progress)
-        self._open = bool(incremental)
-        if incremental:  # points to be added to must not change under us
-            array = np.array(array, dtype=np.float64)
-        self._compute(array)
+        self._compute(array, array)
 
-    def _compute(self, array: npt.NDArray[Any]) -> None:
+    def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
         threads, memory_budget, progress = self._choices
         found = delaunay(
-            array,
+            everything,
             furthest_site=self.furthest_site,
             threads=threads,
             memory_budget=memory_budget,
             progress=progress,
         )
         if found.affine_dimension < self.ndim and not self._options.joggled:
-            raise_flat(array, found.affine_dimension, "Delaunay")
-        self._array, self.triangulation = array, found
-        for name in self._lazy:
-            self.__dict__.pop(name, None)
-
-    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
-        self._compute(everything)
-
-    def __getstate__(self) -> dict[str, Any]:
-        return self._state_without(self._lazy)
-
-    @property
-    def npoints(self) -> int:
-        """Number of points."""
-        return len(self._array)
-
-    @Lazy
-    def points(self) -> npt.NDArray[np.float64]:
-        """(n, d) float64: the points."""
-        return np.ascontiguousarray(self._array, dtype=np.float64)
+            raise_flat(everything, found.affine_dimension, "Delaunay")
+        self._array, self.triangulation = everything, found
+        self._forget()
 
     @Lazy
     def min_bound(self) -> npt.NDArray[np.float64]:
@@ -161,8 +141,6 @@ class Delaunay(Lifted):
     >>> found.simplices[found.find_simplex([1.5, 0.5])].tolist()
     [1, 2, 4]
     """
-
-    ndim: int
 
     @classmethod
     def _of(cls, found: Triangulation) -> Delaunay:
@@ -334,7 +312,8 @@ class Delaunay(Lifted):
 
         Raises
         ------
-        InvalidArgument (a ValueError) : another number of coordinates
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
 
         Examples
         --------
@@ -412,7 +391,8 @@ class Delaunay(Lifted):
 
         Raises
         ------
-        InvalidArgument (a ValueError) : another number of coordinates
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
 
         Examples
         --------
@@ -432,11 +412,16 @@ class Delaunay(Lifted):
 
         Parameters
         ----------
-        xi : as of `lift_points`, as is what is raised
+        xi : (..., d) array
 
         Returns
         -------
         (..., s) float64 array
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            As `lift_points`.
 
         Examples
         --------
@@ -458,8 +443,6 @@ class Delaunay(Lifted):
             raise InvalidArgument("wrong dimensionality in xi")
         return as_coordinates(array, "xi")
 
-
-Delaunay._lazy = lazy_names(Lifted) | lazy_names(Delaunay)
 
 
 def as_triangulation(points: Any) -> Triangulation | None:
@@ -493,7 +476,8 @@ def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
 
     Raises
     ------
-    As `Delaunay.find_simplex`.
+    InvalidArgument (a ValueError)
+        For another number of coordinates.
 
     Examples
     --------

@@ -12,7 +12,7 @@ from . import _core
 from ._arguments import Backend, CullMethod, Progress, settings
 from ._errors import InvalidArgument, qhull_error
 from ._hull import Hull
-from ._incremental import IncrementalPoints, Lazy, lazy_names
+from ._incremental import IncrementalPoints, Lazy
 from ._many import GrowingHull
 from ._qhull_options import QhullOptions, parse
 from ._scipy import of_scipy
@@ -77,8 +77,7 @@ class ConvexHull(IncrementalPoints):
     True
     """
 
-    ndim: int
-    _added_to = "a hull"
+    _target = "a hull"
 
     def __init__(
         self,
@@ -93,13 +92,10 @@ class ConvexHull(IncrementalPoints):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> None:
-        array = self._first(points)
+        array = self._take(points, incremental)
         self._options = parse(qhull_options)
         self._choices = (backend, cull, threads, memory_budget, progress)
         self._strict = bool(strict)
-        self._open = bool(incremental)
-        if incremental:  # points to be added to must not change under us
-            array = np.array(array, dtype=np.float64)
         self._grower: GrowingHull | None = None
         self._compute(array, array)
 
@@ -114,7 +110,6 @@ class ConvexHull(IncrementalPoints):
         )
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
-        """Sets the hull of `everything`, of which the rows `added`, its last, are new."""
         left_out = self._options.good_point
         if left_out is not None:
             solid = _solid_without(everything, left_out, self._settings())
@@ -126,6 +121,7 @@ class ConvexHull(IncrementalPoints):
             self._grower = None
             raise_flat(everything, solid.affine_dimension)
         self._array, self._solid = everything, self._settle(solid)
+        self._forget()
 
     def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
         grower = self._grower
@@ -142,13 +138,8 @@ class ConvexHull(IncrementalPoints):
         """What is shown of the exact hull."""
         return solid
 
-    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
-        self._compute(everything, everything if restart else everything[len(self._array) :])
-        for name in _LAZY:
-            self.__dict__.pop(name, None)
-
     def __getstate__(self) -> dict[str, Any]:
-        state = self._state_without(_LAZY)
+        state = super().__getstate__()
         state["hull"] = self.hull
         del state["_solid"]
         grower = state.pop("_grower")
@@ -166,11 +157,6 @@ class ConvexHull(IncrementalPoints):
             f"<{type(self).__name__} of {self.npoints} points in {self.ndim}D: "
             f"{len(self._solid.vertices)} vertices, {self.nsimplex} simplices>"
         )
-
-    @property
-    def npoints(self) -> int:
-        """Number of points."""
-        return len(self._array)
 
     @property
     def nsimplex(self) -> int:
@@ -191,11 +177,6 @@ class ConvexHull(IncrementalPoints):
     def hull(self) -> Hull:
         """The native hull."""
         return Hull._of(self._solid)
-
-    @Lazy
-    def points(self) -> npt.NDArray[np.float64]:
-        """(n, d) float64: the points."""
-        return np.ascontiguousarray(self._array, dtype=np.float64)
 
     @Lazy
     def vertices(self) -> npt.NDArray[Any]:
@@ -257,9 +238,6 @@ class ConvexHull(IncrementalPoints):
         """-1, 0 or 1 a point: inside, on the boundary, outside."""
         sides: npt.NDArray[np.int8] = self.hull.sides(self._array)
         return sides
-
-
-_LAZY = lazy_names(ConvexHull)
 
 
 def raise_flat(

@@ -11,7 +11,7 @@ from . import _core
 from ._arguments import Progress, as_points, settings
 from ._errors import InvalidArgument, qhull_error
 from ._hull import Hull
-from ._incremental import Incremental, Lazy, lazy_names
+from ._incremental import Incremental, Lazy
 from ._qhull_options import parse
 
 
@@ -113,8 +113,7 @@ class HalfspaceIntersection(Incremental):
         self._array = halfspaces
         self.interior_point, self.dual_points, solid, self.is_bounded, self.intersections = result
         self.dual = Hull._of(solid)
-        for name in _LAZY_OF_HALFSPACES:
-            self.__dict__.pop(name, None)
+        self._forget()
 
     def add_halfspaces(self, halfspaces: Any, restart: bool = False) -> None:
         """Adds halfspaces; only with ``incremental=True``.
@@ -127,8 +126,10 @@ class HalfspaceIntersection(Incremental):
 
         Raises
         ------
-        RuntimeError, InvalidArgument, NotFinite (ValueErrors), QhullError
-            As `ConvexHull.add_points`.
+        RuntimeError
+            Not incremental, or closed.
+        InvalidArgument, NotFinite (ValueErrors), QhullError
+            As for the first halfspaces; nothing is added then.
 
         Examples
         --------
@@ -145,12 +146,6 @@ class HalfspaceIntersection(Incremental):
             raise InvalidArgument(f"`halfspaces` should have {self.ndim + 1} columns")
         everything = np.concatenate([self._array, array], dtype=np.float64)
         self._compute(everything, self.interior_point)
-
-    def __getstate__(self) -> dict[str, Any]:
-        state = {k: v for k, v in self.__dict__.items() if k not in _LAZY_OF_HALFSPACES}
-        if callable(self._choices[-1]):  # it belongs to this process
-            state["_choices"] = (*self._choices[:-1], None)
-        return state
 
     def __repr__(self) -> str:
         return (
@@ -210,9 +205,6 @@ class HalfspaceIntersection(Incremental):
     def dual_volume(self) -> float:
         """The dual hull's volume."""
         return self.dual.volume
-
-
-_LAZY_OF_HALFSPACES = lazy_names(HalfspaceIntersection)
 
 
 def _require_feasible(halfspaces: npt.NDArray[Any], interior: npt.NDArray[np.float64]) -> None:

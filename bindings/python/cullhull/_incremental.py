@@ -1,9 +1,9 @@
-"""What the classes share that stand in for SciPy's: attributes made when asked for, close()."""
+"""The base classes of those in SciPy's place: lazy attributes, incremental use, pickles."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, Generic, TypeVar, overload
+from collections.abc import Callable
+from typing import Any, ClassVar, Generic, TypeVar, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -36,14 +36,36 @@ class Lazy(Generic[T]):
         return value
 
 
-def lazy_names(kind: type) -> frozenset[str]:
-    return frozenset(name for name, value in vars(kind).items() if isinstance(value, Lazy))
-
-
 class Incremental:
-    """Of a class that something may be added to until close()."""
+    """The base class of those in SciPy's place: lazy attributes, incremental use, pickles."""
 
+    ndim: int
+    #: The names of the class's lazy attributes, which new rows invalidate and pickles leave out.
+    _lazy: ClassVar[frozenset[str]]
     _open: bool
+    _array: npt.NDArray[Any]
+    #: The options of the computation; the last one is `progress`.
+    _choices: tuple[Any, ...]
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        cls._lazy = frozenset(
+            name
+            for kind in cls.__mro__
+            for name, value in vars(kind).items()
+            if isinstance(value, Lazy)
+        )
+
+    def _forget(self) -> None:
+        """Discards the lazy attributes made so far."""
+        for name in self._lazy:
+            self.__dict__.pop(name, None)
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = {k: v for k, v in self.__dict__.items() if k not in self._lazy}
+        if callable(self._choices[-1]):  # a callback belongs to this process
+            state["_choices"] = (*self._choices[:-1], None)
+        return state
 
     def close(self) -> None:
         """Ends incremental use; nothing can be added any more.
@@ -68,24 +90,38 @@ class Incremental:
 
 
 class IncrementalPoints(Incremental):
-    """Of one that points may be added to."""
+    """An `Incremental` whose rows are points."""
 
-    _array: npt.NDArray[Any]
-    _choices: tuple[Any, ...]  # of the call; the last one is ``progress``
-    ndim: int
-    #: What points are added to, in the message for ones of another dimension.
-    _added_to = "ones"
+    #: What points are added to, in the error for points of another dimension.
+    _target: ClassVar[str]
+
+    def _take(self, points: Any, incremental: bool) -> npt.NDArray[Any]:
+        """Checks the first points, sets `ndim` and returns the array to compute with."""
+        array = as_point_set(points)
+        count, self.ndim = array.shape
+        if self.ndim < 2:
+            raise InvalidArgument("Need at least 2-D data")
+        if count == 0:
+            raise InvalidArgument("No points given")
+        self._open = bool(incremental)
+        # The caller must not change points to which others will be added.
+        return np.array(array, dtype=np.float64) if incremental else array
+
+    def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
+        """Sets the result for `everything`, of which the rows `added`, the last ones, are new."""
+        raise NotImplementedError
 
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Adds points; only with ``incremental=True``.
 
-        The result is that of all points at once.
+        The result is that of all points at once, including those that were dropped before.
 
         Parameters
         ----------
         points : (m, d) array
         restart : bool
-            Compute it anew; the result is the same.
+            Compute a hull anew instead of from its vertices; the result is the same.
+            Triangulations and diagrams are always computed anew.
 
         Raises
         ------
@@ -105,27 +141,19 @@ class IncrementalPoints(Incremental):
         self._require_open()
         array = as_points(points)
         if array.shape[1] != self.ndim:
-            there = f"{self._added_to} of dimension {self.ndim}"
-            raise InvalidArgument(f"Adding points of dimension {array.shape[1]} to {there}")
-        self._extend(np.concatenate([self._array, array], dtype=np.float64), restart)
+            raise InvalidArgument(
+                f"Adding points of dimension {array.shape[1]} to {self._target} of dimension "
+                f"{self.ndim}"
+            )
+        everything = np.concatenate([self._array, array], dtype=np.float64)
+        self._compute(everything, everything if restart else everything[len(self._array) :])
 
-    def _first(self, points: Any) -> npt.NDArray[Any]:
-        """The points of the constructor, and their dimension."""
-        array = as_point_set(points)
-        count, self.ndim = array.shape
-        if self.ndim < 2:
-            raise InvalidArgument("Need at least 2-D data")
-        if count == 0:
-            raise InvalidArgument("No points given")
-        return array
+    @property
+    def npoints(self) -> int:
+        """Number of points."""
+        return len(self._array)
 
-    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
-        """Computes the result of the points there are and of others behind them."""
-        raise NotImplementedError
-
-    def _state_without(self, names: Iterable[str]) -> dict[str, Any]:
-        """What a pickle holds: all but these attributes, and no function of this process."""
-        state = {k: v for k, v in self.__dict__.items() if k not in names}
-        if callable(self._choices[-1]):
-            state["_choices"] = (*self._choices[:-1], None)
-        return state
+    @Lazy
+    def points(self) -> npt.NDArray[np.float64]:
+        """(n, d) float64: the points."""
+        return np.ascontiguousarray(self._array, dtype=np.float64)

@@ -11,7 +11,7 @@ from . import _core
 from ._delaunay import Delaunay, Lifted
 from ._drop_in import ConvexHull
 from ._errors import InvalidArgument
-from ._incremental import Lazy, lazy_names
+from ._incremental import Lazy
 from ._merging import (
     MergedDiagram,
     Peeled,
@@ -92,9 +92,9 @@ class TolerantConvexHull(ConvexHull):
         self._asked = _checked(merge_distance)
         super().__init__(points, incremental, qhull_options, strict=strict, **choices)
 
-    def _extend(self, everything: npt.NDArray[Any], restart: bool) -> None:
-        # Points that were dropped before count again.
-        super()._extend(everything, restart or self._grower is None)
+    def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
+        # Vertices that were dropped before count again, and `hull` lacks them.
+        return super()._grow(everything, everything if self._grower is None else added)
 
     def _settle(self, solid: _core.Solid) -> _core.Solid:
         distance = _core.rounding_distance(solid) if self._asked is None else self._asked
@@ -134,8 +134,8 @@ class _TolerantLifted(Lifted):
         self._asked = _checked(merge_distance)
         super().__init__(points, furthest_site, incremental, qhull_options, **choices)
 
-    def _compute(self, array: npt.NDArray[Any]) -> None:
-        super()._compute(array)
+    def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
+        super()._compute(everything, added)
         self.merge_distance = (
             rounding_distance(self.points) if self._asked is None else self._asked
         )
@@ -278,6 +278,15 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         ----------
         xi, bruteforce, tol : as of `Delaunay.find_simplex`
 
+        Returns
+        -------
+        (...) int32 array
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For another number of coordinates.
+
         Examples
         --------
         >>> import cullhull
@@ -350,7 +359,3 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     def distance(self) -> float:
         """By how much the distances of a vertex from the points around it differ at most."""
         return self._shown.distance
-
-
-for _kind in (TolerantDelaunay, TolerantVoronoi):
-    _kind._lazy = frozenset().union(*map(lazy_names, _kind.__mro__))

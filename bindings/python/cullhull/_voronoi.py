@@ -11,7 +11,7 @@ from . import _core
 from ._arguments import Progress, as_points, settings
 from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
-from ._incremental import Lazy, lazy_names
+from ._incremental import Lazy
 from ._lists import Lists
 from ._native import Native
 from ._triangulation import Triangulation, delaunay
@@ -445,7 +445,10 @@ class Voronoi(Lifted):
 
     Raises
     ------
-    As `Delaunay`. Of points in a plane or a line `voronoi` makes diagrams.
+    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget, KeyboardInterrupt
+        As `ConvexHull`.
+    QhullError (a RuntimeError)
+        For points that lie in a plane or a line. `voronoi` accepts these.
 
     Examples
     --------
@@ -458,8 +461,6 @@ class Voronoi(Lifted):
     >>> found.ridge_dict[0, 4]
     [1, 0]
     """
-
-    ndim: int
 
     def __repr__(self) -> str:
         kind = type(self).__name__
@@ -528,6 +529,3 @@ class Voronoi(Lifted):
     def _has_empty(self) -> bool:
         """Whether the first region is that of the point at infinity."""
         return self._options.at_infinity and not self.furthest_site
-
-
-Voronoi._lazy = lazy_names(Lifted) | lazy_names(Voronoi)

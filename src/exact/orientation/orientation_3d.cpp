@@ -124,7 +124,6 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, RungCounts& ru
 Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) const {
   // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the
   // edge.
-  DoubleDouble m[3][3];
   double h[3][3], length[3] = {0, 0, 0};
   for (unsigned j = 0; j < 3; ++j) {
     h[0][j] = a.row[j] - centre_[j];
@@ -141,6 +140,7 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) cons
   rungs.count(Rung::exact);
   if (lattice_) return lattice_cone_side(a, b, p);
   if (points_->exact == points_->coordinates) {
+    DoubleDouble m[3][3];
     for (unsigned j = 0; j < 3; ++j) {
       m[0][j] = DoubleDouble::sum(a.row[j], -centre_[j]) - centre_low_[j];
       m[1][j] = DoubleDouble::sum(b.row[j], -a.row[j]);

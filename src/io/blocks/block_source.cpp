@@ -141,10 +141,9 @@ class PipedRecords : public BlockSource {
     const std::uint64_t count = got / layout_.record_bytes;
     next_ += count;
     if (got < bytes && (got % layout_.record_bytes != 0 || layout_.count != unknown_size))
-      fail({name_, nullptr, 0},
-           "ends within point " + std::to_string(next_) +
-               (layout_.count == unknown_size ? std::string()
-                                              : " of " + std::to_string(layout_.count)));
+      fail(
+          {name_, nullptr, 0}, "ends within point ", next_,
+          (layout_.count == unknown_size ? std::string() : " of " + std::to_string(layout_.count)));
     if (!std::exchange(empty_, false) && count == 0) return false;
     task.count = count;
     task.file_points = next_;
@@ -231,9 +230,8 @@ class TextBlocks : public BlockSource {
   }
   void finish() const override {
     if (preamble_.kind == Preamble::qhull && points_ != preamble_.count)
-      fail_at_line({name_, nullptr, 0}, preamble_.count_line,
-                   "promises " + std::to_string(preamble_.count) + " points, but " +
-                       std::to_string(points_) + " lines follow");
+      fail_at_line({name_, nullptr, 0}, preamble_.count_line, "promises ", preamble_.count,
+                   " points, but ", points_, " lines follow");
   }
 
  private:

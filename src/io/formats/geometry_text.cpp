@@ -9,7 +9,8 @@
 namespace cullhull::internal::inline io {
 namespace {
 
-/// The first positions and, for a ring, the first one again, each written by one(x, y).
+/// Writes each position by one(x, y), separated by commas; of a ring the first once more at the
+/// end.
 template <class One>
 void append_positions(std::string& out, std::span<const double> boundary, bool ring,
                       const One& one) {
@@ -43,7 +44,7 @@ struct PlaneMeasures {
   double perimeter = 0, area = 0;
 };
 
-/// Perimeter and area; of a segment twice its length, and 0.
+/// Perimeter and area: of a segment twice its length and 0, of a point 0 and 0.
 PlaneMeasures measures_of(const Hull& hull) {
   if (hull.affine_dimension <= 0) return {};
   if (hull.affine_dimension == 1) return {2 * hull.volume, 0};

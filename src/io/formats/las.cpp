@@ -31,7 +31,8 @@ struct LasHeader {
 /// Bytes that each point format has at least (ASPRS LAS 1.4 R15).
 constexpr std::uint64_t least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
-/// None where a scale is no positive number, as in headers that were not filled in.
+/// Empty where a scale is not positive or a scale or offset not finite, as in headers that were not
+/// filled in.
 Placement placement_of(const Source& head) {
   Placement placement;
   for (std::size_t j = 0; j < 3; ++j) {
@@ -53,12 +54,10 @@ LasHeader parse_header(const Source& head) {
   const unsigned major = field<std::uint8_t>(head, 24);
   h.minor = field<std::uint8_t>(head, 25);
   if (major != 1 || h.minor > 4)
-    fail_at_byte(head, 24,
-                 "LAS version " + std::to_string(major) + "." + std::to_string(h.minor) +
-                     "; 1.0 to 1.4 are known");
+    fail_at_byte(head, 24, "LAS version ", major, ".", h.minor, "; 1.0 to 1.4 are known");
   const unsigned header_size = field<std::uint16_t>(head, 94);
   if (header_size < oldest || (h.minor == 4 && header_size < with_wide_count))
-    fail_at_byte(head, 94, "LAS header of " + std::to_string(header_size) + " bytes");
+    fail_at_byte(head, 94, "LAS header of ", header_size, " bytes");
   h.offset = field<std::uint32_t>(head, 96);
   const unsigned format = field<std::uint8_t>(head, 104);
   h.format = format & 0x3F;
@@ -67,19 +66,18 @@ LasHeader parse_header(const Source& head) {
          "holds compressed points (LAZ), which the Python package unpacks: python3 -m cullhull ... "
          "in the place of cullhull ..., or cullhull.read(path) (pip install 'laspy[lazrs]')");
   if (h.format >= std::size(least_record))
-    fail_at_byte(head, 104, "LAS point format " + std::to_string(h.format) + "; 0 to 10 are known");
+    fail_at_byte(head, 104, "LAS point format ", h.format, "; 0 to 10 are known");
   h.record = field<std::uint16_t>(head, 105);
   if (h.record < least_record[h.format])
-    fail_at_byte(head, 105,
-                 "records of " + std::to_string(h.record) + " bytes, but point format " +
-                     std::to_string(h.format) + " takes " + std::to_string(least_record[h.format]));
+    fail_at_byte(head, 105, "records of ", h.record, " bytes, but point format ", h.format,
+                 " takes ", least_record[h.format]);
   h.count = field<std::uint32_t>(head, 107);
   if (h.minor == 4) {
     if (head.size < with_wide_count) fail_at_byte(head, head.size, "ends within the LAS header");
     h.count = field<std::uint64_t>(head, 247);
   }
   if (h.offset < header_size)
-    fail_at_byte(head, 96, "points at byte " + std::to_string(h.offset) + ", within the header");
+    fail_at_byte(head, 96, "points at byte ", h.offset, ", within the header");
   h.placement = placement_of(head);
   if (!h.placement.empty())
     h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
@@ -90,10 +88,9 @@ void check_room(const Source& head, const LasHeader& h, std::uint64_t size) {
   if (size == unknown_size) return;
   std::uint64_t bytes = 0;
   if (h.offset > size || !multiply(h.count, h.record, bytes) || bytes > size - h.offset)
-    fail_at_byte(head, h.offset < size ? h.offset : size,
-                 std::to_string(h.count) + " points of " + std::to_string(h.record) +
-                     " bytes need more than the " +
-                     std::to_string(h.offset < size ? size - h.offset : 0) + " bytes that follow");
+    fail_at_byte(head, h.offset < size ? h.offset : size, h.count, " points of ", h.record,
+                 " bytes need more than the ", h.offset < size ? size - h.offset : 0,
+                 " bytes that follow");
 }
 
 PointData points_of_records(const std::string& file, const char* records, std::uint64_t count,

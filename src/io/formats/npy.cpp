@@ -52,7 +52,7 @@ class HeaderParser {
 
  private:
   [[noreturn]] void fault(const std::string& message) const {
-    fail_at_byte(source_, p_, "npy header: " + message);
+    fail_at_byte(source_, p_, "npy header: ", message);
   }
   char peek() {
     while (p_ < end_ && (is_blank(source_.data[p_]) || source_.data[p_] == '\n')) ++p_;
@@ -122,8 +122,7 @@ Header parse_header(const Source& s) {
   const auto byte = [&](std::size_t i) {
     return static_cast<std::uint64_t>(static_cast<unsigned char>(s.data[i]));
   };
-  if (byte(6) < 1 || byte(6) > 3)
-    fail_at_byte(s, 6, "npy version " + std::to_string(byte(6)) + "; 1 to 3 are known");
+  if (byte(6) < 1 || byte(6) > 3) fail_at_byte(s, 6, "npy version ", byte(6), "; 1 to 3 are known");
   std::uint64_t from = 10, length = byte(8) | byte(9) << 8;
   if (byte(6) >= 2) {
     if (s.size < 12) fail_at_byte(s, s.size, "ends within the npy header");
@@ -131,9 +130,7 @@ Header parse_header(const Source& s) {
     from = 12;
   }
   if (s.size - from < length)
-    fail_at_byte(s, 8,
-                 "npy header of " + std::to_string(length) + " bytes in a file of " +
-                     std::to_string(s.size));
+    fail_at_byte(s, 8, "npy header of ", length, " bytes in a file of ", s.size);
   Header h = HeaderParser(s, from, from + length).parse();
   h.data_offset = from + length;
   return h;
@@ -160,8 +157,8 @@ Dtype parse_dtype(const Source& s, const std::string& descr) {
                    ((t.kind == 'i' || t.kind == 'u') &&
                     (t.size == 1 || t.size == 2 || t.size == 4 || t.size == 8)));
   if (!ok)
-    fail(s, "dtype " + quoted_text(descr) +
-                " cannot be read as points; convert to float64, float32 or an integer type");
+    fail(s, "dtype ", quoted_text(descr),
+         " cannot be read as points; convert to float64, float32 or an integer type");
   return t;
 }
 
@@ -228,9 +225,8 @@ PointData points_of_array(const Source& source, const char* data, std::uint64_t 
                                   ? widen<std::int64_t>(data, items, type.swapped, to, options)
                                   : widen<std::uint64_t>(data, items, type.swapped, to, options);
     if (bad < items)
-      fail(source, "value at index (" + std::to_string(first + (fortran ? bad % n : bad / d)) +
-                       ", " + std::to_string(fortran ? bad / n : bad % d) +
-                       ") is a 64-bit integer that no double equals");
+      fail(source, "value at index (", first + (fortran ? bad % n : bad / d), ", ",
+           fortran ? bad / n : bad % d, ") is a 64-bit integer that no double equals");
     base = result.storage.data();
     result.view.scalar = ScalarType::f64;
   } else {
@@ -266,12 +262,10 @@ void check_extent(const Source& source, const Header& h, const Dtype& type,
   if (empty) bytes = 0;
   const std::uint64_t have = file_size - h.data_offset;
   if (!fits || bytes > have)
-    fail_at_byte(source, h.data_offset,
-                 "shape (" + shape + ") of " + quoted_text(h.descr) + " needs more than the " +
-                     std::to_string(have) + " bytes that follow");
+    fail_at_byte(source, h.data_offset, "shape (", shape, ") of ", quoted_text(h.descr),
+                 " needs more than the ", have, " bytes that follow");
   if (bytes < have && file_size != unknown_size)
-    fail_at_byte(source, h.data_offset + bytes,
-                 std::to_string(have - bytes) + " bytes after the array");
+    fail_at_byte(source, h.data_offset + bytes, have - bytes, " bytes after the array");
 }
 
 }  // namespace
@@ -291,11 +285,10 @@ PointArray parse_points(const Source& head, std::uint64_t file_size) {
   if (shape.size() == 3)
     fail(head, "array of 3 axes (frames, n, d): moving points, for the command track");
   if (shape.empty() || shape.size() > 2)
-    fail(head, "array of " + std::to_string(shape.size()) + " axes; points need (n, d) or (n,)");
+    fail(head, "array of ", shape.size(), " axes; points need (n, d) or (n,)");
   a.count = shape[0];
   if (shape.size() == 2) a.dimension = shape[1];
-  if (a.dimension == 0 || a.dimension > UINT32_MAX)
-    fail(head, "points of dimension " + std::to_string(a.dimension));
+  if (a.dimension == 0 || a.dimension > UINT32_MAX) fail(head, "points of dimension ", a.dimension);
   check_extent(head, a.header, a.type, file_size);
   return a;
 }
@@ -333,8 +326,7 @@ bool NpyFrames::read_header(const Source& head, std::uint64_t file_size) {
     fail(head,
          "array of 3 axes in Fortran order, which scatters each frame over the whole file; "
          "save it in C order (numpy.ascontiguousarray)");
-  if (h.shape[2] == 0 || h.shape[2] > UINT32_MAX)
-    fail(head, "points of dimension " + std::to_string(h.shape[2]));
+  if (h.shape[2] == 0 || h.shape[2] > UINT32_MAX) fail(head, "points of dimension ", h.shape[2]);
   check_extent(head, h, type, file_size);
   frames = h.shape[0];
   count = h.shape[1];

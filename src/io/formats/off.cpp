@@ -61,8 +61,8 @@ OffHeader parse_off_header(const Source& source) {
     refill();
     std::uint64_t value = 0;
     if (!parse_unsigned(words.front(), value))
-      fail_at_line(source, scanner.number(),
-                   quoted_text(words.front()) + " is not the number of " + std::string(what));
+      fail_at_line(source, scanner.number(), quoted_text(words.front()), " is not the number of ",
+                   what);
     words.erase(words.begin());
     return value;
   };
@@ -80,16 +80,16 @@ OffHeader parse_off_header(const Source& source) {
   } else if (is_digit(words.front()[0])) {
     h.dimension = number("dimensions");  // as qconvex writes it
   } else {
-    fail_at_line(source, scanner.number(),
-                 quoted_text(words.front()) + " does not begin an OFF file");
+    fail_at_line(source, scanner.number(), quoted_text(words.front()),
+                 " does not begin an OFF file");
   }
   if (h.dimension == 0 || h.dimension > source.size)
-    fail_at_line(source, scanner.number(), "dimension " + std::to_string(h.dimension));
+    fail_at_line(source, scanner.number(), "dimension ", h.dimension);
   h.vertices = number("vertices");
   h.faces = number("faces");
   if (!words.empty()) number("edges");  // unused, and sometimes left out
   if (!words.empty())
-    fail_at_line(source, scanner.number(), quoted_text(words.front()) + " after the counts");
+    fail_at_line(source, scanner.number(), quoted_text(words.front()), " after the counts");
   h.body = scanner.rest();
   h.lines = scanner.number();
   return h;
@@ -104,9 +104,8 @@ PointData read_off(const Source& source, const ReadOptions& options) {
   std::uint64_t coordinates = 0;
   const std::uint64_t expected = h.vertices + h.faces;
   if (index.points < h.vertices)
-    fail_at_line(source, h.lines,
-                 "promises " + std::to_string(h.vertices) + " vertices, but " +
-                     std::to_string(index.points) + " lines follow");
+    fail_at_line(source, h.lines, "promises ", h.vertices, " vertices, but ", index.points,
+                 " lines follow");
   const auto ignore = [](const char*, const char*) {};
   if (!multiply(h.vertices, d, coordinates) || coordinates > source.size / 2 + 1)
     fail_at_line(source, h.lines, "promises more coordinates than the file can hold");

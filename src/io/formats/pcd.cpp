@@ -248,9 +248,8 @@ PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<
     }
   });
   if (bad < count * d)
-    fail({source.name, nullptr, 0}, "field " + quoted_text(h.axis(bad % d).name) + " of point " +
-                                        std::to_string(first + bad / d) +
-                                        " is a 64-bit integer that no double equals");
+    fail({source.name, nullptr, 0}, "field ", quoted_text(h.axis(bad % d).name), " of point ",
+         first + bad / d, " is a 64-bit integer that no double equals");
   return data;
 }
 
@@ -291,9 +290,8 @@ void check_room(const Source& source, const PcdHeader& h, std::uint64_t size,
   const auto body = static_cast<std::uint64_t>(h.body - source.data);
   std::uint64_t bytes = 0;
   if (!multiply(h.points, h.record, bytes) || bytes > size - body)
-    fail_at_byte(source, body,
-                 std::to_string(h.points) + " points of " + std::to_string(h.record) +
-                     " bytes exceed the " + std::to_string(size - body) + " bytes that follow");
+    fail_at_byte(source, body, h.points, " points of ", h.record, " bytes exceed the ", size - body,
+                 " bytes that follow");
   if (bytes < size - body)
     remark(source, options,
            std::to_string(size - body - bytes) + " bytes after the last point are passed over");
@@ -307,14 +305,12 @@ PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOp
   const std::uint64_t size = load_little_endian<std::uint32_t>(h.body + 4);
   std::uint64_t bytes = 0;
   if (!multiply(h.points, h.record, bytes) || bytes != size)
-    fail_at_byte(source, body + 4,
-                 std::to_string(h.points) + " points of " + std::to_string(h.record) +
-                     " bytes are not the " + std::to_string(size) + " bytes it unpacks to");
+    fail_at_byte(source, body + 4, h.points, " points of ", h.record, " bytes are not the ", size,
+                 " bytes it unpacks to");
   // What follows is passed over: some writers fill the last page.
   if (packed > source.size - body - 8 || size > lzf_most_growth * packed)
-    fail_at_byte(source, body,
-                 std::to_string(packed) + " packed bytes of " + std::to_string(size) +
-                     " do not fit the " + std::to_string(source.size - body - 8) + " that follow");
+    fail_at_byte(source, body, packed, " packed bytes of ", size, " do not fit the ",
+                 source.size - body - 8, " that follow");
   if (size > resolve_budget(options.memory_budget))
     throw Error(ErrorCode::out_of_budget, source.name, ": unpacks to ", size >> 20,
                 " MiB, which does not fit");
@@ -351,9 +347,8 @@ void parse_point(const PcdHeader& h, const char* p, const char* end, double* out
 PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions& options) {
   const LineIndex index = index_lines(source, h.body, h.lines, options, is_data_line);
   if (index.points != h.points)
-    fail_at_line(source, h.lines,
-                 "promises " + std::to_string(h.points) + " points, but " +
-                     std::to_string(index.points) + " lines follow");
+    fail_at_line(source, h.lines, "promises ", h.points, " points, but ", index.points,
+                 " lines follow");
   PointData data = parsed_points(h.points, h.dimension, name_of(Body::ascii));
   double* const out = data.storage.as<double>();
   parse_lines(

@@ -160,20 +160,20 @@ class PlyHeaderParser {
     if (it == header_.elements.end()) fault("no element 'vertex'");
     for (const Element& e : header_.elements)
       if (e.properties.empty())
-        fail_at_line(source_, e.line, "element " + quoted_text(e.name) + " has no property");
+        fail_at_line(source_, e.line, "element ", quoted_text(e.name), " has no property");
     header_.vertex = static_cast<std::size_t>(it - header_.elements.begin());
     for (const std::string_view name : {"x", "y", "z"}) {
       std::size_t found = it->properties.size();
       for (std::size_t j = 0; j < it->properties.size(); ++j) {
         if (it->properties[j].name != name) continue;
         if (found != it->properties.size() || it->properties[j].list)
-          fail_at_line(source_, it->line, "property " + quoted_text(name) + " must be one number");
+          fail_at_line(source_, it->line, "property ", quoted_text(name), " must be one number");
         found = j;
       }
       if (found < it->properties.size())
         header_.xyz[header_.dimension++] = found;
       else if (name != "z")
-        fail_at_line(source_, it->line, "vertex has no property " + quoted_text(name));
+        fail_at_line(source_, it->line, "vertex has no property ", quoted_text(name));
     }
     find_colours(*it);
   }
@@ -286,10 +286,8 @@ class PlyBinary {
   void check_room(const Element& e, std::uint64_t at) const {
     std::uint64_t bytes = 0;
     if (!multiply(e.count, e.min_size, bytes) || bytes > source_.size - at)
-      fail_at_byte(source_, at,
-                   std::to_string(e.count) + " records of " + quoted_text(e.name) +
-                       " need more than the " + std::to_string(source_.size - at) +
-                       " bytes that follow");
+      fail_at_byte(source_, at, e.count, " records of ", quoted_text(e.name),
+                   " need more than the ", source_.size - at, " bytes that follow");
   }
   std::uint64_t skip(const Element& e, std::uint64_t at) const {
     check_room(e, at);
@@ -305,15 +303,13 @@ class PlyBinary {
     for (const Property& p : e.properties) {
       if (at_property != nullptr) *at_property++ = at;
       const std::uint64_t head = scalar_size(p.list ? p.count_type : p.type);
-      if (source_.size - at < head) fail_at_byte(source_, at, "ends within " + quoted_text(e.name));
+      if (source_.size - at < head) fail_at_byte(source_, at, "ends within ", quoted_text(e.name));
       if (p.list) {
         const double count = load(source_.data + at, p.count_type, swap_);
         const double room = static_cast<double>((source_.size - at - head) / scalar_size(p.type));
         if (count < 0 || count > room)
-          fail_at_byte(source_, at,
-                       "list " + quoted_text(p.name) + " of " +
-                           std::to_string(static_cast<std::int64_t>(count)) +
-                           " items does not fit the file");
+          fail_at_byte(source_, at, "list ", quoted_text(p.name), " of ",
+                       static_cast<std::int64_t>(count), " items does not fit the file");
         at += static_cast<std::uint64_t>(count) * scalar_size(p.type);
       }
       at += head;
@@ -420,9 +416,8 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
   }
   const std::uint64_t count = h.elements[h.vertex].count;
   if (index.points < first || index.points - first < count)
-    fail_at_line(source, h.lines + index.lines,
-                 "ends early: the header promises " + std::to_string(expected) +
-                     " lines of elements, " + std::to_string(index.points) + " follow");
+    fail_at_line(source, h.lines + index.lines, "ends early: the header promises ", expected,
+                 " lines of elements, ", index.points, " follow");
   // Each vertex has a counted line, so their number is bounded by the file's size.
   PointData data = parsed_points(count, h.dimension, "ply (ASCII)");
   double* const out = data.storage.as<double>();

@@ -68,8 +68,7 @@ PointData read_ascii(const Source& source, const ReadOptions& options) {
   if (last_keyword(source) != "endsolid")
     fail_at_line(source, index.lines, "ends without 'endsolid'");
   if (index.points % 3 != 0)
-    fail_at_line(source, index.lines,
-                 std::to_string(index.points) + " vertices are no whole number of triangles");
+    fail_at_line(source, index.lines, index.points, " vertices are no whole number of triangles");
   return data;
 }
 
@@ -91,9 +90,8 @@ PointData read_stl(const Source& source, const ReadOptions& options) {
   if (text && first_word(lines.begin(), lines.end()) == "solid") return read_ascii(source, options);
   if (source.size < header_bytes)
     fail_at_byte(source, source.size, "ends within the header of a binary STL");
-  fail_at_byte(source, 80,
-               "promises " + std::to_string(triangles) + " triangles (" + std::to_string(needed) +
-                   " bytes) in a file of " + std::to_string(source.size));
+  fail_at_byte(source, 80, "promises ", triangles, " triangles (", needed, " bytes) in a file of ",
+               source.size);
 }
 
 void write_stl(OutputFile& out, const HullMesh& mesh) {

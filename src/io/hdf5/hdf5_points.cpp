@@ -233,7 +233,7 @@ struct Hdf5Points::Impl {
 
   void open(const std::string& path, const std::string& datasets) {
     file = Handle(h5().H5Fopen(path.c_str(), read_only, H5P_DEFAULT), h5().H5Fclose);
-    if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened" + reason());
+    if (!file) fail({file_name, nullptr, 0}, "is no HDF5 file that can be opened", reason());
     name = file_name;
     if (datasets.empty()) return choose();
     name.append(1, ':').append(display_name(datasets));
@@ -249,7 +249,7 @@ struct Hdf5Points::Impl {
   std::vector<std::pair<std::string, Shape>> all_datasets() const {
     std::vector<std::pair<std::string, Shape>> list;
     if (h5().H5Ovisit(file.get(), H5_INDEX_NAME, H5_ITER_INC, list_dataset, &list) < 0)
-      fail({file_name, nullptr, 0}, "its datasets cannot be listed" + reason());
+      fail({file_name, nullptr, 0}, "its datasets cannot be listed", reason());
     return list;
   }
   void choose() {
@@ -281,37 +281,32 @@ struct Hdf5Points::Impl {
     for (const OpenDataset& column : columns) {
       const Shape& shape = column.shape();
       if (columns.size() > 1 && shape.axes != 1)
-        fail({file_name, nullptr, 0}, "dataset " + quoted_text(column.path()) + " of " +
-                                          text_of(shape) + " is no column among others");
+        fail({file_name, nullptr, 0}, "dataset ", quoted_text(column.path()), " of ",
+             text_of(shape), " is no column among others");
       if (shape.count != one.count)
-        fail({file_name, nullptr, 0}, "datasets " + quoted_text(columns[0].path()) + " and " +
-                                          quoted_text(column.path()) + " have " +
-                                          std::to_string(one.count) + " and " +
-                                          std::to_string(shape.count) + " numbers");
+        fail({file_name, nullptr, 0}, "datasets ", quoted_text(columns[0].path()), " and ",
+             quoted_text(column.path()), " have ", one.count, " and ", shape.count, " numbers");
       if (shape.numbers.scalar != scalar) scalar = ScalarType::f64;
     }
     constexpr std::uint64_t most = 1U << 20;  // coordinates; more is a damaged header
     if (width == 0 || width > most)
-      fail({file_name, nullptr, 0}, "points of " + std::to_string(width) + " coordinates");
+      fail({file_name, nullptr, 0}, "points of ", width, " coordinates");
     dimension = static_cast<std::uint32_t>(width);
   }
 
   void read_column(const OpenDataset& column, std::uint64_t first, std::uint64_t count, char* out,
                    std::uint64_t width) const {
     if (!column.read(first, count, out))
-      fail({name, nullptr, 0},
-           "points from " + std::to_string(first) + " on cannot be read" + reason());
+      fail({name, nullptr, 0}, "points from ", first, " on cannot be read", reason());
     if (const auto gap = column.first_gap(first, count))
-      fail({file_name, nullptr, 0}, "dataset " + quoted_text(column.path()) + ": point " +
-                                        std::to_string(*gap) +
-                                        " was never written, and the dataset has no fill value");
+      fail({file_name, nullptr, 0}, "dataset ", quoted_text(column.path()), ": point ", *gap,
+           " was never written, and the dataset has no fill value");
     const Numbers& numbers = column.shape().numbers;
     if (!numbers.integer64) return;
     const std::uint64_t bad = widen(out, count * width, numbers.is_signed);
     if (bad < count * width)
-      fail({name, nullptr, 0}, "value at index (" + std::to_string(first + bad / width) + ", " +
-                                   std::to_string(bad % width) +
-                                   ") is a 64-bit integer that no double equals");
+      fail({name, nullptr, 0}, "value at index (", first + bad / width, ", ", bad % width,
+           ") is a 64-bit integer that no double equals");
   }
 };
 

@@ -177,9 +177,8 @@ class HullReader final : public nlohmann::json_sax<json> {
            field_ == Field::simplex_neighbours || field_ == Field::vertex_coordinates;
   }
   [[noreturn]] void fault(const std::string& message) const {
-    fail(source_,
-         std::string(field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)]) +
-             ": " + message);
+    fail(source_, field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)], ": ",
+         message);
   }
   /// Allowed in members that are ignored.
   bool unexpected() const {
@@ -211,12 +210,11 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
   bool check_kind(const std::string& kind) const {
     if (kind == "hull" || kind == "hull_report") return true;
-    fail(source_, "JSON of the kind " + quoted_text(kind) + ", which is no hull");
+    fail(source_, "JSON of the kind ", quoted_text(kind), ", which is no hull");
   }
   bool check_schema(std::uint64_t v) const {
     if (v <= json_schema_version) return true;
-    fail(source_, "JSON of schema " + std::to_string(v) + ", newer than this program's " +
-                      std::to_string(json_schema_version));
+    fail(source_, "JSON of schema ", v, ", newer than this program's ", json_schema_version);
   }
   std::uint32_t narrow(std::uint64_t v) const {
     if (v > std::numeric_limits<std::uint32_t>::max()) fault(std::to_string(v) + " is no index");
@@ -362,7 +360,7 @@ class HullChecker {
 
  private:
   [[noreturn]] void fault(const std::string& field, const std::string& message) const {
-    fail(source_, field + ": " + message);
+    fail(source_, field, ": ", message);
   }
   bool is_required(Field field) const {
     if (field == Field::vertex_coordinates) return raw_.want_coordinates;

@@ -56,7 +56,7 @@ class Packed : public ByteStream {
     fail({name_, nullptr, 0}, "is cut short: it ends within its compressed bytes");
   }
   [[noreturn]] void corrupt(const char* why) const {
-    fail({name_, nullptr, 0}, std::string("corrupt compressed bytes: ") + why);
+    fail({name_, nullptr, 0}, "corrupt compressed bytes: ", why);
   }
 
  private:
@@ -227,7 +227,7 @@ Packing packing_of(std::string_view head, const std::string& name, const ReadOpt
   if (head.size() >= 4 && head.substr(1, 3) == "\x2A\x4D\x18" &&
       (static_cast<unsigned char>(head[0]) & 0xF0) == 0x50)
     return Packing::zstd;
-  if (named) fail({name, nullptr, 0}, "does not begin as a ." + extension_of(name) + " file does");
+  if (named) fail({name, nullptr, 0}, "does not begin as a .", extension_of(name), " file does");
   return Packing::none;
 }
 

@@ -179,9 +179,8 @@ PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
   const LineIndex index =
       index_lines(source, preamble.body, preamble.lines, options, is_point_line);
   if (preamble.kind != Preamble::none && index.points != preamble.count)
-    fail_at_line(source, preamble.count_line,
-                 "promises " + std::to_string(preamble.count) + " points, but " +
-                     std::to_string(index.points) + " lines follow");
+    fail_at_line(source, preamble.count_line, "promises ", preamble.count, " points, but ",
+                 index.points, " lines follow");
   // Every coordinate takes a character and, except for the file's last, a separator.
   std::uint64_t coordinates = 0;
   if (!multiply(index.points, d, coordinates) || coordinates > source.size / 2 + 1)

@@ -83,7 +83,7 @@ bool find_qhull_header(const Source& source, const DataLine& first, LineScanner 
   if (head.count == 2 ? dimension < 3 || !fits : !head.words && (dimension < 2 || !fits))
     return false;
   if (dimension == 0 || dimension > UINT32_MAX)
-    fail_at_line(source, first.number, "dimension " + std::to_string(dimension));
+    fail_at_line(source, first.number, "dimension ", dimension);
   return true;
 }
 
@@ -103,7 +103,7 @@ void read_cdd_counts(const Source& source, LineScanner& scanner, Preamble& pream
     fail_at_line(source, any ? line.number : scanner.number(),
                  "'begin' is followed by the number of points, the dimension + 1 and the type");
   if (width < 2 || width > UINT32_MAX)
-    fail_at_line(source, line.number, "dimension " + std::to_string(width > 0 ? width - 1 : 0));
+    fail_at_line(source, line.number, "dimension ", width > 0 ? width - 1 : 0);
   preamble.dimension = static_cast<std::uint32_t>(width - 1);
   preamble.lines = preamble.count_line = line.number;
   preamble.body = scanner.rest();
@@ -224,9 +224,9 @@ std::vector<std::uint32_t> columns_by_name(const Source& source, const ReadOptio
     return text + (columns.size() > most ? ", ..." : "");
   };
   if (taken.empty())
-    fail(source, "the only columns, " + list(numbering) +
-                     ", number the points; --columns (in "
-                     "Python columns=) takes them all the same");
+    fail(source, "the only columns, ", list(numbering),
+         ", number the points; --columns (in "
+         "Python columns=) takes them all the same");
   remark(source, options, list(taken) + " are taken as coordinates, not " + list(numbering),
          Remark::Kind::columns);
   return taken;
