@@ -126,7 +126,7 @@ class Job {
     return result;
   }
 
-  /// Rank 0 has its hull, or has failed: tells the others.
+  /// Rank 0 has its hull, or has failed: notifies the other ranks.
   cullhull::Certificate certify(const cullhull::Hull& hull, std::vector<double> rows) {
     together([] {});
     cullhull::Certificate result;

@@ -1,4 +1,4 @@
-// The hull of a scan's whole numbers where they lie, with the measures of its grid.
+// The hull of a scan's integers, read in place, with measures in the units of its grid.
 #pragma once
 
 #include "cullhull/hull.hpp"

@@ -117,7 +117,7 @@ auto find_repeatedly(const HullArguments& arguments, const Find& find) {
   return found;
 }
 
-/// Whether the points of one .las lie where the file has them, and have a grid.
+/// Whether the points of one .las are as stored in the file, and on a grid.
 bool in_place(const Input& input) {
   return !input.placing.raw && input.points.scalar == cullhull::ScalarType::i32 &&
          !input.placing.grid.empty();
@@ -293,7 +293,7 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
 
 // ---------------------------------------------------------------------------- in blocks
 
-/// The first option that needs all points in memory; empty if there is none.
+/// The first option that needs all points in memory; empty if no option does.
 std::string needs_memory(const HullArguments& arguments) {
   if (arguments.repeat > 1) return "--repeat";
   if (arguments.engine != "native") return "--engine " + arguments.engine;

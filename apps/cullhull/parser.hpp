@@ -17,7 +17,7 @@ namespace app {
 /// An option or a positional argument; its functions return it, to be chained.
 class Option {
  public:
-  /// The name of its value in the help: "FILE", "N"; empty for none.
+  /// The name of its value in the help: "FILE", "N"; empty if it takes no value.
   Option* type_name(const std::string& name);
   Option* required();
   /// Whether one mention takes several words; the default for options of vectors.
@@ -45,7 +45,7 @@ void allow_real_range(Option& option, double least, double greatest);
 /// The outcome of parsing.
 struct Parsed {
   enum class Kind {
-    command,     ///< parsed() tells which subcommand
+    command,     ///< parsed() returns which subcommand
     help,        ///< show `text`, run nothing
     usage,       ///< `text` describes the error
     unexpected,  ///< words that the command does not take

@@ -10,11 +10,11 @@
 
 namespace app {
 
-/// Where points lie whose files have a Placement.
+/// Where the points of files with a Placement are.
 struct Placing {
   cullhull::Placement placement;  ///< of the first file
-  cullhull::Grid grid;            ///< on which the run counted; none: doubles, rounded
-  bool any = false;               ///< whether a file has a placement: else nothing is told
+  cullhull::Grid grid;            ///< whose units the run computed in; empty: rounded doubles
+  bool any = false;               ///< whether a file has a placement; otherwise nothing is reported
   bool raw = false;               ///< --raw: the files' own numbers
 };
 
@@ -23,7 +23,7 @@ class Extent {
  public:
   void add(const cullhull::PointView& points);
   void add(const Extent& other);
-  /// Its lowest and its highest corner, of points on `grid`: two rows, or none without points.
+  /// Its lowest and its highest corner, of points on `grid`: two rows; empty without points.
   std::vector<double> corners(const cullhull::Grid& grid) const;
 
  private:

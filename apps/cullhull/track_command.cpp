@@ -149,7 +149,7 @@ struct Outcome {
   Placing placing;  ///< of the first frame that has one
   Extent extent;    ///< of the vertices, in the world
 
-  /// Where a frame lies whose `view` is in the world.
+  /// The placement of a frame whose `view` is in world coordinates.
   void place(bool raw, const cullhull::PointSequence& sequence, const cullhull::PointView& view,
              const Hull& h) {
     if (sequence.placement().empty()) return;

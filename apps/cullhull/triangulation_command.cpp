@@ -122,7 +122,7 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
     from.columns = given;
     from.weights.clear();
   }
-  from.grid = cullhull::Grid();  // as they are
+  from.grid = cullhull::Grid();  // unchanged
   const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
                               : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 1)
@@ -141,7 +141,7 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
 std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t count) {
   InputArguments from;
   from.path = a.edges;
-  from.grid = cullhull::Grid();  // numbers of points, as they are
+  from.grid = cullhull::Grid();  // point numbers, unchanged
   const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,

@@ -16,7 +16,7 @@ bool is_command(const Parser& parser, const std::string& word);
 /// `COMMAND --help`, and a file in the place of a command becomes `hull FILE`.
 std::vector<std::string> spell_out(const std::vector<std::string>& words, const Parser& parser);
 
-/// The known word nearest to a mistyped one; empty if none is near.
+/// The known word nearest to a mistyped one; empty if no word is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 /// The message for a first word that is neither a command nor a file.

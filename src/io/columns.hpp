@@ -34,7 +34,7 @@ struct KnownColumns {
 /// twice.
 KnownColumns find_known_columns(const std::vector<std::string>& names);
 
-/// The columns whose names say that they number the points: id, index, fid, or none at all.
+/// The columns whose names say that they number the points: id, index, fid, or an empty name.
 std::vector<std::uint32_t> find_numbering(const std::vector<std::string>& names);
 
 /// The column of ReadOptions::key, which is removed from `columns` unless these were asked for; the

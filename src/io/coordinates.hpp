@@ -50,7 +50,7 @@ class Coordinates {
 
 // From the whole numbers of a scan to coordinates: in the world, or on a grid.
 
-/// Along each axis of a placement a number lies at number * step + origin on the grid, exactly.
+/// Along each axis of a placement the grid position of a number is number * step + origin, exactly.
 struct Multiples {
   std::vector<double> step, origin;
 };
@@ -63,8 +63,8 @@ std::optional<Multiples> multiples_of(const Placement& placement, const Grid& gr
 /// doubles, and sets `data.grid`.
 void place(PointData& data, const ReadOptions& options);
 
-/// The grid on which place() will put points of this placement; none for the world and for a file's
-/// own numbers.
+/// The grid on which place() will put points of this placement; empty for the world and for a
+/// file's own numbers.
 Grid grid_of(const Placement& placement, const ReadOptions& options);
 
 }  // namespace cullhull::internal::inline io

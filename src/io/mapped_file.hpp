@@ -24,7 +24,7 @@ class MappedFile {
   bool mapped() const noexcept { return mapped_; }
   /// Error{io} if the file has shrunk since it was opened.
   void check_size() const;
-  /// Fills the page tables of those bytes of the file that lie among [from, from + bytes), so that
+  /// Fills the page tables for the bytes of the file within [from, from + bytes), so that
   /// the first pass over the points need not. Skipped for files that would evict other data from
   /// memory.
   void prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const;

@@ -17,7 +17,7 @@ namespace internal::inline io {
 namespace {
 
 constexpr int most_decimals = 15, most_places = 100;
-/// So that the nearest double of a coordinate tells the number: its error is below a quarter.
+/// So that the nearest double of a coordinate identifies the number: its error is below a quarter.
 constexpr std::uint64_t most_number = std::uint64_t{1} << 50;
 
 /// digits * 10^exponent.
@@ -57,7 +57,7 @@ Decimal shortest_decimal(double value) {
   return d;
 }
 
-/// On a grid of so many decimals; none beyond what doubles hold exactly.
+/// On a grid with this many decimals; empty beyond what doubles hold exactly.
 std::optional<double> multiple(const Decimal& d, int decimals) {
   std::uint64_t number = d.digits;
   if (d.exponent + decimals < 0) return std::nullopt;
@@ -69,7 +69,7 @@ std::optional<double> multiple(const Decimal& d, int decimals) {
 
 bool is_multiple(double v, double unit) { return std::rint(v / unit) == v / unit; }
 
-/// The same of a binary grid, where numbers stay as they are.
+/// The same for a binary grid, where numbers are unchanged.
 std::optional<double> binary_multiple(double v, double unit) {
   return is_multiple(v, unit) ? std::optional(v) : std::nullopt;
 }

@@ -51,7 +51,7 @@ std::string choose_format(const Source& head, const ReadOptions& options);
 
 /// Whether the format has one point a line.
 bool is_text(const std::string& format);
-/// The names of the columns that every file of the format has; none for most formats.
+/// The names of the columns that every file of the format has; empty for most formats.
 std::vector<std::string> column_names(const std::string& format);
 
 // 64-bit integers as the doubles that equal them.

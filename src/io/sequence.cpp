@@ -88,7 +88,7 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // 1 and 01
 }
 
-/// A Zarr array or group is a folder whose files are none of points.
+/// A Zarr array or group is a folder whose files hold no points in a format read here.
 void refuse_zarr(const std::string& path) {
   for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
     if (std::filesystem::exists(std::filesystem::path(path) / mark))

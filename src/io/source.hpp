@@ -61,7 +61,7 @@ struct Slice {
   Slice() = default;
   Slice(std::uint64_t from, std::uint64_t points, std::uint64_t all)
       : first(from), count(points), total(all) {}
-  /// The part that options.part names. Throws Error{invalid_argument} where there is none such.
+  /// The part that options.part names. Throws Error{invalid_argument} if there is no such part.
   Slice(std::uint64_t points, const ReadOptions& options);
 };
 

@@ -63,7 +63,7 @@ inline bool eliminate(RationalRows& m, std::size_t columns) {
 }
 
 /// Solves the square system whose rows end with their right-hand sides; the last column becomes the
-/// solution. False if there is none or several.
+/// solution. False unless there is exactly one.
 inline bool solve(RationalRows& m) {
   const std::size_t n = m.size();
   if (!eliminate(m, n)) return false;

@@ -32,7 +32,7 @@ bool side_in_double_doubles(const double* a, const double* b, const double* c, c
 /// threads; each has its own counts.
 class Orientation3D {
  public:
-  /// `simplex`: four independent points, whose exact centroid is O. Time O(n) where the points lie
+  /// `simplex`: four independent points, whose exact centroid is O. Time O(n) if the points are
   /// on a lattice, else O(1).
   Orientation3D(const LocalPoints& points, const std::uint32_t* simplex);
 

@@ -179,7 +179,7 @@ Sign OrientedPlane::side(const double* x, Rung* rung) {
 
 bool OrientedPlane::proper() { return eliminated_ || !exact().degenerate(); }
 
-/// Whether all points lie on a plane across an axis, or two of them are equal.
+/// Whether all points are on a plane orthogonal to an axis, or two of them are equal.
 bool OrientedPlane::surely_zero(const double* x) const {
   for (unsigned j = 0; j < d_; ++j)
     if (std::all_of(p_.begin(), p_.end(), [&](const double* q) { return q[j] == x[j]; }))

@@ -13,7 +13,7 @@
 namespace cullhull::internal::inline exact {
 
 /// One entry of a step of fraction-free elimination (Bareiss 1968): x = (x pivot - factor top) /
-/// previous, where previous is the pivot before (null: there is none). Every division is exact.
+/// previous, where previous is the pivot before (null for the first step). Every division is exact.
 inline void fraction_free_step(mpz_ptr x, mpz_srcptr pivot, mpz_srcptr factor, mpz_srcptr top,
                                mpz_srcptr previous, mpz_ptr scratch) {
   mpz_mul(scratch, factor, top);
@@ -61,7 +61,7 @@ class ExactPlane {
     mpz_srcptr value;
     long exponent;
   };
-  /// The determinant that side() tells the sign of: `cofactor`s times x - p[0].
+  /// The determinant whose sign side() returns: `cofactor`s times x - p[0].
   ScaledInteger determinant(const double* x);
   /// Component j of the normal. Requires independent points.
   ScaledInteger cofactor(unsigned j);

@@ -34,8 +34,8 @@ struct LocalPoints {
 /// all that its lift is made of. The lift itself, |x|^2 - w, is never rounded: it exists in
 /// predicates alone.
 struct LiftedPoints {
-  unsigned base = 0;   ///< k: the first so many numbers of a row are what orientation sees
-  unsigned width = 0;  ///< d >= k: the squares of so many make the lift
+  unsigned base = 0;   ///< k: orientation uses the first k numbers of a row
+  unsigned width = 0;  ///< d >= k: the lift is the sum of the first d squares
   unsigned stride = 0;
   std::uint32_t count = 0;
   bool weighted = false;  ///< the number after the width is the weight
@@ -50,7 +50,7 @@ struct LiftedPoints {
   double tiny = 0x1p-1000;
   /// Doubles compute an in-sphere determinant without rounding if the product of the largest
   /// magnitudes of its columns is at most this: 2^53 units of a lattice that has all points and
-  /// weights; 0: there is none.
+  /// weights; 0: no such lattice.
   double exact_limit = 0;
 
   Array<double> rows;

@@ -15,7 +15,7 @@ namespace cullhull::internal::inline io {
 /// Memory that a reading thread keeps from block to block.
 class BlockMemory {
  public:
-  /// Returns room for so many bytes, keeping the first `keep` of its contents.
+  /// Returns room for `bytes` bytes, keeping the first `keep` of its contents.
   char* room(std::size_t bytes, std::size_t keep = 0);
   std::size_t size() const { return size_; }
 
@@ -56,7 +56,7 @@ class BlockSource {
   const std::string& format() const { return format_; }
   /// Of the file's numbers: of a state on a grid its unit on each axis.
   const Placement& placement() const { return placement_; }
-  /// On which the blocks count; none for coordinates in the world.
+  /// The grid whose units the blocks count in; empty for world coordinates.
   const Grid& grid() const { return grid_; }
 
  protected:

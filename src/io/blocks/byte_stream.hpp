@@ -44,7 +44,7 @@ struct OpenedBytes {
   Descriptor file;   ///< where it is a regular file that is not compressed, for reading anywhere
   std::uint64_t base = 0;              ///< offset of the bytes in it (in an archive)
   std::uint64_t size = 0;              ///< of them; unknown_size else
-  std::string format;                  ///< where what it lies in tells: "npy"
+  std::string format;                  ///< if its container determines it: "npy"
   std::unique_ptr<ByteStream> stream;  ///< all bytes from the first
   std::string head;                    ///< the first MiB, or more, or all
 };

@@ -173,7 +173,7 @@ class Reading {
     done_.notify_all();
   }
 
-  /// The next block; false when there is none, or reading has to stop.
+  /// Gets the next block; false at the end, or when reading has to stop.
   bool take(Taken& taken, BlockMemory& memory) {
     const std::lock_guard turn(taking_);  // one thread at a time calls next(), in order
     {

@@ -27,7 +27,7 @@ using PlaneRings = std::vector<std::vector<double>>;
 void append_geojson(std::string& out, const PlaneRings& rings);
 void append_wkt(std::string& out, const PlaneRings& rings);
 
-/// Several polygons; one or none as above.
+/// Several polygons; a single one or an empty list as above.
 using PlanePolygons = std::vector<PlaneRings>;
 void append_geojson(std::string& out, const PlanePolygons& polygons);
 void append_wkt(std::string& out, const PlanePolygons& polygons);

@@ -1,4 +1,4 @@
-// LAS 1.0 to 1.4, all point formats: x y z as they are in the file, whole numbers of 32 bits; and
+// LAS 1.0 to 1.4, all point formats: x y z as stored in the file, 32-bit integers; and
 // some of a file's records as another.
 #include <algorithm>
 #include <cmath>

@@ -198,7 +198,7 @@ const char* name_of(Body body) {
                                 : "pcd (compressed)";
 }
 
-/// The scalar type in which a field's numbers may be viewed; none for 64-bit integers.
+/// The scalar type in which a field's numbers may be viewed; empty for 64-bit integers.
 std::optional<ScalarType> scalar_of(const Field& f) {
   if (f.type == 'F') return f.size == 4 ? ScalarType::f32 : ScalarType::f64;
   const bool u = f.type == 'U';
@@ -223,7 +223,7 @@ bool load(const char* p, const Field& f, double& out) {
   return true;
 }
 
-/// Where the numbers of an axis lie: the first one's place and the step from point to point.
+/// Where the numbers of an axis are stored: the byte of the first and the step between points.
 struct Axis {
   std::uint64_t begin = 0, step = 0;
 };
@@ -253,8 +253,8 @@ PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<
   return data;
 }
 
-/// `count` points whose numbers lie in `source` as `axes` tell; in place where they are of one type
-/// and evenly apart.
+/// `count` points whose numbers are stored in `source` as described by `axes`; in place where they
+/// are of one type and evenly apart.
 PointData points_at(const Source& source, const PcdHeader& h, const std::array<Axis, 3>& axes,
                     std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
   const auto apart = [&](std::uint32_t j) {

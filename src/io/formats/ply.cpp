@@ -177,7 +177,7 @@ class PlyHeaderParser {
     }
     find_colours(*it);
   }
-  /// Colours are optional: where they are not three bytes, there are none.
+  /// Colours are optional: fields other than three bytes are ignored.
   void find_colours(const Element& vertex) {
     static constexpr std::string_view names[] = {"red", "green", "blue"};
     header_.coloured = true;

@@ -118,7 +118,7 @@ std::string text_of(const Shape& shape) {
 class OpenDataset {
  public:
   OpenDataset(const Handle& file, const std::string& path, const std::string& name) : path_(path) {
-    // One chunk at least stays unpacked, so that none is unpacked for every block of it.
+    // At least one chunk stays decompressed, so that no chunk is decompressed once per block.
     Handle access(h5().H5Pcreate(h5().number("H5P_CLS_DATASET_ACCESS_ID_g")), h5().H5Pclose);
     dataset_ = Handle(h5().H5Dopen2(file.get(), path.c_str(), H5P_DEFAULT), h5().H5Dclose);
     if (!dataset_) throw NoSuchDataset{};
@@ -144,10 +144,10 @@ class OpenDataset {
     return shape_.numbers.integer64 ? 8 : scalar_size(shape_.numbers.scalar);
   }
 
-  /// Rows as they are in the file's order, packed, as `memory` has them.
+  /// Rows in the file's order, packed, as `memory` holds them.
   bool read(std::uint64_t first, std::uint64_t count, void* out) const {
     if (count == 0) return true;
-    // Libhdf5 leaves the bytes of storage that does not exist as they are.
+    // Libhdf5 does not write the bytes of storage that does not exist.
     if (may_leave_gaps_) std::memset(out, 0, count * shape_.width * number_bytes());
     const hsize_t start[2] = {first, 0}, extent[2] = {count, shape_.width};
     const Handle space(h5().H5Dget_space(dataset_.get()), h5().H5Sclose);
@@ -166,7 +166,7 @@ class OpenDataset {
     if (h5().H5Dget_space_status(dataset_.get(), &status) < 0) return first;
     if (status == H5D_SPACE_STATUS_ALLOCATED) return std::nullopt;
     if (status == H5D_SPACE_STATUS_NOT_ALLOCATED || chunk_width_ == 0) return first;
-    // Of packed chunks the status is "part" even where none is missing: each is asked for.
+    // The status of compressed chunks is "part" even if no chunk is missing: each is queried.
     for (std::uint64_t row = first - first % chunk_points_; row < first + count;
          row += chunk_points_)
       for (std::uint64_t column = 0; column < shape_.width; column += chunk_width_) {

@@ -31,7 +31,7 @@ class Hdf5Points {
   ScalarType scalar() const;
   /// Of a point, in memory.
   std::uint64_t record_bytes() const;
-  /// Points that lie together in the file: a block is best a multiple of it.
+  /// The number of points stored together in the file: a good block size is a multiple of it.
   std::uint64_t chunk_points() const;
 
   /// `count` points from `first` on, in `out`, which has room for them. Throws Error{bad_file}.

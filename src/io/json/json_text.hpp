@@ -33,7 +33,7 @@ inline void append_json_number(std::string& out, double value) {
   }
 }
 
-/// How many bytes of `text` are one character of UTF-8; 0 if they are none.
+/// The number of bytes of the first UTF-8 character of `text`; 0 if it does not begin with one.
 inline std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned lead = byte(0);

@@ -100,7 +100,7 @@ class JsonWriter {
   void value(double v) { append_json_number(text_, v); }
   void value(std::string_view v) { append_json_string(text_, v); }
   void value(const char* v) { value(std::string_view(v)); }
-  /// An index, or -1 where it is `none`.
+  /// An index; -1 for `none`.
   void index(std::uint32_t v, std::uint32_t none) {
     if (v == none)
       text_ += "-1";
@@ -145,7 +145,7 @@ class JsonWriter {
     rows(name, lists.size(),
          [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
   }
-  /// Rows of `width` items each; none where that is 0.
+  /// Rows of `width` items each; no row if `width` is 0.
   template <class Items>
   void nested(std::string_view name, const Items& items, std::uint64_t width) {
     rows(name, width > 0 ? items.size() / width : 0,
@@ -252,7 +252,7 @@ std::string json_text(const Tree& document) {
 
 /// Writes the members that tell a hull's measures, by the names they have in the dimension k of the
 /// points' flat: for k = 1 `length`, for k = 2 `perimeter` and `area`, from 3 on `area` and
-/// `volume`; none below 1.
+/// `volume`; no member below dimension 1.
 template <class Put>
 void put_measures(int k, double area, double volume, const Put& put) {
   if (k <= 0) return;

@@ -11,7 +11,7 @@ bool unpack_lzf(const char* packed, std::size_t packed_size, char* out, std::siz
   };
   while (at < packed_size) {
     const std::size_t control = byte();
-    if (control < 32) {  // so many bytes and one as they are
+    if (control < 32) {  // control + 1 literal bytes follow
       const std::size_t length = control + 1;
       if (length > packed_size - at || length > size - made) return false;
       std::memcpy(out + made, packed + at, length);

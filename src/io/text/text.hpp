@@ -52,8 +52,8 @@ struct Preamble {
   std::shared_ptr<const ColumnLayout> layout;
 };
 
-/// `csv`: the first line may be words. `options` name the columns wanted; options.remark is told if
-/// some are left out. Throws Error{bad_file}, Error{invalid_argument} for columns that do not
+/// `csv`: the first line may be words. `options` name the columns wanted; options.remark is called
+/// if some are left out. Throws Error{bad_file}, Error{invalid_argument} for columns that do not
 /// exist.
 Preamble find_preamble(const Source& source, const ReadOptions& options, bool csv);
 

@@ -40,7 +40,7 @@ std::vector<std::string> split_columns(const char* begin, const char* end, char 
 struct ColumnLayout {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
   char separator = ' ';
-  std::vector<std::uint32_t> coordinate;  ///< by column: the coordinate's number, or none
+  std::vector<std::uint32_t> coordinate;  ///< by column: the number of its coordinate, or `none`
   std::vector<std::string> names;         ///< of columns, for messages; may be empty
   std::uint32_t dimension = 0;
   std::uint32_t key = none;  ///< the column of ReadOptions::key

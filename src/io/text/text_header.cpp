@@ -169,7 +169,7 @@ bool is_header(const DataLine& line, const std::vector<std::string>& names, bool
 }
 
 /// Some programs write the names of columns in a comment: finds the last one before the points that
-/// has all the names asked for, else none.
+/// has all the names asked for, otherwise empty.
 std::vector<std::string> names_in_comment(const Source& source, const char* end,
                                           const std::vector<std::string>& wanted) {
   std::vector<std::string> found;

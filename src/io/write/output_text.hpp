@@ -1,4 +1,4 @@
-// Text that goes to a file in pieces; cells as VTK has them.
+// Writes text to a file in pieces; cell types of VTK.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace cullhull::internal::inline io {
 
-/// Text that goes to a file in pieces.
+/// Buffers text and writes it to a file in pieces.
 class OutputText {
  public:
   explicit OutputText(const std::string& path) : out_(path) {}

@@ -52,7 +52,7 @@ std::vector<double> lift(const PointView& points, std::span<const double> height
   return rows;
 }
 
-/// Rows of indices, each row on a line; a flat list where `width` is 0. `none` becomes -1.
+/// Rows of indices, each row on a line; a flat list if `width` is 0. `none` is written as -1.
 template <class Items>
 void indices(JsonWriter& w, const char* name, const Items& items, std::uint64_t width,
              std::uint32_t none = no_cell) {
