@@ -24,12 +24,12 @@ struct Certificate {
   explicit operator bool() const noexcept { return valid; }
 };
 
-/// Checks `hull` against `points` with exact predicates and none of the engine's code: every ridge
-/// is shared by exactly two facets and is locally convex, an interior point is beneath every facet
-/// and one ray meets one facet (Mehlhorn, Naeher, Seel, Seidel, Schilz, Schirra, Uhrig, "Checking
-/// geometric programs or verification of geometric structures", 1999), every input point is on or
-/// beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull of
-/// `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
+/// Checks `hull` against `points` with exact predicates, independently of the engine's code: every
+/// ridge is shared by exactly two facets and is locally convex, an interior point is beneath every
+/// facet and one ray meets one facet (Mehlhorn, Naeher, Seel, Seidel, Schilz, Schirra, Uhrig,
+/// "Checking geometric programs or verification of geometric structures", 1999), every input point
+/// is on or beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull
+/// of `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
 /// `facets` are the maximal ones. Planes, measures and centroid are held against the accuracy that
 /// docs/exactness.md ("Numbers") states. What is wrong with hull or points makes the certificate
 /// invalid, whatever it is: lists of wrong lengths and points that are not finite, too.
@@ -63,7 +63,7 @@ class CertifyStream {
   /// What came so far, for a stream of the same hull elsewhere; and taking it in there.
   CertifiedPart part() const;
   void add(const CertifiedPart& part);
-  /// When all points have come. Of several faults that of the lowest block is told.
+  /// Call after the last block. Of several faults the one in the lowest block is reported.
   Certificate finish();
 
  private:

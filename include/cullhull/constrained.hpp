@@ -56,7 +56,7 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
                                               const ConstrainedOptions& options = {});
 
-/// Verifies a result with exact predicates and none of the code that computes it: cells,
+/// Verifies a result with exact predicates, independently of the code that computes it: cells,
 /// neighbours, hull, every point; that the pieces are exactly the constraints; and that every
 /// unconstrained edge is locally Delaunay, with the documented choice among points on a circle. So
 /// a valid certificate proves that `result` is the triangulation documented above.

@@ -82,7 +82,7 @@ struct CudaStatus {
 /// a status, not an exception.
 CudaStatus cuda_status();
 
-/// The calling thread's current CUDA device; -1: there is none to use, or no CUDA backend.
+/// The calling thread's current CUDA device; -1: no usable device, or no CUDA backend.
 int current_cuda_device() noexcept;
 
 /// Waits for all work queued on `stream` (a cudaStream_t). Needed where a call will run on another

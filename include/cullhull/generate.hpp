@@ -35,7 +35,7 @@ class PointGenerator {
   PointGenerator& operator=(PointGenerator&&) noexcept;
   ~PointGenerator();
 
-  /// Points are drawn in runs of so many, by several threads.
+  /// Points are drawn in runs of this length, by several threads.
   static constexpr std::uint64_t run_length = 4096;
 
   /// Writes the points [first, first + count), row-major, to `out`: the rows of generate(), in

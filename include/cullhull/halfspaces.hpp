@@ -23,8 +23,8 @@ struct HalfspaceIntersection {
   Hull dual;
   /// False where the polyhedron is unbounded: the interior point is then not inside `dual`.
   bool bounded = false;
-  /// Row f is the vertex dual to facet f of `dual`; NaN where there is none, which happens only
-  /// where the polyhedron is unbounded.
+  /// Row f is the vertex dual to facet f of `dual`; NaN if that vertex does not exist, which
+  /// happens only where the polyhedron is unbounded.
   std::vector<double> vertices;
 };
 

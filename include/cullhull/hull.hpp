@@ -75,7 +75,8 @@ struct Hull {
   std::uint64_t facet_count() const noexcept { return facets.size(); }
   std::uint64_t simplex_count() const noexcept { return simplex_facets.size(); }
 
-  /// Replaces every vertex id v by of(v). Where `of` ascends, every canonical order stays as it is.
+  /// Replaces every vertex id v by of(v). If `of` is increasing, every canonical order is
+  /// preserved.
   template <class Of>
   void rename(Of&& of) {
     const bool shared = facets.items.shares(simplices);

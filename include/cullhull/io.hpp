@@ -25,11 +25,11 @@ enum class Numbers {
   /// Coordinates in the world, as doubles: on a decimal grid (common_grid) the nearest ones, else
   /// number * scale + offset as laspy computes it.
   world,
-  grid,  ///< whole multiples on a grid, exact, for computing; in the world where there is none
+  grid,  ///< integers on a common grid, exact, for computing; world coordinates without a grid
   file,  ///< the file's own numbers, in place
 };
 
-/// What a reader tells its user: what it chose or left out without having been asked to.
+/// A choice that a reader made, or data it skipped, without having been asked to.
 struct Remark {
   enum class Kind {
     columns,   ///< which columns of a text are the coordinates; ReadOptions::columns takes others
@@ -59,7 +59,7 @@ struct ReadOptions {
   /// A column of one more number a point, named as in `columns`; it is no coordinate unless
   /// `columns` names it, too (PointFile::weights). Of open_points alone, and not beside `key`.
   std::string weights;
-  /// A column that tells which group a point belongs to, named as in `columns`; it is no coordinate
+  /// The column that holds the group of each point, named as in `columns`; it is no coordinate
   /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
   /// the file.
   std::string key;
@@ -68,8 +68,8 @@ struct ReadOptions {
   /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
   /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
   std::uint64_t memory_budget = 0;
-  /// Only the part of this number, from 0, of so many nearly equal ones, where points can be read
-  /// from any of them on: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
+  /// Read only part `part` (from 0) of `parts` nearly equal ones, if the format gives access to any
+  /// point: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
   /// files are read whole (PointFile::in_parts). Of open_points alone.
   std::uint64_t part = 0, parts = 1;
   Numbers numbers = Numbers::world;
@@ -96,14 +96,14 @@ class PointFile {
   const PointView& colours() const noexcept;
   /// Of the file's numbers, by axis of points().
   const Placement& placement() const noexcept;
-  /// The numbers of ReadOptions::weights, one a point of points(); else none.
+  /// The numbers of ReadOptions::weights, one for each point of points(); empty if not asked for.
   const std::vector<double>& weights() const noexcept;
-  /// The grid that the numbers of points() count on; none unless Numbers::grid was asked for.
+  /// The grid whose units the numbers of points() count; empty unless Numbers::grid was asked for.
   const Grid& grid() const noexcept;
-  /// A file's own numbers take their places on a grid, if they have one, else in the world; as
-  /// ReadOptions with Numbers::grid reads them. Once.
+  /// Converts a file's own numbers to grid units, or to world coordinates if there is no grid, as
+  /// ReadOptions with Numbers::grid reads them. Call once.
   void to_grid(const ReadOptions& options);
-  /// Points on a grid, or a file's own numbers, take their coordinates in the world. Once.
+  /// Converts grid units or a file's own numbers to world coordinates. Call once.
   void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   bool mapped() const noexcept;                ///< true when read in place
@@ -125,8 +125,8 @@ class PointFile {
 /// Error{io} or Error{bad_file} with file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
-/// The line, from 1, of a point of an uncompressed text of points, for a message; none of other
-/// formats, and where the file cannot be read so. Takes the time of counting lines.
+/// The line (from 1) of a point in an uncompressed text file, for messages; empty for other formats
+/// and on read errors. Counts lines, so the time is that of reading the file.
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
 /// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
@@ -192,7 +192,7 @@ inline constexpr int json_schema_version = 2;
 
 /// How a mesh file (.ply .obj .off) holds facets of more than three corners.
 enum class Faces {
-  polygons,   ///< whole, as they are
+  polygons,   ///< as polygons
   triangles,  ///< as the hull's simplices, for programs that read no polygons
 };
 
@@ -235,7 +235,7 @@ Certificate certify_file(const PointView& points, const std::string& path,
                          std::uint64_t first_id = 0);
 
 /// Throws Error{io} where a file of this name cannot be written; for a check before long work.
-/// Leaves a file that exists as it is.
+/// Does not change an existing file.
 void check_writable(const std::string& path);
 
 /// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The

@@ -1,4 +1,4 @@
-// Where the whole numbers of a scan lie: scale and offset along each axis, and the grid on
+// How the integers of a scan map to coordinates: scale and offset of each axis, and the grid on
 // which points of several files can be computed exactly. Part of cullhull::io.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace cullhull {
 
 struct ReadOptions;
 
-/// Where the whole numbers of a scan lie: along each axis at number * scale + offset. Empty where a
-/// file has none such (all formats but .las).
+/// Maps the integers of a scan to coordinates: number * scale + offset on each axis. Empty for
+/// formats without such a map (all but .las).
 struct Placement {
   std::vector<double> scale, offset;
   std::string unit{};  ///< of x and y, by the file's reference system: "metre", ...; empty: unknown
@@ -30,27 +30,27 @@ struct Placement {
 
 /// Coordinates that are whole multiples of a unit, the same on every axis, and of at most 50 bits.
 /// A decimal grid: of 10^-decimals. On it coordinates are these multiples, which doubles hold
-/// exactly and give back. A binary grid: of 2^-places. Doubles hold its coordinates as they are.
+/// exactly and give back. A binary grid: of 2^-places. Doubles hold its coordinates exactly.
 class Grid {
  public:
-  Grid() = default;  ///< none: coordinates are what they are
+  Grid() = default;  ///< no grid: coordinates are used as given
   explicit Grid(int decimals);
   static Grid binary(int places);
 
   bool empty() const noexcept { return unit_ == 0; }
   /// -1: no decimal grid.
   int decimals() const noexcept { return decimals_; }
-  /// What coordinates are multiplied by on the grid: 10^decimals; 1 of a binary grid and of none.
+  /// The factor from coordinates to grid units: 10^decimals; 1 for a binary grid and without one.
   double power() const noexcept { return power_; }
-  /// 0 of no grid.
+  /// The spacing of the grid in coordinates; 0 without a grid.
   double unit() const noexcept { return unit_; }
   /// The double nearest to the coordinate that is `number` on the grid.
   double to_world(double number) const noexcept { return number / power_; }
   double to_grid(double coordinate) const noexcept { return coordinate * power_; }
-  /// The number on the grid whose to_world() is `coordinate`; NaN where there is none.
+  /// The integer whose to_world() is `coordinate`; NaN if no integer is.
   double number_of(double coordinate) const noexcept;
 
-  /// Measures of so many dimensions: length 1, area 2, ...
+  /// Converts measures of `dimension` dimensions: 1 for lengths, 2 for areas, ...
   double measure_to_world(double measure, int dimension) const noexcept;
   double measure_to_grid(double measure, int dimension) const noexcept;
 
@@ -61,16 +61,17 @@ class Grid {
   double power_ = 1, unit_ = 0;
 };
 
-/// The coarsest grid on which all coordinates of such files lie. A binary one, where there is one
-/// and not all are whole numbers: coordinates are doubles, as they would be in any other file. Else
-/// scales and offsets are taken for the shortest decimals that read back as them (0.01 for one
-/// hundredth). None where one placement is empty, or a coordinate might need more than 50 bits.
+/// The coarsest grid that contains all coordinates of files with these placements. It is binary if
+/// a binary grid exists and some coordinates are not integers: coordinates are then the doubles
+/// that any other file would hold. Otherwise scales and offsets stand for the shortest decimals
+/// that read back as them (0.01 for one hundredth). Empty if a placement is empty, or a coordinate
+/// might need more than 50 bits.
 Grid common_grid(const std::vector<Placement>& placements);
 
-/// A file's numbers on a grid that its placement lies on: exact.
+/// Converts a file's integers to units of a grid that contains its placement, exactly.
 class GridAxes {
  public:
-  /// Error{invalid_argument} where it does not lie on it (common_grid).
+  /// Throws Error{invalid_argument} if the grid does not contain the placement (see common_grid).
   GridAxes(const Placement& placement, const Grid& grid);
   double at(std::size_t axis, double number) const noexcept {
     return number * step_[axis] + origin_[axis];

@@ -13,9 +13,9 @@ namespace cullhull {
 
 /// Each graph is edges x 2 ids, the lower one first, sorted lexicographically. `triangulation` is
 /// one made by delaunay() of `points`, of any dimension. Lengths are compared exactly: no graph
-/// depends on the order of work, and but for the ties of the spanning tree none on ids. Minimum
+/// depends on the order of work, and only ties of the spanning tree depend on ids. Minimum
 /// spanning tree, relative neighbourhood graph, Gabriel graph and Delaunay triangulation contain
-/// each other in this order, points that others stand in for aside.
+/// each other in this order, except for duplicates.
 ///
 /// Options used: threads, stop, progress. Errors: invalid_argument if the points are not those of
 /// the triangulation, or it is of the furthest site or has hidden points; cancelled. Thread safe.
@@ -23,20 +23,21 @@ namespace cullhull {
 
 /// The Euclidean minimum spanning tree: of all spanning trees the one that takes edges in the order
 /// of length, of equal ones by lower id, then by higher id. It spans all points: those with equal
-/// coordinates hang on the one that stands in, by edges of length zero. Time O(edges log edges).
+/// coordinates are joined to the one with the lowest id, by edges of length zero. Time O(edges log
+/// edges).
 Array<std::uint32_t> minimum_spanning_tree(const PointView& points,
                                            const Triangulation& triangulation,
                                            const RunOptions& options = {});
 
 /// p and q are joined if no third point is in the closed ball whose diameter is pq (Gabriel and
-/// Sokal 1969). Of equal points only the one that stands in has edges. Time O(cells k^3).
+/// Sokal 1969). Of equal points only the one with the lowest id has edges. Time O(cells k^3).
 Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation& triangulation,
                                    const RunOptions& options = {});
 
 /// p and q are joined if no third point is nearer to both than they are to each other (Toussaint
-/// 1980). Of equal points only the one that stands in has edges. Time as the Gabriel graph's, plus
-/// for each edge of that the points that are nearer to one end than the other end is, of the end
-/// that has fewer: a few for most sets.
+/// 1980). Of equal points only the one with the lowest id has edges. Time as the Gabriel graph's,
+/// plus for each edge of that the points that are nearer to one end than the other end is, of the
+/// end that has fewer: a few for most sets.
 Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
                                                   const Triangulation& triangulation,
                                                   const RunOptions& options = {});

@@ -15,7 +15,7 @@ namespace cullhull {
 struct Simplification {
   /// The exact, canonical hull of the vertices that were kept: that of `convex_hull` over them
   /// alone, with the ids, point_count and scalar of the hull given. So a certificate for it is
-  /// against the kept points: those that were dropped lie outside.
+  /// against the kept points: dropped vertices are outside.
   Hull hull;
   /// Vertices of the hull given that were dropped; those of `hull` are the others.
   std::uint64_t dropped = 0;

@@ -59,13 +59,13 @@ class HullState {
   /// Error{invalid_argument} where an id would reach 2^64.
   void shift_ids(std::uint64_t offset);
 
-  /// Points on a grid of so many decimals (cullhull/placement.hpp) take their coordinates in the
-  /// world, rounded, and remember the grid: merge() goes by the numbers on it, if both states have
-  /// the same. Error{invalid_argument} beyond 15 decimals.
+  /// Converts points from units of a grid with this many decimals (cullhull/placement.hpp) to world
+  /// coordinates, rounded. The state remembers the grid: merge() compares grid units if both states
+  /// have the same grid. Throws Error{invalid_argument} beyond 15 decimals.
   void to_world(int decimals);
-  /// Back: their numbers on the grid. Nothing without one.
+  /// Converts back to grid units. No effect without a grid.
   void to_grid();
-  /// Of the grid on which the state was found and merges exactly; -1: none.
+  /// The decimals of the grid on which the state was computed and merges exactly; -1: no grid.
   int decimals() const noexcept { return decimals_; }
 
   /// What convex_hull() gives for all the points, ids being the global ones; bit for bit but for
@@ -112,7 +112,7 @@ class HullStream {
  public:
   /// `options` hold for every call. `threads`: of each push(); with as many pushing threads as
   /// processors, 1 is best. `memory_budget`: for all that the stream holds and needs beside it.
-  /// `progress`: told by one thread at a time, whichever reduces; `poll`: from every pushing
+  /// `progress`: called by one thread at a time, the one that reduces; `poll`: by every pushing
   /// thread.
   explicit HullStream(Options options = {});
   HullStream(HullStream&&) noexcept;
@@ -130,7 +130,7 @@ class HullStream {
   void push(const PointView& block, std::uint64_t first_id);
   /// The same with the ids that follow the highest id so far, pushed or counted by a pushed state.
   void push(const PointView& block);
-  /// Adds the points that a state stands for.
+  /// Adds the points that a state represents.
   void push(const HullState& state);
 
   /// The state of all that was pushed (by pushes that have returned). Errors as push().

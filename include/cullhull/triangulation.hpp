@@ -132,7 +132,7 @@ Triangulation delaunay(const PointView& points, const TriangulationOptions& opti
 Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
                                     const TriangulationOptions& options = {});
 
-/// Checks a triangulation with exact predicates and none of the engine's code: lists, ids and
+/// Checks a triangulation with exact predicates, independently of the engine's code: lists, ids and
 /// order, cells oriented, neighbours mutual, hull closed and convex and covered once, every facet
 /// between two cells locally Delaunay with the canonical choice among cospherical points, every
 /// point a vertex, a duplicate or hidden, groups. So a valid certificate proves that it is the

@@ -18,12 +18,12 @@ namespace cullhull {
 
 /// Writes the cells in the format of the extension of `path` or `format`: .ply .obj .off .stl .glb
 /// .vtp (triangles of 2D points), .vtk (cells of any triangulation of up to 3 dimensions),
-/// .geojson .wkt (triangles of 2D points) or .json (everything but statistics). `heights`, one for
-/// each of 2D points or none: the third coordinates in the meshes and .vtk, else 0, and the list
-/// `heights` of .json; a surface of terrain keeps them so. The bytes depend on points, heights and
-/// triangulation alone; the file appears whole or not at all, as write_hull's does. Throws
-/// Error{invalid_argument} if the format cannot hold the triangulation or the heights, or these are
-/// not one finite number a point; Error{io}.
+/// .geojson .wkt (triangles of 2D points) or .json (everything but statistics). `heights`: empty,
+/// or for 2D points one number each, the third coordinates in meshes and .vtk (0 if empty) and the
+/// list `heights` of .json: so a terrain surface keeps its heights. The bytes depend on points,
+/// heights and triangulation alone; the file appears whole or not at all, as write_hull's does.
+/// Throws Error{invalid_argument} if the format cannot hold the triangulation or the heights, or
+/// these are not one finite number a point; Error{io}.
 void write_triangulation(const std::string& path, const PointView& points,
                          const Triangulation& triangulation, const std::string& format = "",
                          std::span<const double> heights = {});
@@ -40,7 +40,7 @@ void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::s
 /// Likewise the shape of alpha_shape(points, triangulation, alpha): its boundary as .ply .obj .off
 /// .stl .glb .vtp (in 3D; of 2D points its triangles) or as polygons with holes, one for each
 /// piece, .geojson .wkt (2D); its cells as .vtk (up to 3 dimensions); everything as .json. `alpha`:
-/// NaN for a shape of concave_hull, which has none (null in .json).
+/// NaN for a shape of concave_hull, which has no alpha (null in .json).
 void write_alpha_shape(const std::string& path, const PointView& points,
                        const Triangulation& triangulation, const AlphaShape& shape, double alpha,
                        const std::string& format = "");
@@ -65,8 +65,8 @@ struct Polygons {
 /// coordinates. Throws Error{bad_file} for what is no GeoJSON or has no polygon, Error{io}.
 Polygons read_polygons(const std::string& path);
 
-/// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 for none), Fx
-/// (points of the hull) or p (all points). Throws Error{invalid_argument} for other words.
+/// Text as Qhull's `qdelaunay` prints it, `what` being i (cells), Fn (neighbours, -1 at the hull),
+/// Fx (points of the hull) or p (all points). Throws Error{invalid_argument} for other words.
 std::string triangulation_to_qhull_text(const PointView& points, const Triangulation& triangulation,
                                         std::string_view what);
 /// As `qvoronoi`: p (vertices), o (vertices and regions), Fv (ridges).
