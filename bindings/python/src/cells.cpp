@@ -119,7 +119,7 @@ std::tuple<Numbers, Offsets, Offsets> cell_polygons(const Cells& cells, Numbers 
 // -------------------------------------------------------------------------------------- graphs
 
 using GraphOf = cullhull::Array<std::uint32_t> (*)(const cullhull::PointView&, const Triangulation&,
-                                                   const Options&);
+                                                   const cullhull::RunOptions&);
 
 template <GraphOf graph_of>
 Numbers graph(const Cells& cells, const Settings* settings) {
