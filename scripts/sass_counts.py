@@ -79,7 +79,7 @@ def readable(symbols: list[str]) -> list[str]:
 def short(name: str) -> str:
     name = re.sub(r"^void ", "", name)
     name = name.replace("(anonymous namespace)::", "")
-    name = re.sub(r"cullhull::(internal::)?(cuda::|cuda_kernels::)?", "", name)
+    name = re.sub(r"cullhull::(?:[a-z_]+::)*", "", name)
     depth, end = 0, len(name)
     for i, c in enumerate(name):  # the parameter list, which no bracket encloses
         depth += {"<": 1, ">": -1}.get(c, 0)

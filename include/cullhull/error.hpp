@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #pragma GCC visibility push(default)
@@ -43,11 +44,14 @@ class Error : public std::runtime_error {
  private:
   template <class Part>
   static void append(std::string& text, const Part& part) {
-    static_assert(!std::is_floating_point_v<Part> && !std::is_same_v<Part, bool>);
-    if constexpr (std::is_integral_v<Part> && !std::is_same_v<Part, char>)
-      text += std::to_string(part);
-    else
+    if constexpr (std::is_same_v<Part, char>) {
       text += part;
+    } else if constexpr (std::is_integral_v<Part>) {
+      static_assert(!std::is_same_v<Part, bool>);
+      text += std::to_string(part);
+    } else {
+      text += std::string_view(part);
+    }
   }
 
   ErrorCode code_;

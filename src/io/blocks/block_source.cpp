@@ -231,7 +231,7 @@ class TextBlocks : public BlockSource {
   void finish() const override {
     if (preamble_.kind == Preamble::qhull && points_ != preamble_.count)
       fail_at_line({name_, nullptr, 0}, preamble_.count_line, "promises ", preamble_.count,
-                   " points, but ", points_, " lines follow");
+                   " points, but ", points_.load(), " lines follow");
   }
 
  private:
