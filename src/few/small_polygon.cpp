@@ -6,8 +6,10 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// With fewer points a sample costs more than it saves (a guess).
-constexpr std::uint32_t smallest_worth_thinning = 256;
+/// With fewer points a sample costs more than it saves: at 130 and 160 points in a disc 12 %; at
+/// 200 and 250 it saves 12 to 16 % there and 10 to 13 % of Gaussian sets, and costs circles 7 to 8
+/// %.
+constexpr std::uint32_t smallest_worth_thinning = 192;
 
 bool finite(const double* values, std::uint32_t count) {
   double sum[4] = {};  // x * 0 is NaN exactly for NaN and infinities

