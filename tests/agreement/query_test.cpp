@@ -16,8 +16,8 @@
 namespace cullhull {
 namespace {
 
-using internal::orientation;
 using internal::ExactFloat;
+using internal::orientation;
 using namespace testing_support;
 
 PointView view_of(const PointSet& s) {
@@ -337,7 +337,8 @@ TEST(HullQuery, support_is_exact_and_lowest) {
       ExactFloat best_value;
       for (const std::uint64_t v : vertices) {
         ExactFloat value;
-        for (unsigned j = 0; j < s.d; ++j) value = value + ExactFloat(s.point(v)[j]) * ExactFloat(u[j]);
+        for (unsigned j = 0; j < s.d; ++j)
+          value = value + ExactFloat(s.point(v)[j]) * ExactFloat(u[j]);
         if (v == vertices[0] || value > best_value) {
           best = v;
           best_value = value;

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -154,7 +155,8 @@ TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
   fs::remove_all(planted);
 }
 
-/// Sources of src/ that put names into the namespace of another folder, one line each.
+/// Sources of src/ that put names into the namespace of another folder, or close a namespace by
+/// another name than they opened it by, one line each.
 std::vector<std::string> strays(const fs::path& root) {
   static const std::regex opened(
       R"(^namespace (?:cullhull::)?internal\b(?:::(?:inline )?(\w+))?.*\{)");
@@ -162,10 +164,16 @@ std::vector<std::string> strays(const fs::path& root) {
   for (const fs::path& file : sources_below(root / "src")) {
     const fs::path path = file.lexically_relative(root / "src");
     const std::string folder = folder_of(path);
-    std::ifstream in(file);
+    std::ifstream file_text(file);
+    const std::string text{std::istreambuf_iterator<char>(file_text), {}};
+    std::istringstream in(text);
     for (std::string line; std::getline(in, line);) {
       std::smatch match;
-      if (!std::regex_search(line, match, opened) || match[1] == folder) continue;
+      if (!std::regex_search(line, match, opened)) continue;
+      const std::string closing = "}  // " + line.substr(0, line.find(" {"));
+      if (text.find(closing + "\n") == std::string::npos)
+        found.push_back(path.generic_string() + " does not end with " + closing);
+      if (match[1] == folder) continue;
       // Sources of cuda/ implement what flow and tracker declare.
       if (folder == "cuda" && file.extension() == ".cpp" &&
           (match[1] == "flow" || match[1] == "tracker"))
@@ -252,15 +260,23 @@ TEST(Layers, EachFolderIsANamespace) {
   EXPECT_EQ(strays(CULLHULL_ROOT), std::vector<std::string>());
   const fs::path planted = fs::path(testing::TempDir()) / "cullhull_strays";
   fs::create_directories(planted / "src/io/formats");
-  std::ofstream(planted / "src/io/formats/a.cpp") << "namespace cullhull::internal::inline io {\n";
-  std::ofstream(planted / "src/io/formats/b.cpp") << "namespace internal {\n";
-  std::ofstream(planted / "src/io/c.cpp") << "namespace cullhull::internal::inline hull {\n";
-  std::ofstream(planted / "src/io/d.cpp") << "namespace cullhull::internal::inline flow {\n";
+  const auto plant = [&](const char* name, const std::string& opened, const std::string& closed) {
+    std::ofstream(planted / "src/io" / name)
+        << "namespace " << opened << " {\n}  // namespace " << closed << "\n";
+  };
+  const std::string inside = "cullhull::internal::inline ";
+  plant("formats/a.cpp", inside + "io", inside + "io");
+  plant("formats/b.cpp", "internal", "internal");
+  plant("c.cpp", inside + "hull", inside + "hull");
+  plant("d.cpp", inside + "flow", inside + "flow");
+  plant("e.cpp", inside + "io", inside + "hull");
   std::vector<std::string> found = strays(planted);
   std::sort(found.begin(), found.end());
   EXPECT_EQ(found,
             (std::vector<std::string>{"io/c.cpp: namespace cullhull::internal::inline hull {",
                                       "io/d.cpp: namespace cullhull::internal::inline flow {",
+                                      "io/e.cpp does not end with }  // namespace "
+                                      "cullhull::internal::inline io",
                                       "io/formats/b.cpp: namespace internal {"}));
   fs::remove_all(planted);
 }
