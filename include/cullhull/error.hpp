@@ -33,7 +33,7 @@ class Error : public std::runtime_error {
       : Error(code, joined(first, second, more...)) {}
   ErrorCode code() const noexcept { return code_; }
 
-  /// The parts as one text.
+ private:
   template <class... Parts>
   static std::string joined(const Parts&... parts) {
     std::string text;
@@ -41,7 +41,6 @@ class Error : public std::runtime_error {
     return text;
   }
 
- private:
   template <class Part>
   static void append(std::string& text, const Part& part) {
     if constexpr (std::is_same_v<Part, char>) {

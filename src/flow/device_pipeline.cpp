@@ -37,10 +37,10 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   const Call call(options);
   Run run = call.run;
   run.threads = useful_threads(run.threads, count, points.dimension);
-  Filtered rows;
-  rows.survivors.all = true;
+  Filtered unfiltered;
+  unfiltered.survivors.all = true;
   Hull hull = hull_of_survivors(PointView::row_major(filtered.rows.data(), count, points.dimension),
-                                std::move(rows), run);
+                                std::move(unfiltered), run);
   hull.statistics.threads = call.run.threads;
   // Survivors ascend, so all that is ordered by position among them is ordered by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });

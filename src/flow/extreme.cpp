@@ -72,9 +72,8 @@ using namespace internal;
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  Run run(options);
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  Run run = call.run;
   const auto start = Clock::now();
 
   ExtremePoints result;

@@ -57,16 +57,14 @@ Survivors cull(const PointView& points, const Options& options) {
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
   if (Hull hull; small_hull(points, options, hull)) return hull;
-  Run run(options);
-  const unsigned threads = run.threads;  // for the statistics: a stage may use fewer
-  const CallScope call;
-  const PageScope pages;
+  const Call call(options);
+  Run run = call.run;
   const auto start = Clock::now();
   run.check();
   Filtered filtered = filter_and_plan(points, run);
   const double cull_seconds = seconds_since(start);
   Hull hull = hull_of_survivors(points, std::move(filtered), run);
-  hull.statistics.threads = threads;
+  hull.statistics.threads = call.run.threads;  // a stage may use fewer
   hull.statistics.cull_seconds = cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   run.report("done", 1);

@@ -14,7 +14,6 @@
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline flow {

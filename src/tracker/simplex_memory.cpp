@@ -1,7 +1,6 @@
 #include "tracker/simplex_memory.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"

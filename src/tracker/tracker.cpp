@@ -1,7 +1,6 @@
 // HullTracker: chooses the filter of a frame, and keeps the state for the next.
 #include <algorithm>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"
@@ -109,10 +108,8 @@ struct HullTracker::Impl {
         take_few(std::move(next), now);
         return hull;
       }
-      const Run run(options);
-      const CallScope call;
-      const PageScope pages;
-      compute(*points_of(run), run, now, start);
+      const Call call(options);
+      compute(*points_of(call.run), call.run, now, start);
     } catch (const Error& e) {
       if (e.code() == ErrorCode::cancelled) throw;
       throw Error(e.code(), "frame ", index, ": ", e.what());
