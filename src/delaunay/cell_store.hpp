@@ -127,7 +127,8 @@ class CellStore {
 
   static constexpr std::uint32_t dead_mark = 0xffffffff;
 
-  /// Allocates `count` cells, uninitialised.
+  /// Makes `count` cells, all of them in use. The values of cells that were not there before are
+  /// undefined.
   void resize(std::uint32_t count) {
     expected_ = 0;
     require_budget(budget_, count * cell_bytes(), "the cells of the triangulation");

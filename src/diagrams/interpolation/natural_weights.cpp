@@ -146,7 +146,8 @@ void NaturalWeights::find_cavity(std::uint32_t cell) {
     }
 }
 
-/// Those of the cavity's cells in whose planes the query is.
+/// The facets of the triangulation's hull, of cells in the cavity, in whose planes the query is:
+/// there the cavity does not enclose the query, and areas and volumes would be unbounded.
 std::vector<NaturalWeights::HullFacet> NaturalWeights::hull_facets_at_query() {
   std::vector<HullFacet> facets;
   for (const std::uint32_t c : cells_)

@@ -13,8 +13,9 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// The sign of the orientation of k + 1 points. Overflow does no harm: a value that is not finite
-/// decides nothing. K: k if it is a compile-time constant, otherwise 0.
+/// The exact sign of the orientation of k + 1 points: by the filter of column_filter.hpp, and by
+/// orientation() where that cannot tell, as after an overflow. K: k if it is a compile-time
+/// constant, otherwise 0.
 template <unsigned K>
 inline Sign cell_orientation(unsigned k, const double* const* p) {
   // Without a limit to coordinates, what underflows is worth less than this.
@@ -138,7 +139,8 @@ class Walk {
 /// farther than any of its neighbours is a nearest one, and all nearest vertices are connected.
 class NearestVertex {
  public:
-  /// `graph`: neighbour_rows().
+  /// `graph`: for each row of the mesh its neighbours, neighbour_rows(mesh). Both must outlive
+  /// this.
   NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
       : mesh_(mesh), graph_(graph) {}
 

@@ -134,9 +134,11 @@ Sign orientation_exact(unsigned d, const double* const* p) {
 
 namespace {
 
-/// On lattices and lines turns of exactly zero are frequent, and mostly their differences are exact
-/// in doubles. Then comparing the two products suffices: rounding is monotone, so if they differ
-/// after rounding that is their order, else their errors decide. Sets `sign` where it returns true.
+/// The sign of (a - c) x (b - c), the difference of two products, if the four differences are
+/// doubles, as they mostly are on lattices and lines, where the sign is often exactly zero.
+/// Rounding is monotone, so products that differ after rounding are in that order; else their
+/// rounding errors decide. False, with `sign` undefined, if a difference is rounded, or where
+/// something overflows or underflows.
 bool compare_products(const double* a, const double* b, const double* c, Sign& sign) {
   const DoubleDouble ax = DoubleDouble::sum(a[0], -c[0]), ay = DoubleDouble::sum(a[1], -c[1]),
                      bx = DoubleDouble::sum(b[0], -c[0]), by = DoubleDouble::sum(b[1], -c[1]);

@@ -110,7 +110,8 @@ class Inflated : public Packed {
     ended_ = true;
     return false;
   }
-  /// Members may follow one another; zeros that pad a block of a tape may follow the last.
+  /// Whether compressed data follows: goes to the next of the members that a .gz file may consist
+  /// of (RFC 1952), past zeros, with which tapes pad the last block. inflate() refuses other bytes.
   bool next_member() {
     if (!any_member_) {
       at_member_ = false;
