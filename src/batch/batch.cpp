@@ -2,7 +2,6 @@
 #include "cullhull/batch.hpp"
 
 #include <stdexcept>
-#include <string>
 
 #include "batch/batch_maker.hpp"
 

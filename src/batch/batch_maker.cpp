@@ -1,7 +1,6 @@
 #include "batch/batch_maker.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace cullhull::internal::inline batch {

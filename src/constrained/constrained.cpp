@@ -20,7 +20,6 @@
 #include "geometry/gather.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline constrained {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <string>
 
 #include "cullhull/error.hpp"
 #include "exact/numbers/double_parts.hpp"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -17,8 +16,6 @@
 #include "delaunay/write_triangulation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/memory/pages.hpp"
-#include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 

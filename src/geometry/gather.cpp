@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
-#include <string>
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"

@@ -8,7 +8,6 @@
 #include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline geometry {
 namespace {

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
-#include <string>
 
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"

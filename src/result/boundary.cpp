@@ -1,7 +1,6 @@
 #include "result/boundary.hpp"
 
 #include <numeric>
-#include <string>
 
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/parallel.hpp"
 #include "result/boundary.hpp"
 #include "result/measures/measure.hpp"
 #include "result/write/write_simplices.hpp"

@@ -11,7 +11,6 @@
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

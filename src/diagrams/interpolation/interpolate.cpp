@@ -1,7 +1,6 @@
 #include "cullhull/interpolate.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "cullhull/error.hpp"
@@ -18,9 +17,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/memory/pages.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

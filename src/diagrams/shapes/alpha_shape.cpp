@@ -11,7 +11,6 @@
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "parallel/disjoint_sets.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

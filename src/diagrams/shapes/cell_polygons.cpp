@@ -1,6 +1,5 @@
 // cell_polygons(): rings around cells of the plane.
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,7 +9,6 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

@@ -11,7 +11,6 @@
 #include "diagrams/dual.hpp"
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/index.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <string>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -19,7 +18,6 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

@@ -2,7 +2,6 @@
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -13,7 +12,6 @@
 #include "parallel/adjacency.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
-#include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
 namespace internal::inline diagrams {

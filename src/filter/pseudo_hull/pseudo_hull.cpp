@@ -4,7 +4,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <string>
 
 #include "cullhull/error.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"

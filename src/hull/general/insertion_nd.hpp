@@ -21,7 +21,6 @@
 #include <cstring>
 #include <deque>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "cullhull/error.hpp"

@@ -5,7 +5,6 @@
 #include "hull/space/engine_3d.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/random_stream.hpp"
-#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline hull {
 namespace {

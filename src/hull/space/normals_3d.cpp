@@ -4,7 +4,6 @@
 
 #include "hull/space/engine_3d.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline hull {
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "parallel/threads/parallel.hpp"
-
 namespace cullhull::internal::inline hull {
 namespace {
 
