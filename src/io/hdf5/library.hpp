@@ -19,28 +19,43 @@
 
 namespace cullhull::internal::inline io {
 
-#define CULLHULL_HDF5_FUNCTIONS(X)                                                         \
-  X(H5Dclose)                                                                              \
-  X(H5Dget_chunk_storage_size)                                                             \
-  X(H5Dget_create_plist)                                                                   \
-  X(H5Dget_space)                                                                          \
-  X(H5Dget_space_status)                                                                   \
-  X(H5Dget_type)                                                                           \
-  X(H5Dopen2)                                                                              \
-  X(H5Dread)                                                                               \
-  X(H5Eget_auto2)                                                                          \
-  X(H5Eset_auto2)                                                                          \
-  X(H5Ewalk2)                                                                              \
-  X(H5Fclose)                                                                              \
-  X(H5Fopen)                                                                               \
-  X(H5Ovisit)                                                                              \
-  X(H5Pclose)                                                                              \
-  X(H5Pcreate)                                                                             \
-  X(H5Pfill_value_defined)                                                                 \
-  X(H5Pget_chunk) X(H5Pget_external_count) X(H5Pget_fill_time) X(H5Pget_layout)            \
-      X(H5Pset_chunk_cache) X(H5Sclose) X(H5Screate_simple) X(H5Sget_simple_extent_dims)   \
-          X(H5Sget_simple_extent_ndims) X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tget_class) \
-              X(H5Tget_fields) X(H5Tget_sign) X(H5Tget_size) X(H5dont_atexit) X(H5open)
+// clang-format off
+#define CULLHULL_HDF5_FUNCTIONS(X) \
+  X(H5Dclose) \
+  X(H5Dget_chunk_storage_size) \
+  X(H5Dget_create_plist) \
+  X(H5Dget_space) \
+  X(H5Dget_space_status) \
+  X(H5Dget_type) \
+  X(H5Dopen2) \
+  X(H5Dread) \
+  X(H5Eget_auto2) \
+  X(H5Eset_auto2) \
+  X(H5Ewalk2) \
+  X(H5Fclose) \
+  X(H5Fopen) \
+  X(H5Ovisit) \
+  X(H5Pclose) \
+  X(H5Pcreate) \
+  X(H5Pfill_value_defined) \
+  X(H5Pget_chunk) \
+  X(H5Pget_external_count) \
+  X(H5Pget_fill_time) \
+  X(H5Pget_layout) \
+  X(H5Pset_chunk_cache) \
+  X(H5Sclose) \
+  X(H5Screate_simple) \
+  X(H5Sget_simple_extent_dims) \
+  X(H5Sget_simple_extent_ndims) \
+  X(H5Sselect_hyperslab) \
+  X(H5Tclose) \
+  X(H5Tget_class) \
+  X(H5Tget_fields) \
+  X(H5Tget_sign) \
+  X(H5Tget_size) \
+  X(H5dont_atexit) \
+  X(H5open)
+// clang-format on
 // In two steps: some of the names are macros, for the version of a function.
 #define CULLHULL_HDF5_NAME(f) #f
 #define CULLHULL_HDF5_MEMBER(f) decltype(&::f) f;
