@@ -206,4 +206,4 @@ void set_permissions(int fd, const FileStatus& like) { (void)::fchmod(fd, like.s
 
 #endif
 
-}  // namespace cullhull::internal::io::system
+}  // namespace cullhull::internal::inline io::system

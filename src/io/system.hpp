@@ -83,4 +83,4 @@ void fetch_pages(const void* mapped, std::size_t size);
 /// Gives a new file the permissions of the one that it replaces.
 void set_permissions(int fd, const FileStatus& like);
 
-}  // namespace cullhull::internal::io::system
+}  // namespace cullhull::internal::inline io::system
