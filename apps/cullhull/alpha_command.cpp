@@ -58,9 +58,6 @@ constexpr const char* footer =
     "the\n"
     "memory budget; 130 cancelled.";
 
-const Endings endings{".ply", ".obj", ".off",     ".stl", ".glb",
-                      ".vtp", ".vtk", ".geojson", ".wkt", ".json"};
-
 struct AlphaArguments {
   InputArguments input;
   RunArguments run;
@@ -193,7 +190,7 @@ int run(AlphaArguments a) {
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
-  for (const std::string& path : a.outputs) plan.writes("-o", path, endings);
+  for (const std::string& path : a.outputs) plan.writes("-o", path, {OutputKind::triangulation});
   plan.writes_json(a.json);
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
   for (const std::string& path : a.outputs)

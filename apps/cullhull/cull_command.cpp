@@ -106,8 +106,8 @@ void check_one_las(const CullArguments& arguments, const std::string& output) {
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, arguments.files);
-  plan.writes("-o", arguments.output, {".npy", ".csv", ".txt", ".ply", ".xyz", ".las"});
-  plan.writes("--points", arguments.points, point_endings);
+  plan.writes("-o", arguments.output, {OutputKind::ids, OutputKind::points, OutputKind::records});
+  plan.writes("--points", arguments.points, {OutputKind::points, OutputKind::records});
   plan.writes_json(arguments.json);
   arguments.stream.plan(plan);
   for (const auto& [option, path] :

@@ -95,8 +95,8 @@ FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
-    plan.writes("-o", path, arguments.by.empty() ? hull_endings : group_endings);
-  plan.writes("--vertices", arguments.vertices, id_endings);
+    plan.writes("-o", path, {arguments.by.empty() ? OutputKind::hull : OutputKind::group_hulls});
+  plan.writes("--vertices", arguments.vertices, {OutputKind::ids});
   plan.writes_json(arguments.json);
   arguments.stream.plan(plan);
   if (!arguments.formats.empty()) plan.prints("--format");

@@ -14,6 +14,11 @@
 #include "terminal.hpp"
 
 namespace app {
+
+using cullhull::internal::find_output_format;
+using cullhull::internal::is_map;
+using cullhull::internal::is_mesh;
+
 namespace {
 
 [[noreturn]] void refuse(const std::string& option, const std::string& path,
@@ -21,16 +26,9 @@ namespace {
   throw cullhull::Error(cullhull::ErrorCode::invalid_argument, option + " " + path + ": " + why);
 }
 
-/// ".npy, .csv or .txt"
-std::string listed(const Endings& endings) {
-  std::string text;
-  std::size_t left = endings.size();
-  for (const std::string_view ending : endings) {
-    text += ending;
-    --left;
-    text += left > 1 ? ", " : left == 1 ? " or " : "";
-  }
-  return text;
+/// An extension without its dot.
+std::string_view format_of(const std::string& ending) {
+  return ending.empty() ? std::string_view() : std::string_view(ending).substr(1);
 }
 
 /// Standard output, a pipe or a device: names that have no extension to check.
@@ -41,6 +39,17 @@ bool is_stream(const std::string& path) {
 }
 
 }  // namespace
+
+std::string must_end_in(const Endings& endings) {
+  std::string text = "the name must end in ";
+  std::size_t left = endings.size();
+  for (const std::string_view ending : endings) {
+    text += ending;
+    --left;
+    text += left > 1 ? ", " : left == 1 ? " or " : "";
+  }
+  return text;
+}
 
 std::string ending_of(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
@@ -145,16 +154,17 @@ void FilePlan::writes(const std::string& option, const std::string& path, const 
   if (path.empty()) return;
   const std::string ending = ending_of(path);
   if (!is_stream(path) && std::find(endings.begin(), endings.end(), ending) == endings.end())
-    refuse(option, path, "the name must end in " + listed(endings));
+    refuse(option, path, must_end_in(endings));
   claim(option, path);
 }
 
 void FilePlan::writes_json(const std::string& path) {
   if (path.empty()) return;
-  static constexpr std::string_view others[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp",
-                                                ".wkt", ".npy", ".csv", ".txt", ".xyz", ".html"};
-  if (!is_stream(path) &&
-      std::find(std::begin(others), std::end(others), ending_of(path)) != std::end(others))
+  const std::string ending = ending_of(path);
+  const bool json = ending == ".json" || ending == ".geojson";
+  const bool page =
+      std::find(page_endings.begin(), page_endings.end(), ending) != page_endings.end();
+  if (!is_stream(path) && !json && (page || find_output_format(format_of(ending)) != nullptr))
     refuse("--json", path, "JSON is written, which is not what the name says; end it in .json");
   claim("--json", path);
 }
@@ -176,12 +186,10 @@ void add_json_option(Parser& command, std::string& path, const std::string& what
 
 void check_hull_dimension(const std::string& path, std::uint32_t dimension) {
   const std::string ending = ending_of(path);
-  if ((ending == ".geojson" || ending == ".wkt") && dimension != 2)
+  if (is_map(format_of(ending)) && dimension != 2)
     refuse("-o", path,
            fmt::format("a geometry needs points of dimension 2, not {}; write .json", dimension));
-  static constexpr std::string_view meshes[] = {".ply", ".obj", ".off", ".stl", ".glb", ".vtp"};
-  const bool mesh = std::find(std::begin(meshes), std::end(meshes), ending) != std::end(meshes);
-  if (mesh && dimension != 2 && dimension != 3)
+  if (is_mesh(format_of(ending)) && dimension != 2 && dimension != 3)
     refuse("-o", path,
            fmt::format("a mesh needs points of dimension 2 or 3, not {}; write .json", dimension));
 }

@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "io/write/output_formats.hpp"
 
 namespace app {
+
+using cullhull::internal::OutputKind;
 
 /// "points     20,000 x 3 f64, npy, in place\n"
 std::string points_line(const Input& input);
@@ -51,6 +54,10 @@ class FilePlan {
   /// `option` as on the command line, e.g. "-o". An empty name: no such output. The name must end
   /// in one of `endings`, unless it is "-", a pipe or a device.
   void writes(const std::string& option, const std::string& path, const Endings& endings);
+  void writes(const std::string& option, const std::string& path,
+              cullhull::internal::OutputFormat::Kinds kinds) {
+    writes(option, path, cullhull::internal::output_endings(kinds));
+  }
 
   /// A report: any name without the extension of another format.
   void writes_json(const std::string& path);
@@ -88,16 +95,14 @@ class FilePlan {
 /// Adds `--json[=FILE]`, common to all commands.
 void add_json_option(Parser& command, std::string& path, const std::string& what);
 
+/// "must end in .a, .b or .c"
+std::string must_end_in(const Endings& endings);
+
 /// Refuses, before the work, a file that write_hull cannot write for points of this dimension:
 /// Error{invalid_argument}, beginning "-o PATH: ".
 void check_hull_dimension(const std::string& path, std::uint32_t dimension);
 
-/// The extensions that write_hull, write_ids and write_points accept, and those of pages.
-inline const Endings hull_endings{".ply", ".obj",     ".off", ".stl",  ".glb",
-                                  ".vtp", ".geojson", ".wkt", ".json", ".txt"};
-inline const Endings group_endings{".geojson", ".csv", ".json"};
-inline const Endings id_endings{".npy", ".csv", ".txt"};
-inline const Endings point_endings{".npy", ".ply", ".las", ".csv", ".xyz", ".txt"};
+/// The extensions of pages.
 inline const Endings page_endings{".html", ".htm"};
 
 /// The extension of a name in small letters, with its dot.

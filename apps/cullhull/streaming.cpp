@@ -91,7 +91,7 @@ void StreamArguments::check_ids() const {
 
 void StreamArguments::plan(FilePlan& plan) const {
   check_ids();
-  plan.writes("--partial", partial, {".hullstate", ".npz"});
+  plan.writes("--partial", partial, {OutputKind::state});
   if (!checkpoint.empty()) plan.writes_any("--checkpoint", checkpoint);
 }
 

@@ -91,11 +91,10 @@ class FrameNames {
 
   /// Refuses a name without a hull's extension.
   void check_ending() const {
+    const Endings endings = cullhull::internal::output_endings({OutputKind::hull});
     if (wanted() && !folder_ &&
-        std::find(hull_endings.begin(), hull_endings.end(), ending_of(pattern_)) ==
-            hull_endings.end())
-      refuse(
-          "the name must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
+        std::find(endings.begin(), endings.end(), ending_of(pattern_)) == endings.end())
+      refuse(must_end_in(endings));
   }
 
   /// Refuses names that are in use.
@@ -106,7 +105,7 @@ class FrameNames {
   }
 
  private:
-  [[noreturn]] void refuse(const char* reason) const {
+  [[noreturn]] void refuse(const std::string& reason) const {
     throw Error(ErrorCode::invalid_argument, "-o ", pattern_, ": ", reason);
   }
 

@@ -83,11 +83,6 @@ struct DualArguments {
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
-const Endings triangulation_endings{".ply", ".obj", ".off",     ".stl", ".glb",
-                                    ".vtp", ".vtk", ".geojson", ".wkt", ".json"};
-const Endings cell_endings{".ply", ".obj", ".off", ".vtp", ".geojson", ".wkt", ".json"};
-const Endings measure_endings{".npy", ".csv", ".txt"};
-
 std::vector<std::string> words_of(const std::vector<std::string>& given,
                                   const std::vector<std::string>& known) {
   std::vector<std::string> words;
@@ -397,8 +392,11 @@ int run(DualArguments a, bool dual) {
   const bool heights_beside = !weights_beside && !a.heights.empty() && !names_file(a.heights);
   a.input.weights = weights_beside ? a.weights : heights_beside ? a.heights : "";
   for (const std::string& path : a.outputs)
-    plan.writes("-o", path, dual ? cell_endings : triangulation_endings);
-  plan.writes("--measures", a.measures, measure_endings);
+    if (dual)
+      plan.writes("-o", path, {OutputKind::voronoi, OutputKind::cells});
+    else
+      plan.writes("-o", path, {OutputKind::triangulation});
+  plan.writes("--measures", a.measures, {OutputKind::ids});
   plan.writes_json(a.json);
   if (!a.formats.empty()) plan.prints("--format");
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());

@@ -57,14 +57,13 @@ void expect_same(const nlohmann::json& found, const std::string& key,
   EXPECT_EQ(found["points"], points.count) << key;
   EXPECT_EQ(found["affine_dimension"], hull.affine_dimension) << key;
   const int k = hull.affine_dimension;
-  if (k >= 1)
-    EXPECT_EQ(found[k == 1   ? "length"
-                    : k == 2 ? "area"
-                             : "volume"]
-                  .get<double>(),
-              hull.volume)
-        << key;
-  if (k >= 2) EXPECT_EQ(found[k == 2 ? "perimeter" : "area"].get<double>(), hull.area) << key;
+  if (k >= 1) {
+    const char* const name = k == 1 ? "length" : k == 2 ? "area" : "volume";
+    EXPECT_EQ(found[name].get<double>(), hull.volume) << key;
+  }
+  if (k >= 2) {
+    EXPECT_EQ(found[k == 2 ? "perimeter" : "area"].get<double>(), hull.area) << key;
+  }
   ASSERT_EQ(found["vertex_coordinates"].size(), hull.vertices.size()) << key;
   for (std::size_t i = 0; i < hull.vertices.size(); ++i)
     for (std::uint32_t j = 0; j < d; ++j)

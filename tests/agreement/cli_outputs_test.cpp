@@ -100,12 +100,13 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
   const Folder f;
   const std::string absent = f / "absent.npy";  // the name is judged before the input is opened
   expect_refused(f, {"cull", absent, "-o", f / "s.obj"},
-                 "must end in .npy, .csv, .txt, .ply, .xyz or .las");
+                 "must end in .npy, .ply, .las, .csv, .xyz or .txt");
   expect_refused(f, {"cull", absent, "-o", f / "s"}, "must end in");
   expect_refused(f, {"cull", absent, "--points", f / "s.off"}, "must end in");
   expect_refused(f, {"hull", absent, "-o", f / "h.npy"},
                  "must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
-  expect_refused(f, {"hull", absent, "--json=" + (f / "h.ply")}, "end it in .json");
+  for (const char* other : {"h.ply", "h.vtk", "h.las", "h.html"})
+    expect_refused(f, {"hull", absent, "--json=" + (f / other)}, "end it in .json");
   expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.ply"}, "must end in .npy");
   expect_refused(f, {"view", absent, "-o", f / "h.png"}, "must end in .html or .htm");
   expect_refused(f, {"track", absent, "-o", f / "%d.docx"}, "must end in .ply");

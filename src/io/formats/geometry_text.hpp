@@ -36,9 +36,6 @@ void append_wkt(std::string& out, const PlanePolygons& polygons);
 /// unless the points are 2D.
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
 
-/// Maps of polygons: GeoJSON and WKT.
-inline bool is_map(const std::string& f) { return f == "geojson" || f == "wkt"; }
-
 /// Writes a collection of polygons, each with its number under `name`; rings(i): those of polygon
 /// i.
 template <class Rings>

@@ -226,7 +226,7 @@ void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids) {
   using namespace internal;
   if (const std::string f = output_format(path, "", "las"); f != "las")
-    refuse_format(path, f, ".las");
+    refuse_format(path, f, {OutputKind::records});
   const InputName input = split_input(las);
   const MappedFile file(input.file);
   Source source = file.source();

@@ -8,6 +8,7 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/output_file.hpp"
+#include "io/write/output_formats.hpp"
 
 namespace cullhull {
 namespace internal::inline io {
@@ -113,8 +114,8 @@ void write_npz(OutputFile& out, const HullState& state) {
 
 void write_state(const std::string& path, const HullState& state) {
   const std::string format = internal::output_format(path, "", "hullstate");
-  if (format != "hullstate" && format != "npz")
-    internal::refuse_format(path, format, ".hullstate and .npz");
+  if (!internal::holds(format, {internal::OutputKind::state}))
+    internal::refuse_format(path, format, {internal::OutputKind::state});
   internal::OutputFile out(path);
   if (format == "npz") {
     internal::write_npz(out, state);

@@ -13,6 +13,7 @@
 #include "io/json/json_writer.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
+#include "io/write/output_formats.hpp"
 #include "parallel/memory/memory.hpp"
 
 namespace cullhull {
@@ -244,8 +245,8 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   if (reading.read.key.empty())
     throw Error(ErrorCode::invalid_argument, "groups need a column that tells them apart");
   const std::string format = output_format(path, "", "json");
-  if (format != "geojson" && format != "csv" && format != "json")
-    refuse_format(path, format, ".geojson .csv .json");
+  if (!holds(format, {OutputKind::group_hulls}))
+    refuse_format(path, format, {OutputKind::group_hulls});
   const Clock::time_point start = Clock::now();
   CollectedPoints collected(resolve_budget(options.memory_budget));
   BlockVisitor visitor;

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/write/output_formats.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull::internal::inline io {
@@ -58,8 +59,8 @@ void write_little_endian(OutputFile& out, const T* items, std::size_t count) {
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed);
 
-/// Throws Error{invalid_argument}.
+/// Throws Error{invalid_argument} that lists the extensions of these kinds.
 [[noreturn]] void refuse_format(const std::string& path, const std::string& format,
-                                const char* known);
+                                OutputFormat::Kinds kinds);
 
 }  // namespace cullhull::internal::inline io

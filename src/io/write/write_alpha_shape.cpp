@@ -9,17 +9,12 @@
 #include "io/formats/geometry_text.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
+#include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
 namespace cullhull {
 namespace internal::inline io {
 namespace {
-
-constexpr const char* endings = ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json";
-
-bool is_mesh(const std::string& f) {
-  return f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp";
-}
 
 /// Only the points of these triangles.
 HullMesh mesh_of(const PointView& points, const Array<std::uint32_t>& triangles) {
@@ -100,7 +95,7 @@ void check(const std::string& path, const std::string& f, std::uint32_t dimensio
   } else if (f == "vtk") {
     if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
   } else if (f != "json") {
-    refuse_format(path, f, endings);
+    refuse_format(path, f, {OutputKind::triangulation});
   }
 }
 

@@ -8,6 +8,7 @@
 #include "io/system.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
+#include "io/write/output_formats.hpp"
 
 namespace cullhull {
 
@@ -22,9 +23,11 @@ std::string output_format(const std::string& path, const std::string& format,
   return has_name ? extension_of(path) : unnamed;
 }
 
-void refuse_format(const std::string& path, const std::string& format, const char* known) {
+void refuse_format(const std::string& path, const std::string& format, OutputFormat::Kinds kinds) {
+  std::string known;
+  for (const std::string_view ending : output_endings(kinds)) (known += ' ') += ending;
   throw Error(ErrorCode::invalid_argument, display_name(path), ": cannot tell the format from ",
-              quoted_text("." + format), "; known are ", known);
+              quoted_text("." + format), "; known are", known);
 }
 
 }  // namespace internal::inline io
@@ -40,13 +43,13 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
   if (points.count != hull.point_count || points.dimension != hull.dimension)
     throw Error(ErrorCode::invalid_argument, "the hull is not that of these points");
   const std::string f = output_format(path, format, "json");
-  if (f == "ply" || f == "obj" || f == "off" || f == "stl" || f == "glb" || f == "vtp") {
+  if (is_mesh(f)) {
     write_mesh(path, f, make_mesh(points, hull, f, faces));
   } else if (f == "json") {
     OutputFile out(path);
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
     out.commit();
-  } else if (f == "geojson" || f == "wkt") {
+  } else if (is_map(f)) {
     write_text(path, geometry_file(points, hull, f));
   } else if (f == "txt") {
     // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
@@ -56,7 +59,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
   } else {
     const auto& qhull = qhull_formats();
     if (std::find(qhull.begin(), qhull.end(), f) == qhull.end())
-      refuse_format(path, f, ".ply .obj .off .stl .glb .vtp .geojson .wkt .json .txt");
+      refuse_format(path, f, {OutputKind::hull});
     write_text(path, hull_to_qhull_text(of, hull, f));
   }
 }

@@ -8,6 +8,7 @@
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
+#include "io/write/output_formats.hpp"
 
 namespace cullhull {
 namespace internal::inline io {
@@ -78,7 +79,7 @@ void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
   using namespace internal;
   const std::string f = output_format(path, format, "npy");
   if (f == "npy") return write_npy_ids(path, ids);
-  if (f != "csv" && f != "txt") refuse_format(path, f, ".npy .csv .txt");
+  if (!holds(f, {OutputKind::ids})) refuse_format(path, f, {OutputKind::ids});
   OutputFile out(path);
   if (f == "csv") out.write("id\n");
   std::string line;
@@ -96,8 +97,7 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
                      const std::vector<std::uint64_t>& ids, const std::string& format) {
   using namespace internal;
   const std::string f = output_format(path, format, "npy");
-  if (f != "npy" && f != "ply" && f != "csv" && f != "xyz" && f != "txt")
-    refuse_format(path, f, ".npy .ply .csv .xyz .txt");
+  if (!holds(f, {OutputKind::points})) refuse_format(path, f, {OutputKind::points});
   if (f == "ply" && points.dimension != 2 && points.dimension != 3)
     throw Error(ErrorCode::invalid_argument, ".ply holds points of 2 and 3 dimensions, not of ",
                 points.dimension);

@@ -10,18 +10,12 @@
 #include "io/formats/geometry_text.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
+#include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
 namespace cullhull {
 namespace internal::inline io {
 namespace {
-
-constexpr const char* triangulation_endings =
-    ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json";
-constexpr const char* cell_endings = ".ply .obj .off .vtp .geojson .wkt .json";
-
-bool is_mesh(const std::string& f) { return f == "ply" || f == "obj" || f == "off" || f == "vtp"; }
-bool holds_triangles(const std::string& f) { return is_mesh(f) || f == "stl" || f == "glb"; }
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
   throw Error(ErrorCode::invalid_argument, ".", f, " holds ", holds, ", and these are ", dimension,
@@ -162,7 +156,7 @@ using namespace internal;
 void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells,
                                 bool heights) {
   const std::string f = output_format(path, "", "json");
-  if (is_mesh(f) || (!cells && holds_triangles(f))) {
+  if (is_mesh(f) && (!cells || holds(f, {OutputKind::cells}))) {
     if (dimension != 2 && (dimension != 3 || !cells))
       refuse(f, cells ? "cells of 2D and 3D points" : "triangles of 2D points", dimension);
   } else if (is_map(f)) {
@@ -171,7 +165,8 @@ void check_triangulation_format(const std::string& path, std::uint32_t dimension
   } else if (f == "vtk" && !cells) {
     if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
   } else if (f != "json") {
-    refuse_format(path, f, cells ? cell_endings : triangulation_endings);
+    if (cells) refuse_format(path, f, {OutputKind::voronoi, OutputKind::cells});
+    refuse_format(path, f, {OutputKind::triangulation});
   }
 }
 
@@ -194,7 +189,7 @@ void write_triangulation(const std::string& path, const PointView& points, const
     std::iota(all.begin(), all.end(), 0U);
     return write_vtk(path, places, t, all);
   }
-  if (!holds_triangles(f) && !is_map(f)) refuse_format(path, f, triangulation_endings);
+  if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, {OutputKind::triangulation});
   if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
   const bool triangles = t.affine_dimension == 2;  // else there are none
   if (!is_map(f)) return write_mesh(path, f, triangles ? mesh_of(places, t) : HullMesh());
@@ -208,7 +203,7 @@ void write_triangulation(const std::string& path, const PointView& points, const
 
 void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format) {
   const std::string f = output_format(path, format, "geojson");
-  if (!is_mesh(f) && !is_map(f)) refuse_format(path, f, cell_endings);
+  if (!holds(f, {OutputKind::cells})) refuse_format(path, f, {OutputKind::cells});
   if (cells.dimension != 2 && (cells.dimension != 3 || is_map(f)))
     refuse(f, is_map(f) ? "polygons of 2D points" : "cells of 2D and 3D points", cells.dimension);
   if (cells.vertex_offsets.empty())
@@ -228,7 +223,7 @@ void write_cells(const std::string& path, const ClippedCells& cells, const std::
 
 void write_voronoi(const std::string& path, const Voronoi& v, const std::string& format) {
   const std::string f = output_format(path, format, "json");
-  if (f != "json") refuse_format(path, f, ".json");
+  if (f != "json") refuse_format(path, f, {OutputKind::voronoi});
   OutputText out(path);
   out.json({"voronoi", JsonPoints{v.point_count, v.dimension, v.scalar}}, [&](JsonWriter& w) {
     w.member("affine_dimension", v.affine_dimension);
