@@ -4,7 +4,7 @@ JOBS ?= $(shell nproc)
 BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
-SUITES := OFF
+SUITES :=
 # Where packages can be installed, no test is left out for want of one.
 ALL := $(if $(shell command -v apt-get),ON,OFF)
 
@@ -35,8 +35,8 @@ demo: build
 build:
 	@scripts/install-deps.sh build
 	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=OFF \
-	  -DCULLHULL_WITH_SUITES=$(SUITES)
-	cmake --build build/release -j $(JOBS) --target cullhull_app
+	  -DCULLHULL_WITH_SUITES=$(if $(SUITES),ON,OFF)
+	cmake --build build/release -j $(JOBS) --target cullhull_app $(SUITES)
 
 configure-tests:
 	@scripts/install-deps.sh build test python docs
@@ -56,10 +56,10 @@ bench:
 	cmake --preset release $(FAST) -DCULLHULL_BUILD_TESTS=OFF -DCULLHULL_BUILD_BENCH=ON
 	cmake --build build/release -j $(JOBS)
 	build/release/bin/micro_bench
-	build/release/bin/cullhull bench rivals
+	build/release/bin/cullhull-bench rivals
 
-# The help of `cullhull bench` is a page.
-docs: SUITES := ON
+# The help of `cullhull-bench` is a page.
+docs: SUITES := cullhull_bench_app
 docs: build
 	@scripts/install-deps.sh docs
 	scripts/docs-site.sh build/docs $(BIN)

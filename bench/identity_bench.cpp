@@ -5,7 +5,7 @@
 //                    [WORKLOAD ...]
 //     identity_bench --small COUNT [--seed N] [--threads ...] [--no-certify]
 //
-// Workloads are named as in `cullhull bench rivals`: cone-3d-1M, ball-4d-8M-f32. For each run it
+// Workloads are named as in `cullhull-bench rivals`: cone-3d-1M, ball-4d-8M-f32. For each run it
 // prints the seconds and a hash of every list and number of the hull; the first hull of a workload
 // is certified. --small takes that many random sets of up to 200 points in 1D to 6D, many of them
 // degenerate, and prints a hash for each thousand, to be compared with another version's; each hull

@@ -2,7 +2,7 @@
 // doubles: writes the seconds and then the extreme points, all as doubles in binary. With a number
 // of sets to divide the points into, the seconds of each instead. With the word `delaunay` or, in
 // 3D with TBB, `delaunay-parallel` the seconds of the triangulation and its number of simplices. A
-// separate program because CGAL is GPL: nothing of ours links it, `cullhull bench` runs it where it
+// separate program because CGAL is GPL: nothing of ours links it, `cullhull-bench` runs it where it
 // is installed.
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_3.h>

@@ -17,7 +17,7 @@ import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
 TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
-COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex", "bench"]
+COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex"]
 
 
 def pages():
@@ -83,17 +83,19 @@ def write(folder, name, text):
 
 
 def command_pages(program, folder):
-    """A page for each command; suites of bench are commands of their own."""
+    """A page for each command, and one for the program that measures."""
     written = set()
     for name in COMMANDS:
-        text = help_of(program, name)
-        about, rest = text.split("\n", 1)
+        about, rest = help_of(program, name).split("\n", 1)
         page = f"# cullhull {name}\n\n{about}.\n\n```text\n{rest.strip()}\n```\n"
-        if name == "bench":
-            for suite in re.findall(r"^  (\w+) {3,}", text.split("Subcommands:")[1], re.M):
-                about, rest = help_of(program, name, suite).split("\n", 1)
-                page += f"\n## cullhull bench {suite}\n\n{about}.\n\n```text\n{rest.strip()}\n```\n"
         written.add(write(folder, f"reference/commands/{name}.md", page))
+    bench = f"{program}-bench"
+    text = help_of(bench)
+    page = f"# cullhull-bench\n\nMeasurements; `make bench` builds it.\n\n```text\n{text.strip()}\n```\n"
+    for suite in re.findall(r"^  (\w+) {3,}", text.split("Subcommands:")[1].split("\n\n")[0], re.M):
+        about, rest = help_of(bench, suite).split("\n", 1)
+        page += f"\n## cullhull-bench {suite}\n\n{about}.\n\n```text\n{rest.strip()}\n```\n"
+    written.add(write(folder, "reference/commands/cullhull-bench.md", page))
     return written
 
 

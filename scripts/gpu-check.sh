@@ -59,18 +59,18 @@ stage() {
     -U 'Python_*' -U '_Python_*' ${python:+-DPython_EXECUTABLE="$python"} \
     -DCULLHULL_BUILD_PYTHON=$([[ -n $python ]] && echo ON || echo OFF)
   local twins=(primitives_test pseudo_hull_test pseudo_hull_device_test)
-  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app gpu_bench gpu_passes gpu_tests \
+  cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app cullhull_bench_app gpu_bench gpu_passes gpu_tests \
     "${twins[@]}" "${module[@]}"
 
   rm -rf "$folder"
   mkdir -p "$folder/bin/cpu" "$folder/lib" "$folder/system"
-  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes,gpu_tests} "$folder/bin/"
+  cp "$build"/bin/{cullhull,cullhull-bench,gpu_bench,gpu_passes,gpu_tests} "$folder/bin/"
   (cd "$build/bin" && cp "${twins[@]}" "../bundle/bin/cpu/")
   # From bin/cpu the libraries are one folder farther up.
   ln -s ../lib "$folder/bin/lib"
   # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,cullhull-bench,gpu_*} "$folder"/bin/cpu/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
       libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
@@ -100,7 +100,7 @@ stage() {
   done
   cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,gpu_*} "$folder"/bin/cpu/*_test
+  strip "$folder"/bin/{cullhull,cullhull-bench,gpu_*} "$folder"/bin/cpu/*_test
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -109,7 +109,7 @@ stage() {
   # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
   local program strange own
   own=$(realpath "$folder")
-  for program in "$own"/bin/{cullhull,gpu_*} "$own"/bin/cpu/*_test; do
+  for program in "$own"/bin/{cullhull,cullhull-bench,gpu_*} "$own"/bin/cpu/*_test; do
     strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
       awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
     [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
@@ -189,8 +189,8 @@ need_device() {
   if [[ -r /proc/driver/nvidia/version ]]; then
     sed -n 's/^NVRM version: /driver /p' /proc/driver/nvidia/version >>"$summary"
   fi
-  report=$("${launcher[@]}" "$root/bin/cullhull" bench machine --bytes 1MiB --passes 1 --json) ||
-    fail 1 "cullhull bench machine does not run here"
+  report=$("${launcher[@]}" "$root/bin/cullhull-bench" machine --bytes 1MiB --passes 1 --json) ||
+    fail 1 "cullhull-bench machine does not run here"
   reason=$(sed -n 's/^ *"no_device": "\(.*\)",\{0,1\}$/\1/p' <<<"$report")
   if [[ -n $reason ]]; then
     echo "no device: $reason" >>"$summary"

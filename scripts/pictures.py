@@ -5,10 +5,10 @@ docs/picture.svg         the LiDAR scan, drawn by examples/draw_svg.cpp, if that
 docs/view.png            the same scan in `cullhull view`
 docs/showpiece.png       the same page in the dark, the picture alone
 docs/gallery/*.png       what pages of other sets look like
-docs/paper.png           figure 12 of `cullhull bench paper`
+docs/paper.png           figure 12 of `cullhull-bench paper`
 docs/moving-points.png   its figure 16
 
-`pictures.py gallery` makes those of pages alone. REPORT.html is what `cullhull bench paper --report REPORT.html` wrote; without it the two figures
+`pictures.py gallery` makes those of pages alone. REPORT.html is what `cullhull-bench paper --report REPORT.html` wrote; without it the two figures
 are measured now, at full size (two minutes). BUILD names another folder than build/release.
 """
 import io
@@ -140,7 +140,7 @@ def main():
             report = os.path.abspath(sys.argv[1]) if len(sys.argv) == 2 else ""
             if not report:
                 report = os.path.join(folder, "paper.html")
-                program("cullhull", "bench", "paper", "--figure", "figure-12", "--figure",
+                program("cullhull-bench", "paper", "--figure", "figure-12", "--figure",
                         "figure-16", "--report", report, "-q")
             draw_figure(browser, report, "figure-12", "paper.png")
             draw_figure(browser, report, "figure-16", "moving-points.png")

@@ -24,7 +24,6 @@ Command add_voronoi(Parser& parent);
 Command add_alpha(Parser& parent);
 Command add_view(Parser& parent);
 Command add_qconvex(Parser& parent);
-Command add_bench(Parser& parent);
 
 /// Exit statuses (docs/formats.md); 0 is success.
 enum ExitStatus : int {

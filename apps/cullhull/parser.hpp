@@ -88,7 +88,7 @@ class Parser {
   std::vector<std::string> remaining() const;
 
   const std::string& name() const { return name_; }
-  /// With the names of the commands around it: "cullhull bench rivals".
+  /// With the names of the commands around it: "cullhull-bench rivals".
   std::string full_name() const;
   std::vector<std::string> command_names() const;
   /// "--output", "-o", ...

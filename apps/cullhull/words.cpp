@@ -49,7 +49,7 @@ std::vector<std::string> spell_out(const std::vector<std::string>& given, const 
     words.erase(words.begin());
     words.emplace_back("--help");
   } else if (!is_command(parser, words[0]) && (words[0] == "-" || words[0][0] != '-') &&
-             looks_like_a_file(words[0])) {
+             looks_like_a_file(words[0]) && is_command(parser, "hull")) {
     words.insert(words.begin(), "hull");
   }
   return words;
@@ -71,7 +71,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 std::string unknown_command(const std::string& word, const Parser& parser) {
   const std::string meant = nearest(word, parser.command_names());
   return "unknown command '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?") +
-         " (see cullhull --help)";
+         " (see " + parser.full_name() + " --help)";
 }
 
 std::string unexpected_words(const std::vector<std::string>& words, const Parser& command) {
@@ -86,11 +86,6 @@ std::string unexpected_words(const std::vector<std::string>& words, const Parser
     if (known) continue;
     const std::string meant = nearest(name, names);
     return "unknown option " + name + (meant.empty() ? "" : "; did you mean " + meant + "?");
-  }
-  if (!command.command_names().empty() && !command.remaining().empty()) {
-    const std::string word = command.remaining().front();
-    const std::string meant = nearest(word, command.command_names());
-    return "unknown suite '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?");
   }
   std::string list;
   for (const std::string& word : command.remaining()) list += " '" + word + "'";

@@ -13,7 +13,8 @@ namespace app {
 bool is_command(const Parser& parser, const std::string& word);
 
 /// The words as the parser takes them: `--json` alone gets its value, `help COMMAND` becomes
-/// `COMMAND --help`, and a file in the place of a command becomes `hull FILE`.
+/// `COMMAND --help`, and a file in the place of a command becomes `hull FILE` if there is that
+/// command.
 std::vector<std::string> spell_out(const std::vector<std::string>& words, const Parser& parser);
 
 /// The known word nearest to a mistyped one; empty if no word is near.

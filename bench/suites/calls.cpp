@@ -12,7 +12,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -192,11 +191,7 @@ class Suite {
     if (settings.with_cgal && !cgal_program().empty()) rivals_.push_back({"CGAL", cgal_program()});
     rivals_.insert(rivals_.end(), settings.rivals.begin(), settings.rivals.end());
     first_call_ = settings.first_call;
-    if (first_call_.empty()) {
-      std::error_code error;
-      const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-      if (!error && self.filename() == "cullhull") first_call_ = self.string();
-    }
+    if (first_call_.empty()) first_call_ = program_beside("cullhull");
   }
 
   Report run() {
@@ -229,7 +224,7 @@ class Suite {
 
   std::string command() const {
     std::string text =
-        fmt::format("cullhull bench calls --seconds {:g} --seed {} --threads {}", settings_.seconds,
+        fmt::format("cullhull-bench calls --seconds {:g} --seed {} --threads {}", settings_.seconds,
                     settings_.seed, fmt::join(settings_.threads, ","));
     text += fmt::format(" --callers {} --busy {}", fmt::join(settings_.callers, ","),
                         fmt::join(settings_.busy, ","));

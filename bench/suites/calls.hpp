@@ -28,7 +28,8 @@ struct CallSettings {
   std::uint64_t seed = 1;               ///< of the sets
   bool with_qhull = true, with_cgal = true;
   std::vector<RivalProgram> rivals{};
-  /// The program whose first call in a process is timed; empty: this one, if it is cullhull.
+  /// The program whose first call in a process is timed; empty: the
+  /// cullhull beside this one, if there is one.
   std::string first_call;
 };
 

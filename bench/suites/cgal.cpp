@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <filesystem>
 #include <system_error>
 
 #include "cullhull/io.hpp"
@@ -22,13 +21,7 @@ std::vector<const double*> sorted_rows(const std::vector<double>& rows, unsigned
 
 }  // namespace
 
-std::string cgal_program() {
-  std::error_code error;
-  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return "";
-  const auto program = self.parent_path() / "cullhull-rival-cgal";
-  return std::filesystem::exists(program, error) ? program.string() : "";
-}
+std::string cgal_program() { return program_beside("cullhull-rival-cgal"); }
 
 std::optional<CgalRun> run_cgal(const std::string& program, const std::vector<double>& rows,
                                 unsigned d, const ChildLimits& limits) {

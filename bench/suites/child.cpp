@@ -111,6 +111,14 @@ std::optional<ChildRun> run_forked(const std::function<std::string()>& work,
   return child.result(limits);
 }
 
+std::string program_beside(const char* name) {
+  std::error_code error;
+  const auto self = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return "";
+  const auto program = self.parent_path() / name;
+  return std::filesystem::exists(program, error) ? program.string() : "";
+}
+
 std::optional<ChildRun> run_program(const std::vector<std::string>& words,
                                     const ChildLimits& limits) {
   std::vector<char*> arguments;

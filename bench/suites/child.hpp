@@ -35,6 +35,9 @@ struct Scratch {
 std::optional<ChildRun> run_forked(const std::function<std::string()>& work,
                                    const ChildLimits& limits);
 
+/// The path of a program in the folder of the running one; empty if it is not there.
+std::string program_beside(const char* name);
+
 /// What a program wrote on its standard output; words[0] is its path.
 std::optional<ChildRun> run_program(const std::vector<std::string>& words,
                                     const ChildLimits& limits);

@@ -28,7 +28,7 @@ Report begin_report(const char* suite, const ContestSettings& settings,
   report.threads = threads.back();
   report.machine = describe_machine();
   std::string& text = report.command;
-  text = fmt::format("cullhull bench {} --scale {:g} --repeat {} --limit {:g}", suite,
+  text = fmt::format("cullhull-bench {} --scale {:g} --repeat {} --limit {:g}", suite,
                      settings.scale, settings.repeat, settings.limit);
   if (!settings.threads.empty()) text += fmt::format(" --threads {}", fmt::join(threads, ","));
   for (const Workload& w : settings.workloads) text += " --workload " + w.name();

@@ -61,7 +61,7 @@ class Suite {
     report.scale = settings_.scale;
     report.threads = settings_.threads;
     report.machine = describe_machine();
-    report.command = fmt::format("cullhull bench paper --scale {:g} --repeat {} --limit {:g}",
+    report.command = fmt::format("cullhull-bench paper --scale {:g} --repeat {} --limit {:g}",
                                  settings_.scale, settings_.repeat, settings_.limit);
     if (settings_.threads != 0) report.command += fmt::format(" --threads {}", settings_.threads);
     for (const std::string& f : settings_.figures) report.command += " --figure " + f;

@@ -68,10 +68,9 @@ class Suite {
       if (std::find(stream_formats().begin(), stream_formats().end(), format) ==
           stream_formats().end())
         throw Error(ErrorCode::invalid_argument, "no format '" + format + "' to measure");
-    if (settings_.program.empty()) {
-      std::error_code error;
-      settings_.program = fs::read_symlink("/proc/self/exe", error).string();
-    }
+    if (settings_.program.empty()) settings_.program = program_beside("cullhull");
+    if (settings_.program.empty())
+      throw Error(ErrorCode::io, "there is no cullhull beside this program");
   }
 
   Report run() {
@@ -80,7 +79,7 @@ class Suite {
     report.date = date_now();
     report.scale = settings_.scale;
     report.machine = describe_machine();
-    report.command = fmt::format("cullhull bench stream --scale {:g} --repeat {} --memory {}",
+    report.command = fmt::format("cullhull-bench stream --scale {:g} --repeat {} --memory {}",
                                  settings_.scale, settings_.repeat, settings_.memory);
     for (const std::string& f : settings_.formats) report.command += " --format " + f;
     Figure rates{"rates",

@@ -17,7 +17,7 @@ struct StreamSettings {
   std::vector<std::string> formats;  ///< of stream_formats(); empty: all
   std::string folder;                ///< where the files are made, and removed; empty: the system's
   std::string memory = "1GiB";       ///< the program's --memory
-  /// The program that is run; empty: this one.
+  /// The program that is run; empty: the cullhull beside this one.
   std::string program;
 };
 

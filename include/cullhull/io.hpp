@@ -238,7 +238,7 @@ Certificate certify_file(const PointView& points, const std::string& path,
 /// Does not change an existing file.
 void check_writable(const std::string& path);
 
-/// Reads what `cullhull bench machine` wrote: an object with the members of MachineConstants. The
+/// Reads what `cullhull-bench machine` wrote: an object with the members of MachineConstants. The
 /// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
 MachineConstants machine_from_json(const std::string& path);
 

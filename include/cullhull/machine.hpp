@@ -7,7 +7,7 @@
 namespace cullhull {
 
 /// Rates by which the planner chooses where points are culled. The defaults are guesses from below
-/// for a desktop with a PCIe 3 device; `cullhull bench machine` measures them (docs/gpu.md). Wrong
+/// for a desktop with a PCIe 3 device; `cullhull-bench machine` measures them (docs/gpu.md). Wrong
 /// ones cost time, never correctness.
 struct MachineConstants {
   double host_read_bytes_per_second = 20e9;     ///< all cores reading an array

@@ -1,4 +1,4 @@
-// The machine's constants as `cullhull bench machine` writes them.
+// The machine's constants as `cullhull-bench machine` writes them.
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw Error(ErrorCode::bad_file, internal::display_name(path), ": ", why,
-              "; run cullhull bench machine again");
+              "; run cullhull-bench machine again");
 }
 
 double rate(const nlohmann::json& json, const char* key, const std::string& path) {

@@ -1,4 +1,4 @@
-// cullhull bench: what a suite prints and keeps. Rates are looked at for sense, never for speed.
+// cullhull-bench: what a suite prints and keeps. Rates are looked at for sense, never for speed.
 #include <sys/wait.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ namespace {
 
 using namespace testing;
 
-const std::vector<std::string> quick = {"bench", "machine", "--bytes", "4MiB", "--passes", "1"};
+const std::vector<std::string> quick = {"cullhull-bench", "machine",  "--bytes",
+                                        "4MiB",           "--passes", "1"};
 
 std::vector<std::string> with(std::vector<std::string> words,
                               const std::vector<std::string>& more) {
@@ -82,7 +83,7 @@ TEST(BenchMachine, WhatIsSavedIsRead) {
 
 TEST(BenchMachine, BadUsage) {
   for (const auto& words : std::vector<std::vector<std::string>>{
-           {"bench"}, {"bench", "nothing"}, with(quick, {"--bytes", "many"})}) {
+           {"cullhull-bench"}, {"cullhull-bench", "nothing"}, with(quick, {"--bytes", "many"})}) {
     const Ran ran = run_app(words);
     EXPECT_EQ(ran.status, 2) << words.back();
     EXPECT_TRUE(one_line(ran.err)) << ran.err;
@@ -116,7 +117,7 @@ TEST(BenchPaper, EveryFigureAtASmallScale) {
   const Folder f;
   const std::string file = f / "report.json";
   const Ran ran =
-      run_app({"bench", "paper", "--scale", "0.0005", "--repeat", "1", "--json=" + file});
+      run_app({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1", "--json=" + file});
   ASSERT_EQ(ran.status, 0) << ran.err;
   EXPECT_NE(ran.out.find("figure-12"), std::string::npos);
   const auto report = nlohmann::json::parse(read_file(file));
@@ -125,12 +126,12 @@ TEST(BenchPaper, EveryFigureAtASmallScale) {
   expect_sound(report);
   EXPECT_EQ(report["figures"].size(), 8U);
 
-  const Ran one = run_app(
-      {"bench", "paper", "--scale", "0.0005", "--repeat", "1", "--figure", "threads", "--json"});
+  const Ran one = run_app({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1",
+                           "--figure", "threads", "--json"});
   ASSERT_EQ(one.status, 0) << one.err;
   EXPECT_EQ(nlohmann::json::parse(one.out)["figures"].size(), 1U);
-  EXPECT_EQ(run_app({"bench", "paper", "--figure", "figure-99"}).status, 2);
-  EXPECT_EQ(run_app({"bench", "paper", "--scale", "0"}).status, 2);
+  EXPECT_EQ(run_app({"cullhull-bench", "paper", "--figure", "figure-99"}).status, 2);
+  EXPECT_EQ(run_app({"cullhull-bench", "paper", "--scale", "0"}).status, 2);
 }
 
 /// Rows of the figure of all workloads, by name.
@@ -148,7 +149,7 @@ std::string script_at(const std::string& path, const std::string& body) {
   return path;
 }
 
-const std::vector<std::string> rivals = {"bench", "rivals", "--repeat", "1"};
+const std::vector<std::string> rivals = {"cullhull-bench", "rivals", "--repeat", "1"};
 
 TEST(BenchRivals, MarksWhereARivalIsFaster) {
   const Ran ran =
@@ -228,13 +229,13 @@ TEST(BenchRivals, OtherExtremePointsAreAnError) {
   EXPECT_EQ(found.second, 2U);
 
   const Folder f;
-  const std::string ours = f / "cullhull";
-  std::filesystem::copy_file(CULLHULL_APP, ours);
+  const std::string ours = f / "cullhull-bench";
+  std::filesystem::copy_file(CULLHULL_APP "-bench", ours);
   const std::string program = f / "cullhull-rival-cgal";
   script_at(program, "printf '\\0\\0\\0\\0\\0\\0\\360?'\nhead -c 48 /dev/zero\n");
   const std::string out = f / "report.json";
   std::string command = ours;
-  command += " bench rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
+  command += " rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
   command += out + " 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
   const auto report = nlohmann::json::parse(read_file(out));
@@ -260,7 +261,8 @@ TEST(BenchRivals, BadUsage) {
 }
 
 TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
-  const Ran ran = run_app({"bench", "stream", "--scale", "0.0005", "--repeat", "1", "--json"});
+  const Ran ran =
+      run_app({"cullhull-bench", "stream", "--scale", "0.0005", "--repeat", "1", "--json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
   const auto report = nlohmann::json::parse(ran.out);
   ASSERT_EQ(report["figures"].size(), 2U);
@@ -273,13 +275,15 @@ TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
     EXPECT_GT(row["values"]["streamed"], 0);
   }
   for (const auto& row : report["figures"][1]["rows"]) EXPECT_GT(row["values"]["streamed"], 1);
-  EXPECT_EQ(run_app({"bench", "stream", "--format", "doc"}).status, 2);
-  EXPECT_EQ(run_app({"bench", "stream", "--memory", "much"}).status, 2);
-  EXPECT_EQ(run_app({"bench", "stream", "--scale", "1e-5", "--folder", "/nowhere/at/all"}).status,
+  EXPECT_EQ(run_app({"cullhull-bench", "stream", "--format", "doc"}).status, 2);
+  EXPECT_EQ(run_app({"cullhull-bench", "stream", "--memory", "much"}).status, 2);
+  EXPECT_EQ(run_app({"cullhull-bench", "stream", "--scale", "1e-5", "--folder", "/nowhere/at/all"})
+                .status,
             1);
 }
 
-const std::vector<std::string> lifting = {"bench", "lifting", "--scale", "1", "--repeat", "1"};
+const std::vector<std::string> lifting = {"cullhull-bench", "lifting", "--scale", "1",
+                                          "--repeat",       "1"};
 
 TEST(BenchLifting, EveryFamilyAndDimensionAgreesWithARivalOrIsCertified) {
   const Folder f;
@@ -337,10 +341,10 @@ TEST(BenchLifting, ProgramsOfOthersAndWhoCountsOtherCells) {
   EXPECT_EQ(silent.status, 1);
   EXPECT_TRUE(one_line(silent.err)) << silent.err;
 
-  const std::string ours = f / "cullhull", out = f / "report.json";
-  std::filesystem::copy_file(CULLHULL_APP, ours);
+  const std::string ours = f / "cullhull-bench", out = f / "report.json";
+  std::filesystem::copy_file(CULLHULL_APP "-bench", ours);
   script_at(f / "cullhull-rival-cgal", one_and_one);
-  std::string command = ours + " bench lifting --scale 1 --repeat 1 --without qhull -q";
+  std::string command = ours + " lifting --scale 1 --repeat 1 --without qhull -q";
   command += " --workload lattice-2d-4 --json=" + out + " 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
   const auto report = nlohmann::json::parse(read_file(out));
@@ -362,7 +366,7 @@ TEST(BenchLifting, BadUsage) {
             1);
 }
 
-const std::vector<std::string> calls = {"bench", "calls", "--seconds", "0", "--json"};
+const std::vector<std::string> calls = {"cullhull-bench", "calls", "--seconds", "0", "--json"};
 
 TEST(BenchCalls, AFigureForEachLoadAndTheFirstCall) {
   const Ran ran = run_app(

@@ -152,24 +152,25 @@ TEST(CliJson, SequencesPagesAndSets) {
 }
 
 TEST(CliJson, BenchSuites) {
-  expect_json({"bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
+  expect_json({"cullhull-bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
               "bench_machine_report");
+  expect_json({"cullhull-bench", "rivals", "--scale", "1", "--repeat", "1", "--workload",
+               "cube-3d-100", "--json"},
+              "bench_report");
+  expect_json({"cullhull-bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"},
+              "bench_report");
+  expect_json({"cullhull-bench", "lifting", "--scale", "1", "--repeat", "1", "--workload",
+               "uniform-3d-50", "--json"},
+              "bench_report");
   expect_json(
-      {"bench", "rivals", "--scale", "1", "--repeat", "1", "--workload", "cube-3d-100", "--json"},
+      {"cullhull-bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
       "bench_report");
-  expect_json({"bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"},
-              "bench_report");
-  expect_json({"bench", "lifting", "--scale", "1", "--repeat", "1", "--workload", "uniform-3d-50",
-               "--json"},
-              "bench_report");
-  expect_json({"bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
-              "bench_report");
 }
 
 // What the bare flag becomes on its way to the parser is nobody's business.
 TEST(CliJson, ErrorsDoNotShowTheSpellingOut) {
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"bench", "--json"}, {"--json"}, {"hull", "--json"}}) {
+       {std::vector<std::string>{"cullhull-bench", "--json"}, {"--json"}, {"hull", "--json"}}) {
     const Ran ran = run_app(arguments);
     EXPECT_EQ(ran.status, 2) << ran.err;
     EXPECT_EQ(ran.err.find("--json=-"), std::string::npos) << ran.err;

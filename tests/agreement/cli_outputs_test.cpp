@@ -112,7 +112,8 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
   expect_refused(f, {"track", absent, "-o", f / "%d.docx"}, "must end in .ply");
   expect_refused(f, {"hull", absent, "--vertices", ""}, "empty");
   expect_refused(f, {"hull", absent, "-o", ""}, "empty");
-  expect_refused(f, {"bench", "machine", "--bytes", "1M", "--json=" + (f / "m.csv")}, ".json");
+  expect_refused(f, {"cullhull-bench", "machine", "--bytes", "1M", "--json=" + (f / "m.csv")},
+                 ".json");
 }
 
 TEST(CliOutputs, NothingOverwritesAnInput) {

@@ -22,7 +22,7 @@ TEST(Cli, HelpTeaches) {
   const Ran main = run_app({"--help"});
   EXPECT_EQ(main.status, 0);
   for (const std::string command :
-       {"hull", "cull", "track", "certify", "generate", "info", "view", "bench"}) {
+       {"hull", "cull", "track", "certify", "generate", "info", "view"}) {
     EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
     const Ran ran = run_app({command, "--help"});
     EXPECT_EQ(ran.status, 0) << command;

@@ -21,11 +21,12 @@ TEST(CliUsage, DidYouMean) {
   expect_error({"hull", p, "--treads=3"}, 2, "unknown option --treads; did you mean --threads?");
   expect_error({"hull", p, "--certfy"}, 2, "did you mean --certify? (see cullhull hull --help)");
   expect_error({"cull", p, "--quite"}, 2, "did you mean --quiet?");
-  expect_error({"bench", "rivals", "--workloads", "x"}, 2,
-               "did you mean --workload? (see cullhull bench rivals --help)");
+  expect_error({"cullhull-bench", "rivals", "--workloads", "x"}, 2,
+               "did you mean --workload? (see cullhull-bench rivals --help)");
   expect_error({"hul", p}, 2, "unknown command 'hul'; did you mean hull?");
   expect_error({"infos"}, 2, "did you mean info?");
-  expect_error({"bench", "rival"}, 2, "unknown suite 'rival'; did you mean rivals?");
+  expect_error({"cullhull-bench", "rival"}, 2,
+               "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");
   expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
   for (const std::vector<std::string>& far :
        {std::vector<std::string>{"hull", p, "--colour"}, {"fly"}, {"hull", p, "--xyzzy"}}) {
@@ -39,17 +40,17 @@ TEST(CliUsage, DidYouMean) {
 TEST(CliUsage, HelpByCommand) {
   for (const std::vector<std::string>& command : {std::vector<std::string>{"hull"},
                                                   {"generate"},
-                                                  {"bench"},
-                                                  {"bench", "rivals"},
-                                                  {"bench", "calls"},
+                                                  {"cullhull-bench", "rivals"},
+                                                  {"cullhull-bench", "calls"},
                                                   {"qconvex"}}) {
     std::vector<std::string> flag = command, word = command;
     flag.emplace_back("--help");
-    word.insert(word.begin(), "help");
+    word.insert(word.end() - 1, "help");
     const Ran asked = run_app(word);
     EXPECT_EQ(asked.status, 0) << command[0] << asked.err;
     EXPECT_EQ(asked.out, run_app(flag).out) << command[0];
-    EXPECT_NE(asked.out.find("Usage: cullhull " + command[0]), std::string::npos);
+    const std::string program = command.size() > 1 ? command[0] + ' ' : "cullhull ";
+    EXPECT_NE(asked.out.find("Usage: " + program + command.back()), std::string::npos);
   }
   EXPECT_EQ(run_app({"help"}).out, run_app({"--help"}).out);
   expect_error({"help", "hul"}, 2, "did you mean hull?");
@@ -82,7 +83,7 @@ TEST(CliUsage, RepeatedArgumentsAreCutAndEscaped) {
         {"hull", p, "--columns", monster},
         {"qconvex", "TI", monster},
         {"qconvex", "Q" + monster},
-        {"bench", "rivals", "--workload", monster},
+        {"cullhull-bench", "rivals", "--workload", monster},
         {"view", p, "-o", monster}}) {
     const Ran ran = run_app(arguments);
     EXPECT_TRUE(ran.status == 1 || ran.status == 2) << arguments[0].substr(0, 20);

@@ -76,17 +76,33 @@ inline int wait_for(pid_t child, rusage* used = nullptr) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
 }
 
-/// What a program is started with; views the arguments.
-inline std::vector<char*> argv_of(const std::vector<std::string>& arguments) {
-  std::vector<char*> argv{const_cast<char*>(CULLHULL_APP)};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  return argv;
-}
+/// The program and its arguments, as exec takes them. A first argument "cullhull-bench" asks for
+/// that program, which lies beside the usual one.
+class CommandLine {
+ public:
+  explicit CommandLine(const std::vector<std::string>& arguments) : words_{CULLHULL_APP} {
+    words_.insert(words_.end(), arguments.begin(), arguments.end());
+    if (words_.size() > 1 && words_[1] == "cullhull-bench") {
+      words_[0] += "-bench";
+      words_.erase(words_.begin() + 1);
+    }
+    for (std::string& word : words_) argv_.push_back(word.data());
+    argv_.push_back(nullptr);
+  }
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  const char* program() const { return argv_[0]; }
+  char* const* argv() const { return argv_.data(); }
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<char*> argv_;
+};
 
 /// A running program. Standard streams: the given descriptors, -1 for a closed one.
 inline pid_t start_app(const std::vector<std::string>& arguments, int in, int out, int err) {
-  const std::vector<char*> argv = argv_of(arguments);
+  const CommandLine line(arguments);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   const int wanted[] = {in, out, err};
@@ -97,9 +113,9 @@ inline pid_t start_app(const std::vector<std::string>& arguments, int in, int ou
       posix_spawn_file_actions_adddup2(&actions, wanted[fd], fd);
   }
   pid_t child = -1;
-  const int error = ::posix_spawn(&child, CULLHULL_APP, &actions, nullptr, argv.data(), environ);
+  const int error = ::posix_spawn(&child, line.program(), &actions, nullptr, line.argv(), environ);
   posix_spawn_file_actions_destroy(&actions);
-  EXPECT_EQ(error, 0) << "cannot start " << CULLHULL_APP;
+  EXPECT_EQ(error, 0) << "cannot start " << line.program();
   return child;
 }
 
@@ -139,7 +155,7 @@ template <class Limit>
 Ran run_limited(const std::vector<std::string>& arguments, const Limit& limit) {
   const Folder folder;
   const std::string out = folder / "out", err = folder / "err";
-  const std::vector<char*> argv = argv_of(arguments);
+  const CommandLine line(arguments);
   const int fds[] = {::open("/dev/null", O_RDONLY | O_CLOEXEC),
                      ::open(out.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600),
                      ::open(err.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600)};
@@ -147,7 +163,7 @@ Ran run_limited(const std::vector<std::string>& arguments, const Limit& limit) {
   if (child == 0) {
     for (int fd = 0; fd < 3; ++fd) ::dup2(fds[fd], fd);
     limit();
-    ::execv(CULLHULL_APP, argv.data());
+    ::execv(line.program(), line.argv());
     ::_exit(126);
   }
   Ran ran;

@@ -452,7 +452,6 @@ ROWS = (
 #: Commands that take no points, and where their own cells are.
 WITHOUT_POINTS = {
     "generate": "makes points: the cells of across.py",
-    "bench": "measures: bench_command_test and cli_json_test run each suite",
 }
 
 #: Options that no row names, and why. An option of `--help` that is neither here, nor a row's, nor

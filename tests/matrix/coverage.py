@@ -59,7 +59,7 @@ def _options(program: Program, command: str) -> None:
         if option in OPTIONS_ELSEWHERE:
             program.cells.no_meaning(f"program names/{command} {option}", OPTIONS_ELSEWHERE[option])
             continue
-        fault = None if option in known or command == "bench" else "is in no row, no door, no way"
+        fault = None if option in known else "is in no row, no door, no way"
         judge(program, f"options/{command} {option}", fault, command, "--help")
 
 

@@ -29,3 +29,7 @@ def path(name):
 
 def app(*arguments):
     return subprocess.run([APP, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def bench(*arguments):
+    subprocess.run([f"{APP}-bench", *arguments], check=True, capture_output=True)

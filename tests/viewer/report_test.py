@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""report_test.py CULLHULL: the reports of cullhull bench, opened in a browser from file://."""
+"""report_test.py CULLHULL: the reports of cullhull-bench, opened in a browser from file://."""
 import json
 import unittest
 
 import pages
-from pages import app, path
+from pages import bench, path
 
 
 def setUpModule():
@@ -17,11 +17,11 @@ def tearDownModule():
 
 
 class Report(unittest.TestCase):
-    """`cullhull bench ... --report`, small: charts and numbers are the JSON's."""
+    """`cullhull-bench ... --report`, small: charts and numbers are the JSON's."""
 
     def test_charts_and_numbers(self):
         page, report = path("report.html"), path("report.json")
-        app("bench", "paper", "--scale", "0.0005", "--repeat", "1", "-q", "--report", page,
+        bench("paper", "--scale", "0.0005", "--repeat", "1", "-q", "--report", page,
             f"--json={report}")
         with open(report) as file:
             figures = json.load(file)["figures"]
@@ -58,7 +58,7 @@ class Report(unittest.TestCase):
     def test_rivals(self):
         """What is marked on the page is what the JSON marks; on paper the numbers are unfolded."""
         page, report = path("rivals.html"), path("rivals.json")
-        app("bench", "rivals", "--scale", "1", "--repeat", "1", "-q", "--report", page,
+        bench("rivals", "--scale", "1", "--repeat", "1", "-q", "--report", page,
             f"--json={report}", "--limit", "0.05", "--threads", "1", "--workload", "sphere-2d-300",
             "--workload", "cube-surface-3d-2k", "--workload", "sphere-3d-100k")
         with open(report) as file:

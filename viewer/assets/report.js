@@ -1,4 +1,4 @@
-// Draws what `cullhull bench` measured: bars for figures, lines for series, a table under each.
+// Draws what `cullhull-bench` measured: bars for figures, lines for series, a table under each.
 "use strict";
 (() => {
   const report = JSON.parse(document.getElementById("report").textContent);

@@ -1,11 +1,11 @@
-// cullhull bench machine: rates of memory and link, for reports and for the planner.
+// cullhull-bench machine: rates of memory and link, for reports and for the planner.
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <system_error>
 
 #include "arguments.hpp"
-#include "bench_command.hpp"
+#include "bench_commands.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "machine.hpp"
@@ -66,9 +66,9 @@ int run(const MachineArguments& arguments) {
 
 }  // namespace
 
-Command add_bench_machine(Parser& bench) {
+Command add_machine(Parser& parent) {
   auto a = std::make_shared<MachineArguments>();
-  Parser& command = *bench.add_subcommand(
+  Parser& command = *parent.add_subcommand(
       "machine", "Bandwidth of memory, of the link to the device, of the device");
   add_json_option(command, a->json, "The rates");
   command.add_flag("--save", a->save, "Keep the rates for the planner");

@@ -1,4 +1,4 @@
-// cullhull bench paper, rivals, calls, lifting and stream: suites that give a report.
+// cullhull-bench paper, rivals, calls, lifting and stream: suites that give a report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "arguments.hpp"
-#include "bench_command.hpp"
+#include "bench_commands.hpp"
 #include "calls.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
@@ -79,7 +79,7 @@ struct RunsArguments : ReportArguments {
 void write_page(const std::string& path, const Report& report) {
   namespace viewer = cullhull::viewer;
   viewer::Page page;
-  page.title = "cullhull bench " + report.suite;
+  page.title = "cullhull-bench " + report.suite;
   page.body = viewer::assets::report_html;
   page.styles = {viewer::assets::report_css};
   page.scripts = {viewer::assets::report_js};
@@ -277,9 +277,9 @@ std::string rivals_help() {
          "cullhull-rival-cgal, if that program lies beside this one.\n"
          "\n"
          "Examples:\n"
-         "  cullhull bench rivals --report rivals.html             some minutes\n"
-         "  cullhull bench rivals --scale 1 --markdown rivals.md   the README's table\n"
-         "  cullhull bench rivals --scale 1 --shape ball --shape sphere --dimension 2 \\\n"
+         "  cullhull-bench rivals --report rivals.html             some minutes\n"
+         "  cullhull-bench rivals --scale 1 --markdown rivals.md   the README's table\n"
+         "  cullhull-bench rivals --scale 1 --shape ball --shape sphere --dimension 2 \\\n"
          "    --dimension 3 --points 100k --points 10M --scalar f64 --scalar f32 --threads "
          "1,2,all\n"
          "\n" +
@@ -301,9 +301,9 @@ std::string lifting_help() {
          "number of simplices as doubles in binary.\n"
          "\n"
          "Examples:\n"
-         "  cullhull bench lifting --scale 0.1                     a minute\n"
-         "  cullhull bench lifting --scan tile.laz.npy --workload scan-2d-1M\n"
-         "  cullhull bench lifting --shape uniform --dimension 4 --points 10k --without cgal\n"
+         "  cullhull-bench lifting --scale 0.1                     a minute\n"
+         "  cullhull-bench lifting --scan tile.laz.npy --workload scan-2d-1M\n"
+         "  cullhull-bench lifting --shape uniform --dimension 4 --points 10k --without cgal\n"
          "\n" +
          std::string(exit_status_text);
 }
@@ -317,18 +317,18 @@ std::string calls_help() {
          "and writes the seconds of each set's hull as doubles in binary.\n"
          "\n"
          "Examples:\n"
-         "  cullhull bench calls                                   three minutes\n"
-         "  cullhull bench calls --dimension 3 --points 50 --threads 0,1,2 --callers 1,4\n"
-         "  cullhull bench calls --busy 0 --rival VQhull=./vqhull-calls --dimension 2\n"
+         "  cullhull-bench calls                                   three minutes\n"
+         "  cullhull-bench calls --dimension 3 --points 50 --threads 0,1,2 --callers 1,4\n"
+         "  cullhull-bench calls --busy 0 --rival VQhull=./vqhull-calls --dimension 2\n"
          "\n" +
          std::string(exit_status_text);
 }
 
 }  // namespace
 
-Command add_bench_paper(Parser& bench) {
+Command add_paper(Parser& parent) {
   auto a = std::make_shared<PaperArguments>();
-  Parser& command = *bench.add_subcommand(
+  Parser& command = *parent.add_subcommand(
       "paper", "The evaluation of Tang, Zhao, Tong and Manocha 2012, on this machine");
   a->add_to(command);
   allow_range(*command.add_option("--threads", a->threads, "For ours; 0 means all"), 0, 1024);
@@ -349,12 +349,12 @@ Command add_bench_paper(Parser& bench) {
   };
 }
 
-Command add_bench_rivals(Parser& bench) {
+Command add_rivals(Parser& parent) {
   auto a = std::make_shared<RivalArguments>();
   a->scale = 0.2;
   a->limit = 30;
   Parser& command =
-      *bench.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
+      *parent.add_subcommand("rivals", "Ours beside Qhull and, where it was built, CGAL");
   a->add_to(command);
   command.footer(rivals_help());
   return [a] {
@@ -367,11 +367,11 @@ Command add_bench_rivals(Parser& bench) {
   };
 }
 
-Command add_bench_lifting(Parser& bench) {
+Command add_lifting(Parser& parent) {
   auto a = std::make_shared<LiftingArguments>();
   a->repeat = 3;
   a->limit = 60;
-  Parser& command = *bench.add_subcommand(
+  Parser& command = *parent.add_subcommand(
       "lifting", "Delaunay triangulations beside Qhull and, where it was built, CGAL");
   a->add_to(command);
   needs_value(*command.add_option("--scan", a->scan, "Points of a file, named scan above"))
@@ -390,10 +390,10 @@ Command add_bench_lifting(Parser& bench) {
   };
 }
 
-Command add_bench_calls(Parser& bench) {
+Command add_calls(Parser& parent) {
   auto a = std::make_shared<CallArguments>();
   a->limit = 30;
-  Parser& command = *bench.add_subcommand(
+  Parser& command = *parent.add_subcommand(
       "calls", "Latency of single calls, on an idle machine and a busy one, and the first call");
   a->add_outputs(command);
   a->add_limit(command, "all calls of a program");
@@ -430,9 +430,9 @@ Command add_bench_calls(Parser& bench) {
   };
 }
 
-Command add_bench_stream(Parser& bench) {
+Command add_stream(Parser& parent) {
   auto a = std::make_shared<StreamBenchArguments>();
-  Parser& command = *bench.add_subcommand(
+  Parser& command = *parent.add_subcommand(
       "stream", "Files hulled in blocks, beside a plain read of the same file");
   a->add_outputs(command);
   allow_real_range(

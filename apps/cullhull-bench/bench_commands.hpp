@@ -1,0 +1,15 @@
+// The suites of cullhull-bench: each adds itself to the parser and returns what runs it.
+#pragma once
+
+#include "commands.hpp"
+
+namespace app {
+
+Command add_machine(Parser& parent);
+Command add_paper(Parser& parent);
+Command add_rivals(Parser& parent);
+Command add_calls(Parser& parent);
+Command add_lifting(Parser& parent);
+Command add_stream(Parser& parent);
+
+}  // namespace app

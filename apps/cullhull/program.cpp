@@ -1,0 +1,61 @@
+#include "program.hpp"
+
+#include <string>
+#include <utility>
+
+#include "cullhull/version.hpp"
+#include "endings.hpp"
+#include "signals.hpp"
+#include "system.hpp"
+#include "terminal.hpp"
+#include "words.hpp"
+
+namespace app {
+namespace {
+
+int run(const Program& program, const std::vector<std::string>& given) {
+  Parser parser(program.name, program.description);
+  parser.set_version(CULLHULL_VERSION);
+  parser.footer(program.footer);
+  parser.require_subcommand(1, 1);
+  std::vector<std::pair<const Parser*, Command>> commands;
+  for (const auto add : program.commands) {
+    Command command = add(parser);
+    commands.emplace_back(parser.last_subcommand(), std::move(command));
+  }
+  const std::vector<std::string> words = spell_out(given, parser);
+  if (!words.empty() && !words[0].empty() && words[0][0] != '-' && !is_command(parser, words[0])) {
+    complain(with_arguments_cut(unknown_command(words[0], parser), given));
+    return bad_usage;
+  }
+  const Parsed outcome = parser.parse(words);
+  if (outcome.kind == Parsed::Kind::help) {
+    write_stdout(outcome.text.ends_with('\n') ? outcome.text : outcome.text + '\n');
+    return 0;
+  }
+  if (outcome.kind != Parsed::Kind::command) {
+    complain(usage_line(outcome, given, words, parser));
+    return bad_usage;
+  }
+  for (const auto& [command, work] : commands)
+    if (command->parsed()) return work();
+  return bad_usage;
+}
+
+}  // namespace
+
+int run_program(const Program& program, int argc, char** argv) {
+  system::prepare_heap();
+  keep_standard_streams();
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  try {
+    install_signals();
+    return run(program, words);
+  } catch (...) {
+    const Ending ending = ending_of_exception(words);
+    complain(ending.line);
+    return ending.status;
+  }
+}
+
+}  // namespace app
