@@ -28,9 +28,9 @@ function(cullhull_precompiled_like target other)
   endif()
 endfunction()
 
-# cullhull_together(TARGET FOLDER NAME...): the sources FOLDER/NAME.cpp are compiled as one, which
-# spares what each would instantiate for itself. Their unnamed namespaces become one as well, so
-# they are listed: sources that are not compile alone.
+# cullhull_together(TARGET FOLDER NAME... [AND NAME...]...): the sources FOLDER/NAME.cpp between two AND
+# are compiled as one, which spares what each would instantiate for itself. Their unnamed namespaces
+# become one as well, so they are listed: sources that are not compile alone.
 function(cullhull_together target folder)
   if(NOT CULLHULL_FAST_BUILD)
     return()
@@ -38,6 +38,10 @@ function(cullhull_together target folder)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   string(MAKE_C_IDENTIFIER "${folder}" group)
   foreach(name IN LISTS ARGN)
+    if(name STREQUAL "AND")
+      string(APPEND group "_")
+      continue()
+    endif()
     set_source_files_properties("${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpp"
       TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${group}")
   endforeach()

@@ -19,7 +19,7 @@
 namespace app {
 namespace {
 
-constexpr const char* examples =
+constexpr const char* certify_examples =
     "A valid certificate proves that the file holds the exact hull of the points: that its "
     "vertices\n"
     "are the extreme points (the lowest id of equal ones) and its facets the maximal ones, and "
@@ -59,7 +59,7 @@ std::string report(const cullhull::PointView& points, const cullhull::Certificat
   return report_text("certify_report", points, json);
 }
 
-struct Outcome {
+struct CertifyOutcome {
   cullhull::Certificate certificate;
   cullhull::PointView points;  ///< only number, dimension and scalar type
   double read_seconds = 0, seconds = 0;
@@ -67,10 +67,10 @@ struct Outcome {
   std::vector<double> extent;  ///< as Extent::corners()
 };
 
-Outcome certify_in_memory(const CertifyArguments& arguments) {
+CertifyOutcome certify_in_memory(const CertifyArguments& arguments) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
-  Outcome outcome;
+  CertifyOutcome outcome;
   outcome.points = input.points;
   outcome.read_seconds = input.file.read_seconds();
   outcome.placing = input.placing;
@@ -93,8 +93,8 @@ Outcome certify_in_memory(const CertifyArguments& arguments) {
   return outcome;
 }
 
-Outcome certify_streamed(const CertifyArguments& arguments) {
-  Outcome outcome;
+CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
+  CertifyOutcome outcome;
   std::vector<double> rows;
   const cullhull::Options options = arguments.run.options();
   cullhull::Hull hull =
@@ -148,9 +148,9 @@ int run(CertifyArguments arguments) {
                             "only one of INPUT and HULL can be standard input");
   StreamArguments reading = arguments.stream;
   reading.first_id = 0;  // names points, and is no reason to read in blocks
-  const Outcome outcome = reading.wanted(arguments.files, arguments.run, "")
-                              ? certify_streamed(arguments)
-                              : certify_in_memory(arguments);
+  const CertifyOutcome outcome = reading.wanted(arguments.files, arguments.run, "")
+                                     ? certify_streamed(arguments)
+                                     : certify_in_memory(arguments);
   const cullhull::Certificate& certificate = outcome.certificate;
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json, with_placing(report(outcome.points, certificate,
@@ -181,7 +181,7 @@ Command add_certify(Parser& parent) {
   a->stream.add_first_id_to(command);
   add_json_option(command, a->json, "The outcome, counts and times");
   a->run.add_to(command, false);
-  command.footer(std::string(input_help) + "\n\n" + examples);
+  command.footer(std::string(input_help) + "\n\n" + certify_examples);
   return [a] { return run(*a); };
 }
 

@@ -16,7 +16,7 @@
 namespace app {
 namespace {
 
-constexpr const char* examples =
+constexpr const char* cull_examples =
     "In memory every extreme point, and every duplicate of one, survives; a dropped point lies\n"
     "strictly inside the hull. In blocks (see --stream) the extreme points alone survive, of "
     "equal\n"
@@ -49,10 +49,10 @@ struct CullArguments {
   std::vector<std::string> files;  ///< the files that the input's words stand for
 };
 
-using Outcome = Repeated<cullhull::Survivors>;
+using CullOutcome = Repeated<cullhull::Survivors>;
 
 std::string report(const CullArguments& arguments, const cullhull::PointView& points,
-                   const Outcome& outcome, double read_seconds) {
+                   const CullOutcome& outcome, double read_seconds) {
   nlohmann::ordered_json json;
   json["threads"] = threads_used(arguments.run.threads);
   const cullhull::Survivors& survivors = outcome.result;
@@ -68,7 +68,7 @@ std::string report(const CullArguments& arguments, const cullhull::PointView& po
   return report_text("cull_report", points, json);
 }
 
-std::string summary(const Input& input, const Outcome& outcome, double read_seconds) {
+std::string summary(const Input& input, const CullOutcome& outcome, double read_seconds) {
   const std::uint64_t count = input.points.count;
   const cullhull::Survivors& survivors = outcome.result;
   return points_line(input) + units_lines(input.placing, input.points) +
@@ -159,7 +159,8 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  Outcome outcome = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
+  CullOutcome outcome = repeat(arguments.run, arguments.repeat,
+                               [&](const cullhull::Options& options) {
     return naming_file(arguments.input.path, [&] { return cullhull::cull(input.points, options); });
   });
   input.to_world();
@@ -185,7 +186,7 @@ int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   write_outputs(arguments, state.ids(),
                 [&](const std::string& path) { cullhull::write_points(path, state); });
   if (!arguments.json.empty()) {
-    Outcome outcome;
+    CullOutcome outcome;
     outcome.result.ids = state.ids();
     outcome.result.method = "stream";
     outcome.result.reason = "points in blocks, of which the extreme ones are left";
@@ -236,7 +237,7 @@ Command add_cull(Parser& parent) {
               1000000);
   a->stream.add_to(command, true);
   a->input.add_many_to(command);
-  command.footer(std::string(input_help) + "\n\n" + examples);
+  command.footer(std::string(input_help) + "\n\n" + cull_examples);
   return [a] { return run(*a); };
 }
 

@@ -26,7 +26,7 @@ using cullhull::Error;
 using cullhull::ErrorCode;
 using cullhull::Hull;
 
-constexpr const char* examples =
+constexpr const char* hull_examples =
     "Output (-o, by extension; may be given more than once):\n"
     "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3; with --triangles no "
     "polygons\n"
@@ -74,7 +74,7 @@ struct HullArguments {
   const Elsewhere* elsewhere = nullptr;
 };
 
-struct Outcome : Repeated<Hull> {
+struct HullOutcome : Repeated<Hull> {
   std::optional<Certificate> certificate;
 };
 
@@ -123,19 +123,19 @@ bool in_place(const Input& input) {
          !input.placing.grid.empty();
 }
 
-Outcome compute(const HullArguments& arguments, const Input& input) {
+HullOutcome compute(const HullArguments& arguments, const Input& input) {
   const cullhull::PointView& points = input.points;
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
-  Outcome outcome{find_repeatedly(
-                      arguments,
-                      [&](cullhull::Options options) {
+  HullOutcome outcome{find_repeatedly(
+                          arguments,
+                          [&](cullhull::Options options) {
     if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
     const Placing& placing = input.placing;
     return in_place(input) ? hull_on_grid(points, placing.placement, placing.grid, options)
                            : cullhull::convex_hull(points, options);
-                      }),
-                  {}};
+                          }),
+                      {}};
   if (arguments.certify)
     outcome.certificate = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
                             return cullhull::certify(points, outcome.result, options);
@@ -165,7 +165,7 @@ std::string run_lines(const Hull& hull, const std::optional<Certificate>& certif
   return text;
 }
 
-std::string summary(const Outcome& outcome, double read_seconds, std::uint64_t peak) {
+std::string summary(const HullOutcome& outcome, double read_seconds, std::uint64_t peak) {
   const Hull& hull = outcome.result;
   const cullhull::Statistics& s = hull.statistics;
   return survivors_line(s.survivors, hull.point_count, s.cull_method) + hull_lines(hull) +
@@ -463,7 +463,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  Outcome outcome = compute(arguments, input);
+  HullOutcome outcome = compute(arguments, input);
   const std::uint64_t peak = peak_bytes();
   cullhull::to_world(outcome.result, input.placing.grid);
   const std::string points = points_line(input);
@@ -564,7 +564,7 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                    "Check the result exactly, by none of the engine's code");
   a->stream.add_to(command, true);
   a->input.add_many_to(command);
-  command.footer(std::string(input_help) + "\n\n" + examples);
+  command.footer(std::string(input_help) + "\n\n" + hull_examples);
   return [a] { return run(*a); };
 }
 

@@ -27,7 +27,7 @@ using cullhull::FrameReport;
 using cullhull::Hull;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* footer =
+constexpr const char* track_footer =
     "SEQUENCE is an .npy array (frames, n, d), of which one frame is mapped at a time, so that it\n"
     "may be larger than memory; or a folder, a pattern in quotes, or several files of points, one\n"
     "for each frame, ordered by name with numbers in names by value (2 before 10). Point i of a\n"
@@ -131,7 +131,7 @@ class FrameNames {
 };
 
 /// Sums over the frames, and a record of each if a report is requested.
-struct Outcome {
+struct TrackOutcome {
   Json frames = Json::array();
   std::uint64_t done = 0, led = 0, failed = 0;
   std::uint64_t on_device = 0;                                  ///< frames culled by a CUDA device
@@ -241,7 +241,7 @@ class Placed {
 /// Processes one frame; false if its points have no hull and --keep-going was given.
 bool track_frame(const TrackArguments& arguments, const FrameNames& names,
                  const cullhull::PointSequence& sequence, cullhull::HullTracker& tracker,
-                 const cullhull::Options& options, Outcome& outcome) {
+                 const cullhull::Options& options, TrackOutcome& outcome) {
   const cullhull::PointView& points = sequence.points();
   names.check(points.dimension);
   try {
@@ -277,9 +277,9 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   return true;
 }
 
-Outcome track(const TrackArguments& arguments, const FrameNames& names,
-              cullhull::PointSequence& sequence) {
-  Outcome outcome;
+TrackOutcome track(const TrackArguments& arguments, const FrameNames& names,
+                   cullhull::PointSequence& sequence) {
+  TrackOutcome outcome;
   const cullhull::Options options = arguments.run.options();
   cullhull::HullTracker tracker(options);
   const auto total = static_cast<double>(sequence.frames());
@@ -296,7 +296,7 @@ Outcome track(const TrackArguments& arguments, const FrameNames& names,
 }
 
 std::string report_of(const TrackArguments& arguments, const cullhull::PointSequence& sequence,
-                      Outcome&& o) {
+                      TrackOutcome&& o) {
   Json report = {{"format", sequence.format()},
                  {"threads", o.threads},
                  {"backend", o.backend()},
@@ -324,7 +324,7 @@ std::string report_of(const TrackArguments& arguments, const cullhull::PointSequ
                       o.extent.corners(cullhull::Grid()));
 }
 
-std::string summary(const cullhull::PointSequence& sequence, const Outcome& o) {
+std::string summary(const cullhull::PointSequence& sequence, const TrackOutcome& o) {
   if (sequence.frames() == 0) return "frames     0\n";
   std::string text =
       fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
@@ -359,7 +359,7 @@ int run(const TrackArguments& arguments) {
   plan.writes_json(arguments.json);
   names.check(sequence.frames(), plan);
   names.make_folder();
-  Outcome outcome = track(arguments, names, sequence);
+  TrackOutcome outcome = track(arguments, names, sequence);
   const std::string failed = outcome.error, not_proved = outcome.not_certified;
   std::string text = summary(sequence, outcome);
   if (!arguments.json.empty()) {
@@ -406,7 +406,7 @@ Command add_track(Parser& parent) {
   command.add_flag(
       "--keep-going", a->keep_going,
       "Go on after frames with points that are not finite; the exit status is still 1");
-  command.footer(footer);
+  command.footer(track_footer);
   return [a] { return run(*a); };
 }
 

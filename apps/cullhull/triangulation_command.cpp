@@ -205,7 +205,7 @@ cullhull::Polygons read_region(const DualArguments& a, const cullhull::Grid& gri
   return region;
 }
 
-struct Outcome {
+struct DualOutcome {
   Triangulation triangulation;
   std::optional<Voronoi> voronoi;
   std::optional<cullhull::ClippedCells> cells;
@@ -215,7 +215,7 @@ struct Outcome {
   double read_seconds = 0, dual_seconds = 0;
 };
 
-void triangulate_with_edges(const DualArguments& a, const PointView& points, Outcome& out) {
+void triangulate_with_edges(const DualArguments& a, const PointView& points, DualOutcome& out) {
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
@@ -232,7 +232,7 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Out
   out.triangulation = std::move(found.triangulation);
 }
 
-void triangulate(const DualArguments& a, const PointView& points, Outcome& out) {
+void triangulate(const DualArguments& a, const PointView& points, DualOutcome& out) {
   if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
                         cullhull::TriangulationOptions o{options};
@@ -256,7 +256,7 @@ bool wants_cells(const DualArguments& a) {
 }
 
 void find_dual(const DualArguments& a, const PointView& points, const cullhull::Grid& grid,
-               Outcome& out) {
+               DualOutcome& out) {
   const Stopwatch watch;
   out.voronoi = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::voronoi(points, out.triangulation, out.weights, options);
@@ -283,7 +283,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
   out.dual_seconds = watch.seconds();
 }
 
-std::string report(const DualArguments& a, const Input& input, const Outcome& out) {
+std::string report(const DualArguments& a, const Input& input, const DualOutcome& out) {
   const PointView& points = input.points;
   const Triangulation& t = out.triangulation;
   nlohmann::ordered_json json;
@@ -319,7 +319,7 @@ std::string report(const DualArguments& a, const Input& input, const Outcome& ou
   return report_text(out.voronoi ? "voronoi_report" : "triangulation_report", points, json);
 }
 
-std::string summary(const DualArguments& a, const Input& input, const Outcome& out) {
+std::string summary(const DualArguments& a, const Input& input, const DualOutcome& out) {
   const Triangulation& t = out.triangulation;
   std::string text = points_line(input) + units_lines(input.placing, input.points);
   if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
@@ -346,7 +346,7 @@ std::string summary(const DualArguments& a, const Input& input, const Outcome& o
   return text + wrote_line(a.measures) + wrote_line(a.json);
 }
 
-void write_results(const DualArguments& a, const Input& input, const Outcome& out) {
+void write_results(const DualArguments& a, const Input& input, const DualOutcome& out) {
   const PointView& points = input.points;
   for (const std::string& path : a.outputs) {
     if (!out.voronoi)
@@ -413,7 +413,7 @@ int run(DualArguments a, bool dual) {
                 fmt::format("--clip: polygons are for cells of 2D points, and these are {}D; "
                             "--columns x,y leaves the height out",
                             input.points.dimension));
-  Outcome out;
+  DualOutcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
   out.weights = weights_beside ? std::move(input.weights)
