@@ -311,7 +311,7 @@ std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const Q
   if (search.exhaustive() || k > FacetCellTable::max_k) return nullptr;
   const DirectionCube cube(k, cell_count(search));
   if (cube.empty()) return nullptr;
-  constexpr std::uint64_t chunk = 512;  // cells; tens of us of work; not tuned
+  constexpr std::uint64_t chunk = 512;  // cells; tens of us of work
   std::vector<std::vector<std::uint32_t>> lists(chunk_count(cube.size(), chunk));
   std::unique_ptr<FacetCells> cells(new FacetCells);
   FacetCellTable& t = cells->table_;

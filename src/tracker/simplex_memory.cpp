@@ -85,7 +85,7 @@ class MovedSimplices {
   std::vector<Simplex> simplices_;
 };
 
-constexpr std::uint64_t scan_chunk_size = 16384;  // tens of us of work; not tuned
+constexpr std::uint64_t scan_chunk_size = 16384;  // tens of us of work
 
 /// Ids of the points that are no longer inside their simplices; their records are removed.
 template <unsigned D>

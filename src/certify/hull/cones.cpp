@@ -48,7 +48,7 @@ bool Cones::choose_units() {
 
 template <unsigned K>
 void Cones::build() {
-  constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work; not tuned
+  constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work
   std::vector<double> longest(chunk_count(s_.simplex_count(), chunk), 0);
   check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     double most = 0;

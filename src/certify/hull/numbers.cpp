@@ -200,7 +200,7 @@ class MeasureCheck {
     return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
   }
   QuickSums quick_sums() const {
-    constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work; not tuned
+    constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // tens of us of work
     std::vector<QuickSums> parts((s_.simplex_count() + chunk - 1) / chunk, QuickSums(d_, 0.0, 0.0));
     check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       FacetTerms terms;

@@ -14,7 +14,7 @@
 namespace cullhull::internal::certify {
 namespace {
 
-constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work; not tuned
+constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work
 
 /// Detects points outside the flat of the basis: on the chosen axes and any other one, the simplex
 /// of the basis and the point must be degenerate.

@@ -13,7 +13,7 @@
 namespace cullhull::internal::certify {
 namespace {
 
-constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work; not tuned
+constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work
 
 template <class T, class Items>
 void check_lists(const Lists<T, Items>& lists, const char* name) {

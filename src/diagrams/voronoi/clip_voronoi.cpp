@@ -482,7 +482,7 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
   const DualPoints rows(points, t, weights, run);
   const DiagramCells cells(rows, t, diagram, run);
   const PiecesOfCells pieces = pieces_of<D>(cells, t, region, run);
-  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping, not tuned
+  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping
   std::vector<Part> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

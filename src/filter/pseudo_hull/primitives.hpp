@@ -222,7 +222,7 @@ class ThreadExecutor : public HostMemory {
   }
 
  private:
-  static constexpr std::uint64_t chunk = 4096;  // tens of us of work; not tuned
+  static constexpr std::uint64_t chunk = 4096;  // tens of us of work
 
   /// For each chunk the number of items kept before it; returns their total.
   template <class Keep>

@@ -20,7 +20,7 @@ namespace cullhull::internal::inline hull {
 namespace {
 
 constexpr std::uint32_t block = PlanarSource::block;
-constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // tens of us of work; not tuned
+constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // tens of us of work
 
 // -------------------------------------------------------------------------------- the box
 

@@ -17,8 +17,11 @@ unsigned resolve_threads(unsigned requested);
 
 /// Runs body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count) on at most
 /// `threads` threads; serial and in order for threads == 1. The caller works too, and does all
-/// chunks where no helper is free (helpers.hpp). Asking for helpers costs a few microseconds:
-/// chunks should take at least some ten of them. Exceptions pass through.
+/// chunks where no helper is free (helpers.hpp). Asking for helpers takes a few
+/// microseconds; taking a chunk 3 ns on one thread and 14 to 100 ns on two (measured with empty
+/// bodies). So chunks of ten to a hundred microseconds cost nothing that can be measured, share the
+/// work evenly from a millisecond on, and let a call stop at once: any size in between serves, and
+/// none is tuned further. Exceptions pass through.
 void for_each_chunk(
     std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
     const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body);

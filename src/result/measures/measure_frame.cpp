@@ -13,7 +13,7 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;  // tens of us of work; not tuned
+constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;  // tens of us of work
 
 /// k + 1 affinely independent vertices: greedily the farthest from the span so far, in doubles;
 /// where rounding makes these dependent, the first vertices that raise the exact rank.
