@@ -25,6 +25,8 @@ struct ChunkResult {
   RungCounts rungs;
 };
 
+/// Checks the ridges of a boundary and collects the coplanar pairs, in chunks of simplices. K: the
+/// dimension, or 0 if it is unknown at compile time.
 class RidgeScan {
  public:
   RidgeScan(const Boundary& surface, const LocalPoints& points, const Control& control)
@@ -86,8 +88,9 @@ class RidgeScan {
   template <unsigned K>
   struct Plane {
     double normal[K];
-    double reach;  // the product of the rows' largest entries, times the error constant
-    /// Whether some cofactor, a determinant of K - 1 rows, is certainly nonzero.
+    double reach;  // error constant times the product of the rows' largest entries
+    /// Whether some cofactor, a determinant of K - 1 rows, is certainly nonzero: then the simplex
+    /// is not degenerate.
     bool surely_proper() const {
       const double bound = reach / determinant_error(K) * determinant_error(K - 1) * 1.01;
       double largest = 0;
@@ -99,6 +102,8 @@ class RidgeScan {
     }
   };
 
+  /// The side of point x relative to the plane of simplex f: by the floating-point filter if that
+  /// is certain, else exactly. Negative is beneath.
   template <unsigned K>
   Sign side(std::uint64_t f, Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {
     Sign sign = Sign::zero;
@@ -145,7 +150,8 @@ class RidgeScan {
     return sign;
   }
 
-  /// Whether k + 1 points lie on a plane across an axis, as most coplanar points of models do.
+  /// Whether k + 1 points have one coordinate in common, as most coplanar points of CAD models
+  /// have.
   static bool across_an_axis(const double* const* rows, unsigned k) {
     for (unsigned c = 0; c < k; ++c) {
       bool same = true;
@@ -162,8 +168,8 @@ class RidgeScan {
   bool filter_;
 };
 
-/// Beyond the cofactors' dimensions: one OrientedPlane, in which the ladder is shared by all
-/// ridges.
+/// The plane in dimensions above those of `cofactors`: an OrientedPlane, whose elimination serves
+/// all ridges of a simplex.
 template <>
 struct RidgeScan::Plane<0> {
   OrientedPlane ladder;
@@ -199,8 +205,8 @@ Scan scan_of(unsigned k) {
   return scans[std::min(k, elimination_pays) - 2];
 }
 
-/// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges looks
-/// coplanar: only simplices with such a ridge need this test, once each.
+/// Throws Error{not_exact} if a simplex is degenerate. A degenerate simplex has no plane, so its
+/// ridges look coplanar: only the simplices in `pairs` need the test.
 void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t count,
                   const CoplanarPairs& pairs, const Run& run) {
   if (pairs.empty()) return;
@@ -267,7 +273,7 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
     ridges += r.ridges;
     r.rungs.add_to(rung_counts);
   }
-  // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+  // Each ridge was counted once, from its lower simplex. Two slots belong to a ridge.
   if (2 * ridges != surface.vertices.size()) fail_not_exact("a ridge is not shared by two facets");
   check_proper(ridge_scan, scan, surface.facet_count(), pairs, run);
   return pairs;
