@@ -19,6 +19,7 @@ SortSimplex sort_of(unsigned k) {
   return k >= 3 && k <= 8 ? few[k - 3] : sort_simplex<0>;
 }
 
+/// The findings of a RidgeScan in one chunk.
 struct ChunkResult {
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
@@ -36,6 +37,7 @@ class RidgeScan {
         control_(control),
         filter_(points.coordinates == points.exact) {}
 
+  /// Checks the ridges between simplices [begin, end) and neighbours of higher number.
   template <unsigned K>
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
     const unsigned k = K ? K : surface_.dimension;
@@ -59,6 +61,7 @@ class RidgeScan {
     }
   }
 
+  /// Whether the corners of simplex f are affinely dependent; exact.
   template <unsigned K>
   bool degenerate(std::uint64_t f) const {
     Plane<K> plane;
@@ -135,6 +138,8 @@ class RidgeScan {
     return surface_.odd[f] ? -sign : sign;
   }
 
+  /// The exact side of point x relative to the sorted corners of simplex f. Unlike side(), it
+  /// ignores `odd`.
   Sign exact_side(std::uint64_t f, std::uint32_t x, ChunkResult& out) const {
     const unsigned k = surface_.dimension;
     std::vector<const double*> rows(k + 1);

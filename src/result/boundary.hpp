@@ -61,8 +61,9 @@ inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned
 
 // Merging of coplanar simplices to facets, and the canonical triangulation of these.
 
-/// The facets before they are sorted. Facet i < singles consists of simplex i alone. Facet singles
-/// + m was merged from several simplices; entry m of `vertices` and `neighbours` describes it.
+/// The facets before they are sorted. Facet i < singles consists of simplex i alone. The
+/// other facets were merged from several simplices: entry m of `vertices` and `neighbours`
+/// describes facet singles + m.
 struct Facets {
   Boundary surface;
   std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: facet i is simplex i
@@ -105,8 +106,9 @@ using VertexSet = std::vector<std::uint32_t>;  // ascending
 /// vertices in ascending order: the simplices are the cones from the lowest vertex over the
 /// simplices of the facets that do not contain it, and the facets are triangulated likewise. The
 /// triangulation depends only on the face lattice and the ids. Appends m + 1 ascending ids a
-/// simplex to `out`. Source: C. Lee, "Subdivisions and triangulations of polytopes", Handbook of
-/// Discrete and Computational Geometry, section 16.2 (2017).
+/// simplex to `out`.
+/// Source: C. Lee, "Subdivisions and triangulations of polytopes", Handbook of Discrete and
+/// Computational Geometry, section 16.2 (2017).
 void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& facets,
           std::vector<std::uint32_t>& out);
 

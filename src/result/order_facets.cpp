@@ -214,6 +214,7 @@ class FacetOrderer {
     }
   }
 
+  /// Writes the vertices and neighbours of all facets.
   void write_facets() {
     if (facets_.facet.empty()) {
       write_simplicial_facets();
@@ -303,6 +304,7 @@ class FacetOrderer {
     if (k_ > 3) std::sort(across, across + k_);
   }
 
+  /// Writes the vertices and neighbours of merged facet m.
   void write_merged(std::size_t m, std::uint64_t* vertices, std::uint32_t* across) const {
     const auto& v = facets_.vertices;
     for (std::size_t i = v.offsets[m]; i < v.offsets[m + 1]; ++i) *vertices++ = id(v.items[i]);

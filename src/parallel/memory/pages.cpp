@@ -216,7 +216,7 @@ class FreePages {
   }
 
   /// Keeps a range for reuse. Returns false, without keeping it, if that would exceed the limit
-  /// outside of every PageScope, or if the map's memory is exhausted.
+  /// outside of every PageScope, or if there is no memory for an entry of ranges_.
   bool give(char* start, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     if (scopes_ == 0 && (bytes > limit_ || kept_ > limit_ - bytes)) return false;

@@ -12,7 +12,7 @@
 namespace cullhull::internal::inline parallel {
 namespace {
 
-constexpr unsigned item_bits = 20;  // bits of each of a ticket's two item counts
+constexpr unsigned item_bits = 20;  // width of a ticket's two item fields
 constexpr std::uint64_t item_mask = (std::uint64_t{1} << item_bits) - 1;
 
 using Body = std::function<void(std::uint32_t, unsigned)>;

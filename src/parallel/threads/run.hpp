@@ -74,7 +74,7 @@ struct Run {
 };
 
 /// One call of a public function: its Run, the registration with the helpers (CallScope) and the
-/// reuse of memory pages (PageScope). Every public function constructs one.
+/// reuse of memory pages (PageScope).
 class Call {
  public:
   explicit Call(const Options& options) : run(options) {}

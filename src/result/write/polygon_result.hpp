@@ -44,8 +44,8 @@ class EdgeKernel {
   /// `box`: the bounding box of the corners, which is also that of all points.
   explicit EdgeKernel(const Box& box);
 
-  /// False if the coordinates span too many powers of two for scaled doubles. Then the other
-  /// functions must not be used.
+  /// False if the coordinates span too many powers of two for scaled doubles. The
+  /// general code is then needed.
   bool ordinary() const { return ordinary_; }
   int exponent() const { return exponent_; }
 

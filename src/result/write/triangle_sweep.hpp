@@ -14,7 +14,7 @@ namespace cullhull::internal::inline result {
 /// in stored order: lowest first, counter-clockwise seen from outside.
 struct TriangleRecord {
   double normal[3];  // with the bits that `cofactors` computes
-  double sum[3];     // of the corners' differences from vertex 0
+  double sum[3];     // sum of the corners' differences from the hull's vertex 0
   std::uint32_t vertex[3];
   std::uint32_t slot;          // the engine's number of the facet
   std::uint32_t neighbour[3];  // slots; neighbour j lies across the ridge without vertex j

@@ -371,6 +371,7 @@ class SimplexWriter {
     return sign_of(sum);
   }
 
+  /// The exact sign of a ridge that doubles could not decide, as side() defines it.
   Sign exact_side(const Ridge& ridge, ChunkCounts& out) const {
     // Local ids are the vertices of the surface's simplices.
     const std::uint32_t g = neighbours_[std::size_t{ridge.simplex} * K + ridge.slot];
@@ -388,6 +389,7 @@ class SimplexWriter {
     return sign;
   }
 
+  /// Writes the plane of simplex i, whose data are in a lane of the block, and returns its share.
   Share<K> write_plane(std::uint64_t i, const FacetBlock<K>& block, unsigned lane) {
     double normal[K], sum[K];
     for (unsigned c = 0; c < K; ++c) {

@@ -253,6 +253,7 @@ class TriangleWriter {
     RungCounts rungs;
   };
 
+  /// Checks and distributes the facets of range s.
   void sweep_stretch(std::uint64_t s, Counts& out) {
     const auto [begin, end] = stretches_[s];
     TriangleRecord* region = records_.get() + region_[s];
@@ -274,6 +275,7 @@ class TriangleWriter {
     out.rungs.of[0] += out.live * 3 / 2 - open.size();  // a ridge belongs to two facets
   }
 
+  /// The exact sign of a ridge that doubles could not decide: negative if it is convex.
   Sign exact_side(const OpenRidge& r, Counts& out) const {
     const auto point = [&](Id v) {
       return Orientation3D::Point{surface_.rows.get() + std::size_t{v} * Shared3D::row_stride,
@@ -307,6 +309,7 @@ class TriangleWriter {
     std::vector<Share<3>> head, tail;
   };
 
+  /// The second sweep.
   void write_facets() {
     // A cache line of the table starts_ has 16 entries, which belong to neighbouring buckets, so
     // one thread processes 16 buckets in turn.
@@ -349,6 +352,7 @@ class TriangleWriter {
         std::less<>());
   }
 
+  /// Writes the facets of sorted bucket b run by run.
   void write_bucket(Id b, Scratch& scratch) {
     const std::uint64_t begin = bucket_start_[b], end = bucket_start_[b + 1];
     for (std::uint64_t at = begin; at < end;) {
@@ -423,6 +427,7 @@ class TriangleWriter {
 
   // ---------------------------------------------------------------- third sweep and sums
 
+  /// The third sweep: renumbers the neighbours and moves the lists into the result.
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
     run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
