@@ -16,6 +16,7 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
+/// Filters points in a device's memory, there or on the host, and copies the survivors to the host.
 class DeviceFilter {
  public:
   DeviceFilter(const DevicePointView& points, const Run& run)
@@ -34,6 +35,7 @@ class DeviceFilter {
   }
 
  private:
+  /// Chooses the filter and where it runs, as the options and the planner decide.
   Filtered cull_there_or_here() {
     Filtered result;
     result.survivors.all = true;

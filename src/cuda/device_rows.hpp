@@ -22,7 +22,7 @@ int device_of(const DevicePointView& points);
 /// Whether the planner would filter these points on the device or on the host.
 Placement place_of_device_points(const DevicePointView& points, const Run& run);
 
-/// Copies all points to packed rows in the host's memory, unchanged. Throws Error{not_finite} for
+/// Copies all points to packed rows of doubles in the host's memory. Throws Error{not_finite} for
 /// the first point that is not finite, and Error{out_of_budget}. Packed points need no additional
 /// device memory.
 Array<double> download_all(const DevicePointView& points, const Run& run);

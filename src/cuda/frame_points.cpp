@@ -19,6 +19,8 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
+/// A frame of the tracker whose points are in a device's memory. Every operation runs on the device
+/// until copy() has moved the points to the host, and on the host afterwards.
 class DeviceFrame final : public FramePoints {
  public:
   DeviceFrame(const DevicePointView& points, const Run& run)

@@ -263,6 +263,7 @@ class Rows {
           "copying points from the device");
   }
 
+  /// Copies the selected rows without gathering them: each run of consecutive ids by copy_run().
   void copy_records(std::uint64_t first, std::uint64_t n, T* to) const {
     const unsigned d = points_.dimension;
     if (ids_ == nullptr) return copy_run(point_address(points_, first), n, to);

@@ -43,6 +43,7 @@ class Settled {
   cudaStream_t stream_;
 };
 
+/// A copy of the items on the device.
 template <class T>
 DeviceArray<T> uploaded(const std::vector<T>& items, cudaStream_t stream) {
   DeviceArray<T> there(items.size(), stream);

@@ -42,6 +42,7 @@ double squared_norm(std::uint32_t d, const double* row) {
   return sum;
 }
 
+/// A uniformly distributed unit vector of d coordinates.
 void random_direction(std::uint32_t d, RandomStream& random, double* row) {
   double norm = 0;
   do {

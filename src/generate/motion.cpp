@@ -55,6 +55,7 @@ struct MovingPoints::Impl {
 
   const double* at_rest(std::uint64_t point) const { return rest.data() + point * dimension; }
 
+  /// Computes the centre and the extent of the points at rest.
   void measure() {
     centre.assign(dimension, 0);
     extent = 0;
@@ -81,6 +82,7 @@ struct MovingPoints::Impl {
     spin_plane(rotation_by(0.75 * time * along / extent), 0, x);
   }
 
+  /// Rotates x about the centre in the plane of two neighbouring axes.
   void spin_plane(const Rotation& rotation, std::uint32_t axis, double* x) const {
     double u = x[axis] - centre[axis], v = x[axis + 1] - centre[axis + 1];
     rotate(rotation, u, v);
@@ -105,6 +107,7 @@ struct MovingPoints::Impl {
     for (std::uint32_t j = 0; j < dimension; ++j) x[j] += (x[j] - centre[j]) * speed * time;
   }
 
+  /// Draws 24 pieces of the motion `fracture` and assigns each point to the nearest seed.
   void prepare_pieces() {
     constexpr std::size_t number = 24;
     RandomStream random(seed, ~std::uint64_t{1});
