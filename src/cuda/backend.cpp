@@ -15,8 +15,8 @@ bool cuda_started() noexcept { return started(); }
 std::size_t kept_pinned_memory() noexcept { return kept_pinned(); }
 void drop_pinned_memory() noexcept { drop_kept_pinned(); }
 
-// Checks for device files, on Linux, in Windows' subsystem for it and on boards: starting the
-// driver would take longer than many a hull.
+// Checks for the device files of Linux, WSL and Jetson boards. Starting the driver would take
+// longer than many hulls.
 bool cuda_in_sight() noexcept {
   if (cuda_started()) return true;
   for (const char* file : {"/dev/nvidiactl", "/dev/dxg", "/dev/nvhost-ctrl-gpu"})

@@ -16,6 +16,7 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
+/// Filters points in a device's memory, there or on the host, and copies the survivors to the host.
 class DeviceFilter {
  public:
   DeviceFilter(const DevicePointView& points, const Run& run)
@@ -29,11 +30,12 @@ class DeviceFilter {
       return cull_there_or_here();
     } catch (const cuda::OutOfMemory& e) {
       if (run_.options.backend == Backend::cuda) throw;
-      return culled_on_host(e.what());  // packed points are fetched without memory of the device
+      return culled_on_host(e.what());  // downloading packed points needs no device memory
     }
   }
 
  private:
+  /// Chooses the filter and where it runs, as the options and the planner decide.
   Filtered cull_there_or_here() {
     Filtered result;
     result.survivors.all = true;
@@ -69,7 +71,7 @@ class DeviceFilter {
     return result;
   }
 
-  /// One pseudo-hull of all points, in the device's memory; it needs no second level.
+  /// Filters all points by a pseudo-hull on the device. A second filter is not needed.
   Filtered pseudo_hull_there() const {
     run_.report("cull", 0);
     Filtered result;
@@ -85,7 +87,7 @@ class DeviceFilter {
     return result;
   }
 
-  /// Copies all points to the host where nothing can be culled.
+  /// Copies all points to the host if no filter is worthwhile.
   Filtered all_points(Filtered&& result) const {
     result.rows = fetch_all();
     return std::move(result);
@@ -93,6 +95,7 @@ class DeviceFilter {
 
   Array<double> fetch_all() const { return download_all(points_, run_); }
 
+  /// Copies all points to the host and filters them there. `why` completes the reason reported.
   Filtered culled_on_host(const std::string& why) const {
     Array<double> rows = fetch_all();
     const PointView view = PointView::row_major(rows.data(), points_.count, d_);
@@ -112,12 +115,14 @@ class DeviceFilter {
     return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
               Array<double> rows =
                   cuda::download_points(points, ids.data(), ids.size(), run_.control);
-              // -0 becomes +0, and points that are not finite are refused, as before any engine.
+              // As for every engine, -0 becomes +0 and points that are not finite are refused.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
                                    ids.size(), run_);
             }};
   }
 
+  /// The map of a sample of all points. Names the first point of all that is not finite, not the
+  /// first of the sample.
   SampledMap first_map() const {
     try {
       return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
@@ -134,15 +139,17 @@ class DeviceFilter {
                    std::to_string(count) + " points that survive the filter");
   }
 
-  /// Whether the survivors of the first map are culled by a pseudo-hull instead of a second map. It
-  /// needs no CPU and no sample, so the first map may come from a smaller sample and keep more. Of
-  /// a ball of 8M points in space 47,169 are left, where two maps leave 79,161; in the plane only
-  /// the hull's vertices. From 4D on it leaves more than a map.
+  /// Whether a pseudo-hull instead of a second map filters the survivors of the first map. It needs
+  /// neither CPU nor sample, so the first map may come from a smaller sample and keep more points.
+  /// Of 8M points in a ball in 3D it leaves 47,169 where a second map leaves 79,161; in 2D it
+  /// leaves only the hull's vertices. From 4D on it leaves more points than a second map.
   bool grows_later() const { return d_ <= 3; }
 
-  /// The rows of `left` that the second filter keeps; all, where there is none.
+  /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
+  /// not worthwhile: all rows stay.
   cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
-    // A ball takes 13 to 16 rounds; points that are outside after 24 survive.
+    // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
+    // survive.
     constexpr unsigned most_rounds = 24;
     if (grows_later()) {
       cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
@@ -158,7 +165,8 @@ class DeviceFilter {
     return cuda::survivors_of_device_points(finer.map->table(), view);
   }
 
-  /// The usual case: both filters run on the device, and only survivors of the second are copied.
+  /// The usual case: both filters run on the device, and only the survivors of the second are
+  /// copied to the host.
   void cull_there(const GaugeTable& table, Filtered& result) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
     cuda::DeviceIds left = cuda::survivors_of_device_points(table, points_);
@@ -188,7 +196,7 @@ class DeviceFilter {
     result.survivors.ids = std::move(ids);
   }
 
-  /// A sample of survivors; a point that is not finite is refused by its id among all points.
+  /// A sample of the survivors. A point that is not finite is refused by its id among all points.
   SampledPoints finite_sample(const DevicePointView& view) const {
     SampledPoints s = sampled(view);
     s.gather = [this, gather = std::move(s.gather)](const std::vector<std::uint64_t>& ids) {
@@ -202,6 +210,7 @@ class DeviceFilter {
     return s;
   }
 
+  /// Gathers the rows of some points on the device.
   cuda::DeviceArray<std::byte> rows_of(const DevicePointView& points,
                                        const cuda::DeviceIds& which) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
@@ -220,7 +229,8 @@ class DeviceFilter {
     return view;
   }
 
-  /// With hardly any device memory: survivors are copied after the first map.
+  /// The case of hardly any free device memory: the survivors of the first map are copied to the
+  /// host, and the second filter runs there.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
     std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, run_.control);
     require_room(ids.size());
@@ -249,7 +259,7 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run) {
     nothing.survivors.reason = "no points";
     return nothing;
   }
-  // The device that holds the points may be the only usable one.
+  // Uses the device that holds the points, which may be the only usable one.
   const int ordinal = device_of(points);
   (void)cuda::device(ordinal);
   const cuda::DeviceScope scope(ordinal);

@@ -14,7 +14,7 @@ int device_of_memory(const void* memory) {
   cudaPointerAttributes attributes = {};
   const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
   if (status != cudaSuccess) {
-    (void)cuda::device();  // without a device: throws its reason
+    (void)cuda::device();  // throws the reason if there is no device
     cuda::check(status, "asking where the points are");
   }
   if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)

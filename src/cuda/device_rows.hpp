@@ -1,4 +1,5 @@
-// Queries and copies of points in a device's memory, for every flow. Only where CUDA is compiled.
+// Functions that locate points in a device's memory and copy them to the host. Only in builds with
+// CUDA.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +11,23 @@
 
 namespace cullhull::internal::inline cuda {
 
-/// The device that holds this memory; throws Error{invalid_argument} for host memory, and
-/// Error{backend_unavailable} with the reason where there is no device.
+/// The number of the device that holds this memory. Throws Error{invalid_argument} for host memory,
+/// and Error{backend_unavailable} with the reason if there is no device.
 int device_of_memory(const void* memory);
 
-/// The device that holds the points; throws Error{invalid_argument} for a view that it cannot read.
+/// The number of the device that holds the points. Throws Error{invalid_argument} for a view that
+/// the device cannot read.
 int device_of(const DevicePointView& points);
 
-/// Where the planner would cull them.
+/// Whether the planner would filter these points on the device or on the host.
 Placement place_of_device_points(const DevicePointView& points, const Run& run);
 
-/// Packed rows of all points, bit for bit. Throws Error{not_finite} for the first bad point,
-/// Error{out_of_budget}. Packed points need no extra memory of the device.
+/// Copies all points to packed rows of doubles in the host's memory. Throws Error{not_finite} for
+/// the first point that is not finite, and Error{out_of_budget}. Packed points need no additional
+/// device memory.
 Array<double> download_all(const DevicePointView& points, const Run& run);
 
-/// Throws Error{not_finite} naming the first point that is not finite; there must be one.
+/// Throws Error{not_finite}, which names the first point that is not finite. There must be one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal::inline cuda

@@ -19,6 +19,8 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
+/// A frame of the tracker whose points are in a device's memory. Every operation runs on the device
+/// until copy() has moved the points to the host, and on the host afterwards.
 class DeviceFrame final : public FramePoints {
  public:
   DeviceFrame(const DevicePointView& points, const Run& run)
@@ -61,7 +63,7 @@ class DeviceFrame final : public FramePoints {
                   [&] {
       result.reason = before;
       here_->scan(map, result);
-      if (!why_here_.empty()) result.reason = before;  // hull() reports it
+      if (!why_here_.empty()) result.reason = before;  // hull() reports the reason
     });
   }
 
@@ -83,8 +85,8 @@ class DeviceFrame final : public FramePoints {
   }
 
  private:
-  /// On the device; on the host where the device's memory is full and Backend::cuda was not
-  /// required.
+  /// Runs there() on the device. If the device's memory is exhausted and Backend::cuda was not
+  /// required, copies the points to the host and runs here().
   template <class There, class Here>
   std::invoke_result_t<Here> there_or_here(const There& there, const Here& here) {
     if (here_) return here();
@@ -92,12 +94,12 @@ class DeviceFrame final : public FramePoints {
       return there();
     } catch (const cuda::OutOfMemory& e) {
       if (run_.options.backend == Backend::cuda) throw;
-      copy(e.what());  // packed points are fetched without memory of the device
+      copy(e.what());  // downloading packed points needs no device memory
     }
     return here();
   }
 
-  /// Copies all points to the host; from then on the frame is one of the host.
+  /// Copies all points to the host. From then on the frame is processed on the host.
   void copy(const std::string& why) {
     why_here_ = why;
     rows_ = download_all(points_, run_);
@@ -153,7 +155,7 @@ class DeviceFrame final : public FramePoints {
   const Run& run_;
   std::string reason_, why_here_;
   std::optional<cuda::DeviceScope> scope_;
-  Array<double> rows_;  ///< of all points, after copy()
+  Array<double> rows_;  ///< rows of all points, after copy()
   Options host_options_;
   std::optional<Run> host_run_;
   std::optional<HostFrame> here_;

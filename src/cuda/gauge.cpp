@@ -22,7 +22,7 @@ DeviceArray<float> upload_nodes(const GaugeTable& table, cudaStream_t stream) {
   return nodes;
 }
 
-/// Appends first + i for every set bit i.
+/// Appends first + i for every set bit i of the mask.
 void list_words(const std::uint32_t* mask, std::uint64_t words, std::uint64_t first,
                 std::vector<std::uint64_t>& ids) {
   for (std::uint64_t w = 0; w < words; ++w)
@@ -32,7 +32,7 @@ void list_words(const std::uint32_t* mask, std::uint64_t words, std::uint64_t fi
 
 // ---------------------------------------------------------------- points of the host
 
-/// Copies points [begin, end) of the view to packed rows; Out holds T exactly.
+/// Copies points [begin, end) of the view to packed rows. Every T is exactly an Out.
 template <class T, class Out>
 void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, Out* out) {
   const std::size_t d = v.dimension;
@@ -59,8 +59,9 @@ void pack(const PointView& v, std::uint64_t begin, std::uint64_t end, std::byte*
   });
 }
 
-/// One of the two pieces in flight: packed points going to the device, a mask coming back. All work
-/// of a slot is ordered by its own stream, so its buffers are free again when that is idle.
+/// The buffers and the stream of one of the two pieces in flight: packed points for the device, and
+/// the mask that it returns. All work of a slot is on its own stream, so its buffers may be reused
+/// when that stream is idle.
 class Slot {
  public:
   Slot(std::uint64_t points, std::size_t row_bytes)
@@ -74,7 +75,8 @@ class Slot {
 
   std::byte* rows() const { return rows_.data(); }
 
-  /// `points` are the slot's rows, of the input's points from `first` on.
+  /// Starts filtering a piece. `points` describes the slot's rows, which are the input's points
+  /// from `first` on.
   void start(const GaugeTable& table, const float* nodes, DevicePointView points,
              std::uint64_t first) {
     first_ = first;
@@ -93,7 +95,7 @@ class Slot {
           "copying survivors from the device");
   }
 
-  /// Waits for the piece, if one is in flight, and lists its survivors.
+  /// Waits for the piece in flight, if any, and appends its survivors.
   void finish(std::vector<std::uint64_t>& ids) {
     if (count_ == 0) return;
     synchronise(stream_.get(), "culling");
@@ -129,7 +131,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
     for (std::uint64_t first = 0; first < points.count; first += piece, turn ^= 1) {
       run.check();
       Slot& slot = slots[turn];
-      slot.finish(ids);  // pieces finish in the order they were started: ids ascend
+      slot.finish(ids);  // pieces finish in order, so ids ascend
       rows.count = std::min(piece, points.count - first);
       run.each(rows.count, 1 << 16, [&](std::uint64_t begin, std::uint64_t end) {
         pack(points, first + begin, first + end, slot.rows() + begin * row_bytes);
@@ -142,15 +144,15 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
   return ids;
 }
 
-/// Points; of fewer the copy takes less than its launch.
+/// The smallest piece, in points. Copying fewer takes less time than starting the copy.
 constexpr std::uint64_t least_piece = 1 << 16;
 
 }  // namespace
 
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
                                                     const PointView& points, const Run& run) {
-  // 32 MB: long enough that starting a copy takes no visible time, short enough that the first and
-  // the last piece, which overlap nothing, are a small part of the whole.
+  // 32 MiB: so long that the time of starting a copy is negligible, and so short that the first and
+  // the last piece, whose work does not overlap that of others, are a small part of the whole.
   constexpr std::uint64_t piece_bytes = 32 << 20;
   const std::uint64_t wanted = piece_bytes / (points.dimension * sizeof(double));
   std::uint64_t piece = std::min((points.count + 127) / 128 * 128, wanted / 128 * 128);
@@ -174,7 +176,7 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
   const DeviceArray<std::uint32_t> mask(mask_room(points.count), stream);
   check(gauge_mask(table, nodes.data(), points, mask.data(), device(), stream), "culling");
 
-  // One offset more than tiles: the last is the total.
+  // One offset more than there are tiles: the last offset is the total.
   const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
   const DeviceArray<std::uint64_t> counts(tiles + 1, stream);
   const DeviceArray<std::uint64_t> offsets(tiles + 1, stream);
@@ -197,7 +199,7 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
                                                const DevicePointView& points,
                                                const Control& control) {
-  constexpr std::uint64_t piece = 1 << 22;  // points: a mask of half a megabyte
+  constexpr std::uint64_t piece = 1 << 22;  // points; their mask takes half a megabyte
   const cudaStream_t stream = stream_of(points);
   const DeviceArray<float> nodes = upload_nodes(table, stream);
   const DeviceArray<std::uint32_t> device_mask(mask_room(piece), stream);
@@ -223,13 +225,13 @@ const std::byte* point_address(const DevicePointView& points, std::uint64_t i) {
          static_cast<std::ptrdiff_t>(i) * points.point_stride;
 }
 
-/// Copies rows of a view, or of some of its points, to pinned memory: packed ones directly, others
-/// gathered on the device first; where it has no memory for that, record by record, some of which
-/// take a call each.
+/// Copies the rows of a view, or of some of its points, to the host. Packed rows are copied
+/// directly. Others are first gathered on the device or, if it lacks memory for that, copied by
+/// runs of consecutive points, some of which take a call for each point.
 template <class T>
 class Rows {
  public:
-  /// `most`: points in one piece.
+  /// `ids`: the points to copy; null: all. `most`: the most points of one call of copy().
   Rows(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t most)
       : points_(points), ids_(ids), gathers_(ids != nullptr || !points.packed_rows()) {
     if (!gathers_) return;
@@ -242,7 +244,7 @@ class Rows {
     }
   }
 
-  /// Starts copying rows [first, first + n) of those wanted to `to`, in the order of the stream.
+  /// Starts copying rows [first, first + n) of the selected ones to `to`, on the points' stream.
   void copy(std::uint64_t first, std::uint64_t n, T* to) const {
     if (!gathers_) return copy_records(first, n, to);
     const cudaStream_t stream = stream_of(points_);
@@ -261,6 +263,7 @@ class Rows {
           "copying points from the device");
   }
 
+  /// Copies the selected rows without gathering them: each run of consecutive ids by copy_run().
   void copy_records(std::uint64_t first, std::uint64_t n, T* to) const {
     const unsigned d = points_.dimension;
     if (ids_ == nullptr) return copy_run(point_address(points_, first), n, to);
@@ -270,7 +273,7 @@ class Rows {
     }
   }
 
-  /// Copies `n` consecutive points, of any strides.
+  /// Copies `n` consecutive points with any strides.
   void copy_run(const std::byte* from, std::uint64_t n, T* to) const {
     const unsigned d = points_.dimension;
     if (points_.packed_rows()) return copy_packed(from, n * d, to);
@@ -279,7 +282,8 @@ class Rows {
       copy_strided(from + static_cast<std::ptrdiff_t>(j) * points_.coordinate_stride, 1, n, to + j);
   }
 
-  /// Copies `width` values of each of `n` points to rows of the dimension's length.
+  /// Copies `width` consecutive values of each of `n` points into rows of as many values as the
+  /// dimension.
   void copy_strided(const std::byte* from, unsigned width, std::uint64_t n, T* to) const {
     constexpr std::ptrdiff_t longest_pitch = 0x7FFFFFFF;
     const std::ptrdiff_t pitch = points_.point_stride;
@@ -301,7 +305,7 @@ class Rows {
   DeviceArray<std::uint64_t> piece_ids_;
 };
 
-/// The destination of rows: pinned memory, or pageable where the system has no more of that.
+/// Host memory for copies from the device: pinned or, if none is available, pageable.
 template <class T>
 class Landing {
  public:

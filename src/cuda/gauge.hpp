@@ -1,4 +1,5 @@
-// The GaugeMap on a CUDA device: memory, streams and pieces around the kernels.
+// The gauge map on a CUDA device: memory, streams, and the division into pieces. The kernels are in
+// kernels/gauge_kernel.hpp.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +12,31 @@
 
 namespace cullhull::internal::inline cuda {
 
-/// Ids (ascending) of the points that are not provably inside, as GaugeMap::survivors gives them,
-/// for points in the host's memory. Pieces of them are copied into pinned memory and to the device,
-/// culled there, and one bit a point comes back; two pieces are in flight at a time. Where memory
-/// is short, pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
+/// The ids, ascending, of the points in the host's memory that are not provably inside; the same as
+/// GaugeMap::survivors. The points are copied piece by piece into pinned memory and to the device,
+/// which filters them and returns one bit a point. Two pieces are in flight at a time. If memory is
+/// short, the pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
                                                     const PointView& points, const Run& run);
 
-/// Ids on the device, ascending.
+/// Ascending ids in the device's memory.
 struct DeviceIds {
   DeviceArray<std::uint64_t> ids;
   std::uint64_t count = 0;
 };
 
-/// The same for points on the device; work on points.stream. Extra memory: a bit a point and the
-/// survivors.
+/// The same for points on the device; all work is on points.stream. Needs device memory for a bit a
+/// point and for the survivors' ids.
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points);
 
-/// The same in pieces: for a device with hardly any free memory, of which it takes half a megabyte.
+/// The same piece by piece, for a device with hardly any free memory: needs half a megabyte and the
+/// table's nodes. Returns the ids in the host's memory.
 std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
                                                const DevicePointView& points,
                                                const Control& control);
 
-/// Packed doubles of the points `ids` (on the host; null: all `count` of the view), not checked for
-/// finiteness.
+/// Copies points to packed rows of doubles in the host's memory, without a check for finiteness.
+/// `ids`: the `count` points to copy, in the host's memory; null: the first `count` points.
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
                               std::uint64_t count, const Control& control);
 

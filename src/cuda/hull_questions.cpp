@@ -11,7 +11,7 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
-/// Upload of numbers that are asked for again and again.
+/// A copy of numbers on the device, which is uploaded once and used by several queries.
 class Table {
  public:
   const double* on_device(const std::vector<double>& numbers, cudaStream_t stream) {

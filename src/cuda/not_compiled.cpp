@@ -1,4 +1,4 @@
-// The CUDA backend of builds without CUDA: every function reports that it is missing.
+// The CUDA backend in builds without CUDA: functions report that it was not compiled.
 #include "cuda/backend.hpp"
 #include "cuda/hull_questions.hpp"
 #include "cuda/set_hulls.hpp"

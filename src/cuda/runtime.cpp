@@ -13,7 +13,8 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
-/// The error that broke the context; never cleared, as only a new process recovers.
+/// The sticky error that destroyed the context. It is never cleared, since only a new process
+/// recovers.
 class Poison {
  public:
   void lock() { mutex_.lock(); }
@@ -37,7 +38,7 @@ Poison& poison() {
   return p;
 }
 
-/// Guards the known devices, while they are asked for, too.
+/// Guards the list of known devices, also while a device is queried.
 std::mutex& devices_mutex() {
   static std::mutex& mutex = *new std::mutex;
   return mutex;
@@ -48,9 +49,9 @@ const ForkGuard poison_guard(
 const ForkGuard devices_guard(
     ForkGuard::Order::outer, [] { devices_mutex().lock(); }, [] { devices_mutex().unlock(); });
 
-/// The sticky errors: those of which the documentation of the run-time library says that they leave
-/// "the process in an inconsistent state". Querying a stream again would be no test: default
-/// streams return errors of their own while a graph is recorded.
+/// Whether an error is sticky: the documentation of the run-time library says that it leaves "the
+/// process in an inconsistent state". Querying a stream again would not be a test, since default
+/// streams return other errors while a graph is recorded.
 bool sticky(cudaError_t error) {
   switch (error) {
     case cudaErrorIllegalAddress:
@@ -75,9 +76,9 @@ bool sticky(cudaError_t error) {
 
 std::atomic<bool> found_one{false};
 
-/// A pool of our own, so that the caller's is unchanged. Up to this size freed memory stays in the
-/// pool, so that the next call need not ask the driver: enough for the mask and survivors of 10^9
-/// points.
+/// Bytes of freed memory that a device's pool keeps, so that the next call does not need the
+/// driver: enough for the mask and the survivors of 10^9 points. The pool is the library's own, so
+/// that the device's default pool, which the caller may use, keeps its settings.
 constexpr std::uint64_t pool_keeps = std::uint64_t{512} << 20;
 
 cudaMemPool_t make_pool(int ordinal) {
@@ -91,7 +92,7 @@ cudaMemPool_t make_pool(int ordinal) {
   if (cudaDeviceGetAttribute(&supported, cudaDevAttrMemoryPoolsSupported, ordinal) != cudaSuccess ||
       supported == 0 || cudaMemPoolCreate(&pool, &properties) != cudaSuccess ||
       cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keeps) != cudaSuccess) {
-    (void)cudaGetLastError();  // falls back to cudaMalloc
+    (void)cudaGetLastError();  // without a pool the library falls back to cudaMalloc
     if (pool != nullptr) (void)cudaMemPoolDestroy(pool);
     return nullptr;
   }
@@ -146,7 +147,7 @@ Device query(int ordinal) {
 void check(cudaError_t status, const char* doing) {
   if (status == cudaSuccess) return;
   const std::string text = std::string(cudaGetErrorString(status));
-  (void)cudaGetLastError();  // cleared here, so that the next launch does not report it
+  (void)cudaGetLastError();  // clears the error, which the next launch would report otherwise
   if (sticky(status)) {
     poison().set(text);
     throw Failure("CUDA failed " + std::string(doing) + ": " + text);
@@ -161,7 +162,7 @@ const Device& device(int ordinal) {
   if (const std::string why = poison().get(); !why.empty())
     throw Failure("CUDA failed earlier in this process (" + why +
                   ") and cannot be used until it is restarted");
-  // Devices are kept to the end of the process: their pools must outlive every array.
+  // Never destroyed, since the devices' pools must outlive every array.
   static std::map<int, std::unique_ptr<Device>>& known =
       *new std::map<int, std::unique_ptr<Device>>;
   const std::lock_guard lock(devices_mutex());
@@ -174,7 +175,7 @@ const Device& device() {
   int ordinal = 0;
   if (cudaGetDevice(&ordinal) != cudaSuccess) {
     (void)cudaGetLastError();
-    ordinal = 0;  // no driver or no device: the query finds out which
+    ordinal = 0;  // no driver or no device: the query below tells which
   }
   return device(ordinal);
 }
@@ -201,7 +202,7 @@ void* allocate(std::size_t bytes, cudaStream_t stream) {
 
 void release(void* memory, cudaStream_t stream) noexcept {
   if (memory == nullptr) return;
-  // Arrays are also destroyed while an error is handled: errors of freeing are ignored.
+  // Arrays are also destroyed while an exception is handled, so errors are ignored here.
   try {
     (void)(device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
   } catch (const Error&) {
@@ -211,7 +212,7 @@ void release(void* memory, cudaStream_t stream) noexcept {
 
 namespace {
 
-/// Free blocks of pinned memory, of sizes that are powers of two.
+/// The released blocks of pinned memory that are kept. Their sizes are powers of two.
 class PinnedPool {
  public:
   void lock() { mutex_.lock(); }
@@ -225,7 +226,7 @@ class PinnedPool {
     kept_ -= bytes;
     return memory;
   }
-  /// False: it is full.
+  /// Keeps a block, or returns false if that would exceed the limit.
   bool keep(void* memory, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     if (kept_ + bytes > limit) return false;
@@ -248,14 +249,14 @@ class PinnedPool {
   }
 
  private:
-  /// Twice the buffers of the two slots of a pass over points of the host.
+  /// Bytes; twice the buffers of the two slots with which the filter processes points of the host.
   static constexpr std::size_t limit = std::size_t{256} << 20;
   std::mutex mutex_;
   std::multimap<std::size_t, void*> free_;
   std::size_t kept_ = 0;
 };
 
-/// Never destroyed: at the end of the process the driver may already be unloaded.
+/// Never destroyed, since the driver may already be unloaded at the end of the process.
 PinnedPool& pinned_pool() {
   static PinnedPool& pool = *new PinnedPool;
   return pool;
@@ -290,7 +291,7 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
   try {
     if (pinned_pool().keep(memory, pinned_block(bytes))) return;
   } catch (const std::exception&) {
-    // No memory to keep it in the list: it is freed.
+    // The list could not grow: free the block instead.
   }
   (void)cudaFreeHost(memory);
 }

@@ -1,8 +1,7 @@
-// Wrappers of CUDA's run-time library: errors as exceptions, memory with destructors, the device.
-// Compiled only where CUDA is; it contains no kernel, so plain C++ may include it. Failures are
-// cuda::OutOfMemory or cuda::Failure (backend.hpp). A failed kernel breaks its process's context (a
-// "sticky" error). This is remembered: every later call reports it at once instead of failing
-// somewhere.
+// Wrappers of CUDA's run-time library: errors become exceptions (cuda::OutOfMemory and
+// cuda::Failure of backend.hpp), and memory and streams have destructors. Only in builds with CUDA;
+// the file contains no kernel, so plain C++ may include it. A failed kernel destroys the process's
+// context (a "sticky" error). The library remembers that, and every later call reports it at once.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -16,21 +15,24 @@
 
 namespace cullhull::internal::inline cuda {
 
-/// Throws OutOfMemory or Failure unless `status` is success. `doing` completes "CUDA failed ...".
+/// Throws OutOfMemory or Failure unless `status` is cudaSuccess. `doing` completes the message
+/// "CUDA failed ...".
 void check(cudaError_t status, const char* doing);
 
+/// Properties of a device that can be used. Sizes are in bytes.
 struct Device {
   int ordinal = 0;
   std::string name;
-  int capability = 0;  ///< 90 for 9.0
+  int capability = 0;  ///< compute capability; 90 for 9.0
   std::uint64_t memory = 0;
   unsigned multiprocessors = 1;
   std::size_t shared_per_multiprocessor = 0;
-  std::size_t shared_per_block = 0;  ///< the most a kernel may opt in to
-  cudaMemPool_t pool = nullptr;      ///< null: no stream-ordered allocation here
+  std::size_t shared_per_block = 0;  ///< greatest size that a kernel may opt in to
+  cudaMemPool_t pool = nullptr;      ///< null: the device cannot allocate in stream order
 };
 
-/// The current device, queried once; throws Failure with the reason if there is none to use.
+/// The current device. Each device is queried once. Throws Failure with the reason if it cannot be
+/// used.
 const Device& device();
 /// The same for the device with this number.
 const Device& device(int ordinal);
@@ -38,11 +40,11 @@ inline const Device& device_or_current(int ordinal) {
   return ordinal < 0 ? device() : device(ordinal);
 }
 
-/// Whether some device was found usable before.
+/// Whether a usable device was found before.
 bool started() noexcept;
 
-/// Makes a device current, and restores the former one at the end. At the beginning of a call it
-/// clears an error that the caller left unread, as the next launch would report it.
+/// Makes a device current, and restores the former one when destroyed. The constructor also clears
+/// an error that the caller has left unread, which the next launch would report otherwise.
 class DeviceScope {
  public:
   explicit DeviceScope(int ordinal);
@@ -54,10 +56,13 @@ class DeviceScope {
   int before_ = 0;
 };
 
+/// Allocates memory of the current device in the order of the stream. Throws OutOfMemory, Failure.
 void* allocate(std::size_t bytes, cudaStream_t stream);
+/// Frees it in the order of the stream; ignores errors.
 void release(void* memory, cudaStream_t stream) noexcept;
 
-/// Memory of the current device, in the order of a stream; contents undefined.
+/// An array in the memory of the current device, allocated and freed in the order of a stream. Its
+/// values are indeterminate until written.
 template <class T>
 class DeviceArray {
  public:
@@ -84,16 +89,17 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
-/// Host memory that the device can access. Allocating it takes the system long, so freed blocks are
-/// kept for the next call, up to a limit. No copy from or to a block may be in flight when it is
-/// freed.
+/// Pinned memory: host memory that the device can access. The system allocates it slowly, so freed
+/// blocks are kept for later calls, up to a limit. No copy from or to a block may be in flight when
+/// it is released.
 void* allocate_pinned(std::size_t bytes);
 void release_pinned(void* memory, std::size_t bytes) noexcept;
-/// Bytes that are kept and free.
+/// Bytes of released pinned memory that are kept.
 std::size_t kept_pinned() noexcept;
-/// Returns them to the system.
+/// Returns that memory to the system.
 void drop_kept_pinned() noexcept;
 
+/// An array in pinned memory.
 template <class T>
 class PinnedArray {
  public:
@@ -133,11 +139,12 @@ class Stream {
   cudaStream_t stream_ = nullptr;
 };
 
+/// Waits for all work of a stream, and throws if any of it failed.
 inline void synchronise(cudaStream_t stream, const char* doing) {
   check(cudaStreamSynchronize(stream), doing);
 }
 
-/// Copies to the device. The host's memory may be reused when this returns.
+/// Copies from the host to the device, and returns when the copy is complete.
 template <class T>
 void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
@@ -146,7 +153,7 @@ void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   synchronise(stream, "copying to the device");
 }
 
-/// Copies from the device; returns when the values have arrived.
+/// Copies from the device to the host, and returns when the copy is complete.
 template <class T>
 void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
@@ -155,7 +162,8 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   synchronise(stream, "copying from the device");
 }
 
-/// Whether this build has code that the current device can run; the status of an empty kernel.
+/// Returns cudaSuccess if this build has code that the current device can run, else the error of
+/// looking for an empty kernel.
 cudaError_t probe_device_code();
 
 }  // namespace cullhull::internal::inline cuda

@@ -11,7 +11,7 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
-/// Pinned memory, or pageable where the system has no more of that.
+/// Host memory for copies from the device: pinned or, if none is available, pageable.
 std::shared_ptr<std::byte> landing(std::size_t bytes) {
   try {
     const auto pinned = std::make_shared<PinnedArray<std::byte>>(bytes);
@@ -22,7 +22,7 @@ std::shared_ptr<std::byte> landing(std::size_t bytes) {
   }
 }
 
-/// Starts a copy from the device; `to` may be used when the stream was waited for.
+/// Starts a copy from the device. `to` may be read after the stream has been waited for.
 template <class T>
 void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
@@ -30,7 +30,8 @@ void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
         "copying hulls from the device");
 }
 
-/// No copy is in flight when this is destroyed, whatever failed.
+/// Its destructor waits for the stream, so that no copy is in flight afterwards, even after an
+/// exception.
 class Settled {
  public:
   explicit Settled(cudaStream_t stream) : stream_(stream) {}
@@ -42,6 +43,7 @@ class Settled {
   cudaStream_t stream_;
 };
 
+/// A copy of the items on the device.
 template <class T>
 DeviceArray<T> uploaded(const std::vector<T>& items, cudaStream_t stream) {
   DeviceArray<T> there(items.size(), stream);
@@ -49,7 +51,7 @@ DeviceArray<T> uploaded(const std::vector<T>& items, cudaStream_t stream) {
   return there;
 }
 
-/// Runs of items, on the device.
+/// Runs of items to copy within the device's memory: `length` items from `from` to `to`.
 struct Runs {
   std::vector<std::uint64_t> from, to, length;
 
@@ -58,7 +60,7 @@ struct Runs {
     to.push_back(target);
     length.push_back(count);
   }
-  /// launch(runs): a kernel that copies them.
+  /// Uploads the runs and calls launch(runs), which launches a kernel that copies them.
   template <class Launch>
   void run(cudaStream_t stream, const Launch& launch) const {
     if (from.empty()) return;
@@ -69,7 +71,7 @@ struct Runs {
   }
 };
 
-/// A result's memory on a device, which outlives the call and its stream.
+/// The memory of a result on a device. It may outlive the call and the stream.
 class ResultMemory {
  public:
   ResultMemory(std::size_t bytes, cudaStream_t stream)
@@ -77,7 +79,7 @@ class ResultMemory {
   ~ResultMemory() {
     try {
       const DeviceScope scope(ordinal_);
-      (void)cudaDeviceSynchronize();  // readers may be at work on any stream
+      (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
       release(data_, nullptr);
     } catch (const Error&) {
       // The context is lost, and its memory with it.
@@ -92,7 +94,7 @@ class ResultMemory {
   void* data_;
 };
 
-/// Cuts a block into arrays, one after another.
+/// Divides a block of memory into arrays, one after another.
 class Cutter {
  public:
   explicit Cutter(std::byte* at) : at_(at) {}
@@ -107,7 +109,8 @@ class Cutter {
   std::byte* at_;
 };
 
-/// Lengths of the hulls' lists: what a device found, and for the others what `rest` has.
+/// The offsets and dimensions of all sets' hulls: of those that the device found, and of the others
+/// from `rest`.
 struct Lengths {
   std::vector<std::int64_t> vertex_at{0}, simplex_at{0};
   std::vector<std::int32_t> affine_dimensions;
@@ -158,7 +161,7 @@ struct SetsOnDevice::State {
   const std::uint64_t* offsets = nullptr;
   std::uint32_t count = 0;
   std::vector<std::uint16_t> counts;
-  DeviceArray<std::uint64_t> starts;  // from the first set's first point on
+  DeviceArray<std::uint64_t> starts;  // relative to the first set's first point
   DeviceArray<std::uint16_t> device_counts;
   DeviceArray<std::uint8_t> vertices, simplices;
 };
@@ -201,7 +204,8 @@ void SetsOnDevice::find_nothing(const std::uint64_t* offsets, std::uint32_t sets
 void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets) {
   find_nothing(offsets, sets);
   State& s = *state_;
-  // Sets of up to 32, 64, 96 and 128 points, by the memory that their warps take.
+  // One launch each for sets of up to 32, 64, 96 and 128 points, since the warps of a launch have
+  // the same amount of shared memory.
   constexpr unsigned step = 32;
   bool wanted[most_warp_points / step] = {};
   for (std::uint32_t i = 0; i < sets; ++i) {
@@ -245,7 +249,7 @@ FoundLists SetsOnDevice::fetch() const {
   check(pack_set_hulls(s.from(s.offsets[0]), s.sets(), {vertex_at.data(), simplex_at.data()},
                        ids.data(), simplices.data(), rows.data(), s.stream),
         "packing hulls");
-  const bool space = s.d() == 3;  // in the plane the order of the vertices says all
+  const bool space = s.d() == 3;  // in 2D the order of the vertices determines the edges
   const std::shared_ptr<std::byte> memory = landing(rows.size() + vertices + (space ? corners : 0));
   const Settled settled(s.stream);
   Cutter cutter(memory.get());
@@ -279,7 +283,7 @@ SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>& which) const 
   }
 }
 
-/// All runs are gathered by one kernel, then copied at once.
+/// Gathers the points of all these sets by one kernel, then copies them to the host at once.
 SetRows SetsOnDevice::State::rows_by_kernel(const std::vector<std::uint32_t>& which,
                                             SetRows&& rows) const {
   Runs runs;
@@ -302,7 +306,8 @@ SetRows SetsOnDevice::State::rows_by_kernel(const std::vector<std::uint32_t>& wh
   return std::move(rows);
 }
 
-/// Sets that follow one another by one copy, without memory of the device where points are packed.
+/// Copies each run of consecutive sets to the host by one copy. Packed points need no additional
+/// device memory.
 SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& which,
                                             SetRows&& rows) const {
   const auto memory = std::make_shared<Array<double>>(rows.points.count * d());
@@ -372,7 +377,7 @@ DeviceHullBatch SetsOnDevice::join(const HullBatch& rest) const {
   return all;
 }
 
-/// The lists of the sets of which nothing was found.
+/// Copies the lists of the open sets' hulls from `rest` to the result.
 void SetsOnDevice::State::copy_rest(const HullBatch& rest, const Lengths& lengths,
                                     std::int32_t* vertices_to, std::int32_t* simplices_to) const {
   std::vector<std::int32_t> ids, corners;

@@ -1,5 +1,5 @@
-// Many small sets on a device, for the host's code, without CUDA's headers: implemented by
-// set_hulls.cpp where CUDA is compiled, by not_compiled.cpp elsewhere.
+// The hulls of many small sets of points on a device: the interface for host code, without CUDA's
+// headers. Builds with CUDA implement it in set_hulls.cpp, others in not_compiled.cpp.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,17 @@
 
 namespace cullhull::internal::inline cuda {
 
-/// What a device found of some sets, in the host's memory, end to end.
+/// The hulls that a device has found, in the host's memory, one set after another. A set whose hull
+/// the device could not decide has empty lists.
 struct FoundLists {
-  std::vector<std::uint64_t> vertex_at, simplex_at;  ///< a number more than sets
-  const std::uint8_t* vertices = nullptr;            ///< ids within the set, ascending
-  const std::uint8_t* simplices = nullptr;           ///< in space: three ids each
-  const std::byte* rows = nullptr;                   ///< of the vertices, in the points' scalar
-  std::shared_ptr<const void> memory;
+  std::vector<std::uint64_t> vertex_at, simplex_at;  ///< offsets, one more than sets
+  const std::uint8_t* vertices = nullptr;            ///< numbers within the set, ascending
+  const std::uint8_t* simplices = nullptr;           ///< in 3D: three numbers each
+  const std::byte* rows = nullptr;                   ///< the vertices' rows, in the points' scalar
+  std::shared_ptr<const void> memory;                ///< owns what the pointers refer to
 };
 
-/// Rows of some sets in the host's memory: set k of them from row `starts[k]` on.
+/// The points of some sets in the host's memory. Set k has the rows [starts[k], starts[k + 1]).
 struct SetRows {
   PointView points;
   std::vector<std::uint64_t> starts;
@@ -36,32 +37,36 @@ struct SetRows {
   }
 };
 
-/// The sets of one call and the device that holds their points, which is current for the thread
-/// that made this until it is destroyed. Offsets are those of the points in the host's memory.
+/// Computes the hulls of the sets of one call on the device that holds their points. The
+/// constructor makes that device current for its thread, and the destructor restores the former
+/// one.
 class SetsOnDevice {
  public:
-  /// Throws Failure where there is no device, Error{invalid_argument} for memory it cannot read.
+  /// Throws Failure if there is no device, and Error{invalid_argument} for memory that the device
+  /// cannot read.
   SetsOnDevice(const DevicePointView& points, const Control& control);
   ~SetsOnDevice();
   SetsOnDevice(const SetsOnDevice&) = delete;
   SetsOnDevice& operator=(const SetsOnDevice&) = delete;
 
-  /// A copy of offsets, wherever they lie.
+  /// Copies offsets, from the memory of the host or of a device, to the host.
   std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* offsets, std::uint64_t count) const;
 
-  /// Hulls the sets [offsets[i], offsets[i + 1]), i < sets; what was found before is dropped.
-  /// `offsets` must stay. Throws OutOfMemory, Failure.
+  /// Finds the hulls of the sets [offsets[i], offsets[i + 1]), i < sets, and forgets those found
+  /// before. `offsets`, in the host's memory, must stay valid until the next call of find() or
+  /// find_nothing(). Throws OutOfMemory, Failure.
   void find(const std::uint64_t* offsets, std::uint32_t sets);
-  /// Nothing is found of these sets.
+  /// Takes these sets without computing hulls: all of them are open.
   void find_nothing(const std::uint64_t* offsets, std::uint32_t sets);
-  /// Numbers of the sets of which nothing was found, ascending.
+  /// The numbers of the open sets, ascending: those whose hulls the device has not found.
   std::vector<std::uint32_t> open_sets() const;
-  /// Throws OutOfMemory, Failure.
+  /// Copies the hulls found to the host. Throws OutOfMemory, Failure.
   FoundLists fetch() const;
-  /// The points of these sets. Packed points need no memory of the device where it is full.
+  /// Copies the points of these sets to the host. If the device's memory is exhausted, packed
+  /// points are copied without additional memory.
   SetRows fetch_rows(const std::vector<std::uint32_t>& which) const;
-  /// All sets' hulls on the device: what was found, and `rest`, the hulls of open_sets(). Throws
-  /// OutOfMemory, Failure.
+  /// Makes the result on the device from the hulls found and from `rest`, the hulls of open_sets().
+  /// Throws OutOfMemory, Failure.
   DeviceHullBatch join(const HullBatch& rest) const;
 
  private:

@@ -31,9 +31,9 @@ void check_mpi(int code) {
               "MPI: ", std::string(text, static_cast<std::size_t>(std::max(length, 0))));
 }
 
-/// Spins at first, then yields, then sleeps for growing times of at most 0.5 ms: a rank may wait
-/// for as long as another one computes a hull, and there may be more ranks than processors. The
-/// counts are guesses, not swept.
+/// The steps of a wait: first calls return at once, later ones yield, still later ones sleep for
+/// growing times of at most 0.5 ms. A rank may wait while another computes a hull, and there may be
+/// more ranks than processors. The counts are guesses, not tuned.
 class Pause {
  public:
   void take() {
@@ -48,7 +48,7 @@ class Pause {
   int turns_ = 0, micros_ = 10;
 };
 
-/// An exception in a form that can be sent.
+/// An exception as data that can be sent.
 struct Failure {
   ErrorCode code = ErrorCode::internal;
   std::string message;
@@ -68,7 +68,8 @@ Failure described(const std::exception_ptr& failure) {
   }
 }
 
-/// Whether the exception was thrown by a function of the caller's options, as no Error of ours.
+/// Whether the exception is neither an Error nor std::bad_alloc: then a function of the caller's
+/// options threw it.
 bool foreign(const std::exception_ptr& failure) {
   try {
     std::rethrow_exception(failure);
@@ -83,17 +84,18 @@ bool foreign(const std::exception_ptr& failure) {
 
 }  // namespace
 
-/// What stays with a communicator of the caller's from its first call on, until it is freed: a
-/// duplicate, so that messages of the caller are not met. Errors that all ranks share leave no
-/// message behind in it.
+/// The duplicate of a caller's communicator. It keeps our messages apart from the caller's. The
+/// first call attaches it to the caller's communicator, and it is freed with that. Exceptions that
+/// all ranks throw leave no unreceived message in it, so later calls can use it.
 struct Communicator::Kept {
   MPI_Comm comm = MPI_COMM_NULL;
   int machine_ranks = 1;
-  bool in_use = false;  ///< by a call whose `poll` makes another
+  bool in_use = false;  ///< by a call whose `poll` function makes another call
 };
 
 namespace {
 
+/// MPI calls this when the caller's communicator is freed: frees the duplicate.
 int forget(MPI_Comm, int, void* kept, void*) {
   std::unique_ptr<Communicator::Kept> k(static_cast<Communicator::Kept*>(kept));
   int finalized = 0;
@@ -102,7 +104,7 @@ int forget(MPI_Comm, int, void* kept, void*) {
   return MPI_Comm_free(&k->comm);
 }
 
-/// By which a communicator has it.
+/// The MPI attribute key under which a communicator holds its duplicate.
 int key_of_kept() {
   static const int key = [] {
     int made = MPI_KEYVAL_INVALID;
@@ -151,8 +153,8 @@ void Communicator::duplicate(MPI_Comm parent, Kept& kept) {
 
 int Communicator::machine_ranks() const { return kept_->machine_ranks; }
 
-// After the loss of a rank the others must not wait for one another here; MPI frees the
-// communicator without waiting.
+// The ranks must not wait for each other here, since one may have been lost. MPI_Comm_free does not
+// wait.
 Communicator::~Communicator() {
   kept_->in_use = false;
   if (own_ && own_->comm != MPI_COMM_NULL) MPI_Comm_free(&own_->comm);

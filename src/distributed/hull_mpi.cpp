@@ -1,5 +1,5 @@
-// The collective calls: agree on arguments, cull with the common map, merge, and compute the last
-// hull on one rank.
+// The collective calls: the ranks agree on the arguments, discard points with a common filter map,
+// gather the survivors, and one rank computes the final hull.
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -19,7 +19,8 @@ namespace {
 std::vector<Block> blocks_of(const PointView& local) { return {Block{local, 0}}; }
 std::vector<Block> blocks_of(std::span<const Block> local) { return {local.begin(), local.end()}; }
 
-/// Runs the call; on the root `finish` computes the result from the points of all ranks.
+/// Runs a collective call. On the root, finish(part, options) computes the result from the
+/// survivors of all ranks.
 template <class Result, class Finish>
 Result collective(MPI_Comm comm, std::vector<Block> blocks, bool numbered,
                   const JobOptions& options, const Finish& finish) {
@@ -92,6 +93,7 @@ HullState hull_state(MPI_Comm comm, std::span<const Block> local, const JobOptio
 
 namespace {
 
+/// The result of cull() for this rank's points, with ids relative to its first point.
 Survivors local_survivors(const Job& job, const Part& common) {
   Survivors found;
   found.reason = "no points on this rank";
@@ -132,7 +134,7 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
   Hull copy;
   std::vector<double> rows;
   if (job.is_root()) rows = vertex_coordinates;
-  // The root sends a copy of its own, as one variable is both sent and received.
+  // broadcast() needs a variable that it may overwrite, so the root copies the constant hull.
   job.on_root([&] { copy = hull; });
   broadcast(ranks, job.root(), copy);
   broadcast(ranks, job.root(), rows);
@@ -141,8 +143,8 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
     stream = std::make_unique<CertifyStream>(copy, std::move(rows), job.beside());
     for (const Block& b : job.blocks()) stream->push(b.points, b.first_id);
   });
-  // The findings of one rank after the other, as their lengths differ: a few words of a rank
-  // without a fault.
+  // The ranks send their findings to the root one after another, because their lengths differ. The
+  // findings of a rank without a fault are a few words long.
   Certificate result;
   for (int from = 0; from < ranks.size(); ++from) {
     if (from == job.root()) continue;

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
 
-/// The minimum and the maximum of a value over all ranks, as two elements of least(); none(): no
-/// rank had a value.
+/// The minimum and the maximum of a value over all ranks, encoded as two numbers that
+/// Communicator::least() combines. none(): no rank had a value; one(): all had the same.
 struct Range {
   std::uint64_t places[2];
   explicit Range(std::uint64_t value, bool has = true)
@@ -90,7 +90,7 @@ void Job::agree(std::vector<mpi::Block> blocks, bool numbered) {
 }
 
 void Job::agree_on_points() {
-  // Ranks without points count only where no rank has points, and only if they know a dimension.
+  // The dimension and scalar type of ranks without points matter only if no rank has points.
   std::uint32_t d = 0, d_of_none = 0;
   ScalarType scalar = ScalarType::f64, scalar_of_none = ScalarType::f64;
   std::uint64_t count = 0;
@@ -128,8 +128,8 @@ void Job::agree_on_points() {
 
 // ------------------------------------------------------------------------------- the common map
 
-/// About so many points of this rank, evenly spaced; those that are not finite are left out, and
-/// reported when all points are checked.
+/// About `size` points of this rank, evenly spaced. Points that are not finite are omitted here; a
+/// later check of all points reports them.
 NumberedPoints Job::sampled(std::uint64_t size) const {
   NumberedPoints all{dimension_, scalar_, {}, {}};
   if (local_ == 0) return all;
@@ -151,7 +151,8 @@ NumberedPoints Job::sampled(std::uint64_t size) const {
   return all;
 }
 
-/// This rank's share of the sample that one process would take for its map.
+/// The extreme points of this rank's share of the sample that a single process would take for its
+/// map. Empty if a map would not be worthwhile.
 Part Job::local_sample() {
   const std::uint64_t probe_size = probe_sample_size(local_, dimension_);
   Part part{sampled(probe_size), 0};
@@ -202,8 +203,8 @@ void Job::check_room(std::uint64_t bytes) const {
 }
 
 void Job::reduce(Part& part) const {
-  // With fewer parts the extreme points are not many fewer than the points: only the root reduces
-  // them. A guess.
+  // Joining fewer parts leaves few points that are not extreme, so only the root reduces them. The
+  // number is a guess, not tuned.
   constexpr std::uint64_t worth = 4;
   if (part.merged < worth || !part.few()) return;
   keep_extreme(part.points, beside_);
@@ -218,9 +219,9 @@ Part Job::local_part() const {
     check_room(2 * (part.points.size() + left.size()) * left.point_bytes());
     part.points.append(left);
   }
-  // Survivors of a filter are a few times as many as extreme points: not worth a hull on this rank,
-  // as the root computes one of all of them. Where they are more than 1/128 of the points (a
-  // guess), or none could be dropped, they are reduced before they are sent.
+  // A filter leaves a few times as many points as are extreme. It is not worthwhile to find the
+  // extreme ones on this rank, since the root computes the hull of all survivors. But if more than
+  // 1/128 of the points survive (a guess, not tuned), they are reduced before they are sent.
   constexpr std::uint64_t most_share = 128;
   if (part.points.size() > local_ / most_share) keep_extreme(part.points, beside_);
   return part;

@@ -1,5 +1,5 @@
-// One collective call: the agreement of the ranks, the common map and its filter, this rank's part,
-// and the report.
+// One collective call: the ranks agree on the arguments, share a filter map, filter their points,
+// gather the survivors, and fill in the report.
 #pragma once
 
 #include <cstdint>
@@ -13,40 +13,47 @@
 
 namespace cullhull::internal::inline distributed {
 
+/// The state of one collective call on one rank.
 class Job {
  public:
-  /// Collective, as all functions below. Views the options.
+  /// Refers to the options, which must outlive it. The constructor and the functions that
+  /// communicate (agree, share_samples, gather_parts, on_root, finish) are collective.
   Job(MPI_Comm comm, const mpi::JobOptions& options);
 
-  /// Agrees on dimension, scalar type, root and ids. `blocks` are this rank's; `numbered`: they
-  /// name their ids, else ids continue from those of the ranks below.
+  /// Checks the arguments of all ranks and agrees on dimension, scalar type, root and ids.
+  /// `blocks`: this rank's points. `numbered`: each block has ids of its own; otherwise a rank's
+  /// ids continue those of the ranks below. Throws on all ranks if an argument is invalid on any.
   void agree(std::vector<mpi::Block> blocks, bool numbered);
 
   std::uint32_t dimension() const { return dimension_; }
   std::uint64_t point_count() const { return total_; }
   const std::vector<mpi::Block>& blocks() const { return blocks_; }
-  /// The rank that computes the last hull.
+  /// The rank that computes the final hull.
   int root() const { return options_.root == mpi::every_rank ? 0 : options_.root; }
   bool is_root() const { return ranks_.rank() == root(); }
+  /// Whether every rank receives the result.
   bool everywhere() const { return options_.root == mpi::every_rank; }
   Communicator& ranks() { return ranks_; }
-  /// Options for work that all ranks of a machine do at once, and for work that the others wait
-  /// for.
+  /// Options for work that all ranks of a machine do at the same time: their threads and memory
+  /// budget are this rank's share of the machine, unless the caller has set them.
   const Options& beside() const { return beside_; }
+  /// Options for work that one rank does while the others wait.
   const Options& alone() const { return alone_; }
 
-  /// Exchanges samples and returns their extreme points; none where no map would pay.
+  /// Takes a sample of all ranks' points and returns its extreme points, the same on every rank,
+  /// for the filter map. Empty if a map would not be worthwhile.
   const Part& share_samples();
-  /// Gathers on the root the points that all ranks contribute, sorted by id, not reduced.
+  /// Filters this rank's points and gathers the survivors of all ranks on the root, sorted by id.
+  /// The root's part may contain points that are not extreme; it is empty on other ranks.
   Part gather_parts();
-  /// Runs `work` on the root alone; where it throws, all ranks throw.
+  /// Runs `work` on the root alone. If it throws, all ranks throw.
   template <class Work>
   void on_root(const Work& work) {
     ranks_.together([&] {
       if (is_root()) work();
     });
   }
-  /// Fills in the report.
+  /// Adds up the ranks' statistics and fills in the caller's report.
   void finish();
 
  private:
@@ -74,8 +81,9 @@ class Job {
 
 // The filter of one rank.
 
-/// The points of a block that are not provably strictly inside the hull of `common` (points of all
-/// ranks) or of the block itself. Error{not_finite} names the first bad point by its id.
+/// Discards the points of a block that are provably strictly inside the hull of `common` (points of
+/// all ranks) or, if that discards nothing, of the block's own points, and returns the others.
+/// Throws Error{not_finite}, which names the first point that is not finite by its id.
 NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& block,
                             const Options& options);
 

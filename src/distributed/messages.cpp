@@ -7,18 +7,20 @@
 namespace cullhull::internal::inline distributed {
 namespace {
 
-/// Sends on the root and receives elsewhere, so that the two always match.
+/// Broadcasts fields of a result: the same calls send on the root and receive on the other ranks,
+/// so that both sides always match.
 class Courier {
  public:
   Courier(Communicator& ranks, int root) : ranks_(ranks), root_(root) {}
   bool sends() const { return ranks_.rank() == root_; }
 
+  /// One number.
   template <class T>
   void value(T& v) {
     static_assert(std::is_trivially_copyable_v<T>);
     ranks_.broadcast(&v, sizeof v, root_);
   }
-  /// Vectors, arrays and strings.
+  /// A vector, array or string.
   template <class Items>
   void items(Items& list) {
     std::uint64_t count = list.size();
@@ -32,7 +34,7 @@ class Courier {
       std::uint64_t count = list.size();
       value(count);
       ranks_.together([] {});
-      // The root only reads.
+      // broadcast() only reads the data on the root.
       ranks_.broadcast(const_cast<T*>(list.data()), count * sizeof(T), root_);
       return;
     }
@@ -54,7 +56,7 @@ class Courier {
     }
     items(list.edit());
   }
-  /// One of a few constant names that every rank knows.
+  /// A pointer to one of the constant names below. An unknown name leaves the receiver's unchanged.
   void name(const char*& text) {
     std::string copy = text;
     items(copy);

@@ -5,7 +5,7 @@
 namespace cullhull::internal::inline distributed {
 namespace {
 
-/// The header of a part: nothing follows where its rank has failed.
+/// The header of a message. Nothing follows it if the sender has failed or has no points.
 struct Notice {
   std::uint64_t failed = 0, count = 0, seen = 0, merged = 0;
 };
@@ -15,6 +15,7 @@ void resize(NumberedPoints& points, std::uint64_t count) {
   points.rows.resize(count * points.row_bytes());
 }
 
+/// Sends a part: the header, then, if the receiver answers that it has room, the points.
 void send_part(Communicator& ranks, const Part& part, bool failed, int to) {
   const Notice notice{failed, failed ? 0 : part.points.size(), part.seen, part.merged};
   ranks.send(&notice, sizeof notice, to);
@@ -26,16 +27,17 @@ void send_part(Communicator& ranks, const Part& part, bool failed, int to) {
   ranks.send(part.points.rows.data(), part.points.rows.size(), to);
 }
 
-/// Adds the part of another rank; where this rank has failed or fails here, it tells the other.
+/// Receives the part of another rank and appends it to `part`. If this rank has failed or fails
+/// here, it answers that it has no room, and stores the exception in `failure`.
 void receive_part(Communicator& ranks, Part& part, const Room& room, std::exception_ptr& failure,
                   int from) {
   Notice notice;
   ranks.receive(&notice, sizeof notice, from);
-  if (notice.failed != 0) return;  // reported when all ranks agree
+  if (notice.failed != 0) return;  // the sender reports its failure in agree()
   Part other{{part.points.dimension, part.points.scalar, {}, {}}, notice.seen, notice.merged};
   if (notice.count > 0) {
     if (!failure) try {
-        // Both parts, and once more both joined.
+        // Memory for both parts and for both joined.
         room(2 * (part.points.size() + notice.count) * part.points.point_bytes());
         resize(other.points, notice.count);
       } catch (...) {

@@ -1,4 +1,5 @@
-// The points that ranks contribute to the hull of all, and their gathering up a binomial tree.
+// The points that the ranks contribute to the common hull, and how they are gathered along a
+// binomial tree.
 #pragma once
 
 #include <cstdint>
@@ -10,32 +11,35 @@
 
 namespace cullhull::internal::inline distributed {
 
-/// Points that may be extreme, of `seen` points. Dimension and scalar type are those of all ranks.
+/// The points that may be extreme among `seen` points. All ranks' parts have the same dimension and
+/// scalar type.
 struct Part {
   NumberedPoints points;
   std::uint64_t seen = 0;
-  std::uint64_t merged = 1;  ///< number of parts joined since extreme points were found
+  std::uint64_t merged = 1;  ///< parts joined since the points were last reduced to extreme ones
 
   void append(const Part& other) {
     points.append(other.points);
     seen += other.seen;
     merged += other.merged;
   }
-  /// Whether it has so few of its points that reducing them to the extreme ones pays.
+  /// Whether the part has fewer than half of the points seen. Only then is it worthwhile to reduce
+  /// the points to the extreme ones.
   bool few() const { return points.size() < seen / 2; }
 };
 
-/// May throw before so many bytes are allocated.
+/// Called before that many bytes are allocated; throws if they exceed the budget.
 using Room = std::function<void(std::uint64_t bytes)>;
 
-/// Collects on `root` the parts of all ranks, end to end; the others keep nothing. Messages between
-/// two ranks: the header, whether there is room, then ids and coordinates. `reduce` is called on
-/// each rank that has received parts and sends on, `room` before memory is allocated; where one of
-/// them fails on any rank, all throw. `failure`: of this rank's part, if it has none.
+/// Joins the parts of all ranks on `root`; the parts of the other ranks become empty. Each message
+/// consists of a header, the receiver's answer whether it has room, and the ids and coordinates.
+/// `reduce` is called on each rank that has received parts and sends its own on; `room` is called
+/// before memory is allocated. If one of them throws on any rank, all ranks throw. `failure`: the
+/// exception that prevented this rank from making its part, if any.
 void gather(Communicator& ranks, int root, Part& part, const std::function<void(Part&)>& reduce,
             const Room& room, std::exception_ptr failure);
 
-/// Overwrites the part of every rank by that of `root`.
+/// Replaces the part of every rank by a copy of that of `root`.
 void broadcast(Communicator& ranks, int root, Part& part, const Room& room);
 
 }  // namespace cullhull::internal::inline distributed

@@ -11,8 +11,9 @@
 namespace cullhull::internal::inline distributed {
 namespace {
 
-/// Filters as convex_hull does; where the common map keeps most points, they lie elsewhere than
-/// most, and a map of their own is used.
+/// Filters the points with a map made from `common`. If that map discards nothing, or there is
+/// none, filters them as convex_hull does, with a map of their own: this rank's points may lie
+/// outside the region of the common map.
 Survivors filtered(const NumberedPoints& common, const PointView& points, const Run& run) {
   const CallScope call;
   if (common.size() > 0) {
@@ -26,6 +27,7 @@ Survivors filtered(const NumberedPoints& common, const PointView& points, const 
   return run_filter(points, run).survivors;
 }
 
+/// Copies the surviving points of a block.
 NumberedPoints rows_of(const mpi::Block& block, const Survivors& left) {
   NumberedPoints kept{block.points.dimension, block.points.scalar, {}, {}};
   if (left.all) {
@@ -46,7 +48,7 @@ NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& bloc
   try {
     left = filtered(common, block.points, run);
   } catch (const Error& e) {
-    if (e.code() != ErrorCode::not_finite) throw;  // the error below names it by its id
+    if (e.code() != ErrorCode::not_finite) throw;  // refused below with its id
   }
   NumberedPoints kept = rows_of(block, left);
   refuse_not_finite(kept, run.threads);

@@ -18,19 +18,19 @@ namespace {
 
 using internal::RandomStream;
 
-/// A smooth hill or dent of the bumpy surface, around a direction.
+/// A smooth hill or dent of the bumpy surface, around the direction `centre`.
 struct Bump {
   std::vector<double> centre;
   double height, width;
 };
 
-/// The state that the points of one call share.
+/// Data that all points of one generator share.
 struct Job {
   std::uint32_t dimension;
   std::uint64_t count;
   std::uint64_t seed;
   std::uint64_t grid_size = 128;
-  std::uint64_t step = 1, shift = 0;  // cyclic: point i is number step * i + shift mod count
+  std::uint64_t step = 1, shift = 0;  // cyclic: point i has number (step i + shift) mod count
   std::vector<Bump> bumps = {};
 };
 
@@ -42,6 +42,7 @@ double squared_norm(std::uint32_t d, const double* row) {
   return sum;
 }
 
+/// A uniformly distributed unit vector of d coordinates.
 void random_direction(std::uint32_t d, RandomStream& random, double* row) {
   double norm = 0;
   do {
@@ -51,9 +52,10 @@ void random_direction(std::uint32_t d, RandomStream& random, double* row) {
   for (std::uint32_t j = 0; j < d; ++j) row[j] /= norm;
 }
 
-// Uniform in the p-ball without rejection or roots: d variables of density exp(-|x|^p), divided by
-// (their sum of powers + an exponential variable)^(1/p) (Barthe, Guedon, Mendelson, Naor, "A
-// probabilistic approach to the geometry of the l_p^n-ball", 2005). Here p = 2, then p = 1.
+// A uniform point of the p-ball without rejection: d variables x of density proportional to
+// exp(-|x|^p), divided by (the sum of all |x|^p plus an exponential variable)^(1/p). Source:
+// Barthe, Guedon, Mendelson, Naor, "A probabilistic approach to the geometry of the l_p^n-ball",
+// 2005. p is 2 in ball_point and 1 in octahedron_point.
 void ball_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.normal();
   const double length = std::sqrt(squared_norm(job.dimension, row) + 2 * random.exponential());
@@ -111,8 +113,8 @@ void cylinder_point(const Job& job, RandomStream& random, std::uint64_t, double*
   row[job.dimension - 1] = random.symmetric();
 }
 
-// The mantle's area grows as t^(d-2) with the distance t from the apex: the density of the largest
-// of d - 1 uniform numbers.
+// The lateral area at distance t from the apex is proportional to t^(d-2), which is the density of
+// the largest of d - 1 uniform numbers.
 void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
   const std::uint32_t base = job.dimension - 1;
   random_direction(base, random, row);
@@ -122,8 +124,8 @@ void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row
   row[base] = 1 - t;
 }
 
-// Parameters are odd or even multiples of a power of two, so that t^k is exact as long as it has
-// 53 bits: k * log2(2 * count) <= 53.
+// The parameters t are multiples of a power of two, so that t^k is exact as long as it has at most
+// 53 bits: k log2(2 count) <= 53.
 void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* row) {
   const std::uint64_t number = internal::multiply_add_modulo(job.step, index, job.shift, job.count);
   double scale = 1;
@@ -133,8 +135,9 @@ void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* ro
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = power *= t;
 }
 
-// A star-shaped surface: every bump multiplies the radius by 1 + height q^3, q falling from 1 at
-// its centre to 0 at its rim, which keeps the radius positive and the surface twice differentiable.
+// A star-shaped surface. Every bump multiplies the radius by 1 + height q^3, where q decreases from
+// 1 at the bump's centre to 0 at its rim. This keeps the radius positive and the surface twice
+// differentiable.
 void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
   random_direction(job.dimension, random, row);
   double radius = 1;
@@ -144,8 +147,8 @@ void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* ro
     const double q = 1 - (1 - s) / bump.width;
     if (q > 0) radius *= 1 + bump.height * q * q * q;
   }
-  // Fine relief, like scales or a fleece: without it a seventh of the points would be extreme,
-  // which no scanned body shows.
+  // Fine relief, like scales or a fleece. Without it a seventh of the points would be extreme, more
+  // than in any scan of a real body.
   double relief = 1;
   for (std::uint32_t j = 0; j < std::min(job.dimension, 3U); ++j)
     relief *= internal::rotation_by(10 * row[j] + 0.1 * j).sine;
@@ -164,7 +167,8 @@ void prepare_bumps(Job& job) {
   }
 }
 
-// The seed decides the order of a cyclic polytope's points, by a step coprime to their number.
+// Derives the order of a cyclic polytope's points from the seed: a step coprime to their number,
+// and a shift.
 void prepare_order(Job& job) {
   if (job.count < 2) return;
   RandomStream random(job.seed, ~std::uint64_t{0});
@@ -251,8 +255,8 @@ void check(const std::stop_token& stop) {
   if (stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
 }
 
-/// Resizes to zeros, in steps, as the system clears pages at some gigabytes a second: long enough
-/// for a request to stop.
+/// Resizes to `size` zeros in steps and checks for a request to stop between them: the system
+/// clears pages at only some gigabytes a second, so a large array takes a noticeable time.
 void resize_in_steps(std::vector<double>& values, std::size_t size, const std::stop_token& stop) {
   constexpr std::size_t step = std::size_t{1} << 22;
   values.reserve(size);
@@ -301,7 +305,8 @@ PointGenerator::PointGenerator(PointGenerator&&) noexcept = default;
 PointGenerator& PointGenerator::operator=(PointGenerator&&) noexcept = default;
 PointGenerator::~PointGenerator() = default;
 
-// The length of a run is part of the contract: with another one other points would be drawn.
+// Each run of points has a random stream of its own, so the length of a run is part of the
+// contract: another length would give other points.
 void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
                           const std::stop_token& stop) const {
   const Job& job = impl_->job;

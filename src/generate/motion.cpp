@@ -1,4 +1,4 @@
-// Moving point sets: a shape at rest and a map for every time.
+// Moving point sets: a motion maps the points of a shape at rest to their positions at any time.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -26,10 +26,10 @@ void rotate(const Rotation& rotation, double& x, double& y) {
   x = turned;
 }
 
-/// A part of a breaking body.
+/// A piece of the breaking body of the motion `fracture`: the points nearest to its seed.
 struct Piece {
   std::vector<double> seed, velocity;
-  double turns = 0;  ///< about its seed, in the plane of the first two axes, until the end
+  double turns = 0;  ///< turns about the seed in the first two axes, in total
 };
 
 }  // namespace
@@ -39,7 +39,7 @@ struct MovingPoints::Impl {
   struct Entry {
     Shape motion;
     std::uint32_t min_dimension;
-    Move move;  ///< x: the point at rest, to be moved; nullptr: points are permuted
+    Move move;  ///< moves x from its position at rest; null: teleport
     void (Impl::*prepare)() = nullptr;
   };
   static const std::vector<Entry>& entries();
@@ -47,14 +47,15 @@ struct MovingPoints::Impl {
   std::uint64_t count = 0, frames = 0, seed = 0;
   std::uint32_t dimension = 0;
   std::vector<double> rest;
-  std::vector<double> centre;  ///< of the bounding box
-  double extent = 1;           ///< its longest edge
+  std::vector<double> centre;  ///< centre of the bounding box
+  double extent = 1;           ///< longest edge of the bounding box
   const Entry* entry = nullptr;
   std::vector<Piece> pieces;
   std::vector<std::uint8_t> piece_of;
 
   const double* at_rest(std::uint64_t point) const { return rest.data() + point * dimension; }
 
+  /// Computes the centre and the extent of the points at rest.
   void measure() {
     centre.assign(dimension, 0);
     extent = 0;
@@ -70,8 +71,8 @@ struct MovingPoints::Impl {
     if (extent == 0) extent = 1;
   }
 
-  // The angle grows along the last axis (in the plane: with the distance from the centre), to three
-  // quarters of a turn between the ends.
+  // Turns each point by an angle that is proportional to time and to the point's coordinate on the
+  // last axis (in 2D: its distance from the centre), at most 3/4 of a turn between the two ends.
   void twist(double time, std::uint64_t, double* x) const {
     double along = x[dimension - 1] - centre[dimension - 1];
     if (dimension == 2) {
@@ -81,6 +82,7 @@ struct MovingPoints::Impl {
     spin_plane(rotation_by(0.75 * time * along / extent), 0, x);
   }
 
+  /// Rotates x about the centre in the plane of two neighbouring axes.
   void spin_plane(const Rotation& rotation, std::uint32_t axis, double* x) const {
     double u = x[axis] - centre[axis], v = x[axis + 1] - centre[axis + 1];
     rotate(rotation, u, v);
@@ -105,6 +107,7 @@ struct MovingPoints::Impl {
     for (std::uint32_t j = 0; j < dimension; ++j) x[j] += (x[j] - centre[j]) * speed * time;
   }
 
+  /// Draws 24 pieces of the motion `fracture` and assigns each point to the nearest seed.
   void prepare_pieces() {
     constexpr std::size_t number = 24;
     RandomStream random(seed, ~std::uint64_t{1});
@@ -134,7 +137,7 @@ struct MovingPoints::Impl {
     }
   }
 
-  // Pieces fly apart, turn, and fall along the last axis.
+  // The pieces fly apart, turn, and fall along the last axis.
   void fracture(double time, std::uint64_t point, double* x) const {
     const Piece& piece = pieces[piece_of[point]];
     if (dimension >= 2) {
@@ -147,7 +150,8 @@ struct MovingPoints::Impl {
     x[dimension - 1] -= 0.5 * extent * time * time;
   }
 
-  /// Every point takes another one's position, so that no point is near its last position.
+  /// Permutes the points at random in every frame, so that hardly any point is near its position in
+  /// the frame before.
   void teleport(std::uint64_t index, double* out) const {
     if (count == 0) return;
     RandomStream random(mix64(seed), index);

@@ -9,8 +9,9 @@ struct Rotation {
   double cosine, sine;
 };
 
-/// Cosine and sine of `turns` full turns, with the same bits on every machine: reduced to an eighth
-/// of a turn, then Taylor's series; the first terms left out are below 2^-53.
+/// Cosine and sine of the angle of `turns` full turns, with the same bits on every machine. The
+/// angle is reduced to at most an eighth of a turn and inserted into Taylor's series, of which the
+/// first omitted terms are below 2^-53.
 inline Rotation rotation_by(double turns) {
   const double rest = turns - std::floor(turns + 0.5);
   const double quarter = std::floor(4 * rest + 0.5);

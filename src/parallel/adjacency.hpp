@@ -16,7 +16,7 @@ namespace cullhull::internal::inline parallel {
 template <class Item, class Offset = std::uint64_t>
 class Adjacency {
  public:
-  /// No lists.
+  /// An Adjacency without keys.
   Adjacency() = default;
 
   /// Builds lists for the keys below `keys` by counting, in time and memory O(keys + items).
@@ -28,7 +28,8 @@ class Adjacency {
     each_item([&](std::uint64_t key, const Item&) { ++starts_[key + 2]; });
     for (std::size_t i = 2; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     items_.resize(starts_.back());
-    // starts_[k + 1] is the beginning of list k here, and its end when all items are stored.
+    // Until now starts_[k + 1] is the beginning of list k. Storing advances it to the end of
+    // list k, which is the beginning of list k + 1: the final layout.
     each_item([&](std::uint64_t key, const Item& item) { items_[starts_[key + 1]++] = item; });
     starts_.pop_back();
   }
@@ -47,7 +48,7 @@ class Adjacency {
   const Array<Item>& items() const { return items_; }
   Array<Item> take_items() && { return std::move(items_); }
 
-  /// Sorts each list and removes repeated items. Calls check() every few thousand lists.
+  /// Sorts each list and removes repeated items. Calls check() every 4096 lists.
   template <class Check>
   void sort_and_unique(const Check& check) {
     Offset kept = 0;
@@ -69,7 +70,8 @@ class Adjacency {
   Array<Item> items_;
 };
 
-/// The rows that contain each id below `id_count`, ascending. `table`: rows of `width` ids.
+/// For each id below `id_count` the ascending indices of the rows that contain it. `table` holds
+/// rows of `width` ids, one after another.
 template <class Table>
 Adjacency<std::uint32_t> rows_by_id(const Table& table, std::size_t width, std::uint64_t id_count) {
   return {id_count, [&](const auto& add) {

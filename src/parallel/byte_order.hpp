@@ -1,4 +1,4 @@
-// Numbers as files hold them: little-endian, whatever this machine's own order is.
+// Conversion of numbers between this machine's byte order and the little-endian order of files.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace cullhull::internal::inline parallel {
 inline constexpr bool little_endian_machine = std::endian::native == std::endian::little;
 static_assert(little_endian_machine || std::endian::native == std::endian::big);
 
-/// v with its bytes in the other order.
+/// v with the order of its bytes reversed.
 template <class T>
 T reverse_bytes(T v) {
   static_assert(std::is_arithmetic_v<T>);
@@ -29,7 +29,7 @@ T little_endian(T v) {
   return reverse_bytes(v);
 }
 
-/// The number whose little-endian bytes begin at `from`, at any address.
+/// Reads the number whose little-endian bytes begin at `from`, which need not be aligned.
 template <class T>
 T load_little_endian(const void* from) {
   T v;
@@ -37,7 +37,8 @@ T load_little_endian(const void* from) {
   return little_endian(v);
 }
 
-/// Converts `bytes` bytes, items of `size` bytes each, to little-endian ones or back, in place.
+/// Converts an array between native and little-endian order, in place and in either direction. The
+/// array takes `bytes` bytes; each item takes `size` bytes.
 inline void little_endian_items(void* items, std::size_t bytes, std::size_t size) {
   if constexpr (little_endian_machine) return;
   auto* const p = static_cast<std::byte*>(items);

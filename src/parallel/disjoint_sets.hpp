@@ -1,4 +1,4 @@
-// Union and find.
+// Disjoint sets (union-find) that several threads update at once, without locks.
 #pragma once
 
 #include <atomic>
@@ -10,25 +10,28 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// Sets of the numbers below n, joined by any number of threads. A set's root is its lowest member,
-/// whatever the order of work.
+/// A partition of the numbers below n into sets. Any number of threads may call root() and join()
+/// at the same time. A set's root is its lowest member, so it does not depend on the order of the
+/// calls.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) {}
-  /// Each number alone, for those of [begin, end).
+  /// Makes each number of [begin, end) a set of its own. Call it for every number before use.
   void clear(std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
-  /// The lowest member of i's set; while others join, some member of it that is at most i.
+  /// Returns the lowest member of i's set. While other threads join sets, it may instead return
+  /// another member that is at most i.
   std::uint32_t root(std::uint32_t i) {
     for (;;) {
       const std::uint32_t up = at(i).load(std::memory_order_relaxed);
       if (up == i) return i;
       const std::uint32_t over = at(up).load(std::memory_order_relaxed);
-      at(i).store(over, std::memory_order_relaxed);  // path halving: `i` is no root any more
+      at(i).store(over, std::memory_order_relaxed);  // path halving
       i = over;
     }
   }
+  /// Merges the sets of a and b: the higher root becomes a child of the lower one.
   void join(std::uint32_t a, std::uint32_t b) {
     for (;;) {
       a = root(a);

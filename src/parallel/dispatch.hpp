@@ -1,4 +1,4 @@
-// From a value known at run time to code compiled for it: scalar types and dimensions.
+// Selects code compiled for a scalar type or a dimension from a value known only at run time.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// body(T()) for the C++ type T that `type` names.
+/// Returns body(T()), T being the C++ type that `type` names.
 template <class Body>
 decltype(auto) with_scalar(ScalarType type, const Body& body) {
   switch (type) {
@@ -33,8 +33,9 @@ decltype(auto) with_scalar(ScalarType type, const Body& body) {
   return body(std::uint32_t());
 }
 
-/// body(std::integral_constant<unsigned, D>()) for D = d where low <= d <= high, else for D =
-/// `otherwise`: 0, say, for code that learns the dimension at run time.
+/// Returns body(std::integral_constant<unsigned, D>()), D being d if low <= d <= high and
+/// `otherwise` if not. `otherwise` is usually 0 and selects code that reads the dimension at run
+/// time.
 template <unsigned low, unsigned high, unsigned otherwise, class Body>
 decltype(auto) with_dimension(unsigned d, const Body& body) {
   if constexpr (low > high) {

@@ -1,4 +1,5 @@
-// Marks functions that run on both sides: inline text for the host compiler, device code for nvcc.
+// Marks functions that run on the host and on a CUDA device: ordinary inline functions for the host
+// compiler, host and device functions for nvcc.
 #pragma once
 
 #ifdef __CUDACC__
@@ -6,5 +7,5 @@
 #define CULLHULL_HD_INLINE CULLHULL_HD
 #else
 #define CULLHULL_HD
-#define CULLHULL_HD_INLINE inline  // for functions at namespace scope that are no templates
+#define CULLHULL_HD_INLINE inline  // for non-template functions at namespace scope
 #endif

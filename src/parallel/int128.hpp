@@ -1,5 +1,6 @@
-// Integers of 128 bits: the compiler's own where it has them, else two words of 64 bits. Both give
-// the same numbers; PortableInt128 is compiled on every machine, so that it is tested on every one.
+// Int128, a signed integer of 128 bits: the compiler's type if it has one, else PortableInt128, two
+// words of 64 bits. Both give the same results. PortableInt128 is compiled on every machine so that
+// every machine can test it.
 #pragma once
 
 #include <bit>
@@ -8,7 +9,7 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// The product of two words, its high word in `high`.
+/// Returns the low word of the 128-bit product a b and stores the high word in `high`.
 constexpr std::uint64_t multiply_words(std::uint64_t a, std::uint64_t b, std::uint64_t& high) {
   const std::uint64_t al = a & 0xFFFFFFFF, ah = a >> 32, bl = b & 0xFFFFFFFF, bh = b >> 32;
   const std::uint64_t low = al * bl, m1 = ah * bl + (low >> 32), m2 = al * bh + (m1 & 0xFFFFFFFF);
@@ -16,11 +17,11 @@ constexpr std::uint64_t multiply_words(std::uint64_t a, std::uint64_t b, std::ui
   return m2 << 32 | (low & 0xFFFFFFFF);
 }
 
-/// In two's complement; what does not fit wraps.
+/// A signed integer of 128 bits in two's complement. Results that overflow wrap around.
 class PortableInt128 {
  public:
   constexpr PortableInt128() = default;
-  constexpr PortableInt128(std::int64_t v)  // implicit, as integers widen
+  constexpr PortableInt128(std::int64_t v)  // implicit, as between built-in integers
       : low_(static_cast<std::uint64_t>(v)), high_(v < 0 ? ~std::uint64_t{0} : 0) {}
 
   constexpr PortableInt128 operator-() const {
@@ -52,8 +53,9 @@ class PortableInt128 {
  private:
   constexpr PortableInt128(std::uint64_t low, std::uint64_t high) : low_(low), high_(high) {}
 
-  /// |v| as a double. The 64 leading bits, the last of them set if any lower bit is (a sticky bit),
-  /// round as all 128 would: a double has 53.
+  /// The value, read as unsigned, rounded to a double. A double has 53 bits, so rounding the 64
+  /// leading bits gives the same as rounding all 128, provided that the last of the 64 is set if
+  /// any lower bit is (a sticky bit).
   double magnitude() const {
     if (high_ == 0) return static_cast<double>(low_);
     const int zeros = std::countl_zero(high_);
@@ -67,7 +69,7 @@ class PortableInt128 {
   std::uint64_t low_ = 0, high_ = 0;
 };
 
-/// (a b + c) mod n, n > 0, in two words: long division, a bit a step.
+/// (a b + c) mod n for n > 0, without 128-bit integers: long division, one bit a step.
 constexpr std::uint64_t portable_multiply_add_modulo(std::uint64_t a, std::uint64_t b,
                                                      std::uint64_t c, std::uint64_t n) {
   std::uint64_t high = 0, low = multiply_words(a, b, high);
@@ -85,7 +87,7 @@ constexpr std::uint64_t portable_multiply_add_modulo(std::uint64_t a, std::uint6
 #if defined(__SIZEOF_INT128__)
 __extension__ typedef __int128 Int128;
 __extension__ typedef unsigned __int128 Uint128;
-/// (a b + c) mod n, n > 0.
+/// (a b + c) mod n for n > 0.
 constexpr std::uint64_t multiply_add_modulo(std::uint64_t a, std::uint64_t b, std::uint64_t c,
                                             std::uint64_t n) {
   return static_cast<std::uint64_t>((Uint128{a} * b + c) % n);

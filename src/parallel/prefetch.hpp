@@ -1,4 +1,5 @@
-// Hints to fetch a cache line that will be needed soon; nothing where the compiler knows none.
+// Prefetches a cache line that will be needed soon. The functions do nothing on compilers without
+// such an instruction.
 #pragma once
 
 #if defined(_MSC_VER) && !defined(__clang__) && defined(_M_X64)
@@ -9,7 +10,7 @@ namespace cullhull::internal::inline parallel {
 
 #if defined(__GNUC__)
 inline void prefetch_line(const void* p) { __builtin_prefetch(p); }
-/// For data that are used once: kept out of the first cache.
+/// For data that are used once: fetches the line without filling the first-level cache.
 inline void prefetch_passing_line(const void* p) { __builtin_prefetch(p, 0, 2); }
 inline void prefetch_line_to_write(const void* p) { __builtin_prefetch(p, 1); }
 #elif defined(_MSC_VER) && defined(_M_X64)

@@ -1,5 +1,6 @@
-// Random numbers whose bits do not depend on the machine: only + - * / and sqrt, which IEEE 754
-// rounds the same everywhere (with contraction off), and no std:: distribution or libm function.
+// Pseudo-random numbers that are the same, bit for bit, on every machine. They are computed with
+// + - * / and sqrt alone, which IEEE 754 rounds the same everywhere (with contraction off), and
+// without std:: distributions or transcendental functions of libm, which differ between systems.
 #pragma once
 
 #include <cmath>
@@ -7,7 +8,7 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// A bijection on 64 bits whose output bits pass for random: SplitMix64's finaliser (Steele, Lea,
+/// A bijective hash of 64 bits whose output bits look random: SplitMix64's finaliser (Steele, Lea,
 /// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
 constexpr std::uint64_t mix64(std::uint64_t z) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -15,9 +16,9 @@ constexpr std::uint64_t mix64(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// Natural logarithm of a positive normal number to a few ulps: x = m 2^e with m near 1, and
-/// log m = 2 atanh((m - 1) / (m + 1)) by its series. |s| <= 0.172, so the first term left out is
-/// below 2e-19 of the sum.
+/// The natural logarithm of a positive normal number, with an error of a few ulps. x = m 2^e with m
+/// near 1, and log m = 2 atanh(s) for s = (m - 1) / (m + 1), as a series. |s| <= 0.172, so the
+/// first omitted term is below 2e-19 of the sum.
 inline double portable_log(double x) {
   int exponent = 0;
   double m = std::frexp(x, &exponent);
@@ -32,25 +33,27 @@ inline double portable_log(double x) {
   return 2 * s * sum + exponent * 0.69314718055994531;
 }
 
-/// An independent stream for every (seed, index): work cut into chunks draws the same numbers
-/// whichever thread runs a chunk.
+/// A stream of random numbers; every pair (seed, index) has its own. A loop that gives each chunk
+/// the stream of its index draws the same numbers whichever thread runs the chunk.
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t index)
       : state_(mix64(mix64(seed + golden) ^ (index * 0xd1342543de82ef95ULL + golden))) {}
 
+  /// 64 random bits.
   std::uint64_t bits() { return mix64(state_ += golden); }
-  /// [0, 1), a multiple of 2^-53.
+  /// Uniform in [0, 1), a multiple of 2^-53.
   double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-  /// [-1, 1), a multiple of 2^-52.
+  /// Uniform in [-1, 1), a multiple of 2^-52.
   double symmetric() { return unit() * 2 - 1; }
-  /// [0, n) for 1 <= n <= 2^32, biased by less than n 2^-32.
+  /// An integer in [0, n) for 1 <= n <= 2^32; the bias is less than n 2^-32.
   std::uint64_t below(std::uint64_t n) { return ((bits() >> 32) * n) >> 32; }
-  /// Mean 1, never 0.
+  /// Exponentially distributed with mean 1; never 0.
   double exponential() {
     return -portable_log((static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53);
   }
-  /// Mean 0, variance 1, by Marsaglia's polar method, which needs no sine.
+  /// Normally distributed with mean 0 and variance 1: Marsaglia's polar method, which needs no
+  /// sine.
   double normal() {
     if (have_spare_) {
       have_spare_ = false;
@@ -75,10 +78,11 @@ class RandomStream {
   bool have_spare_ = false;
 };
 
-// Pseudo-random choices that no result depends on: samples, and the order of tests in a walk.
+// A faster generator for choices that no result depends on: samples, and the order in which a walk
+// tests facets.
 
-/// Marsaglia's xorshift ("Xorshift RNGs", 2003), period 2^64 - 1: three shifts a number, the same
-/// on every machine.
+/// Marsaglia's xorshift generator ("Xorshift RNGs", 2003): period 2^64 - 1, three shifts a number,
+/// the same numbers on every machine. The seed must not be 0.
 class XorShift {
  public:
   static constexpr std::uint64_t golden = 0x9E3779B97F4A7C15ULL;
@@ -91,7 +95,7 @@ class XorShift {
     state_ ^= state_ << 17;
     return state_;
   }
-  /// [0, n) for n < 2^32.
+  /// An integer in [0, n) for n < 2^32.
   std::uint32_t below(std::uint32_t n) {
     return static_cast<std::uint32_t>((next() >> 32) * n >> 32);
   }

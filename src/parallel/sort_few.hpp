@@ -1,5 +1,5 @@
-// Branchless sorting of a handful of items, their number known at compile time: their order is
-// random, so that branches would be mispredicted.
+// Branchless sorting of a few items, whose number is known at compile time. The items arrive in
+// random order, so the branches of an ordinary sort would often be mispredicted.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,14 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// Batcher's merge exchange (Knuth, TAOCP 3, 5.2.2 M) for n items: the sequence of comparators.
+/// The sorting network for n items: the comparators of Batcher's merge exchange, in order (Knuth,
+/// TAOCP 3, 5.2.2, Algorithm M).
 template <unsigned n>
 struct MergeExchange {
   struct Pair {
     unsigned low, high;
   };
-  /// Calls with(i, j) for every comparator, in order.
+  /// Calls with(i, j), i < j, for every comparator, in order.
   template <class With>
   static constexpr void walk(const With& with) {
     if (n < 2) return;
@@ -44,8 +45,8 @@ struct MergeExchange {
   }();
 };
 
-/// Sorts ascending; returns whether the number of exchanges was odd: for distinct items, whether
-/// the permutation is odd.
+/// Sorts n items ascending. Returns whether the number of exchanges was odd, which for distinct
+/// items is whether the sorting permutation is odd.
 template <unsigned n, class T>
 inline bool sort_few(T* items) {
   unsigned odd = 0;
@@ -63,9 +64,7 @@ inline bool sort_few(T* items) {
   return odd != 0;
 }
 
-// A sorted copy.
-
-/// Ascending; linear for sorted input.
+/// Returns the items in ascending order; takes linear time if they are sorted already.
 template <class T>
 std::vector<T> sorted(std::vector<T> items) {
   if (!std::is_sorted(items.begin(), items.end())) std::sort(items.begin(), items.end());

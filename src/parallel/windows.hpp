@@ -1,4 +1,5 @@
-// <windows.h>, as little of it as there is; nothing on other systems.
+// Includes <windows.h> without its rarely used parts and without its macros min and max; empty on
+// other systems.
 #pragma once
 
 #if defined(_WIN32)

@@ -19,12 +19,15 @@ SortSimplex sort_of(unsigned k) {
   return k >= 3 && k <= 8 ? few[k - 3] : sort_simplex<0>;
 }
 
+/// The findings of a RidgeScan in one chunk.
 struct ChunkResult {
   CoplanarPairs pairs;
   std::uint64_t ridges = 0;
   RungCounts rungs;
 };
 
+/// Checks the ridges of a boundary and collects the coplanar pairs, in chunks of simplices. K: the
+/// dimension, or 0 if it is unknown at compile time.
 class RidgeScan {
  public:
   RidgeScan(const Boundary& surface, const LocalPoints& points, const Control& control)
@@ -34,6 +37,7 @@ class RidgeScan {
         control_(control),
         filter_(points.coordinates == points.exact) {}
 
+  /// Checks the ridges between simplices [begin, end) and neighbours of higher number.
   template <unsigned K>
   void chunk(std::uint64_t begin, std::uint64_t end, ChunkResult& out) const {
     const unsigned k = K ? K : surface_.dimension;
@@ -57,6 +61,7 @@ class RidgeScan {
     }
   }
 
+  /// Whether the corners of simplex f are affinely dependent; exact.
   template <unsigned K>
   bool degenerate(std::uint64_t f) const {
     Plane<K> plane;
@@ -86,8 +91,9 @@ class RidgeScan {
   template <unsigned K>
   struct Plane {
     double normal[K];
-    double reach;  // the product of the rows' largest entries, times the error constant
-    /// Whether some cofactor, a determinant of K - 1 rows, is certainly nonzero.
+    double reach;  // error constant times the product of the rows' largest entries
+    /// Whether some cofactor, a determinant of K - 1 rows, is certainly nonzero: then the simplex
+    /// is not degenerate.
     bool surely_proper() const {
       const double bound = reach / determinant_error(K) * determinant_error(K - 1) * 1.01;
       double largest = 0;
@@ -99,6 +105,8 @@ class RidgeScan {
     }
   };
 
+  /// The side of point x relative to the plane of simplex f: by the floating-point filter if that
+  /// is certain, else exactly. Negative is beneath.
   template <unsigned K>
   Sign side(std::uint64_t f, Plane<K>& plane, std::uint32_t x, ChunkResult& out) const {
     Sign sign = Sign::zero;
@@ -130,6 +138,8 @@ class RidgeScan {
     return surface_.odd[f] ? -sign : sign;
   }
 
+  /// The exact side of point x relative to the sorted corners of simplex f. Unlike side(), it
+  /// ignores `odd`.
   Sign exact_side(std::uint64_t f, std::uint32_t x, ChunkResult& out) const {
     const unsigned k = surface_.dimension;
     std::vector<const double*> rows(k + 1);
@@ -145,7 +155,8 @@ class RidgeScan {
     return sign;
   }
 
-  /// Whether k + 1 points lie on a plane across an axis, as most coplanar points of models do.
+  /// Whether k + 1 points have one coordinate in common, as most coplanar points of CAD models
+  /// have.
   static bool across_an_axis(const double* const* rows, unsigned k) {
     for (unsigned c = 0; c < k; ++c) {
       bool same = true;
@@ -162,8 +173,8 @@ class RidgeScan {
   bool filter_;
 };
 
-/// Beyond the cofactors' dimensions: one OrientedPlane, in which the ladder is shared by all
-/// ridges.
+/// The plane in dimensions above those of `cofactors`: an OrientedPlane, whose elimination serves
+/// all ridges of a simplex.
 template <>
 struct RidgeScan::Plane<0> {
   OrientedPlane ladder;
@@ -199,8 +210,8 @@ Scan scan_of(unsigned k) {
   return scans[std::min(k, elimination_pays) - 2];
 }
 
-/// A degenerate simplex has a vertex in the span of the opposite ridge, so one of its ridges looks
-/// coplanar: only simplices with such a ridge need this test, once each.
+/// Throws Error{not_exact} if a simplex is degenerate. A degenerate simplex has no plane, so its
+/// ridges look coplanar: only the simplices in `pairs` need the test.
 void check_proper(const RidgeScan& ridge_scan, const Scan& scan, std::size_t count,
                   const CoplanarPairs& pairs, const Run& run) {
   if (pairs.empty()) return;
@@ -267,7 +278,7 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
     ridges += r.ridges;
     r.rungs.add_to(rung_counts);
   }
-  // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+  // Each ridge was counted once, from its lower simplex. Two slots belong to a ridge.
   if (2 * ridges != surface.vertices.size()) fail_not_exact("a ridge is not shared by two facets");
   check_proper(ridge_scan, scan, surface.facet_count(), pairs, run);
   return pairs;

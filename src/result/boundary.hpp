@@ -1,5 +1,6 @@
-// An engine's boundary on its way to the canonical result: simplices with ascending ids and checked
-// ridges, merged to facets where coplanar, triangulated by pulling, and put in order.
+// The steps from an engine's simplicial boundary to the canonical result: sort the ids of each
+// simplex, check the ridges, merge coplanar simplices to facets, triangulate these by pulling, and
+// sort.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +14,30 @@
 
 namespace cullhull::internal::inline result {
 
+/// Simplices in a chunk of a parallel loop.
 inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
 
-/// Replaces equal points by the lowest id, and sorts the ids of each simplex.
+/// Replaces each vertex by the lowest id among the points equal to it, sorts the ids of each
+/// simplex with its neighbours, and stores the parity of that permutation in `odd`. Throws
+/// Error{not_exact} if sizes or ids are impossible.
 void sort_simplices(Boundary& boundary, const LocalPoints& points, const Run& run);
 
+/// Pairs of neighbouring simplices, by index.
 using CoplanarPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// The pairs of simplices that lie in one hyperplane, in a fixed order. Throws Error{not_exact}
-/// unless every ridge is shared by two coherently oriented simplices, is weakly convex, and no
-/// simplex is degenerate. Adds to `rung_counts`.
+/// The pairs of neighbouring simplices that lie in one hyperplane, in an order that does not depend
+/// on threads. Throws Error{not_exact} unless every ridge is weakly convex and shared by two
+/// coherently oriented simplices, and no simplex is degenerate. Adds the number of signs decided by
+/// each rung of the ladder to `rung_counts`.
 CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points, const Run& run,
                              std::uint64_t* rung_counts);
 
+/// Throws Error{not_exact}; `what` ends the message.
 [[noreturn]] void fail_not_exact(const char* what);
 
-/// The slot of g opposite to the ridge it shares with f across slot i; checks ids and orientations.
-/// K: surface.dimension, or 0 if it is not known at compile time.
+/// Simplex g is the neighbour of f across slot i. Returns the slot of g's vertex that is off their
+/// common ridge. Throws Error{not_exact} if g does not contain the ridge or is oriented
+/// differently. K: surface.dimension, or 0 if that is unknown at compile time.
 template <unsigned K>
 inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned i,
                               std::uint32_t g) {
@@ -51,50 +59,54 @@ inline unsigned opposite_slot(const Boundary& surface, std::uint32_t f, unsigned
   fail_not_exact("neighbouring facets do not share their ridge");
 }
 
-// Merges coplanar simplices to facets, and triangulates these canonically.
+// Merging of coplanar simplices to facets, and the canonical triangulation of these.
 
-/// The facets before they are put in order. Facet i < singles is simplex i; facet singles + m is
-/// merged list m.
+/// The facets before they are sorted. Facet i < singles consists of simplex i alone. The
+/// other facets were merged from several simplices: entry m of `vertices` and `neighbours`
+/// describes facet singles + m.
 struct Facets {
   Boundary surface;
-  std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: simplex i is facet i
+  std::vector<std::uint32_t> facet;  ///< facet of each simplex; empty: facet i is simplex i
   std::size_t singles = 0;
-  /// k = 2: the two ends, counter-clockwise. k = 3: cyclic, counter-clockwise from outside, from
-  /// the lowest id. Otherwise ascending.
+  /// The vertices of each merged facet. k = 2: the two ends, counter-clockwise. k = 3: the cycle of
+  /// corners, counter-clockwise seen from outside, lowest id first. Otherwise ascending.
   Lists<std::uint32_t> vertices;
-  /// k = 2: across vertex 1, across vertex 0. k = 3: across the edge that starts at that vertex.
-  /// Otherwise every facet across a ridge, once.
+  /// The facets next to each merged facet. k = 2: the facet at vertex 1, then the one at vertex 0.
+  /// k = 3: entry j lies across the edge that starts at vertex j. Otherwise each neighbour once.
   Lists<std::uint32_t> neighbours;
 };
 
+/// Merges the simplices that `pairs` connect, removes vertices that are not extreme, and
+/// triangulates the merged facets by pulling. Throws Error{not_exact} if the simplices do not form
+/// a polytope.
 Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const LocalPoints& points,
                       const Run& run);
 
-// Merging of coplanar simplices in 3D.
-
-/// As merge_coplanar, for k = 3 and at least one pair.
+/// As merge_coplanar, for k = 3 and at least one pair; parallel.
 Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run& run);
 
-// Facets in canonical order.
+// Sorting into canonical order.
 
-/// Input of the measures besides the hull: its vertices' ids, ascending, and for every simplex the
-/// positions of its vertices among them.
+/// Input of the measures in addition to the hull: the ascending ids of its vertices, and for every
+/// simplex the positions of its vertices in that list.
 struct OrderedFacets {
   std::vector<std::uint64_t> vertices;
   std::vector<std::uint32_t> index;
 };
 
-/// Sorts the simplices, numbers the facets, and fills every list of the hull. Its vertices ascend,
-/// which is not their final order for k = 2.
+/// Sorts the simplices, numbers the facets, and fills every list of the hull. hull.vertices is
+/// ascending afterwards, which is not its final order for k = 2.
 OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull);
 
-/// Triangulation of a polytope by pulling, from vertex sets alone.
+// Triangulation of a polytope by pulling its vertices.
+
 using VertexSet = std::vector<std::uint32_t>;  // ascending
 
-/// Appends to `out` (m + 1 ascending ids each) the triangulation of the m-dimensional polytope with
-/// vertices `vertices` and facets `facets` that pulling its vertices in ascending order gives: cone
-/// from the lowest vertex over the triangulated facets that do not contain it, recursively. It
-/// depends on the face lattice and the ids alone. m >= 1.
+/// Triangulates the polytope of dimension m >= 1 with these vertices and facets by pulling its
+/// vertices in ascending order: the simplices are the cones from the lowest vertex over the
+/// simplices of the facets that do not contain it, and the facets are triangulated likewise. The
+/// triangulation depends only on the face lattice and the ids. Appends m + 1 ascending ids a
+/// simplex to `out`.
 /// Source: C. Lee, "Subdivisions and triangulations of polytopes", Handbook of Discrete and
 /// Computational Geometry, section 16.2 (2017).
 void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& facets,

@@ -10,8 +10,8 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-/// k = 2: orders the vertices, which ascend before, counter-clockwise from the lowest id. Facet i
-/// runs from its vertex 0 to its vertex 1.
+/// k = 2: changes the order of hull.vertices from ascending to counter-clockwise, beginning with
+/// the lowest id. It follows the facets, each an edge from its vertex 0 to its vertex 1.
 void wind_vertices(Hull& hull) {
   std::uint32_t facet = 0;
   while (hull.facets.items[2 * std::size_t{facet}] != hull.vertices[0]) ++facet;
@@ -21,6 +21,7 @@ void wind_vertices(Hull& hull) {
   }
 }
 
+/// Fills the fields that describe the input.
 void begin_hull(const ResultInput& input, unsigned k, const Run& run, Hull& hull) {
   hull.dimension = input.view->dimension;
   hull.point_count = input.view->count;
@@ -29,6 +30,8 @@ void begin_hull(const ResultInput& input, unsigned k, const Run& run, Hull& hull
   run.report("surface", 0);
 }
 
+/// The general way: first tries write_simplices (4D to 8D, no coplanar simplices), else merges,
+/// sorts and measures.
 void build_any(const ResultInput& input, Boundary&& surface, const Run& run, Hull& hull) {
   const LocalPoints& local = *input.local;
   sort_simplices(surface, local, run);

@@ -1,4 +1,4 @@
-// From an engine's simplicial boundary to the canonical result.
+// Computes the canonical result from an engine's simplicial boundary.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,26 @@
 
 namespace cullhull::internal::inline result {
 
+/// The points of a call, as the caller and as the engine see them.
 struct ResultInput {
   const PointView* view = nullptr;     ///< the caller's points (measures, planes)
   const LocalPoints* local = nullptr;  ///< the engine's input: k = local->dimension
-  /// Point id of local point i; ascending; nullptr: the identity.
+  /// The caller's id of each local point, ascending; nullptr: local point i has id i.
   const std::uint64_t* ids = nullptr;
-  /// The k coordinate axes of the view that the local points are projected on, ascending.
+  /// The k coordinate axes of the view onto which the local points are projected, ascending.
   const unsigned* axes = nullptr;
 };
 
-/// Whether a facet that is one simplex lists the simplex's vertices in the order of `simplices`.
+/// Whether a facet of a single simplex lists its vertices in the same order as hull.simplices, so
+/// that both lists can share their memory.
 constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
 
-/// Merges coplanar simplices (exactly), drops vertices that are not extreme, triangulates
-/// canonically, sorts, and measures. Consumes `boundary`. Fills every field of Hull but statistics
-/// (whose rung_counts it increases). Throws Error{not_exact} if the boundary is not weakly convex
-/// or not closed (only a foreign engine can do that).
+/// Merges coplanar simplices (exactly), removes vertices that are not extreme, triangulates
+/// canonically, sorts, and computes the measures. Consumes `boundary`. Fills every field of Hull
+/// except statistics, of which it only increases rung_counts. Throws Error{not_exact} if the
+/// boundary is not weakly convex or not closed, which only a foreign engine can cause.
 void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, Hull& hull);
-/// The same from the 3D engine's own facets, which takes fewer passes.
+/// The same from the 3D engine's own facets, in fewer passes over memory.
 void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);
 
 }  // namespace cullhull::internal::inline result

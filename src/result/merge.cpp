@@ -10,13 +10,13 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-/// A ridge on the border of a merged facet: simplex, slot.
+/// A ridge on the border of a merged facet: the ridge of `simplex` opposite to its vertex `slot`.
 struct Border {
   std::uint32_t simplex;
   unsigned slot;
 };
 
-/// Merges coplanar simplices for any k but 3.
+/// Merges coplanar simplices for any k other than 3. Serial.
 class Merger {
  public:
   Merger(Boundary&& surface, const LocalPoints& points, const Control& control)
@@ -37,8 +37,8 @@ class Merger {
  private:
   std::uint32_t merged_count() const { return static_cast<std::uint32_t>(members_.size()); }
 
-  /// Fills facet_: first single simplices in their order, then merged facets in the order of their
-  /// first.
+  /// Numbers the facets in facet_: first the unmerged simplices in their order, then the merged
+  /// facets in the order of their first simplex.
   void number_facets(const CoplanarPairs& pairs) {
     const std::size_t n = old_.facet_count();
     facet_.resize(n);
@@ -61,6 +61,8 @@ class Merger {
     });
   }
 
+  /// Copies the unmerged simplices to the new surface. Neighbours in merged facets remain no_index
+  /// until match_new_ridges().
   void keep_singles() {
     Boundary& s = out_.surface;
     s.dimension = k_;
@@ -78,8 +80,9 @@ class Merger {
     std::iota(out_.facet.begin(), out_.facet.end(), 0U);
   }
 
-  /// A vertex is extreme iff it is the only one on all the facets it is on. Vertices on no merged
-  /// facet are corners of a simplex facet, so extreme.
+  /// Finds the vertices that are not extreme (flat_) and removes them from the merged facets. A
+  /// vertex is extreme if and only if no other vertex lies on all of its facets. A vertex on an
+  /// unmerged facet is a corner of a simplex and therefore extreme.
   void drop_flat_vertices() {
     std::vector<std::uint8_t> candidate(points_.count, 0);
     for (const std::uint32_t f : members_.items())
@@ -110,7 +113,7 @@ class Merger {
                 set.end());
   }
 
-  /// Whether the vertex of incidences [begin, end) is extreme.
+  /// Whether the vertex of the incidences [begin, end) is extreme.
   bool extreme(std::size_t begin, std::size_t end) const {
     if (end - begin < k_) return false;
     if (k_ == 2) return true;
@@ -128,7 +131,7 @@ class Merger {
     });
   }
 
-  /// Whether w lies on all facets of incidences [begin, end).
+  /// Whether vertex w lies on all facets of the incidences [begin, end).
   bool on_all(std::uint32_t w, std::size_t begin, std::size_t end) const {
     std::size_t j = first_[w];
     for (std::size_t i = begin; i < end; ++i) {
@@ -141,6 +144,7 @@ class Merger {
     return true;
   }
 
+  /// Collects the borders of merged facet m and writes the facet and its simplices.
   void triangulate(std::uint32_t m) {
     borders_.clear();
     for (const std::uint32_t f : members_[m])
@@ -159,18 +163,20 @@ class Merger {
     return facet_[old_.neighbours[std::size_t{b.simplex} * k_ + b.slot]];
   }
 
-  void add_simplex(std::uint32_t m, bool odd) {  // its ids have been appended
+  /// Appends the remaining data of a simplex of merged facet m, whose ids have been appended.
+  void add_simplex(std::uint32_t m, bool odd) {
     out_.surface.odd.push_back(odd);
     out_.surface.neighbours.insert(out_.surface.neighbours.end(), k_, no_index);
     out_.facet.push_back(singles_ + m);
   }
 
-  /// k = 2: a chain of edges, clockwise as the engines orient them (docs/algorithm.md).
+  /// k = 2: replaces a chain of collinear edges by one edge. Engines orient edges clockwise
+  /// (docs/algorithm.md).
   void segment(std::uint32_t m) {
     if (borders_.size() != 2) fail_not_exact("an edge has not two ends");
     std::uint32_t end[2], across[2];
     for (const Border& b : borders_) {
-      const unsigned head = old_.stored_slot(b.simplex, b.slot) == 0;  // tail omitted: head
+      const unsigned head = old_.stored_slot(b.simplex, b.slot) == 0;  // the tail is off the ridge
       end[head] = old_.simplex(b.simplex)[1 - b.slot];
       across[head] = neighbour_facet(b);
     }
@@ -181,8 +187,10 @@ class Merger {
     out_.neighbours.items.insert(out_.neighbours.items.end(), {across[0], across[1]});
   }
 
+  /// k >= 4: writes the facet's ridges and triangulates it by pulling.
   void pull_facet(std::uint32_t m) {
-    // The ridge to a neighbour has the corners of the old simplices on the border between the two.
+    // The corners of the ridge to a neighbour are those of the old simplices on their common
+    // border.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> corners;  // (neighbour, corner)
     for (const Border& b : borders_)
       for (unsigned i = 0; i < k_; ++i) {
@@ -218,7 +226,8 @@ class Merger {
     }
   }
 
-  /// The vertex of the neighbour across a border that is not on it: strictly beneath the facet.
+  /// A vertex of the neighbour across a border that is off the border. It lies strictly beneath the
+  /// facet and so defines the facet's orientation.
   std::uint32_t vertex_beneath(const Border& b) const {
     const std::uint32_t g = old_.neighbours[std::size_t{b.simplex} * k_ + b.slot];
     const std::uint32_t* v = old_.simplex(b.simplex);
@@ -229,7 +238,8 @@ class Merger {
     fail_not_exact("two facets have the same corners");
   }
 
-  /// Matches the new simplices' ridges with a new simplex on either side by their ids.
+  /// Links neighbours across the ridges that have no neighbour yet: two simplices with the same ids
+  /// on a ridge are neighbours. Throws Error{not_exact} if a ridge has no partner.
   void match_new_ridges() {
     Boundary& s = out_.surface;
     struct Slot {
@@ -264,7 +274,7 @@ class Merger {
   const unsigned k_;
   Facets out_;
   std::uint32_t singles_ = 0;
-  std::vector<std::uint32_t> facet_;                 // of each old simplex
+  std::vector<std::uint32_t> facet_;                 // facet of each old simplex
   Adjacency<std::uint32_t, std::uint32_t> members_;  // old simplices of each merged facet
   std::vector<std::pair<std::uint32_t, std::uint32_t>> incidence_;  // (vertex, facet), sorted
   std::vector<std::size_t> first_;                                  // first incidence of a vertex

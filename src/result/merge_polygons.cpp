@@ -1,5 +1,6 @@
-// Merging in 3D, where a facet is a polygon: all steps are local to ridges, so they run on all
-// threads and take linear time, except for a stable sort of the borders' edges by facet.
+// Merging of coplanar triangles in 3D, where a merged facet is a polygon. All steps work on single
+// ridges or facets, so they run on all threads. They take linear time, except that the borders'
+// edges are sorted by facet.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -19,21 +20,23 @@ namespace {
 using Id = std::uint32_t;
 constexpr std::memory_order relaxed = std::memory_order_relaxed;
 
-/// An edge of a merged facet's border, with the facet on its left seen from outside.
+/// A directed edge of a merged facet's border. Seen from outside the facet lies on its left.
 struct Edge {
-  Id facet;  // the merged one, from 0
+  Id facet;  // number of the merged facet, from 0
   Id from, to;
-  Id simplex;  // the old simplex it is an edge of
+  Id simplex;  // the old simplex of the facet that has this edge
 };
 
-/// The part of a border between two corners of a merged facet: one edge, or several with flat
-/// vertices between them.
+/// A side of a merged facet's polygon, between two of its corners: one edge, or several collinear
+/// ones with flat (not extreme) vertices between them.
 struct Side {
-  Id across;  // the facet beyond it
+  Id across;  // the facet on the other side
   Edge first, last;
   Id corner() const { return first.from; }
 };
 
+/// Merges coplanar triangles to polygons and triangulates each by a fan from its lowest corner,
+/// which is the pulling triangulation of a polygon.
 class PolygonMerger {
  public:
   PolygonMerger(Boundary&& surface, const CoplanarPairs& pairs, const Run& run)
@@ -56,8 +59,8 @@ class PolygonMerger {
 
   // ------------------------------------------------------------------ which simplices, which edges
 
-  /// Fills facet_: first single simplices in their order, then merged facets in the order of their
-  /// first.
+  /// Numbers the facets in facet_: first the unmerged simplices in their order, then the merged
+  /// facets in the order of their first simplex.
   void number_facets() {
     const std::size_t n = old_.facet_count();
     DisjointSets sets(n);
@@ -108,7 +111,7 @@ class PolygonMerger {
     });
   }
 
-  /// Collects the edges whose left facet is a merged one, by that facet.
+  /// Collects the edges of all merged facets' borders, sorted by facet.
   void collect_borders() {
     const std::size_t n = old_.facet_count();
     std::vector<std::uint64_t> begins(chunk_count(n, simplex_chunk) + 1, 0);
@@ -152,9 +155,9 @@ class PolygonMerger {
   // ------------------------------------------------------------------------------ around the
   // facets
 
-  /// Puts the edges of every merged facet into cyclic order: next_[i] is the position of the edge
-  /// after edge i. Facets of many edges are done one at a time on all threads, the others in
-  /// parallel.
+  /// Finds the cyclic order of the edges of every merged facet: next_[i] is the position of the
+  /// edge that follows edge i. Large facets are processed one after another, each by all threads;
+  /// the others in parallel, each by one thread.
   void trace_borders() {
     next_ = BigArray<Id>(edge_count_);
     run_.each(merged_count(), 256, [&](std::uint64_t begin, std::uint64_t end) {
@@ -165,6 +168,8 @@ class PolygonMerger {
       if (is_large(m)) find_next_of_many(starts_[m], starts_[m + 1]);
   }
 
+  /// For the edges [begin, end) of a facet: sorts them by their start, and finds the next of each
+  /// by binary search.
   void find_next_of_few(std::uint64_t begin, std::uint64_t end) {
     Edge* edges = edges_.get();
     std::sort(edges + begin, edges + end,
@@ -179,8 +184,9 @@ class PolygonMerger {
     }
   }
 
-  /// Each vertex of a border begins one edge and ends one, so edges sorted by either end
-  /// correspond.
+  /// The same for a facet of many edges, on all threads. Each vertex of a border is the start of
+  /// one edge and the end of one, so the list sorted by starts and the list sorted by ends
+  /// correspond entry by entry.
   void find_next_of_many(std::uint64_t begin, std::uint64_t end) {
     struct End {
       Id vertex, edge;
@@ -215,8 +221,9 @@ class PolygonMerger {
 
   Id facet_across(const Edge& e) const { return facet_[across(e.simplex, slot_off(e))]; }
 
-  /// Lists the sides of every merged facet, from its lowest corner. A vertex of the border is
-  /// extreme exactly if it is on a third facet, that is, if the facets across its two edges differ.
+  /// Lists the sides of every merged facet, beginning at its lowest corner. A vertex of the border
+  /// is extreme exactly if it lies on a third facet, that is, if the facets across its two edges
+  /// differ.
   void list_sides() {
     sides_ = BigArray<Side>(edge_count_);
     std::vector<std::uint64_t> counts(merged_count() + 1, 0);
@@ -249,7 +256,8 @@ class PolygonMerger {
     out_.neighbours.offsets = out_.vertices.offsets;
   }
 
-  /// Lists those of facet m, at the place of its first edge; returns their number.
+  /// Lists the sides of facet m in sides_, from the position of the facet's first edge on. Returns
+  /// their number.
   std::uint64_t list_sides(std::uint64_t m) {
     const std::uint64_t begin = starts_[m], size = starts_[m + 1] - begin;
     Side* out = sides_.get() + begin;
@@ -282,7 +290,8 @@ class PolygonMerger {
     return count;
   }
 
-  /// body(facet, begin, end) for ranges of the sides of all merged facets.
+  /// Calls body(facet, begin, end) in parallel for ranges of sides that together cover the sides of
+  /// all merged facets. A facet's sides may be split between several calls.
   template <class Body>
   void each_side(const Body& body) const {
     run_.each(corner_starts_.back(), simplex_chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -298,16 +307,17 @@ class PolygonMerger {
 
   // ------------------------------------------------------------------------------- the new surface
 
-  /// Facet m's fan from its first corner has a simplex for each corner but two.
+  /// The number of the first simplex of merged facet m's fan. A facet of n corners has n - 2
+  /// simplices.
   Id first_simplex(std::uint64_t m) const {
     return static_cast<Id>(out_.singles + corner_starts_[m] - 2 * m);
   }
-  /// The simplex of the fan that side `s` of `count` is an edge of.
+  /// The simplex of facet m's fan that has side s, of `count` sides, as an edge.
   Id simplex_at(std::uint64_t m, std::uint64_t s, std::uint64_t count) const {
     return first_simplex(m) + static_cast<Id>(s == 0 ? 0 : std::min(s - 1, count - 3));
   }
 
-  /// The slot of an edge's simplex opposite to the edge.
+  /// The slot of the vertex of e.simplex that is off the edge e.
   unsigned slot_off(const Edge& e) const {
     const Id* v = old_.simplex(e.simplex);
     unsigned j = 0;
@@ -315,8 +325,9 @@ class PolygonMerger {
     return j;
   }
 
-  /// New simplices meet at old edges: `place_` maps the last edge of every side to its new simplex,
-  /// and the last edge seen from one side is the first edge seen from the other.
+  /// Writes the new simplices. Neighbours are found by old edges: place_ maps the last edge of
+  /// every side to the new simplex at that side, and the last edge of a side is the first edge of
+  /// the same side seen from the neighbouring facet.
   void write_surface() {
     const std::uint64_t count = out_.singles + corner_starts_.back() - 2 * merged_count();
     if (count >= no_index) fail_not_exact("too many facets");
@@ -348,7 +359,7 @@ class PolygonMerger {
     });
   }
 
-  /// The new simplex across slot j of old simplex f, which lies on a border.
+  /// The new simplex on the other side of slot j of old simplex f; that edge lies on a border.
   Id beyond(Id f, unsigned j) const {
     const Id g = across(f, j);
     if (single(facet_[g])) return facet_[g];
@@ -398,14 +409,14 @@ class PolygonMerger {
   const CoplanarPairs& pairs_;
   const Run& run_;
   Facets out_;
-  BigArray<Id> facet_;                 // of each old simplex
-  std::vector<std::uint64_t> starts_;  // of the edges of each merged facet
+  BigArray<Id> facet_;                 // facet of each old simplex
+  std::vector<std::uint64_t> starts_;  // first edge of each merged facet
   Id edge_count_ = 0;
   BigArray<Edge> edges_;
   BigArray<Id> next_;
-  std::vector<std::uint64_t> corner_starts_;  // of the sides of each merged facet
+  std::vector<std::uint64_t> corner_starts_;  // first side of each merged facet
   BigArray<Side> sides_;
-  BigArray<Id> place_;  // new simplex at each old slot that is the last edge of a side
+  BigArray<Id> place_;  // new simplex for each old slot whose edge is a side's last
 };
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-/// Puts the simplices into canonical order, and derives all lists of the hull.
+/// Sorts the simplices into canonical order and fills all lists of the hull.
 class FacetOrderer {
  public:
   FacetOrderer(const ResultInput& input, Facets&& facets, const Run& run, Hull& hull)
@@ -37,6 +37,7 @@ class FacetOrderer {
   }
 
  private:
+  /// Sorting key of a simplex.
   struct Key {
     std::uint64_t rest;  // the second and third id
     std::uint32_t first, simplex;
@@ -50,6 +51,7 @@ class FacetOrderer {
     });
   }
 
+  /// Compares two simplices with the same first id.
   bool less(const Key& a, const Key& b) const {
     if (a.rest != b.rest) return a.rest < b.rest;
     for (unsigned j = 3; j < k_; ++j) {
@@ -59,7 +61,7 @@ class FacetOrderer {
     return false;
   }
 
-  /// Sorts by the first id, then the simplices of each vertex by the others.
+  /// Sorts the simplices by their first id, then those with the same first id by their other ids.
   void sort_simplices() {
     BigArray<Key> memory(count_), other(count_);
     each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
@@ -73,11 +75,13 @@ class FacetOrderer {
     const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
     radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, run_,
                [](const Key& k) { return k.first; });
-    // A vertex of thousands of simplices (of a facet with many corners) is sorted by all threads.
+    // The simplices of a vertex with many thousands of them (as in a facet with many corners) are
+    // sorted by all threads together.
     constexpr std::uint64_t many = 1 << 14;
     std::vector<std::vector<std::pair<std::uint64_t, std::uint64_t>>> long_runs(
         chunk_count(count_, simplex_chunk));
-    // Where the first run of each chunk begins; computed before anything moves.
+    // The position where the first run (of equal first ids) that begins in each chunk begins. It is
+    // computed before any run is sorted.
     std::vector<std::uint64_t> starts(long_runs.size() + 1, count_);
     each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t) {
       std::uint64_t i = begin;
@@ -109,7 +113,7 @@ class FacetOrderer {
     });
   }
 
-  /// By the third id, then by the second.
+  /// Sorts a run of equal first ids, k <= 3, by stable sorts: by the third id, then by the second.
   void sort_long_run(Key* keys, Key* scratch, std::uint64_t begin, std::uint64_t end,
                      unsigned bits) const {
     Key *items = keys + begin, *other = scratch + begin;
@@ -126,15 +130,15 @@ class FacetOrderer {
 
   std::uint64_t id(std::uint32_t local) const { return input_.ids ? input_.ids[local] : local; }
 
-  /// Numbers facets by their first simplex in canonical order. Without merging, facet i is simplex
-  /// i.
+  /// Numbers the facets in the order of their first simplices in canonical order. Without merged
+  /// facets, facet i is simplex i.
   void number_facets() {
     if (facets_.facet.empty()) {
       hull_.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
       return;
     }
     const std::size_t singles = facets_.singles, n = singles + facets_.vertices.size();
-    BigArray<std::uint32_t> first(n);  // simplex of each facet
+    BigArray<std::uint32_t> first(n);  // first simplex of each facet, in canonical order
     each_chunk(0, n, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end; ++f) first[f] = f < singles ? rank_[f] : no_index;
     });
@@ -195,8 +199,8 @@ class FacetOrderer {
     hull_.simplices = std::move(simplices);
   }
 
-  /// The old order is unrelated to the new one: prefetches a record, then what the record refers
-  /// to.
+  /// Prefetches simplices, and nearer ahead the data they refer to: consecutive simplices of the
+  /// canonical order are scattered in memory.
   void prefetch(std::uint64_t i) const {
     if (i + 32 >= count_) return;
     const std::size_t far = std::size_t{order_[i + 32]} * k_,
@@ -210,6 +214,7 @@ class FacetOrderer {
     }
   }
 
+  /// Writes the vertices and neighbours of all facets.
   void write_facets() {
     if (facets_.facet.empty()) {
       write_simplicial_facets();
@@ -239,8 +244,8 @@ class FacetOrderer {
     hull_.facet_neighbours.offsets = std::move(neighbour_offsets);
   }
 
-  /// Offsets of lists in the facets' order: k items where a facet is one simplex, else
-  /// merged_length(m) for merged facet m.
+  /// The offsets of lists in the facets' order. The list of an unmerged facet has k items, that of
+  /// merged facet m has merged_length(m).
   template <class Length>
   Array<std::uint64_t> offsets_of(const Length& merged_length) const {
     const std::size_t n = facets_.singles + facets_.vertices.size();
@@ -268,6 +273,7 @@ class FacetOrderer {
     return lists.offsets[i + 1] - lists.offsets[i];
   }
 
+  /// Writes the facets of a hull without merged facets.
   void write_simplicial_facets() {
     const bool shared = facets_are_simplices(k_);
     Array<std::uint64_t> items(shared ? 0 : count_ * k_);
@@ -284,7 +290,7 @@ class FacetOrderer {
     hull_.facet_neighbours = Lists<std::uint32_t>::of_length(k_, std::move(neighbours));
   }
 
-  /// Writes the vertices of a facet that is simplex i of the canonical order.
+  /// Writes the vertices of the facet that consists of simplex i of the canonical order alone.
   void write_vertices(std::uint64_t i, std::uint64_t* vertices) const {
     const std::uint64_t* ids = hull_.simplices.data() + i * k_;
     for (unsigned j = 0; j < k_; ++j) vertices[j] = ids[k_ == 2 ? 1 - j : j];
@@ -298,6 +304,7 @@ class FacetOrderer {
     if (k_ > 3) std::sort(across, across + k_);
   }
 
+  /// Writes the vertices and neighbours of merged facet m.
   void write_merged(std::size_t m, std::uint64_t* vertices, std::uint32_t* across) const {
     const auto& v = facets_.vertices;
     for (std::size_t i = v.offsets[m]; i < v.offsets[m + 1]; ++i) *vertices++ = id(v.items[i]);
@@ -315,8 +322,8 @@ class FacetOrderer {
   const Run& run_;
   Hull& hull_;
   VertexList vertices_;
-  std::vector<std::uint32_t> order_, rank_;           // canonical to old and back
-  BigArray<std::uint32_t> facet_rank_, facet_order_;  // old to canonical and back
+  std::vector<std::uint32_t> order_, rank_;           // canonical to old, old to canonical
+  BigArray<std::uint32_t> facet_rank_, facet_order_;  // old to canonical, and back
   std::vector<std::uint32_t> vertex_index_;
 };
 

@@ -6,6 +6,7 @@
 namespace cullhull::internal::inline result {
 namespace {
 
+/// The recursion of pull(): prefix_ holds the apexes of the cones so far.
 class Puller {
  public:
   explicit Puller(std::vector<std::uint32_t>& out) : out_(out) {}
@@ -31,6 +32,7 @@ class Puller {
  private:
   using Incidences = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // (vertex, facet)
 
+  /// All pairs of a vertex and a facet that contains it, sorted.
   static Incidences incidences(const std::vector<VertexSet>& facets) {
     Incidences all;
     for (std::uint32_t i = 0; i < facets.size(); ++i)
@@ -39,8 +41,8 @@ class Puller {
     return all;
   }
 
-  /// The facets of facet `g` of an m-dimensional polytope: the inclusion-maximal intersections with
-  /// the other facets.
+  /// The facets of facet g of an m-dimensional polytope, as vertex sets: the inclusion-maximal
+  /// intersections of g with the other facets.
   static std::vector<VertexSet> facets_of(std::uint32_t g, unsigned m,
                                           const std::vector<VertexSet>& facets,
                                           const Incidences& incidence) {
@@ -61,12 +63,13 @@ class Puller {
       }
       i = end;
     }
-    // Faces of dimension m - 3 or less can have m - 1 vertices only if that dimension is at least
-    // 2.
+    // Some sets may be faces of dimension m - 3 or less, which are not maximal. Such a face can
+    // have m - 1 vertices only if its dimension is at least 2, so for m >= 5.
     if (m >= 5) keep_maximal(sets);
     return sets;
   }
 
+  /// Removes the sets that are subsets of others.
   static void keep_maximal(std::vector<VertexSet>& sets) {
     std::stable_sort(sets.begin(), sets.end(),
                      [](const auto& a, const auto& b) { return a.size() > b.size(); });

@@ -1,6 +1,6 @@
 // The bodies of the kernels for the data-parallel primitives, as plain functions of a thread's
-// place: all but the launch. On the host a loop over blocks and threads runs them (as tests do), on
-// a device a launch (executor.cuh). Where a body has phases, all threads of a block are
+// place in the grid. On a device a launch runs them (executor.cuh); on the host a loop over blocks
+// and threads can, as in the tests. If a body has phases, all threads of a block must be
 // synchronised between them.
 #pragma once
 
@@ -19,9 +19,9 @@ struct GridThread {
   CULLHULL_HD std::uint64_t stride() const { return std::uint64_t{blocks} * block_size; }
 };
 
-/// Atomic updates of words that several threads access. Reading before an atomic operation avoids
-/// most of these: the maximum of n items in random order changes ln n times. The read must bypass
-/// the thread's own cache, which might never see the value change.
+/// Atomic updates of words that several threads access. Reading the word first avoids most atomic
+/// operations: the maximum of n items in random order changes only about ln n times. The read must
+/// bypass the thread's own cache, which might never see a change.
 struct DeviceAtomics {
   CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
 #if defined(__CUDA_ARCH__)
@@ -52,8 +52,9 @@ struct ForEachKernel {
   }
 };
 
-/// Every thread combines its items, every block the results of its threads, in a table (in shared
-/// memory) of one T a thread; the block's result is partial[b]. The block size is a power of two.
+/// A reduction. Every thread combines its items, and every block combines the results of its
+/// threads in a table of one T a thread, in shared memory. partial[b] receives the result of block
+/// b. The block size must be a power of two.
 template <class T, class Map, class Combine>
 struct ReduceKernel {
   Map map;
@@ -62,32 +63,33 @@ struct ReduceKernel {
   std::uint32_t count;
   T* partial;
 
-  // Phase 1: each thread's items.
+  // Phase 1: each thread combines its items.
   CULLHULL_HD void collect(const GridThread& at, T* table) const {
     T sum = identity;
     for (std::uint64_t i = at.first(); i < count; i += at.stride())
       sum = combine(sum, map(static_cast<std::uint32_t>(i)));
     table[at.thread] = sum;
   }
-  // Phases 2 ...: pairs, for width = block_size / 2, / 4 ... 1.
+  // The next phases combine pairs of entries, for width = block_size / 2, block_size / 4, ..., 1.
   CULLHULL_HD void fold(const GridThread& at, std::uint32_t width, T* table) const {
     if (at.thread < width) table[at.thread] = combine(table[at.thread], table[at.thread + width]);
   }
-  // The last phase needs no synchronisation: thread 0 wrote that item itself.
+  // The last phase needs no synchronisation before it: thread 0 wrote table[0] itself.
   CULLHULL_HD void finish(const GridThread& at, const T* table) const {
     if (at.thread == 0) partial[at.block] = table[0];
   }
 };
 
-/// With few cells all threads of the device would contend for them, so there are several copies of
-/// the cells, and a block writes to one of them. They must be zero before.
+/// The maximum of the values offered to each cell. If there are few cells, all threads of the
+/// device would contend for them; so there are several copies of the cells, and each block writes
+/// to one. All copies must be zero at the beginning.
 template <class Body>
 struct ScatterMaxKernel {
   Body body;
   std::uint32_t count, cells, copies;
-  std::uint64_t* best;  ///< copies * cells
+  std::uint64_t* best;  ///< the copies, `cells` values each
 
-  /// Returns the number of this thread's offers to no_item.
+  /// Returns how many of this thread's items have no cell (no_item).
   CULLHULL_HD std::uint32_t run(const GridThread& at) const {
     std::uint64_t* mine = best + std::size_t{at.block % copies} * cells;
     std::uint32_t none = 0;
@@ -100,14 +102,15 @@ struct ScatterMaxKernel {
   }
 };
 
-/// Up to 64 copies, which makes contention rare, in a megabyte at most: guesses, not swept.
+/// The number of copies: up to 64, so that contention is rare, in at most one megabyte. Both
+/// numbers are guesses, not tuned.
 CULLHULL_HD constexpr std::uint32_t scatter_copies(std::uint32_t cells) {
   constexpr std::uint32_t words = 1U << 17, most = 64;
   const std::uint32_t fit = words / (cells == 0 ? 1 : cells);
   return fit < 1 ? 1 : fit > most ? most : fit;
 }
 
-/// Combines the copies of each cell.
+/// Combines the copies of each cell into one value.
 struct FoldCopies {
   const std::uint64_t* copied;
   std::uint32_t cells, copies;

@@ -1,5 +1,5 @@
-// The kernels of the CUDA GaugeMap as functions that launch them on a stream. Callers handle memory
-// and errors (gauge.cpp); each function returns the status of its launch.
+// The kernels of the gauge map on CUDA devices. Each function launches a kernel on a stream and
+// returns the status of the launch. The callers (gauge.cpp) handle memory and errors.
 #pragma once
 
 #include <driver_types.h>
@@ -14,33 +14,37 @@ namespace cullhull::internal::inline cuda {
 
 struct Device;
 
-/// The most nodes of a table with which this device runs two blocks of the kernel at a time and has
-/// a quarter of the memory left as cache for the points (docs/gpu.md).
+/// The greatest number of nodes of a table with which a multiprocessor of this device runs two
+/// blocks of the kernel at a time and keeps a quarter of its memory as cache for the points
+/// (docs/gpu.md).
 std::uint32_t most_gauge_nodes(const Device& device);
 
-/// Words of the mask of `count` points, and how many of them gauge_mask may write.
+/// Words of 32 bits in the mask of `count` points.
 constexpr std::uint64_t mask_words(std::uint64_t count) { return (count + 31) / 32; }
+/// Words that gauge_mask may write, and for which a mask needs room: at least mask_words().
 constexpr std::uint64_t mask_room(std::uint64_t count) { return (count + 127) / 128 * 4; }
 
-/// mask[i / 32] bit i % 32: point i is not provably inside; bits of points beyond the last are 0.
-/// `nodes`: the table's, on the device.
+/// Sets bit i % 32 of mask[i / 32] to 1 if point i is not provably inside, else to 0. Bits beyond
+/// the last point become 0. `nodes`: the table's nodes on the device.
 cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const DevicePointView& points,
                        std::uint32_t* mask, const Device& device, cudaStream_t stream);
 
 /// Words of a mask that one block converts to ids.
 inline constexpr std::uint32_t tile_words = 1024;
 
-/// counts[t]: the number of set bits in tile t.
+/// Writes the number of set bits in tile t to counts[t].
 cudaError_t count_bits(const std::uint32_t* mask, std::uint64_t words, std::uint64_t* counts,
                        cudaStream_t stream);
-/// offsets[i] = sum of counts[0 .. i). `scratch` null: only sets `scratch_bytes`.
+/// Computes offsets[i] = sum of counts[0 .. i). If `scratch` is null, it only sets `scratch_bytes`
+/// to the size of scratch memory needed.
 cudaError_t sum_counts(void* scratch, std::size_t& scratch_bytes, const std::uint64_t* counts,
                        std::uint64_t* offsets, std::uint64_t items, cudaStream_t stream);
-/// Writes the positions of the set bits, ascending: those of tile t from ids[offsets[t]] on.
+/// Writes the positions of the set bits, ascending. Those of tile t begin at ids[offsets[t]].
 cudaError_t list_bits(const std::uint32_t* mask, std::uint64_t words, const std::uint64_t* offsets,
                       std::uint64_t* ids, cudaStream_t stream);
 
-/// rows[i] = point ids[i] (`ids` null: point i), packed, in the points' scalar.
+/// Copies point ids[i] (point i if `ids` is null) to row i of packed rows of the points' scalar
+/// type.
 cudaError_t gather_rows(const DevicePointView& points, const std::uint64_t* ids,
                         std::uint64_t count, void* rows, cudaStream_t stream);
 /// out[i] = of[at[i]].

@@ -1,4 +1,4 @@
-// PseudoHull on a CUDA device, over points in its memory. Built only with CUDA.
+// The pseudo-hull filter on a CUDA device, for points in its memory. Only in builds with CUDA.
 #pragma once
 
 #include <cstdint>
@@ -13,16 +13,17 @@ namespace cullhull::internal::inline cuda {
 
 inline constexpr unsigned pseudo_hull_cuda_max_dimension = 6;
 
-/// As pseudo_hull_survivors, with the same result for the same settings, except that 0 subsets
-/// means as few as their greatest size and the device's memory allow: all multiprocessors work on
-/// one subset at a time. 2 to 6 dimensions. Device memory: 33 bytes a point of a subset, and the
-/// facets. Throws cuda::OutOfMemory where that is not available, cuda::Failure where the device
-/// fails.
+/// The same as pseudo_hull_survivors on the device; the same settings give the same result, except
+/// that 0 subsets means as few as the greatest size of a subset and the device's memory allow,
+/// since all multiprocessors work on one subset at a time. For 2 to 6 dimensions. Needs 33 bytes of
+/// device memory for each point of a subset, and memory for the facets. Throws cuda::OutOfMemory if
+/// there is less, and cuda::Failure if the device fails.
 std::vector<std::uint64_t> pseudo_hull_survivors_cuda(
     const DevicePointView& points, const PseudoHullSettings& settings, const Control& control,
     std::vector<PseudoHullRound>* rounds = nullptr);
 
-/// The same with a single subset; the ids stay on the device, on points.stream.
+/// The same with a single subset. The ids stay in the device's memory; the work is on
+/// points.stream.
 cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
                                             const Control& control,
                                             std::vector<PseudoHullRound>* rounds = nullptr);

@@ -1,5 +1,5 @@
-// The kernels that hull many small sets, as functions that launch them on a stream. Callers handle
-// memory and errors (set_hulls.cpp); each function returns the status of its launch.
+// The kernels for the hulls of many small sets. Each function launches a kernel on a stream and
+// returns the status of the launch. The callers (set_hulls.cpp) handle memory and errors.
 #pragma once
 
 #include <driver_types.h>
@@ -11,57 +11,62 @@
 
 namespace cullhull::internal::inline cuda {
 
-/// Points of the largest set that a warp takes. Ids within a set and numbers of simplices then fit
-/// a byte.
+/// The most points of a set that a warp processes. Numbers of points within a set, and numbers of
+/// simplices, then fit a byte.
 inline constexpr unsigned most_warp_points = 128;
 
-/// Bytes a point of a set's lists of simplices, d ids each: fewer than n in the plane, fewer than
-/// 2 n in space.
+/// Bytes of room for simplices for each point of a set. A set of n points has at most n simplices
+/// in 2D and fewer than 2 n in 3D, of d bytes each.
 constexpr unsigned simplex_room(unsigned dimension) { return dimension == 2 ? 2 : 6; }
 
-/// Sets and what is found of them; all pointers are the device's.
+/// Sets and their hulls. All pointers refer to the device's memory.
 struct WarpSets {
-  const std::uint64_t* starts;  ///< sets + 1; set i is points [starts[i], starts[i + 1])
+  const std::uint64_t* starts;  ///< set i has the points [starts[i], starts[i + 1])
   std::uint32_t sets;
-  /// Vertices | simplices << 8 of each set; 0: not decided (of another size, a sign too close, not
-  /// finite).
+  /// For each set the number of vertices | the number of simplices << 8. 0: the hull was not
+  /// decided, because the set has another size, a sign is too close to zero, or a point is not
+  /// finite.
   std::uint16_t* counts;
-  /// A set's lists begin at the number of its first point, times the room for one: its vertices,
-  /// and d of them a simplex, in the order of a result (HullBatch).
+  /// The lists of vertices and of simplices (d numbers each), in the order of a HullBatch. A set's
+  /// lists begin at the index of its first point times the room for a point: 1 byte in `vertices`,
+  /// simplex_room() bytes in `simplices`.
   std::uint8_t* vertices;
   std::uint8_t* simplices;
 };
 
-/// Finds the hulls of the sets of [least, most] points; the counts of others are left unchanged.
-/// Dimension 2 or 3; most <= most_warp_points.
+/// Finds the hulls of the sets of `least` to `most` points, and leaves the counts of others
+/// unchanged. Dimension 2 or 3; most <= most_warp_points.
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream);
 
-/// Copies the lists of the decided sets, in which there is room for others, to where each set's
-/// begin: vertices to vertex_at[i] and simplices to simplex_at[i] (in simplices, not ids).
+/// Where pack_set_hulls() writes the lists of set i, without gaps between sets: the vertices from
+/// vertex_at[i] on, and the simplices from simplex_at[i] on (counted in simplices, not numbers).
 struct PackedLists {
   const std::uint64_t* vertex_at;
   const std::uint64_t* simplex_at;
 };
-/// As bytes, the vertices ascending, with their packed rows in the points' scalar.
+/// Copies the lists of the decided sets as bytes, with ascending vertices, and the vertices' packed
+/// rows in the points' scalar type.
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
                            const PackedLists& at, std::uint8_t* vertices, std::uint8_t* simplices,
                            void* rows, cudaStream_t stream);
-/// As 32-bit integers.
+/// Copies the lists of the decided sets as 32-bit integers.
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
                            const PackedLists& at, std::int32_t* vertices, std::int32_t* simplices,
                            cudaStream_t stream);
 
-/// Runs of items to copy: run i is `length[i]` items from `from[i]` to `to[i]`.
+/// Runs of items to copy: run i has length[i] items, at from[i] in the source and at to[i] in the
+/// destination.
 struct ItemRuns {
   const std::uint64_t* from;
   const std::uint64_t* to;
   const std::uint64_t* length;
   std::uint32_t count;
 };
-/// rows[to ...] = points [from ...], packed, in the points' scalar.
+/// Copies runs of points to packed rows of the points' scalar type.
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
                             cudaStream_t stream);
+/// Copies runs of integers.
 cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
                       cudaStream_t stream);
 

@@ -16,16 +16,16 @@ namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
-/// A file of one number, or of the word "max"; a file that is missing or not readable sets no
-/// limit.
+/// Reads a limit from a file, which contains one number or the word "max". Returns no_limit for
+/// "max" and for a file that cannot be read.
 std::uint64_t limit_in(const std::string& path) {
   std::ifstream file(path);
   std::uint64_t bytes = 0;
   return file >> bytes ? bytes : no_limit;
 }
 
-/// The least limit of a group and of those that contain it: in a container the outer ones are not
-/// visible, and its own is mounted at the root.
+/// The least limit of a group and of the groups that contain it, up to the root. In a container the
+/// outer groups are invisible, and the container's own group is mounted at the root.
 std::uint64_t limit_upwards(const std::string& root, std::string group, const char* name) {
   std::uint64_t least = no_limit;
   for (;;) {
@@ -35,8 +35,8 @@ std::uint64_t limit_upwards(const std::string& root, std::string group, const ch
   }
 }
 
-/// The machine's memory, or the address space limit of this process where that is less. 0: not
-/// known.
+/// The machine's memory in bytes, or the limit of this process's address space if that is less. 0
+/// if unknown.
 std::uint64_t addressable_memory() {
 #if defined(_WIN32)
   MEMORYSTATUSEX status{};

@@ -1,4 +1,4 @@
-// The memory budget, and how much memory there is to plan with.
+// The memory budget of a call, and the memory available to the process.
 #pragma once
 
 #include <cstdint>
@@ -6,21 +6,23 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// Bytes a call may allocate: the request, or half of machine_memory() for 0.
+/// The bytes that a call may allocate: the request; for 0, half of machine_memory(), or 4 GiB if
+/// that is unknown.
 std::uint64_t resolve_budget(std::uint64_t requested);
 
-/// Throws Error{out_of_budget}, naming `what`, if it needs more bytes than the budget has.
+/// Throws Error{out_of_budget} if `bytes`, which `what` needs, exceeds `budget`. `what` is the
+/// plural noun that begins the message.
 void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what);
 
-// How much memory there is to plan with.
-
-/// Bytes this process may use: the machine's memory or, where that is less, the limit of its
-/// control groups (those of a container, say). 0 where the system does not tell. Determined once.
+/// The bytes that this process may use: the machine's memory, the limit of the process's address
+/// space or the limit of its control groups (for instance a container's), whichever is least. 0 if
+/// the system does not report its memory. Determined once.
 std::uint64_t machine_memory();
 
-/// The least limit of the control groups that the file `groups` (/proc/self/cgroup) names and of
-/// those that contain them, whose files lie in `root` (/sys/fs/cgroup), versions 1 and 2; the
-/// greatest number where there is none.
+/// The least memory limit, in bytes, of the control groups that the file `groups`
+/// (/proc/self/cgroup) names and of the groups that contain them. Reads the limits from the tree
+/// `root` (/sys/fs/cgroup), of version 1 or 2. Returns the greatest 64-bit number if no group has a
+/// limit.
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root);
 
 }  // namespace cullhull::internal::inline parallel

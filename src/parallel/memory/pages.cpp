@@ -22,9 +22,10 @@ namespace {
 
 constexpr std::align_val_t alignment{64};
 
-/// Blocks below mapped_block that nobody uses now. malloc returns what lies at the end of its heap
-/// to the system with nearly every hull of 10,000 points, and takes it back, cleared page by page,
-/// with the next: half of the time of a hull of 10,000 points on a circle.
+/// Unused blocks of less than mapped_block bytes, kept for reuse. Without them malloc returns the
+/// end of its heap to the system after nearly every hull of 10,000 points and requests it again for
+/// the next hull, and the system clears it page by page. That took half of the time of a hull of
+/// 10,000 points on a circle.
 class FreeBlocks {
  public:
   void lock() { mutex_.lock(); }
@@ -66,15 +67,16 @@ class FreeBlocks {
   }
 
  private:
-  /// The arrays of one call and of its result, a few times over for several callers.
+  /// The most bytes kept: enough for the arrays of one call and its result, for several callers.
   static constexpr std::size_t most = std::size_t{16} << 20;
 
-  /// Four sizes an octave: at most a quarter of a block lies idle.
+  /// Block sizes are rounded up to one of four sizes in each octave, which wastes at most a fifth
+  /// of a block.
   static constexpr unsigned octaves = std::countr_zero(mapped_block) - std::countr_zero(kept_block);
   static constexpr unsigned classes = 4 * octaves + 1;
 
   struct List {
-    static constexpr unsigned room = 64;  // blocks of a class; a guess
+    static constexpr unsigned room = 64;  // most blocks kept of a class; a guess, not tuned
     void* blocks[room];
     unsigned count = 0;
   };
@@ -114,16 +116,16 @@ constexpr std::size_t page = std::size_t{2} << 20;
 std::size_t whole_pages(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
 char* map_pages(std::size_t bytes) {
-  // Often the system's choice is aligned, next to an earlier block: then both can be kept as one
-  // range.
+  // The system often chooses an aligned address next to an earlier block. When freed, the two can
+  // then be kept as one range.
   void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) throw std::bad_alloc();
   if (reinterpret_cast<std::uintptr_t>(p) % page == 0) {
-    madvise(p, bytes, MADV_HUGEPAGE);  // only advice: changes nothing but time
+    madvise(p, bytes, MADV_HUGEPAGE);  // advice only: affects nothing but speed
     return static_cast<char*>(p);
   }
   munmap(p, bytes);
-  // Otherwise map a page more and unmap what is not aligned at both ends.
+  // Otherwise map one page more and unmap the parts before and after the aligned pages.
   p = mmap(nullptr, bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (p == MAP_FAILED) throw std::bad_alloc();
   const auto address = reinterpret_cast<std::uintptr_t>(p);
@@ -147,21 +149,21 @@ void prefer_huge_pages(void* begin, std::size_t bytes) noexcept {
 namespace {
 
 std::size_t usual_limit() {
-  // Bytes kept between calls, whatever the machine has.
+  // The most bytes kept between calls, even on a machine with much memory.
   constexpr std::size_t most = std::size_t{1} << 30;
   const std::uint64_t memory = machine_memory();
   return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
 }
 
-/// Scopes that the calling thread has open.
+/// PageScopes of the calling thread.
 thread_local unsigned scopes_here = 0;
 
-/// Unused ranges of whole pages, adjacent ones joined.
+/// Unused ranges of whole huge pages, kept for reuse. Adjacent ranges are joined.
 class FreePages {
  public:
   void lock() { mutex_.lock(); }
   void unlock() { mutex_.unlock(); }
-  /// A forked child has none of the other threads' scopes.
+  /// Unlocks in a forked child, which has none of the other threads and so none of their scopes.
   void unlock_in_child() {
     scopes_ = scopes_here;
     mutex_.unlock();
@@ -192,8 +194,9 @@ class FreePages {
     return kept_;
   }
 
-  /// `bytes` of the smallest range that is large enough, or, where none is, the largest range of at
-  /// least `least` bytes: `bytes` becomes its size. nullptr: there is none.
+  /// Takes `bytes` bytes of the smallest range that is large enough. If there is no such range,
+  /// takes the whole largest range, provided that it has at least `least` bytes, and sets `bytes`
+  /// to its size. Returns nullptr if no range has `least` bytes.
   char* take(std::size_t& bytes, std::size_t least) {
     const std::lock_guard lock(mutex_);
     auto best = ranges_.end(), largest = best;
@@ -212,7 +215,8 @@ class FreePages {
     return start;
   }
 
-  /// Whether the range was kept.
+  /// Keeps a range for reuse. Returns false, without keeping it, if that would exceed the limit
+  /// outside of every PageScope, or if there is no memory for an entry of ranges_.
   bool give(char* start, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     if (scopes_ == 0 && (bytes > limit_ || kept_ > limit_ - bytes)) return false;
@@ -237,11 +241,11 @@ class FreePages {
   }
 
  private:
-  /// The system may reclaim these pages without saving their contents, until they are written
+  /// Allows the system to reclaim these pages, discarding their contents, until they are written
   /// again.
   static void offer(char* start, std::size_t bytes) { madvise(start, bytes, MADV_FREE); }
 
-  /// Returns ranges to the system, from the highest address on, until so much is kept.
+  /// Returns memory to the system, highest addresses first, until at most `most` bytes are kept.
   void shrink(std::size_t most) {
     while (kept_ > most) {
       const auto last = std::prev(ranges_.end());
@@ -295,8 +299,8 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
   const std::size_t old = whole_pages(bytes), size = whole_pages(more);
   more = size;
   if (size <= old) return block;
-  // Kept pages need no clearing, but the contents must be copied. To copy seldom, a block that
-  // grows by little gets four times its size.
+  // Kept pages need no clearing, but the contents must be copied into them. A block that grows to
+  // less than twice its size gets four times the requested size, so that it is copied rarely.
   std::size_t room = old <= size / 2 ? size : 4 * size;
   if (char* kept = free_pages().take(room, std::max(size, 2 * old)); kept != nullptr) {
     std::memcpy(kept, block, bytes);
@@ -308,11 +312,12 @@ void* grow_block(void* block, std::size_t bytes, std::size_t& more) {
     madvise(block, size, MADV_HUGEPAGE);
     return block;
   }
-  // A block that spans several mappings (EFAULT) cannot be moved as one.
+  // mremap fails with EFAULT if the block spans several mappings: it cannot move them as one.
   const bool moves = errno != EFAULT;
-  char* place = map_pages(size);  // aligned to a huge page, so that whole huge pages move
+  char* place = map_pages(size);  // aligned, so that whole huge pages can be moved
   if (moves) {
-    // After a failure `place` may or may not still be mapped; nothing in it was written.
+    // After a failure it is unknown whether `place` is still mapped, so it is not unmapped. Nothing
+    // was written to it, so it uses no memory.
     if (mremap(block, old, size, MREMAP_MAYMOVE | MREMAP_FIXED, place) == MAP_FAILED)
       throw std::bad_alloc();
     madvise(place, size, MADV_HUGEPAGE);

@@ -1,6 +1,6 @@
-// Large blocks of memory, on huge pages where the system grants them. During a call, what one step
-// frees is kept for the next: memory from the system must be cleared first, which costs more than
-// most steps do.
+// Large blocks of memory, on huge pages if the system grants them. During a call, blocks that one
+// step frees are kept for the next steps: the system must clear new memory, which takes longer than
+// most steps.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// While any of these lives, every freed block is kept and reused; the last one to be destroyed
-/// returns to the system what is beyond the limit of keep_memory(), and lets it reclaim the rest
-/// when it needs memory. So no more is held at any time than the running calls have needed at once,
-/// or the limit.
+/// While any PageScope exists, freed blocks of at least mapped_block bytes are kept and reused.
+/// When the last PageScope is destroyed, kept memory beyond the limit of keep_memory() is returned
+/// to the system, and the system may reclaim the rest when it needs memory. So the process never
+/// holds more than its running calls have needed at once, or the limit.
 class PageScope {
  public:
   PageScope();
@@ -24,33 +24,38 @@ class PageScope {
   PageScope& operator=(const PageScope&) = delete;
 };
 
-/// From this size on allocate_block gives blocks that begin at a cache line and that are reused.
-/// Smaller ones never fill the end of malloc's heap by themselves.
+/// From this size in bytes on, allocate_block returns blocks that begin at a cache line and that
+/// are reused. Smaller blocks come from operator new; they alone do not make malloc return and
+/// request the end of its heap again and again.
 inline constexpr std::size_t kept_block = std::size_t{4} << 10;
 
-/// A larger block with the contents of `block`, which it replaces; all sizes at least
-/// `mapped_block`, `bytes` the size requested for `block`. `more` becomes the capacity, which may
-/// exceed the request: a block that grows will grow again. Where memory must be new, page tables
-/// are moved and not bytes.
+/// From this size in bytes on, blocks are whole huge pages, mapped by the system (on Linux).
 inline constexpr std::size_t mapped_block = std::size_t{2} << 20;
+/// Replaces `block` by a larger block with the same contents and returns the new one. `bytes`: the
+/// size requested for `block`; `more`: the new size; both at least mapped_block. Sets `more` to the
+/// new capacity, which may exceed the request, since a block that grows is likely to grow again. If
+/// new memory is needed, the function moves page tables instead of copying bytes, if it can. Throws
+/// std::bad_alloc.
 void* grow_block(void* block, std::size_t bytes, std::size_t& more);
 
-/// Requests huge pages for the whole ones between two addresses, before they are first written:
-/// only advice, which changes nothing but time.
+/// Asks the system for huge pages within [begin, begin + bytes). Call it before the memory is first
+/// written. It is advice only, which affects nothing but speed.
 void prefer_huge_pages(void* begin, std::size_t bytes) noexcept;
 
-/// Sets the limit of what is kept, in bytes, and gives back what is beyond it; what is kept now.
+/// Sets the limit, in bytes, of unused memory kept between calls, and returns memory beyond it to
+/// the system. Large blocks are returned only when no PageScope exists.
 void keep_pages(std::size_t limit) noexcept;
+/// The bytes of unused memory that are kept now.
 std::size_t kept_pages() noexcept;
 
-/// Gives back what is kept beyond so many bytes, once; the limit stays.
+/// Returns unused large blocks to the system until at most `most` bytes of them are kept. The limit
+/// of keep_pages() stays.
 void trim_pages(std::size_t most) noexcept;
 
-// New memory is cleared by the system when it is first written to, two megabytes at a time.
-
-/// Writes one byte of every huge page of a block whose contents do not matter. Otherwise scattered
-/// writes would make the system clear all of the block within their first chunk, during which
-/// cancellation is not checked. `check` runs between pages.
+/// Writes one byte of every huge page (2 MiB) of a block whose contents do not matter. The system
+/// clears a new page when it is first written. Without this function, the first chunk of a loop
+/// with scattered writes would make the system clear the whole block, and cancellation is not
+/// checked within a chunk. Calls check() before each page.
 template <class Check>
 void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const Check& check) {
   constexpr std::size_t page = std::size_t{2} << 20;

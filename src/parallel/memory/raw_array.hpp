@@ -1,6 +1,7 @@
-// A growing array of trivial items: not initialised, on huge pages that are reused from step to
-// step (pages.hpp), and growing by moving page tables instead of bytes where the system can.
-// Clearing and copying pages was 28 % of the 3D engine's time.
+// Large scratch arrays of trivial items: uninitialised, on huge pages that the steps of a call
+// reuse (pages.hpp). RawArray can grow, by moving page tables instead of copying bytes if the
+// system allows it; BigArray has a fixed size. Clearing and copying pages took 28 % of the 3D
+// engine's time.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +18,7 @@
 
 namespace cullhull::internal::inline parallel {
 
+/// A growing array of trivial items, whose values are indeterminate until written.
 template <class T>
 class RawArray {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -40,7 +42,7 @@ class RawArray {
   const T& operator[](std::size_t i) const { return data_[i]; }
   std::size_t capacity() const { return bytes_ / sizeof(T); }
 
-  /// Room for at least n items; new ones are undefined. Throws std::bad_alloc.
+  /// Makes room for at least n items and keeps the present ones. Throws std::bad_alloc.
   void reserve(std::size_t n) {
     if (n <= capacity()) return;
     if (n > (~std::size_t{0} - page) / sizeof(T)) throw std::bad_alloc();
@@ -77,9 +79,7 @@ class RawArray {
   std::size_t bytes_ = 0;
 };
 
-// Large scratch arrays: uninitialised, on huge pages, and reused from step to step (pages.hpp).
-
-/// `count` items of a trivial type whose values are indeterminate until written.
+/// An array of fixed size of trivial items, whose values are indeterminate until written.
 template <class T>
 class BigArray {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -101,14 +101,14 @@ class BigArray {
   std::unique_ptr<T, Free> data_;
 };
 
-/// v.resize(count) for a large result: huge pages are requested before the memory is first written.
+/// v.resize(count) for a large result. Requests huge pages before the memory is first written.
 template <class T>
 void resize_big(std::vector<T>& v, std::size_t count) {
   v.reserve(count);
   prefer_huge_pages(v.data(), count * sizeof(T));
   v.resize(count);
 }
-/// An Array requests huge pages itself.
+/// The same for an Array, whose allocator requests huge pages itself.
 template <class T>
 void resize_big(Array<T>& v, std::size_t count) {
   v.resize(count);

@@ -12,7 +12,7 @@
 namespace cullhull::internal::inline parallel {
 namespace {
 
-constexpr unsigned item_bits = 20;  // of a ticket: phase, number of items, next item
+constexpr unsigned item_bits = 20;  // width of a ticket's two item fields
 constexpr std::uint64_t item_mask = (std::uint64_t{1} << item_bits) - 1;
 
 using Body = std::function<void(std::uint32_t, unsigned)>;
@@ -20,8 +20,8 @@ using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
-/// The part of a session that helpers share. It may outlive the session: nobody waits for a helper
-/// that has no item.
+/// The state that a session shares with its helpers. It may outlive the session, since the caller
+/// does not wait for helpers that are between items.
 class Crew::Phases : public SharedWork {
  public:
   void join(unsigned lane) noexcept override {
@@ -34,7 +34,7 @@ class Crew::Phases : public SharedWork {
   }
 
   void run(std::uint32_t count, const Body& body) {
-    if (crowded()) {  // helpers may exist, but have no processor
+    if (crowded()) {  // the helpers' processors are busy with other work
       for (std::uint32_t i = 0; i < count; ++i) body(i, 0);
       return;
     }
@@ -58,7 +58,7 @@ class Crew::Phases : public SharedWork {
   void end() { over_ = true; }
 
  private:
-  /// Does one item of the present phase; false where none is left.
+  /// Takes and does one item of the current phase. Returns false if all items have been taken.
   bool work(unsigned lane) {
     std::uint64_t t = ticket_.load(std::memory_order_acquire);
     do {
@@ -74,15 +74,15 @@ class Crew::Phases : public SharedWork {
     return true;
   }
 
-  /// Phase, number of items, next item: one word, so that no item of a phase that is over can be
-  /// taken.
+  /// From high to low bits: the phase's number, its number of items and its next item. They share
+  /// one word, so that a late helper's compare-and-exchange fails once its phase is over.
   alignas(64) std::atomic<std::uint64_t> ticket_{0};
   alignas(64) std::atomic<std::uint32_t> done_{0};
   std::atomic<bool> over_{false};
   const Body* body_ = nullptr;
   std::exception_ptr error_;
   std::atomic<bool> failed_{false};
-  WaitWatch watch_;  // the caller's
+  WaitWatch watch_;  // used by the caller alone
 };
 
 Crew::Crew(unsigned threads) : lanes_(std::max(1U, threads)) {}

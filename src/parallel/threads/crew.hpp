@@ -1,6 +1,6 @@
-// Threads for algorithms of very many short parallel phases (tens of microseconds): helpers spin
-// while they wait for the next phase, so that a phase costs about a microsecond to begin and to
-// end.
+// Threads for algorithms of very many short parallel phases, each of some tens of microseconds.
+// Helpers spin while they wait for the next phase, so that beginning and ending a phase takes about
+// a microsecond.
 #pragma once
 
 #include <cstdint>
@@ -9,31 +9,35 @@
 
 namespace cullhull::internal::inline parallel {
 
+/// The calling thread and the helpers that join it for a session, a sequence of parallel phases.
 class Crew {
  public:
-  /// At most `threads` workers, the caller being one of them.
+  /// At most `threads` threads work, including the caller.
   explicit Crew(unsigned threads);
   ~Crew();
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// Numbers of workers, the caller's being 0, are below this.
+  /// The greatest number of threads that work. Each has a lane, a number below lanes(); the
+  /// caller's is 0.
   unsigned lanes() const { return lanes_; }
 
-  /// Runs main() on the calling thread; meanwhile run() has helpers, as many as the machine has
-  /// idle threads, from when they arrive. Exceptions of main pass through.
+  /// Runs main() on the calling thread. While main() runs, helpers join as far as the machine has
+  /// idle processors, and take part in the phases that main() starts with run(). Passes on
+  /// exceptions of main.
   void session(const std::function<void()>& main);
 
-  /// body(item, lane) for every item of [0, count), count < 2^20, each once; no two at a time with
-  /// the same lane. Only from main() of a session. An exception of body passes through when all
-  /// items are done.
+  /// Runs one phase: calls body(item, lane) once for every item of [0, count), count < 2^20, never
+  /// twice at the same time with the same lane, and returns when all calls have returned. May be
+  /// called only from main() of a session. If calls throw, rethrows one of their exceptions after
+  /// all items are done.
   void run(std::uint32_t count, const std::function<void(std::uint32_t, unsigned)>& body);
 
  private:
   class Phases;
 
   unsigned lanes_;
-  std::shared_ptr<Phases> phases_;  // of the session
+  std::shared_ptr<Phases> phases_;  // of the current session
 };
 
 }  // namespace cullhull::internal::inline parallel

@@ -10,18 +10,19 @@ namespace {
 using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
-/// Shorter waits are ignored: a scheduler's slice is longer, most interrupts are shorter.
+/// Shorter waits are ignored: a scheduler's slice is longer, while most interrupts are shorter.
 constexpr nanoseconds noticeable = 2ms;
-/// Back-off: no helper is asked for during 20 ms, a few slices, after the first long wait; the time
-/// doubles while long waits follow soon after it, up to a share of about 1 % lost to trying again.
+/// The first back-off lasts 20 ms, a few slices. Each one that follows soon after the last takes
+/// twice as long, up to 640 ms, when trying helpers again loses about 1 % of the time.
 constexpr nanoseconds first_rest = 20ms, longest_rest = 640ms;
 
-/// A single long wait may be due to a long item (a merged facet of many corners); where a processor
-/// is taken, another long wait follows within a few slices.
+/// Two long waits within this time begin a back-off. A single one may be due to a long item (a
+/// merged facet of many corners); if a processor is busy, another follows within a few slices.
 constexpr nanoseconds near = 30ms;
 
-/// Since the clock's epoch. Unsynchronised updates of concurrent callers change the back-off a
-/// little.
+/// In nanoseconds: the end of the back-off (0: there was none), the length of the last back-off,
+/// and the time of the last long wait. Times count from the clock's epoch. Concurrent callers
+/// update them without synchronisation, which changes the back-off only a little.
 std::atomic<std::int64_t> rest_until{0};
 std::atomic<std::int64_t> last_rest{0};
 std::atomic<std::int64_t> last_wait{0};
@@ -32,7 +33,7 @@ std::int64_t now() {
 
 void begin_rest() {
   const std::int64_t time = now(), until = rest_until.load(std::memory_order_relaxed);
-  if (time < until) return;  // the wait began before the back-off
+  if (time < until) return;  // a back-off lasts already
   const std::int64_t last = last_rest.load(std::memory_order_relaxed);
   const bool soon = last != 0 && time - until < 2 * last;
   const std::int64_t rest = soon ? std::min(2 * last, longest_rest.count()) : first_rest.count();
@@ -48,8 +49,8 @@ bool crowded() noexcept {
 }
 
 void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
-  // A factor of 4, since items of one loop differ in cost: with 2, the mantle of a cylinder was
-  // taken for a busy machine, and took a fifth longer.
+  // Items of one loop differ in cost, hence the factor of 4. With a factor of 2, the hull of points
+  // on a cylinder's lateral surface was taken for a busy machine and took a fifth longer.
   if (!(waited > noticeable + 4 * expected)) return;
   const std::int64_t time = now(), last = last_wait.exchange(time, std::memory_order_relaxed);
   const std::int64_t until = rest_until.load(std::memory_order_relaxed);
@@ -59,7 +60,7 @@ void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
 }
 
 void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
-  constexpr nanoseconds window = 20ms;  // some slices of the scheduler
+  constexpr nanoseconds window = 20ms;  // some of the scheduler's slices
   worked_ += worked;
   waited_ += waited;
   if (worked_ + waited_ < window) return;

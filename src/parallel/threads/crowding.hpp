@@ -1,35 +1,39 @@
-// Whether the processors are busy with other work. It shows when a helper begins an item and is
-// then descheduled: whoever waits for it loses a scheduler's slice, some milliseconds, each time.
-// So after such a wait no helper is asked for for a while.
+// Detects processors that are busy with other work. On such a machine a helper begins an item and
+// is then descheduled, and the thread that waits for it loses one of the scheduler's time slices,
+// some milliseconds, each time. After such waits callers work without helpers for a while: the
+// back-off.
 #pragma once
 
 #include <chrono>
 
 namespace cullhull::internal::inline parallel {
 
-/// Whether a helper is likely to cost more than it saves now. From any thread; about 30 ns.
+/// Whether the back-off lasts: helpers are likely to cost more than they save. Thread-safe; takes
+/// about 30 ns.
 bool crowded() noexcept;
 
-/// A caller was done with its own part and waited another `waited` for helpers, for items expected
-/// to take `expected`. Where it is far more, twice within some 30 ms or once soon after a back-off,
-/// the helpers did not run. From any thread.
+/// Reports that a caller finished its own part and then waited `waited` for helpers' items, which
+/// were expected to take `expected`. A wait is long if it takes more than 2 ms plus four times
+/// `expected`. Two long waits within some 30 ms, or one soon after a back-off, begin a back-off:
+/// the helpers had no processor. Thread-safe.
 void note_wait(std::chrono::nanoseconds expected, std::chrono::nanoseconds waited) noexcept;
 
-/// The same for a caller's many short phases, one after the other: none of them is long enough
-/// alone, but where the caller waits half of the time, two threads are no faster than one. (A third
-/// is usual in 6D.)
+/// The same for a caller's many consecutive short phases, none of which is a long wait alone.
+/// Begins a back-off if the caller waits for more than half of the time, since two threads are then
+/// no faster than one. (Waiting a third of the time is usual in 6D.)
 class WaitWatch {
  public:
+  /// Adds one phase: the caller worked for `worked`, then waited for `waited`.
   void add(std::chrono::nanoseconds worked, std::chrono::nanoseconds waited) noexcept;
 
  private:
   std::chrono::nanoseconds worked_{0}, waited_{0};
 };
 
-/// Helpers were asked for and did hardly any of the work.
+/// Reports that requested helpers did hardly any of the work; begins a back-off.
 void note_absence() noexcept;
 
-/// Resets to the state at the start of the process.
+/// Ends the back-off and forgets all reports, as at the start of the process.
 void forget_crowding() noexcept;
 
 }  // namespace cullhull::internal::inline parallel

@@ -6,7 +6,8 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// All guards: lists of each order, whose heads are constants until the first guard is made.
+/// All guards, in one linked list for each order. The heads are initialised at compile time, so
+/// that guards of any source file can be added before main.
 class ForkGuards {
  public:
   static ForkGuard* add(ForkGuard::Order order, ForkGuard* guard) {

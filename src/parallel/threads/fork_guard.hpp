@@ -1,16 +1,19 @@
-// Locks of the process, which a forked child must find free whichever thread held them.
+// Keeps the process's global locks usable in a forked child, even if another thread of the parent
+// held one of them during fork().
 #pragma once
 
 namespace cullhull::internal::inline parallel {
 
-/// Keeps the lock of something that the process has one of while it is forked: the child has none
-/// of the threads that could release it, and finds what it guards whole. fork() waits for whoever
-/// holds it. Made before main, at namespace scope; nothing where processes are not forked.
+/// Holds a global lock during fork(). The child has none of the parent's other threads, so a lock
+/// that one of them held would never be released, and the data behind it could be half changed.
+/// fork() therefore waits until it can take the lock; parent and child release it afterwards.
+/// Define guards at namespace scope, so that they exist before main. They do nothing on systems
+/// without fork().
 class ForkGuard {
  public:
   enum class Order {
-    outer,  ///< held while foreign libraries are called, or locks of `inner` are taken
-    inner,  ///< held briefly, alone
+    outer,  ///< locks held while foreign libraries are called or `inner` locks are taken
+    inner,  ///< locks held briefly, without taking another lock
   };
 
   /// `unlock_in_child` replaces `unlock` in the child, where the calling thread is the only one.

@@ -19,8 +19,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How long a helper without work spins: the next phase of the same call is near, and waking a
-/// sleeping thread costs its caller some microseconds and the thread some tens of them.
+/// How long a helper without work spins before it sleeps. The next phase of the same call usually
+/// begins soon, whereas waking a sleeping thread takes the caller some microseconds and the thread
+/// some tens of microseconds.
 constexpr std::chrono::microseconds attentive{50};
 
 void pause_once() {
@@ -31,19 +32,19 @@ void pause_once() {
 #endif
 }
 
-/// Calls that the calling thread has begun.
+/// Calls that the current thread has begun and not ended: 0 or 1.
 thread_local unsigned calls_here = 0;
 
-/// All helpers of the process, and the work that they can join, oldest first.
+/// All helpers of the process, and the open work that they can join, oldest first.
 class Helpers {
  public:
   static Helpers& of_process() {
-    static auto* const helpers = new Helpers;  // outlives whatever runs at the end of the process
+    static auto* const helpers = new Helpers;  // never destroyed: helpers may still use it at exit
     return *helpers;
   }
 
-  /// Makes `work` joinable; false where no helper is available. `lasting` work is accepted on a
-  /// busy machine, too: that may pass.
+  /// Makes `work` joinable by `wanted` helpers. Returns false if no helper is available. Accepts
+  /// `lasting` work on a busy machine, too, since the machine may become idle while the work lasts.
   bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work, bool lasting) {
     const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
     const unsigned cores = machine_threads();
@@ -83,7 +84,7 @@ class Helpers {
 
   void lock() { mutex_.lock(); }
   void unlock() { mutex_.unlock(); }
-  /// A forked child has none of the threads; its lists start empty.
+  /// Resets the object in a forked child, which has none of the helpers, and unlocks it.
   void begin_anew() {
     ::new (&work_here_) std::condition_variable;  // without the threads that wait in the parent
     open_.clear();
@@ -109,10 +110,12 @@ class Helpers {
     return true;
   }
 
+  /// Adds `more`, modulo 2^32, so that it can be a negative number. Needs the lock.
   void add_places(unsigned more) {
     places_.store(places_.load(std::memory_order_relaxed) + more, std::memory_order_relaxed);
   }
 
+  /// The endless loop of a helper: waits for open work, joins it, and starts over.
   void live() {
     for (;;) {
       stay_awake();
@@ -135,6 +138,7 @@ class Helpers {
     }
   }
 
+  /// Spins until there is open work, for at most `attentive`.
   void stay_awake() const {
     const Clock::time_point end = Clock::now() + attentive;
     do {
@@ -148,9 +152,9 @@ class Helpers {
   std::mutex mutex_;
   std::condition_variable work_here_;
   std::vector<Open> open_;
-  unsigned count_ = 0, asleep_ = 0, at_work_ = 0;  // helpers
-  std::atomic<unsigned> places_{0};                // in all open work, to see without the lock
-  std::atomic<unsigned> calls_{0};
+  unsigned count_ = 0, asleep_ = 0, at_work_ = 0;  // numbers of helpers
+  std::atomic<unsigned> places_{0};                // helpers still wanted, readable without lock
+  std::atomic<unsigned> calls_{0};                 // running calls of the process
 };
 
 const ForkGuard helpers_guard(
@@ -187,9 +191,9 @@ CallScope::~CallScope() {
 }
 
 void Patience::wait_a_little() {
-  // A sleep takes some 60 us, however short a time is requested, which is longer than many a serial
-  // part between two phases: first spin, then yield often. The counts are some 50 us of spinning
-  // and a few ms of yields, set by feel on two cores, not swept.
+  // A sleep takes some 60 us, however short a time is requested. Many serial parts between two
+  // phases are shorter, so spin first and then yield. The counts amount to some 50 us of spinning
+  // and a few ms of yields; they were chosen by feel on two cores, not tuned.
   constexpr unsigned spins = 2000, offers = 4000;
   if (turns_ < spins)
     pause_once();

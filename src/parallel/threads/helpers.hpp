@@ -1,31 +1,31 @@
-// Threads that share a caller's work where they are free: the caller goes on with the work itself,
-// and waits at the end for nothing but what a helper has begun.
+// Helpers: the process's own threads, which join the work of a caller when they are idle. The
+// caller does the work too, and at the end waits only for items that helpers have begun.
 #pragma once
 
 #include <memory>
 
 namespace cullhull::internal::inline parallel {
 
-/// Processors this process may run on; asked once.
+/// The number of the machine's hardware threads, at least 1; determined once.
 unsigned machine_threads();
 
 /// Work that helpers can join.
 class SharedWork {
  public:
   virtual ~SharedWork() = default;
-  /// Does the items that nobody has begun. `k` numbers those who join, from 1 on. May run after the
-  /// caller has returned: then no item may be left.
+  /// Does items that no thread has begun, until there are none. `k` numbers the helpers that join,
+  /// from 1 on. A helper may call it after the caller has returned; it must then find no item.
   virtual void join(unsigned k) noexcept = 0;
 };
 
-/// Work that helpers may join while this lives.
+/// Lets helpers join a SharedWork during the lifetime of this object.
 class OpenWork {
  public:
-  /// Asks for `helpers` of them. Fewer join where as many calls are at work as the machine has
-  /// processors (CallScope), or while they help others: perhaps none. On a busy machine (crowded())
-  /// only `lasting` work, which checks that itself, is opened.
+  /// Requests `helpers` helpers. Fewer or none join if other calls (CallScope) need the processors
+  /// or if helpers are at work for other callers. On a busy machine (crowded()) the request has no
+  /// effect, except for `lasting` work, which must check crowded() itself.
   OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting = false);
-  /// Nobody can join any more; those who did may still be running.
+  /// Ends joining. Helpers that have joined may still be running.
   ~OpenWork();
   OpenWork(const OpenWork&) = delete;
   OpenWork& operator=(const OpenWork&) = delete;
@@ -34,8 +34,9 @@ class OpenWork {
   const SharedWork* open_ = nullptr;
 };
 
-/// A call at work. While there are as many calls as processors, no helper joins any: all processors
-/// are busy. Within another call of the same thread it has no effect.
+/// Counts a running call of the library during its lifetime. While there are as many calls as
+/// processors, no helper joins any of them, since all processors are busy. Has no effect within
+/// another CallScope of the same thread.
 class CallScope {
  public:
   CallScope();
@@ -47,8 +48,8 @@ class CallScope {
   const bool outermost_;
 };
 
-/// Waits for another thread: spins at first, then yields, then sleeps briefly, so that a thread
-/// without a processor gets this one.
+/// The steps of waiting for another thread: the first calls of wait_a_little() spin, later ones
+/// yield, still later ones sleep briefly, so that a thread without a processor gets this one.
 class Patience {
  public:
   void wait_a_little();

@@ -16,9 +16,9 @@ namespace {
 using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
 using Clock = std::chrono::steady_clock;
 
-/// A loop that several threads run. Each begins with a contiguous part of the chunks, so that it
-/// stays within its own pages, and goes on with what is left of the others' parts. The object may
-/// outlive the call: `body` is used only for chunks that the caller waits for.
+/// A loop that several threads run. Each thread begins with a contiguous part of the chunks, so
+/// that it touches few memory pages that others use, and then steals chunks of the other parts. The
+/// object may outlive the call, but uses `body` only for chunks that the caller waits for.
 class Loop : public SharedWork {
  public:
   Loop(std::uint64_t items, std::uint64_t chunk_size, unsigned parts, const Body& body)
@@ -35,7 +35,7 @@ class Loop : public SharedWork {
 
   void join(unsigned k) noexcept override { work(k); }
 
-  /// Runs chunks until every one has been begun; returns how many it ran.
+  /// Runs chunks until all chunks have begun, first those of part k. Returns how many it ran.
   std::uint64_t work(unsigned k) noexcept {
     std::uint64_t done = 0;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
@@ -55,7 +55,8 @@ class Loop : public SharedWork {
     return done;
   }
 
-  /// Waits for all chunks begun by helpers; the caller's own took `each`.
+  /// Waits for the chunks that helpers have begun and rethrows the first exception. `each`: the
+  /// mean time of the caller's own chunks.
   void wait(Clock::duration each) const {
     if (over_.load(std::memory_order_acquire) < count_) {
       const Clock::time_point begin = Clock::now();
@@ -72,7 +73,7 @@ class Loop : public SharedWork {
     std::uint64_t end = 0;
   };
 
-  /// Lets nobody begin another chunk; returns how many were left.
+  /// Prevents every thread from beginning another chunk. Returns how many had not begun.
   std::uint64_t give_up() noexcept {
     std::uint64_t left = 0;
     for (Part& part : parts_) {

@@ -1,5 +1,6 @@
-// Data-parallel loops, with cancellation and progress. Everything is deterministic: work is cut
-// into chunks by size alone, never by thread count, and results are combined in chunk order.
+// Data-parallel loops, with cancellation and progress. They are deterministic: the chunk size
+// alone, never the number of threads, decides how work is cut into chunks, and callers combine
+// results in the order of chunks.
 #pragma once
 
 #include <chrono>
@@ -12,40 +13,46 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// Threads that will be used for a request (0: all the machine offers).
+/// The number of threads to use for a request: the request, at most 1024; for 0, one thread for
+/// each hardware thread of the machine.
 unsigned resolve_threads(unsigned requested);
 
-/// Runs body(chunk, begin, end) for every chunk of `chunk_size` items of [0, count) on at most
-/// `threads` threads; serial and in order for threads == 1. The caller works too, and does all
-/// chunks where no helper is free (helpers.hpp). Asking for helpers takes a few
-/// microseconds; taking a chunk 3 ns on one thread and 14 to 100 ns on two (measured with empty
-/// bodies). So chunks of ten to a hundred microseconds cost nothing that can be measured, share the
-/// work evenly from a millisecond on, and let a call stop at once: any size in between serves, and
-/// none is tuned further. Exceptions pass through.
+/// Cuts [0, count) into chunks of `chunk_size` items and runs body(chunk, begin, end) for each, on
+/// at most `threads` threads. The caller works too, and runs all chunks if no helper is free
+/// (helpers.hpp). With one thread the chunks run in order. Returns when every chunk that has begun
+/// is done. After an exception of body no further chunk begins, and the first exception is
+/// rethrown.
+///
+/// Requesting helpers takes a few microseconds; taking a chunk 3 ns on one thread and 14 to 100 ns
+/// on two (measured with empty bodies). So chunks of ten to a hundred microseconds cost nothing
+/// that can be measured, share the work evenly from a millisecond on, and let a call stop at once:
+/// any size in between serves, and none is tuned further.
 void for_each_chunk(
     std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
     const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body);
 
+/// The number of chunks of `chunk_size` items that hold `count` items; the last may be shorter.
 inline std::uint64_t chunk_count(std::uint64_t count, std::uint64_t chunk_size) {
   return (count + chunk_size - 1) / chunk_size;
 }
 
-/// Cancellation and progress, handed down to long loops.
+/// A call's cancellation and progress, passed to long loops.
 class Control {
  public:
-  /// Made on the calling thread; views the options, which must outlive it.
+  /// Construct it on the calling thread. It refers to the options, which must outlive it.
   explicit Control(const Options& options)
       : progress_(&options.progress),
         poll_(options.poll ? &options.poll : nullptr),
         stop_(options.stop) {
     if (poll_ != nullptr) caller_ = std::this_thread::get_id();
   }
-  /// Throws Error{cancelled} if the caller asked to stop. Cheap: call it every few thousand steps.
+  /// Throws Error{cancelled} if the caller requested a stop. On the calling thread it first calls
+  /// options.poll, whose exceptions pass through. Call it every few thousand steps.
   void check() const {
     if (poll_ != nullptr && std::this_thread::get_id() == caller_) (*poll_)();
     if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
   }
-  /// From the calling thread only.
+  /// Calls options.progress. May be called on the calling thread only.
   void report(const char* phase, double share) const {
     if (*progress_) (*progress_)(phase, share);
   }
@@ -57,7 +64,7 @@ class Control {
   std::stop_token stop_;
 };
 
-/// How long something takes.
+/// The clock that measures durations.
 using Clock = std::chrono::steady_clock;
 
 inline double seconds_since(Clock::time_point start) {

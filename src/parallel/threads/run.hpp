@@ -1,4 +1,5 @@
-// How a call runs: threads, cancellation and progress, memory. Every step is handed one.
+// Run: how one call runs, that is its threads, cancellation, progress and memory budget. Every step
+// of the call receives a Run.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +13,18 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// Items a chunk for loops of a few nanoseconds an item: some 50 microseconds, long beside the
-/// microsecond that handing a chunk to another thread takes.
+/// Items in a chunk, for loops that take a few nanoseconds an item. A chunk then takes some 50
+/// microseconds, long compared with the microsecond of handing a chunk to another thread.
 inline constexpr std::uint64_t light_grain = std::uint64_t{1} << 15;
 
-/// The options of one call, resolved; views them, so they must outlive it.
+/// The resolved options of one call. Refers to the options, which must outlive it.
 struct Run {
   explicit Run(const Options& o)
       : options(o),
         control(o),
         threads(resolve_threads(o.threads)),
         budget(resolve_budget(o.memory_budget)) {}
-  explicit Run(Options&&) = delete;  ///< a temporary ends before the run
+  explicit Run(Options&&) = delete;  ///< a temporary would be destroyed before the Run
 
   Run with_threads(unsigned n) const {
     Run run = *this;
@@ -36,12 +37,12 @@ struct Run {
     return run;
   }
 
-  /// Throws Error{cancelled} if the caller asked to stop.
+  /// Throws Error{cancelled} if the caller requested a stop (Control::check).
   void check() const { control.check(); }
   void report(const char* phase, double share) const { control.report(phase, share); }
 
-  /// body(begin, end) for chunks of `grain` items of [0, count), as for_each_chunk; checks for
-  /// cancellation before each of them.
+  /// Runs body(begin, end) for each chunk of `grain` items of [0, count), as for_each_chunk does,
+  /// and checks for cancellation before each chunk.
   template <class Body>
   void each(std::uint64_t count, std::uint64_t grain, const Body& body) const {
     for_each_chunk(count, grain, threads,
@@ -50,7 +51,8 @@ struct Run {
       body(begin, end);
     });
   }
-  /// The same as body(chunk, begin, end): results that are combined in the order of chunks.
+  /// The same with the chunk's number, body(chunk, begin, end), for results that are combined in
+  /// the order of chunks.
   template <class Body>
   void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body) const {
     for_each_chunk(count, grain, threads,
@@ -59,7 +61,7 @@ struct Run {
       body(chunk, begin, end);
     });
   }
-  /// body(i) for every i below `count`, each worth a chunk.
+  /// Runs body(i) for every i below `count`, each as a chunk of its own.
   template <class Body>
   void each_item(std::uint64_t count, const Body& body) const {
     each(count, 1, [&](std::uint64_t i, std::uint64_t) { body(i); });
@@ -71,7 +73,8 @@ struct Run {
   std::uint64_t budget;  ///< bytes
 };
 
-/// One call of a public function: its run, and the threads and memory that are kept while it lasts.
+/// One call of a public function: its Run, the registration with the helpers (CallScope) and the
+/// reuse of memory pages (PageScope).
 class Call {
  public:
   explicit Call(const Options& options) : run(options) {}
@@ -90,7 +93,7 @@ class Call {
   PageScope pages_;
 };
 
-/// For short work on the calling thread that need not be cancelled.
+/// A Run for short work on the calling thread that need not be cancelled.
 inline const Run& short_run() {
   static const Options options;
   static const Run run = Run(options).with_threads(1);

@@ -1,5 +1,5 @@
-// Scratch memory that each thread keeps from one step to the next: in a call of microseconds that
-// needs more than fits a stack, allocating would take as long as the work.
+// Scratch memory that each thread keeps for its next calls. In a call of a few microseconds that
+// needs more memory than fits on the stack, allocating would take as long as the work.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace cullhull::internal::inline parallel {
 
-/// One thread's object of one type.
+/// Owner of one thread's scratch object of one type; registers itself in that thread's list.
 class ThreadMemory {
  public:
   ThreadMemory() { all().push_back(this); }
@@ -16,18 +16,19 @@ class ThreadMemory {
   ThreadMemory(const ThreadMemory&) = delete;
   ThreadMemory& operator=(const ThreadMemory&) = delete;
 
+  /// Destroys the scratch object.
   virtual void drop() noexcept = 0;
   virtual bool empty() const noexcept = 0;
 
-  /// Those of the calling thread.
+  /// All owners of the calling thread.
   static std::vector<ThreadMemory*>& all() {
     thread_local std::vector<ThreadMemory*> list;
     return list;
   }
 };
 
-/// This thread's own T, with the contents that the last user left. Its user must not call anything
-/// that may use the same T on the same thread.
+/// The calling thread's scratch object of type T, with the contents that its last user left. While
+/// using it, do not call functions that may use the same T on the same thread.
 template <class T>
 T& thread_memory() {
   struct Kept final : ThreadMemory {
@@ -41,12 +42,12 @@ T& thread_memory() {
   return *kept.memory;
 }
 
-/// Frees what thread_memory() keeps for the calling thread, outside of any use of it.
+/// Frees the calling thread's scratch objects. None of them may be in use.
 inline void drop_thread_memory() noexcept {
   for (ThreadMemory* kept : ThreadMemory::all()) kept->drop();
 }
 
-/// Number of types the calling thread keeps.
+/// The number of scratch objects that the calling thread keeps.
 inline std::size_t thread_memories() noexcept {
   std::size_t count = 0;
   for (const ThreadMemory* kept : ThreadMemory::all()) count += kept->empty() ? 0 : 1;

@@ -1,4 +1,5 @@
-// The arithmetic of FacetBlock, compiled once per instruction set and chosen at run time.
+// The arithmetic of FacetBlock. It is compiled for several instruction sets, of which one is chosen
+// at run time.
 
 #include "parallel/simd_targets.hpp"
 #include "result/facets/facet_plane.hpp"

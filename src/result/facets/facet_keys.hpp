@@ -1,4 +1,4 @@
-// Sorting keys of simplices: their vertices, packed into 128 bits.
+// Sorting keys of simplices: the vertices of a simplex, packed into 128 bits.
 #pragma once
 
 #include <algorithm>
@@ -7,17 +7,17 @@
 
 namespace cullhull::internal::inline result {
 
-/// 128 bits: a stack of numbers, the last one pushed in the lowest bits. Overflow is lost at the
-/// top.
+/// A stack of numbers in 128 bits; the number pushed last is in the lowest bits. Bits pushed out at
+/// the top are lost.
 struct FacetKey {
   std::uint64_t high = 0, low = 0;
 
-  /// 0 < bits < 64.
+  /// Pushes a number of `bits` bits, 0 < bits < 64.
   void push(std::uint64_t value, unsigned bits) {
     high = high << bits | low >> (64 - bits);
     low = low << bits | value;
   }
-  /// 0 < bits <= 32.
+  /// Removes and returns the last number, of `bits` bits, 0 < bits <= 32.
   std::uint32_t pop(unsigned bits) {
     const auto value = static_cast<std::uint32_t>(low & ((std::uint64_t{1} << bits) - 1));
     low = low >> bits | high << (64 - bits);
@@ -29,13 +29,14 @@ struct FacetKey {
   }
 };
 
-/// Keys of `count` simplices of K vertices below `vertices`: as many of their vertices, in stored
-/// order, as fit; then the simplex's number.
+/// Packs the keys of simplices with K vertices. A key consists of as many of the vertices as fit,
+/// in stored order, and then the simplex's number.
 template <unsigned K>
 class FacetKeys {
  public:
-  /// Of the first vertex only the lowest `first_bits` bits are stored (its bucket gives the
-  /// others).
+  /// For `count` simplices whose vertices are below `vertices`, in keys of `key_bits` bits. A key
+  /// needs only the lowest `first_bits` bits of the first vertex; the others follow from its
+  /// bucket.
   FacetKeys(std::uint64_t vertices, std::uint64_t count, unsigned first_bits, unsigned key_bits)
       : vertex_bits_(std::max(1U, static_cast<unsigned>(std::bit_width(vertices - 1)))),
         number_bits_(std::max(1U, static_cast<unsigned>(std::bit_width(count - 1)))),
@@ -45,7 +46,7 @@ class FacetKeys {
          bits += vertex_bits_)
       ++packed_;
   }
-  /// Whether all vertices are in the keys.
+  /// Whether keys contain all vertices.
   bool complete() const { return packed_ == K; }
 
   FacetKey key(const std::uint32_t* vertex, std::uint32_t number) const {
@@ -54,21 +55,22 @@ class FacetKeys {
     key.push(number, number_bits_);
     return key;
   }
-  /// The lowest bits of the first vertex.
+  /// The lowest `first_bits` bits of the first vertex.
   std::uint32_t first(const FacetKey& key) const {
     const unsigned shift = number_bits_ + (packed_ - 1) * vertex_bits_;
     const std::uint64_t bits =
         shift >= 64 ? key.high >> (shift - 64) : key.low >> shift | key.high << (64 - shift);
     return static_cast<std::uint32_t>(bits) & first_mask_;
   }
+  /// The simplex's number.
   std::uint32_t number(const FacetKey& key) const {
     return static_cast<std::uint32_t>(key.low & ((std::uint64_t{1} << number_bits_) - 1));
   }
-  /// Whether the vertices in two keys are the same.
+  /// Whether two keys contain the same vertices.
   bool alike(const FacetKey& a, const FacetKey& b) const {
     return a.high == b.high && (a.low ^ b.low) >> number_bits_ == 0;
   }
-  /// The vertices of a complete key; `base`: the upper bits of the first.
+  /// Writes the vertices of a complete key. `base`: the upper bits of the first vertex.
   void unpack(FacetKey key, std::uint32_t base, std::uint32_t* vertex) const {
     key.pop(number_bits_);
     for (unsigned j = K; j-- > 1;) vertex[j] = key.pop(vertex_bits_);

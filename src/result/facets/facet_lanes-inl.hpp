@@ -1,5 +1,5 @@
-// The arithmetic of facets, a vector of them at a time: the text of facet_math-inl.hpp over vectors
-// instead of doubles. Included once per instruction set (hence Highway's unusual include guard).
+// The arithmetic of a vector of facets at a time: compiles facet_math-inl.hpp for vectors instead
+// of doubles. It is included once for each instruction set, hence Highway's unusual include guard.
 
 #if defined(CULLHULL_FACET_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef CULLHULL_FACET_LANES_INL
@@ -23,7 +23,7 @@ using D = hn::CappedTag<double, 8>;
 using V = hn::Vec<D>;
 using M = hn::Mask<D>;
 
-/// A vector with the operators of a number.
+/// A vector of doubles with the operators of a number.
 struct Lanes {
   V v;
   Lanes() = default;
@@ -44,7 +44,7 @@ HWY_INLINE Lanes greater_of(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
 HWY_INLINE unsigned lane_count() { return static_cast<unsigned>(hn::Lanes(D())); }
 HWY_INLINE Lanes load(const double* from) { return hn::Load(D(), from); }
 HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
-/// Bit mask of the lanes.
+/// The mask as bits, lane 0 in the lowest.
 HWY_INLINE unsigned bits_of(M mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(D(), mask, bytes);
@@ -56,7 +56,7 @@ HWY_INLINE unsigned bits_of(M mask) {
 #include "result/facets/facet_math-inl.hpp"
 #undef CULLHULL_MATH
 
-/// Loads rows of four doubles, the fourth unused.
+/// Loads a row of four doubles for each lane and ignores the fourth numbers.
 HWY_INLINE void load_rows(const double* rows, Lanes (&v)[3]) {
   V unused;
   hn::LoadInterleaved4(D(), rows, v[0].v, v[1].v, v[2].v, unused);
@@ -65,8 +65,9 @@ HWY_INLINE void store_rows(const Lanes (&v)[3], Lanes fourth, double* rows) {
   hn::StoreInterleaved4(v[0].v, v[1].v, v[2].v, fourth.v, D(), rows);
 }
 
-/// The shares of a vector of triangles from number i on, and their planes to planes[4 i ...), the
-/// offsets multiplied by `unit`: as facet_share computes them where the normal is well-conditioned.
+/// Writes the shares of a vector of triangles from index i on, and their planes to planes[4 i ...),
+/// with offsets multiplied by `unit`. The bits are those of facet_share for well-conditioned
+/// normals.
 template <class Shares>
 HWY_INLINE void write_shares(const Lanes (&normal)[3], Lanes length, const Lanes (&corner)[3],
                              const Lanes (&origin)[3], const Lanes (&sum)[3], double unit,

@@ -1,8 +1,8 @@
-// The share of the measures and the plane of a facet that is a simplex: one text for numbers and
-// for vectors of them, since the bits, and so the order of operations, are part of the canonical
-// result. To be included inside a namespace that has `cofactors`, root, absolute and greater_of:
-// once for doubles (facet_math.hpp) and once for each instruction set (facet_lanes-inl.hpp).
-// CULLHULL_MATH is the functions' inline specifier.
+// Arithmetic for the plane of a simplex facet and its share of the measures. The same source is
+// compiled for numbers and for vectors, since the bits, and so the order of operations, are part of
+// the canonical result. Include it inside a namespace that has `cofactors`, root, absolute and
+// greater_of: once for doubles (facet_math.hpp) and once for each instruction set
+// (facet_lanes-inl.hpp). CULLHULL_MATH is the functions' inline specifier.
 
 template <unsigned K, class V>
 CULLHULL_MATH V square_of(const V (&v)[K]) {
@@ -11,7 +11,7 @@ CULLHULL_MATH V square_of(const V (&v)[K]) {
   return sum;
 }
 
-/// The largest magnitude of a coordinate.
+/// The largest absolute value of a coordinate.
 template <unsigned K, class V>
 CULLHULL_MATH V largest_of(const V (&v)[K]) {
   V most = absolute(v[0]);
@@ -35,8 +35,8 @@ CULLHULL_MATH void sum_of_corners(const V (&corner)[K][K], const V (&origin)[K],
   }
 }
 
-/// For the simplex of a facet and the origin: K! times its volume, K! (K + 1) times its moments
-/// about the origin, and the largest coordinate of the vector from there to corner 0.
+/// Numbers of the simplex formed by a facet and the origin: K! times its volume, K! (K + 1) times
+/// its moments about the origin, and the largest absolute coordinate of corner 0 minus the origin.
 template <unsigned K, class V>
 struct FacetMoments {
   V volume, moment[K], reach;
@@ -55,7 +55,8 @@ CULLHULL_MATH FacetMoments<K, V> moments_of(const V (&normal)[K], const V (&corn
   return out;
 }
 
-/// Unit normal and offset, the latter in the units of the corner.
+/// Unit normal and offset of a facet's plane, from a normal of this length and a corner. The offset
+/// is in the corner's units.
 template <unsigned K, class V>
 CULLHULL_MATH void plane_of(const V (&normal)[K], V length, const V (&corner)[K],
                             V (&plane)[K + 1]) {

@@ -1,4 +1,4 @@
-// Normal and plane of one simplex, with as many bits as it needs.
+// Normal and plane of one simplex, computed with as many bits as it needs.
 #pragma once
 
 #include <algorithm>
@@ -16,18 +16,20 @@
 
 namespace cullhull::internal::inline result {
 
-/// A normal shorter than this share of the product of its edges' lengths is computed again with
-/// more bits, so that its direction is accurate to about 2^-38 rad at worst, and usually far more.
+/// A normal shorter than this fraction of the product of its edges' lengths is computed again with
+/// more bits. So the direction of a normal is off by about 2^-38 rad at most, usually far less.
 inline constexpr double conditioned = 0x1p-12;
 
-/// The same for k beyond `cofactors`, where random edges are already this far from orthogonal: the
-/// determinant of k random unit vectors is about sqrt(k! / k^k).
+/// The same fraction for dimensions above those of `cofactors`. It also allows for edges in random
+/// directions, which are far from orthogonal in high dimensions: the determinant of k random unit
+/// vectors is about sqrt(k! / k^k).
 inline double conditioned_in(unsigned k) {
   double share = conditioned * conditioned;
   for (unsigned i = 1; i <= k; ++i) share *= static_cast<double>(i) / k;
   return std::sqrt(share);
 }
 
+/// a - b: rounded for doubles, exact for double-doubles.
 template <class Real>
 Real difference(double a, double b) {
   if constexpr (std::is_same_v<Real, double>) return a - b;
@@ -36,7 +38,8 @@ Real difference(double a, double b) {
 inline double value(double v) { return v; }
 inline double value(const DoubleDouble& v) { return v.value(); }
 
-/// Normal of a simplex by elimination with complete pivoting, for k beyond `cofactors`.
+/// Computes the normal to the k - 1 rows of m, which it overwrites, by elimination with complete
+/// pivoting; for dimensions above those of `cofactors`. The normal is 0 if the rows are dependent.
 template <class Real>
 void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal);
 extern template void eliminate_normal(std::vector<double>&, unsigned, double*);
@@ -48,8 +51,9 @@ inline double length(const double* v, unsigned n) {
   return std::sqrt(square);
 }
 
-/// Cofactor normal (outward) of the simplex with vertices v[0..k), in the frame's axes. Returns the
-/// product of the lengths of its edges from v[0], an upper bound of the normal's length.
+/// Computes the outward cofactor normal of the simplex with vertices v[0 .. k), on the frame's
+/// axes. Returns the product of the lengths of its edges from v[0], an upper bound of the normal's
+/// length.
 template <unsigned K, class Real>
 double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
                       std::vector<Real>& scratch) {
@@ -80,7 +84,8 @@ double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
   return lengths;
 }
 
-/// Planes of simplices given by the positions of their vertices, outward oriented.
+/// Computes planes of simplices, which are given by the positions of their vertices and outward
+/// oriented.
 template <unsigned K>
 class FacetPlane {
  public:
@@ -89,9 +94,9 @@ class FacetPlane {
         k_(K ? K : frame.k),
         conditioned_(K != 0 ? conditioned : conditioned_in(k_)) {}
 
-  /// Normal in doubles; where that is ill-conditioned, in double-doubles. Returns its length;
-  /// `reliable`: whether that sufficed. `error`: a bound of the normal's rounding error, up to a
-  /// modest constant, in units of 2^-53.
+  /// Computes the normal in doubles and, if that is ill-conditioned, in double-doubles. Returns its
+  /// length. Sets `reliable` to whether the result is accurate enough, and `error` to a bound of
+  /// the normal's rounding error, up to a modest constant, in units of 2^-53.
   double normal(const std::uint32_t* v, double* n, std::vector<double>& scratch, bool* reliable,
                 double* error) const {
     const double lengths = simplex_normal<K, double>(frame_, v, n, scratch);
@@ -102,7 +107,8 @@ class FacetPlane {
     return careful_normal(v, lengths, n, reliable, error);
   }
 
-  /// Writes the plane of simplex v from its normal n, which is overwritten.
+  /// Writes the plane of simplex v to out[0 .. d], from its normal n, which is overwritten.
+  /// Computes an unreliable normal exactly.
   void write(const std::uint32_t* v, double* n, bool reliable, double* out) const {
     const unsigned d = frame_.dimension;
     if (frame_.wild && frame_.flat()) return write_flat(v, out);
@@ -156,7 +162,8 @@ class FacetPlane {
     return offset.to_double();
   }
 
-  /// In a flat: the direction orthogonal to the facet, away from a vertex off it.
+  /// Writes the plane of a facet of a flat hull exactly: the normal is the direction in the flat
+  /// that is orthogonal to the facet and points away from a vertex off it.
   void write_flat(const std::uint32_t* v, double* out) const {
     std::vector<const double*> corners;
     for (unsigned j = 0; j < k_; ++j) corners.push_back(frame_.raw_at(v[j]));
@@ -188,24 +195,24 @@ class FacetPlane {
   const double conditioned_;
 };
 
-// Normals of eight simplices at a time.
-
-/// Eight simplices of K corners in R^K, lane by lane: input `corner` and `origin`, output the rest.
+/// Eight simplices of K corners in R^K, one a lane, for facet_block. Input: `corner` and `origin`;
+/// output: the other fields.
 template <unsigned K>
 struct FacetBlock {
   static constexpr unsigned lanes = 8;
-  alignas(64) double corner[K][K][lanes];  ///< corner, coordinate
+  alignas(64) double corner[K][K][lanes];  ///< indices: corner, coordinate, lane
   alignas(64) double origin[K][lanes];     ///< the point that sums refer to
-  /// As `cofactors` computes them, bit for bit.
+  /// The normals, with the bits that `cofactors` computes.
   alignas(64) double normal[K][lanes];
   /// Sum over the corners of their differences from the origin.
   alignas(64) double sum[K][lanes];
-  alignas(64) double length[lanes];  ///< of the normal
+  alignas(64) double length[lanes];  ///< length of the normal
   alignas(64) double edges[lanes];   ///< product of the lengths of the edges from corner 0
-  alignas(64) double reach[lanes];   ///< product of their largest coordinates
+  alignas(64) double reach[lanes];   ///< product of those edges' largest absolute coordinates
 };
 
-/// Every instruction set performs the same IEEE operations, so all give the same bits. K = 3 ... 8.
+/// Fills the outputs of a block, for K from 3 to 8. Every instruction set performs the same IEEE
+/// operations, so all give the same bits.
 template <unsigned K>
 void facet_block(FacetBlock<K>& block);
 

@@ -1,5 +1,5 @@
-// The share of the measures and the plane of a facet that is a simplex, in full dimension, from the
-// normal that facet_block gave. The bits are part of the canonical result.
+// Plane and share of the measures of a simplex facet in full dimension, from the normal that
+// facet_block computed. The bits are part of the canonical result.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,9 @@
 
 namespace cullhull::internal::inline result {
 
-/// `vertex`: positions in stored order; `thin`: the normal is too short and must be computed with
-/// more bits; `sum`: of the corners' differences from vertex 0. Writes the plane to out[0 .. K].
+/// Returns the facet's share and writes its plane to out[0 .. K]. `vertex`: positions of its
+/// vertices in stored order; `thin`: the normal is so short that it must be computed with more
+/// bits; `sum`: the sum of the corners' differences from the hull's vertex 0.
 template <unsigned K>
 Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::uint32_t* vertex,
                      bool thin, const double* normal, const double* sum, double* out) {
@@ -48,7 +49,7 @@ Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::
   return share;
 }
 
-/// Sums the shares of all runs, in canonical order.
+/// Sums the shares of all runs in canonical order.
 template <unsigned K>
 Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, const Run& run) {
   constexpr std::uint64_t runs_a_chunk = measure_chunk / measure_run;

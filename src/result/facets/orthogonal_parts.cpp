@@ -10,7 +10,7 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-/// The largest power of two that divides all given coordinates.
+/// Finds the largest power of two that divides all coordinates added.
 class Unit {
  public:
   void add(double v) {
@@ -26,6 +26,7 @@ class Unit {
   long exponent_ = 0;
 };
 
+/// v as an integer multiple of 2^unit.
 mpz_class in_units(double v, long unit) {
   const DoubleParts parts = double_parts(v);
   if (parts.mantissa == 0) return 0;
@@ -34,7 +35,8 @@ mpz_class in_units(double v, long unit) {
   return r;
 }
 
-/// target = (target * pivot - factor * above) / previous; the division is exact (Bareiss).
+/// A step of Bareiss's fraction-free elimination: target = (target * pivot - factor * above) /
+/// previous. The division is exact.
 void eliminate(mpz_class& target, const mpz_class& pivot, const mpz_class& factor,
                const mpz_class& above, const mpz_class& previous) {
   target *= pivot;
@@ -58,8 +60,9 @@ ExactOrthogonalParts::ExactOrthogonalParts(unsigned d, const double* const* p, u
   for (unsigned i = 0; i < rows; ++i)
     for (unsigned c = 0; c < d; ++c)
       rests_[std::size_t{i} * d + c] = in_units(p[i + 1][c], unit_) - in_units(p[0][c], unit_);
-  // Bareiss on [Gram matrix | edges]: with the first i rows eliminated, row i's right part is the
-  // Schur complement times the leading minor, and its diagonal entry the next minor.
+  // Bareiss elimination of [Gram matrix | edges]. After the elimination of the first i rows, the
+  // right part of row i is its orthogonal rest times the leading minor of order i, and its diagonal
+  // entry is the leading minor of order i + 1.
   std::vector<mpz_class> gram(std::size_t{rows} * rows);
   for (unsigned i = 0; i < rows; ++i)
     for (unsigned j = 0; j < rows; ++j)
@@ -118,8 +121,8 @@ ExactNormal::ExactNormal(unsigned d, const double* const* p) {
   std::vector<mpz_class> m(std::size_t{rows} * d);
   for (unsigned i = 0; i < rows; ++i)
     for (unsigned c = 0; c < d; ++c) m[std::size_t{i} * d + c] = edge(i + 1, c);
-  // Gauss-Jordan without fractions: in the end every row is the same minor in its pivot column and
-  // a cofactor in the column that never held a pivot.
+  // Fraction-free Gauss-Jordan elimination. In the end every row has the same minor in its pivot
+  // column and a cofactor in the column without a pivot.
   std::vector<unsigned> column(d);
   std::iota(column.begin(), column.end(), 0U);
   mpz_class previous = 1;

@@ -1,4 +1,5 @@
-// Orthogonal parts of edges in exact integers: measures and normals of simplices of any shape.
+// Measures and normals of simplices of any shape, from exact integers: the orthogonal parts of
+// their edges.
 #pragma once
 
 #include <gmpxx.h>
@@ -9,18 +10,18 @@
 
 namespace cullhull::internal::inline result {
 
-/// For affinely independent points p[0], ..., p[rows] of R^d and the edges p[i + 1] - p[0]: the
-/// rest of each edge, its component orthogonal to the edges before it. One fraction-free
-/// elimination of their Gram matrix yields every rest times that matrix's leading minor, in
-/// integers, so nothing is rounded before the end.
+/// The orthogonal parts of the edges p[i + 1] - p[0] of affinely independent points p[0], ...,
+/// p[rows] in R^d. Rest i is the component of edge i orthogonal to the edges before it. A
+/// fraction-free elimination of the edges' Gram matrix yields every rest times a leading minor of
+/// that matrix, in integers, so nothing is rounded before the end.
 class ExactOrthogonalParts {
  public:
-  /// Only the last edge may depend on those before it; otherwise throws Error{internal}.
+  /// Throws Error{internal} if an edge other than the last depends on the edges before it.
   ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows);
 
-  /// Measure of the parallelotope of the first `count` edges, rounded once.
+  /// The measure of the parallelotope spanned by the first `count` edges, rounded once.
   ExactFloat measure(unsigned count) const;
-  /// Unit vector along rest i; empty where the rest is zero.
+  /// The unit vector along rest i; empty if the rest is zero.
   std::vector<ExactFloat> direction(unsigned i) const;
 
  private:
@@ -33,14 +34,15 @@ class ExactOrthogonalParts {
   std::vector<mpz_class> rests_;   // rows x d; row i times minors_[i]
 };
 
-/// The same measures for k = d, from the simplex's normal: each axis keeps its own unit, so the
-/// integers stay short where axes differ in magnitude, and Gram matrices would double them.
+/// The measures of a facet in full dimension (k = d), from its exact normal. Each axis has a unit
+/// of its own, so the integers stay short if the axes differ in magnitude. Gram matrices would
+/// double their length.
 class ExactNormal {
  public:
-  /// The facet p[0], ..., p[d - 1], affinely independent, and an apex p[d].
+  /// The facet has the affinely independent corners p[0], ..., p[d - 1]; p[d] is an apex.
   ExactNormal(unsigned d, const double* const* p);
-  const ExactFloat& area() const { return area_; }      ///< of the facet's parallelotope
-  const ExactFloat& volume() const { return volume_; }  ///< with the apex
+  const ExactFloat& area() const { return area_; }      ///< area of the facet's parallelotope
+  const ExactFloat& volume() const { return volume_; }  ///< volume of it with the apex
 
  private:
   ExactFloat area_, volume_;

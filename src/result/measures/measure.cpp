@@ -55,7 +55,8 @@ void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal) {
       for (unsigned j = r; j < k; ++j) at(i, j) = at(i, j) - factor * at(r, j);
     }
   }
-  // normal . x = det [rows; x]: the free column is last in pivot order, its cofactor is det.
+  // The normal satisfies normal . x = det [rows; x] for every x. The column without a pivot comes
+  // last in pivot order, and its cofactor is det.
   normal[column[k - 1]] = det;
   if (odd) normal[column[k - 1]] = -det;
   for (unsigned r = k - 1; r-- > 0;) {
@@ -70,6 +71,9 @@ template void eliminate_normal(std::vector<DoubleDouble>&, unsigned, DoubleDoubl
 
 namespace {
 
+/// Computes the measures and planes of a hull. K: the dimension, or 0 if it is unknown at compile
+/// time. The sums are computed in doubles, again in double-doubles if rounding could show, and
+/// exactly if it still could.
 template <unsigned K>
 class Measurer {
  public:
@@ -83,15 +87,15 @@ class Measurer {
         plane_(frame) {}
 
   void run() {
-    // The usual case: every facet is one simplex, whose plane and share of the sums need the same
-    // normal. Reading the corners dominates.
+    // In the usual case every facet is one simplex. Its plane and its share of the sums need the
+    // same normal, and reading the corners takes most of the time, so both are computed together.
     fused_ = !frame_.wild && hull_.facet_count() == count_;
     resize_big(hull_.facet_planes, hull_.facet_count() * (std::size_t{frame_.dimension} + 1));
     sum();
     if (!fused_) planes();
   }
 
-  /// Called where the planes are done and sums in doubles were not accurate enough.
+  /// Only the sums, beginning with double-doubles: the planes exist already.
   void run_thin() { sum_carefully(); }
 
  private:
@@ -108,6 +112,7 @@ class Measurer {
     finish_measures(frame_, t, hull_);
   }
 
+  /// Computes every facet's plane from its simplex with the longest normal.
   void planes() {
     const unsigned d = frame_.dimension;
     const std::vector<std::uint32_t> best = widest_simplices();
@@ -119,9 +124,9 @@ class Measurer {
     });
   }
 
-  /// In simplices: their arithmetic takes about as long as a cache miss.
+  /// Prefetch distance in simplices; their arithmetic takes about as long as a cache miss.
   static constexpr std::uint64_t ahead = 12;
-  /// Corners are scattered in memory as the ids are: prefetch them.
+  /// Prefetches the corners of simplex i, which are scattered in memory.
   void prefetch(std::uint64_t i) const {
     if (i >= count_) return;
     for (unsigned j = 0; j < k_; ++j) prefetch_line(frame_.at(simplex(i)[j]));
@@ -129,12 +134,12 @@ class Measurer {
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
-  /// Normals of simplices, requested in ascending order: from 4D on computed in blocks, which gives
-  /// the same bits faster.
+  /// The normals of simplices requested in ascending order. From 4D on they are computed in blocks,
+  /// which gives the same bits in less time.
   class Normals {
    public:
     explicit Normals(const Measurer& measurer) : measurer_(measurer) {}
-    /// As FacetPlane::normal.
+    /// The same as FacetPlane::normal.
     double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
               double* error) {
       if constexpr (K >= 4) {
@@ -180,7 +185,7 @@ class Measurer {
                                             Totals<DoubleDouble>(d));
     run_.each_chunk(count_, measure_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-      // Short runs in doubles, then their sums in double-doubles.
+      // Sums of short runs are computed in Real, and added in double-doubles.
       for (std::uint64_t b = begin; b < end; b += measure_run) {
         if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
         add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
@@ -243,7 +248,8 @@ class Measurer {
     for (unsigned c = 0; c < d; ++c) out.moment[c] = out.moment[c] + DoubleDouble(moment[c]);
   }
 
-  /// Length of a normal as a functional on the flat; `size`: of the plain normal in doubles.
+  /// The length of a normal as a functional on the flat. `size`: the length of the normal itself in
+  /// doubles, which is the result in full dimension.
   template <class Real>
   double lifted_length(const Real* n, double size) const {
     double square = 0;
@@ -259,8 +265,9 @@ class Measurer {
     return std::sqrt(square);
   }
 
-  /// The last rung: every simplex's measures in exact integers, for hulls so thin that
-  /// double-doubles lose their measures. All volumes, seen from vertex 0, count as positive.
+  /// The last rung, for hulls so thin that sums in double-doubles are not accurate: computes every
+  /// simplex's measures from exact integers. The volumes of all simplices with apex vertex 0 count
+  /// as positive.
   void sum_exactly() {
     const unsigned d = frame_.dimension;
     constexpr std::uint64_t chunk_size = 512;
@@ -302,14 +309,14 @@ class Measurer {
     }
   }
 
-  /// For each facet the simplex with the longest normal, the first of equals; empty where every
-  /// facet is one simplex.
+  /// For each facet the simplex with the longest normal, the first of several; empty if every facet
+  /// is one simplex.
   std::vector<std::uint32_t> widest_simplices() const {
     std::vector<std::uint32_t> best;
     const std::size_t facets = hull_.facet_count();
     if (facets == count_) return best;
     resize_big(best, facets);
-    // Lengths are positive, so their bits are ordered as they are.
+    // Nonnegative doubles are ordered as their bits are, read as integers.
     BigArray<std::uint64_t> longest(facets), lengths(count_);
     const auto each_chunk = [this](std::uint64_t count, const auto& body) {
       run_.each(count, measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -382,7 +389,8 @@ void measure_all(const Frame& frame, const std::vector<std::uint32_t>& index, co
   thin ? m.run_thin() : m.run();
 }
 
-/// k = 1: the two simplices are the end points, which have no orientation.
+/// k = 1: the two simplices are the end points. Points have no orientation, so the general code
+/// does not apply.
 void measure_segment(const Frame& frame, const std::vector<std::uint32_t>& index, Hull& hull) {
   const unsigned d = frame.dimension;
   std::vector<ExactFloat> step;
@@ -429,8 +437,9 @@ void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFl
 
 namespace {
 
-/// v, known to within `error`, times 2^shift rounded to a double, if the rounding is certain and
-/// the result far from overflow and underflow: then any more precise arithmetic gives the same.
+/// Rounds v, known to within `error`, times 2^shift to a double `out`. Returns false if the
+/// rounding is uncertain or the result is near overflow or underflow. If it returns true, every
+/// more precise arithmetic gives the same double.
 bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
   const double low = v.high + (v.low - error), high = v.high + (v.low + error);
   if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
@@ -440,11 +449,13 @@ bool round_surely(const DoubleDouble& v, double error, long shift, double& out) 
   return true;
 }
 
-/// Quotients and sums of double-doubles are off by a few units of 2^-104; this leaves room.
+/// Bounds the relative error of quotients and sums of double-doubles, which is a few units of
+/// 2^-104, with a wide margin.
 constexpr double double_double_error = 0x1p-96;
 
-/// Whether q m = v exactly. q is v / m rounded, so v.high - fl(q.high m) and the rest of both
-/// products' roundings are exact; two double-doubles are equal where both parts are.
+/// Whether q m = v exactly, for q = v / m rounded. Since q is so near the quotient, the difference
+/// v.high - fl(q.high m) and the products' rounding errors are exact. Two double-doubles are equal
+/// if and only if both their parts are.
 bool is_quotient(const DoubleDouble& q, double m, const DoubleDouble& v) {
   const DoubleDouble high = DoubleDouble::product(q.high, m), low = DoubleDouble::product(q.low, m);
   const DoubleDouble rest = DoubleDouble::sum((v.high - high.high) - high.low, v.low);
@@ -459,13 +470,13 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
   if (k > 8 || exponent < -40 || exponent > 40) return false;
   double factorial = 1;
   for (unsigned i = 2; i < k; ++i) factorial *= i;
-  // (k - 1)! is 1 or 2 for k <= 3, and that division is exact. This matters: a sum of two runs is
-  // often half-way between two doubles.
+  // For k <= 3 the division by (k - 1)!, 1 or 2, is exact. This matters because a sum of two runs
+  // is often half-way between two doubles, and then rounds surely only without error.
   const bool exact = k <= 3;
   const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
                                    : area / DoubleDouble(factorial);
   const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
-  // A sum of few runs is divisible by 3 one time in three, and may then be half-way, too.
+  // One sum of few runs in three is divisible by 3, and its quotient may be half-way, too.
   const DoubleDouble content = volume / DoubleDouble(factorial * k);
   const double content_error = is_quotient(content, factorial * k, volume)
                                    ? 0
@@ -476,8 +487,8 @@ bool finish_quickly(unsigned k, int exponent, const double* origin, const Double
   const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
   for (unsigned c = 0; c < k; ++c) {
     const DoubleDouble shift = moment[c] / weight;
-    // The vertex is in units of 2^exponent here, which changes no bit of a normal double's
-    // significand.
+    // The origin's coordinates are in units of 2^exponent, which leaves the significand of a normal
+    // double unchanged.
     const DoubleDouble from(origin[c]);
     if (from.high != 0 && std::fabs(from.high) < 0x1p-900) return false;
     const double error = double_double_error * (std::fabs(shift.high) + std::fabs(from.high));

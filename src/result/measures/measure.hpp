@@ -15,25 +15,24 @@
 
 namespace cullhull::internal::inline result {
 
-/// Fills volume, area, centroid and facet_planes from the other fields. `axes`: k coordinate axes
-/// on which the points' flat projects one to one. Sums run in canonical order over chunks of fixed
-/// size, so the bits do not depend on `threads`. `vertex_index[i * k + j]`: position, in ascending
-/// order of ids, of vertex j of simplex i; `vertices`: those ids.
+/// Computes volume, area, centroid and facet_planes from the other fields. `vertices`: the
+/// vertices' ids, ascending. `vertex_index[i * k + j]`: the position in `vertices` of vertex j of
+/// simplex i. `axes`: k coordinate axes onto which the points' flat projects one to one. The sums
+/// run in canonical order over chunks of fixed size, so their bits do not depend on the number of
+/// threads.
 void measure(const PointView& points, const std::vector<std::uint64_t>& vertices,
              const std::vector<std::uint32_t>& vertex_index, const unsigned* axes, const Run& run,
              Hull& hull);
 
-/// Only the sums, for a simplicial hull with finished planes whose sums in doubles were not
-/// accurate enough, as it is thin.
+/// Computes only volume, area and centroid, in double-doubles or exactly, for a simplicial hull
+/// whose planes exist and which is so thin that sums in doubles are not accurate enough.
 void measure_thin(const PointView& points, const std::vector<std::uint64_t>& vertices,
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
                   const Run& run, Hull& hull);
 
-// The last step of both ways to a simplicial result: area, volume and centroid.
-
-/// Computes them from the sums over runs of facets, or again with more bits where those are not
-/// accurate enough: the hull is thin. `vertices`: their ids, ascending; hull.simplices must be
-/// done.
+/// The last step of write_triangles and write_simplices: computes area, volume and centroid from
+/// the sums over runs of facets, or again with more bits if those are not accurate enough (thin
+/// hulls). `vertices`: the vertices' ids, ascending. hull.simplices must be complete.
 template <unsigned K>
 void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t>& vertices,
                        const Frame& frame, const Share<K>* runs, const Run& run, Hull& hull) {

@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;  // tens of us of work
 
-/// k + 1 affinely independent vertices: greedily the farthest from the span so far, in doubles;
-/// where rounding makes these dependent, the first vertices that raise the exact rank.
+/// Chooses k + 1 vertices that span the flat. `exactly` false: greedily the vertex farthest from
+/// the span of those chosen, computed in doubles; rounding may make the result affinely dependent.
+/// `exactly` true: each vertex, in order, that raises the exact rank.
 std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
   const auto count = static_cast<std::uint32_t>(frame.scaled.size() / frame.dimension);
   const unsigned d = frame.dimension;
@@ -60,7 +61,7 @@ std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
   return chosen;
 }
 
-/// |Determinant| of an n x n matrix, by elimination.
+/// The absolute value of the determinant of an n x n matrix, by elimination.
 ExactFloat wide_determinant(std::vector<ExactFloat> m, unsigned n) {
   ExactFloat det = 1;
   for (unsigned c = 0; c < n; ++c) {
@@ -78,8 +79,8 @@ ExactFloat wide_determinant(std::vector<ExactFloat> m, unsigned n) {
   return det.magnitude();
 }
 
-/// Axes on which the flat's projection shrinks it little: pivots of its orthonormal basis.
-/// Orientations on them are those on the old axes.
+/// Replaces frame.axes by axes onto which the flat projects with little shrinking: the pivots of an
+/// elimination of its orthonormal basis. Orientations in the projection stay the same.
 void choose_axes(Frame& frame) {
   const unsigned d = frame.dimension, k = frame.k;
   std::vector<double> m = frame.basis;
@@ -109,12 +110,12 @@ void choose_axes(Frame& frame) {
     return orientation_exact(k, rows.data());
   };
   const Sign kept = sign(axes);
-  if (kept == Sign::zero) return;  // so near to degenerate, keep the given axes
+  if (kept == Sign::zero) return;  // degenerate on the new axes: keep the given ones
   if (kept != sign(frame.axes)) std::swap(axes[0], axes[1]);
   frame.axes = axes;
 }
 
-/// Computes orthonormal rows that span the flat, its own axes, and the stretch.
+/// Fills the frame's data of a flat hull: spanning vertices, basis, axes and stretch.
 void span_flat(Frame& frame) {
   const unsigned d = frame.dimension, k = frame.k;
   const auto span = [&](bool exactly) {
@@ -146,8 +147,8 @@ struct Range {
   double low, high;
 };
 
-/// Gathers coordinate rows of the vertices; the range of each coordinate goes to ranges[0 .. d). D:
-/// d where it is known at compile time, else 0.
+/// Copies the coordinate rows of vertices [begin, end) to `out` and writes the range of each
+/// coordinate to ranges[0 .. d). D: the dimension d, or 0 if it is unknown at compile time.
 template <unsigned D, class T>
 void gather_in(const PointView& points, const std::vector<std::uint64_t>& ids, std::uint64_t begin,
                std::uint64_t end, double* out, Range* ranges) {
@@ -184,7 +185,7 @@ void gather(const PointView& points, const std::vector<std::uint64_t>& ids, std:
               [&](auto scalar) { gather<decltype(scalar)>(points, ids, begin, end, out, ranges); });
 }
 
-/// Fills `scaled` and `exponent`; returns the unscaled range of each coordinate.
+/// Fills f.scaled and f.exponent. Returns the unscaled range of each coordinate.
 std::vector<Range> gather_scaled(Frame& f, const Run& run) {
   const std::vector<std::uint64_t>& ids = *f.vertices;
   const unsigned d = f.dimension;
@@ -233,10 +234,10 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
     return scale_by(ranges[c].high, -f.exponent) - scale_by(ranges[c].low, -f.exponent);
   };
   if (f.flat()) span_flat(f);
-  // A product of k extents must stay far above underflow.
+  // The product of k extents must not come near underflow.
   double narrowest = 1;
   for (const unsigned a : f.axes) narrowest = std::min(narrowest, extent(a));
-  // In a flat, the centroid's other coordinates must, too.
+  // In a flat, neither must the extents of the other coordinates, which the centroid needs.
   bool lost = false;
   for (unsigned c = 0; c < f.dimension; ++c)
     lost = lost || (ranges[c].low != ranges[c].high && !(extent(c) > 0x1p-400));

@@ -1,5 +1,4 @@
-// The hull's vertices as input of the measures: gathered and scaled, with the map from the
-// projection to the flat.
+// Frame: the hull's vertices as input of the measures, gathered and scaled.
 #pragma once
 
 #include <bit>
@@ -16,30 +15,33 @@
 
 namespace cullhull::internal::inline result {
 
-/// v * 2^e; a multiplication where 2^e is a normal double.
+/// v 2^e; a multiplication if 2^e is a normal double.
 inline double scale_by(double v, int e) {
   return e > -1022 && e < 1023
              ? v * std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52)
              : std::ldexp(v, e);
 }
 
-/// The hull's vertices, in units that keep products within the doubles' range, and the map from
-/// the coordinate axes of the projection to the flat.
+/// The coordinates of the hull's vertices, scaled so that products stay within the range of
+/// doubles, and the map from the projection on coordinate axes to the flat that the points span.
 struct Frame {
   unsigned dimension = 0, k = 0;
-  std::vector<unsigned> axes;  // on which the flat projects one to one
-  Array<double> scaled;        // vertices x dimension, in units of 2^exponent
+  std::vector<unsigned> axes;  // the flat projects onto them one to one
+  Array<double> scaled;        // a row for each vertex, in units of 2^exponent
   int exponent = 0;
-  bool wild = false;  // spans too many powers of two for scaled doubles
-  /// Flat hulls: k + 1 affinely independent vertices, k orthonormal rows that span the flat, and
-  /// its measure over that of its projection.
+  bool wild = false;  // coordinates span too many powers of two for scaled doubles
+  /// The next three are for flat hulls. `spanning`: k + 1 affinely independent vertices; `basis`: k
+  /// orthonormal rows that span the flat; `stretch`: the ratio of a measure in the flat to that of
+  /// its projection onto the axes.
   std::vector<std::uint32_t> spanning;
   std::vector<double> basis;
   ExactFloat stretch = 1;
 
   bool flat() const { return k < dimension; }
+  /// The scaled coordinates of the vertex at position v.
   const double* at(std::uint32_t v) const { return scaled.data() + std::size_t{v} * dimension; }
-  /// The unscaled coordinates. Gathered at the first call, as few hulls need them.
+  /// The unscaled coordinates. They are gathered at the first call, since few hulls need them.
+  /// Thread-safe.
   const double* raw_at(std::uint32_t v) const;
 
   const PointView* points = nullptr;
@@ -53,9 +55,10 @@ struct Frame {
   std::unique_ptr<Raw> raw_ = std::make_unique<Raw>();
 };
 
-/// `axes`: any k coordinate axes on which the flat projects one to one. The frame's own axes keep
-/// the orientation of the projection, but are chosen so that it shrinks the flat little. The frame
-/// refers to `points` and `vertices`.
+/// Makes the frame of a hull of affine dimension k. `axes`: any k coordinate axes onto which the
+/// flat projects one to one. For a flat hull the frame chooses axes of its own, onto which the
+/// projection shrinks the flat less; they keep its orientation. The frame refers to `points` and
+/// `vertices`.
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, const Run& run);
 

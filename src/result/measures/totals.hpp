@@ -1,4 +1,4 @@
-// Sums over the simplices of a hull, and the measures they give.
+// Sums over the simplices of a hull, and the measures computed from them.
 #pragma once
 
 #include <cstddef>
@@ -12,13 +12,14 @@
 
 namespace cullhull::internal::inline result {
 
-/// Runs of 32 are summed in doubles, runs of a chunk in double-doubles, then the chunks: the order
-/// is part of the canonical result. 32 additions in doubles lose 5 bits at most.
+/// Simplices in a run and in a chunk of the sums. A run is summed in doubles, the runs of a chunk
+/// in double-doubles, and then the chunks. This order is part of the canonical result. 32 additions
+/// of doubles lose at most 5 bits.
 inline constexpr std::uint64_t measure_run = 32;
 inline constexpr std::uint64_t measure_chunk = std::uint64_t{1} << 13;
 
-/// Sums over simplices in R^K, or one simplex's share of them. `error` and `area_error` bound, up
-/// to a modest constant and in units of the last place, the rounding errors of `volume` and `area`.
+/// Sums over simplices in R^K, or one simplex's share of them. The rounding errors of `volume` and
+/// `area` are at most `error` and `area_error` times the unit roundoff and a modest constant.
 template <unsigned K, class Real = double>
 struct Share {
   Real volume = 0, area = 0;
@@ -35,7 +36,7 @@ struct Share {
   }
 };
 
-/// Shares of triangles, one array for each number.
+/// The shares of up to `room` triangles, stored as one array for each number.
 template <unsigned room>
 struct ShareArrays {
   alignas(64) double volume[room], area[room], moment[3][room], error[room], area_error[room];
@@ -51,7 +52,7 @@ struct ShareArrays {
     error[i] = s.error;
     area_error[i] = s.area_error;
   }
-  /// The sum over [begin, end), which is a run.
+  /// The sum of the shares [begin, end), which form a run.
   Share<3> sum(std::size_t begin, std::size_t end) const {
     Share<3> run;
     for (std::size_t i = begin; i < end; ++i) run.add(at(i));
@@ -59,7 +60,7 @@ struct ShareArrays {
   }
 };
 
-/// The same sums in any dimension.
+/// The same sums in any dimension, added in arithmetic of type Sum.
 template <class Sum>
 struct Totals {
   Sum volume = 0, area = 0;
@@ -82,8 +83,8 @@ struct Totals {
   }
 };
 
-/// Whether rounding errors of relative size `unit` and underflow (below 2^-1022 for each product)
-/// cannot show in the measures. Sums: a Share or Totals.
+/// Whether the sums are accurate enough: neither rounding errors of relative size `unit` nor
+/// underflow (below 2^-1022 for each product) can show in the measures. Sums: a Share or Totals.
 template <class Sums>
 bool settled(const Sums& t, double unit) {
   constexpr double tolerance = 0x1p-42, far_from_underflow = 0x1p-900;
@@ -92,15 +93,15 @@ bool settled(const Sums& t, double unit) {
          volume > far_from_underflow && area > far_from_underflow;
 }
 
-/// Volume, area and centroid from sums in units of 2^exponent per coordinate.
+/// Computes volume, area and centroid from sums over coordinates in units of 2^exponent.
 void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFloat& area,
                      const std::vector<ExactFloat>& moment, long exponent, Hull& hull);
-/// The same for full dimension from double-doubles, `origin` being vertex 0 in the same units;
-/// false where a rounding is uncertain.
+/// The same in full dimension from double-doubles; `origin` is vertex 0 in the same units. Returns
+/// false if the rounding of a result is uncertain. Then the outputs are not valid.
 bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
                     const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
                     double* area_out, double* centroid_out);
-/// The same from sums on the frame's axes and in its units.
+/// The same from sums over the projection onto the frame's axes, in the frame's units.
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull);
 
 }  // namespace cullhull::internal::inline result

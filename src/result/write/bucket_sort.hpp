@@ -1,4 +1,4 @@
-// Sorts simplices by buckets of their lowest vertices: each bucket is sorted in the cache.
+// Sorts simplices by their lowest vertices, in buckets that each fit the cache.
 #pragma once
 
 #include <algorithm>
@@ -9,22 +9,25 @@
 
 namespace cullhull::internal::inline result {
 
-/// A vertex's bucket is its position shifted right by this number: buckets of about `size`
-/// simplices, but at most 2048 of them, as each thread writes to all of them. 256 to 2048 buckets
-/// took the same time on a sphere of 1M points.
+/// Returns the shift that defines the buckets: a vertex's bucket is its position shifted right by
+/// this number of bits. Buckets hold about `size` simplices, but there are at most 2048 buckets,
+/// because each thread writes to all of them. 256 to 2048 buckets took the same time on a sphere of
+/// 1M points.
 inline unsigned bucket_shift(std::uint64_t simplices, std::uint64_t vertices, std::uint64_t size) {
   const std::uint64_t wanted = std::clamp<std::uint64_t>(std::bit_ceil(simplices / size), 1, 2048);
   const int bits = static_cast<int>(std::bit_width(vertices - 1)) - std::countr_zero(wanted);
   return static_cast<unsigned>(std::max(bits, 0));
 }
 
-/// Sorts one bucket after the other, in memory that is kept.
+/// Sorts one bucket after another and reuses its memory.
 template <class Key>
 class BucketSort {
  public:
-  /// Counting sort by the lowest vertex, then by `before`. each(visit) calls visit(record) for each
-  /// of the bucket's `size` records; it is called twice. lowest(record) < `vertices` is its lowest
-  /// vertex relative to the bucket's first, and key(record) is called once a record.
+  /// Sorts the `size` records of a bucket by their lowest vertex (counting sort), and those with
+  /// the same lowest vertex by `before`. each(visit) must call visit(record) for each record; it is
+  /// called twice. lowest(record) < `vertices` is the lowest vertex relative to the bucket's first
+  /// one. key(record), called once for each record, returns the key that `before` compares and that
+  /// operator[] returns.
   template <class Each, class Lowest, class KeyOf, class Before>
   void sort(std::size_t size, std::size_t vertices, const Each& each, const Lowest& lowest,
             const KeyOf& key, const Before& before) {
@@ -39,12 +42,13 @@ class BucketSort {
       sort_run(keys + from, keys + ends[v], before);
   }
 
+  /// Key i of the sorted bucket.
   const Key& operator[](std::size_t i) const { return keys_[i]; }
 
  private:
-  /// A vertex is the lowest of some six triangles, but of hundreds of simplices in 6D: up to this
-  /// many are sorted by insertion. Hulls of 50,000 points of a sphere in 4D take 2 % more with 4, 2
-  /// % less with 64.
+  /// Up to this many keys are sorted by insertion. A vertex is the lowest of only about six
+  /// triangles, but of hundreds of simplices in 6D. Hulls of 50,000 points on a sphere in 4D take
+  /// 2% more time with 4, and 2% less with 64.
   static constexpr std::ptrdiff_t few = 16;
 
   template <class Before>
@@ -58,7 +62,7 @@ class BucketSort {
     }
   }
 
-  std::vector<std::uint32_t> ends_;  // by lowest vertex: the end of its keys
+  std::vector<std::uint32_t> ends_;  // end of the keys of each lowest vertex
   std::vector<Key> keys_;
 };
 

@@ -12,13 +12,13 @@
 
 namespace cullhull::internal::inline result {
 
-// The exponent that make_frame would choose.
+// Chooses the same exponent as make_frame.
 EdgeKernel::EdgeKernel(const Box& box) {
   double largest = 0;
   for (unsigned j = 0; j < 2; ++j)
     largest = std::max({largest, std::fabs(box.low[j]), std::fabs(box.high[j])});
   if (largest > 0) exponent_ = std::ilogb(largest) + 1;
-  // Outside of this range scale_by is not a multiplication.
+  // Well within the range in which scale_by is a multiplication.
   if (exponent_ < -900 || exponent_ > 900) return;
   unscale_ = scale_by(1, exponent_);
   ordinary_ = true;
@@ -68,7 +68,7 @@ namespace {
 
 static_assert(light_grain % 64 == 0);
 
-/// std::popcount compiles to a function call for baseline processors.
+/// The number of ones in v. std::popcount compiles to a function call for baseline x86-64.
 std::uint32_t count_bits(std::uint64_t v) {
   v -= v >> 1 & 0x5555555555555555ULL;
   v = (v & 0x3333333333333333ULL) + (v >> 2 & 0x3333333333333333ULL);
@@ -76,7 +76,8 @@ std::uint32_t count_bits(std::uint64_t v) {
   return static_cast<std::uint32_t>(v * 0x0101010101010101ULL >> 56);
 }
 
-/// Which rows are corners, and the number of corners before each: small enough for the cache.
+/// The rank of each corner among the corners in ascending order of rows: a bit for each row, and
+/// the number of corners before each word of 64 bits. Small enough for the cache.
 class Ranks {
  public:
   Ranks(const Array<std::uint32_t>& corners, std::uint64_t rows, const Run& run)
@@ -107,6 +108,7 @@ class Ranks {
     }
   }
 
+  /// The number of corners in rows below `row`.
   std::uint32_t operator()(std::uint32_t row) const {
     const std::uint64_t lower = (std::uint64_t{1} << row % 64) - 1;
     return before_[row / 64] + count_bits(bits_[row / 64] & lower);
@@ -121,7 +123,8 @@ class Ranks {
   BigArray<std::uint32_t> before_;
 };
 
-/// Coordinates as given, negative zeros included.
+/// Reads a point's unchanged coordinates, negative zeros included. T: the scalar type, or void for
+/// any.
 template <class T>
 struct Reader {
   const PointView& points;
@@ -139,13 +142,13 @@ struct Reader<void> {
   PlanarPoint operator()(std::uint64_t id) const { return {points.at(id, 0), points.at(id, 1)}; }
 };
 
-/// The data of a corner in one record, on huge pages, as the sweep over edges accesses corners in
-/// random order.
+/// The data of a corner in one record: the sweep over the edges accesses corners in random order.
 struct Corner {
-  PlanarPoint point;         // in the kernel's units
+  PlanarPoint point;         // scaled by the kernel
   std::uint64_t id, unused;  // four words: no record straddles cache lines
 };
 
+/// Writes the result of a polygon in parallel sweeps over the corners in ascending order.
 class Writer {
  public:
   Writer(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
@@ -181,8 +184,8 @@ class Writer {
     lists_.planes.resize(3 * count_);
     std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
-    // The list of vertices is a job of its own, as one thread must clear its memory, and is started
-    // first.
+    // One job writes the list of vertices, whose memory one thread must clear; it begins first. The
+    // other jobs write a chunk of edges each.
     run_.each_item(parts.size() + 1, [&](std::uint64_t job) {
       if (job == 0) return write_vertices(hull);
       const std::uint64_t begin = (job - 1) * measure_chunk;
@@ -200,6 +203,7 @@ class Writer {
  private:
   std::uint64_t id(std::uint32_t row) const { return ids_ != nullptr ? ids_[row] : row; }
 
+  /// Fills corners_ with the corners in ascending order of rows.
   template <class Read>
   void list_corners(const Read& read) {
     corners_ = BigArray<Corner>(count_);
@@ -213,7 +217,7 @@ class Writer {
     });
   }
 
-  /// Sets the ranks before and after each corner.
+  /// Stores for each corner the ranks of the corners before and after it on the polygon.
   void link() {
     run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::uint32_t before = ranks_(cycle_[begin == 0 ? count_ - 1 : begin - 1]);
@@ -228,7 +232,8 @@ class Writer {
     });
   }
 
-  /// Writes simplices [begin, end), whole runs of them.
+  /// Writes simplices [begin, end), which are whole runs, and adds their shares to `sums`. Returns
+  /// false if an edge is too short for doubles.
   bool write(std::uint64_t begin, std::uint64_t end, Share<2, DoubleDouble>& sums) {
     constexpr std::uint64_t ahead = 16;
     bool ordinary = true;
@@ -252,6 +257,7 @@ class Writer {
     return ordinary;
   }
 
+  /// Writes the vertices counter-clockwise from the lowest id.
   void write_vertices(Hull& hull) {
     const auto first =
         static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());

@@ -1,5 +1,6 @@
-// The complete result of a polygon. In the plane the cycle of corners determines everything:
-// simplex i, in canonical order, is the edge from the i-th corner by id to the one before it.
+// The complete result of a hull in the plane, from its polygon. The cycle of corners determines
+// everything: in canonical order simplex i is the edge from the corner with the i-th lowest id to
+// the corner before it on the polygon.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +20,12 @@ struct PlanarPoint {
   double x, y;
 };
 
+/// The measures of a polygon.
 struct PlanarMeasures {
   double volume = 0, area = 0, centroid[2] = {};
 };
 
-/// The lists of a polygon of h edges: 2 h items each, and h planes.
+/// The result's lists of a polygon with h edges: 2 h items each, and h planes of three numbers.
 struct PolygonLists {
   explicit PolygonLists(std::size_t h = 0)
       : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
@@ -31,26 +33,28 @@ struct PolygonLists {
   void give(const PlanarMeasures& measures, Hull& hull);
 
   Array<std::uint64_t> simplices, facets;
-  Array<std::uint32_t> neighbours, across;  // of simplices, and in the facets' order
+  Array<std::uint32_t> neighbours, across;  // neighbours of simplices, of facets
   Array<double> planes;
 };
 
-/// Planes and sums of a polygon's edges, bit for bit as the general code (measure.cpp) computes
-/// them, where coordinates need no special scaling.
+/// Computes planes and shares of a polygon's edges, with the same bits as the general code
+/// (measure.cpp), if the coordinates need no special scaling.
 class EdgeKernel {
  public:
-  /// `box`: the bounding box of the corners, which is that of all points.
+  /// `box`: the bounding box of the corners, which is also that of all points.
   explicit EdgeKernel(const Box& box);
 
-  /// False where coordinates span too many powers of two for scaled doubles.
+  /// False if the coordinates span too many powers of two for scaled doubles. The
+  /// general code is then needed.
   bool ordinary() const { return ordinary_; }
   int exponent() const { return exponent_; }
 
   PlanarPoint scaled(PlanarPoint p) const {
     return exponent_ == 0 ? p : PlanarPoint{scale_by(p.x, -exponent_), scale_by(p.y, -exponent_)};
   }
-  /// The edge from p to the corner before it, q; o is the corner with the lowest id; all scaled.
-  /// Writes the plane to out[0 .. 3). False if the edge is too short for doubles.
+  /// Computes plane and share of the edge from corner p to the corner q before it; o is the corner
+  /// with the lowest id; all three are scaled. Writes the plane to out[0 .. 3). Returns false if
+  /// the edge is too short for doubles.
   bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, Share<2>& share) const {
     const double corner[2][2] = {{p.x, p.y}, {q.x, q.y}}, origin[2] = {o.x, o.y};
     double edge[1][2], n[2], sum[2], plane[3];
@@ -77,13 +81,14 @@ class EdgeKernel {
   bool ordinary_ = false;
 };
 
-/// Computes the measures from the sums; `first`: the unscaled corner with the lowest id. False
-/// where rounding could show in them (a thin polygon): the general code is then needed.
+/// Computes the measures from the sums. `first`: the id of the corner with the lowest id. Returns
+/// false if rounding could show in the measures (a thin polygon): the general code is then needed.
 bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
                     const PointView& points, std::uint64_t first, PlanarMeasures& measures);
 
-/// Fills all of `hull` but its statistics, from three corners or more. `ids`: the point of each
-/// row, ascending; nullptr: the row. False, and nothing done, where build_hull is needed.
+/// Fills the lists and measures of `hull` from a polygon of at least three corners. `ids`: the id
+/// of each row's point, ascending; nullptr: the id is the row. Returns false if build_hull is
+/// needed.
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
                    const Run& run, Hull& hull);
 

@@ -1,4 +1,5 @@
-// The inner loops of the result in 3D, compiled once per instruction set and chosen at run time.
+// The inner loops of the result in 3D. They are compiled for several instruction sets, of which one
+// is chosen at run time.
 
 #include "result/write/triangle_sweep.hpp"
 
@@ -28,11 +29,12 @@ using Id = std::uint32_t;
 constexpr unsigned row_stride = Shared3D::row_stride;
 static_assert(row_stride == 4);  // rows are read as vectors of four
 
-/// Facets that are processed together: 16 fit L1, 32 did not and were slower.
+/// The data of facets that are processed together. 16 facets fit the L1 cache; 32 did not, and were
+/// slower.
 struct Batch {
   static constexpr unsigned size = 16;
-  alignas(64) double corner[3][size * 4];  // rows
-  alignas(64) double across[3][size * 4];  // the neighbours' vertices
+  alignas(64) double corner[3][size * 4];  // rows of the facets' corners
+  alignas(64) double across[3][size * 4];  // rows of the neighbours' vertices off the ridges
   alignas(64) double normal[size * 4];
   alignas(64) double sum[size * 4];
   Id across_id[3][size];
@@ -42,6 +44,8 @@ struct Batch {
   Id slot[size];
 };
 
+/// The work of sweep_triangles: collects batches of facets, computes with vectors, and writes
+/// records.
 class Sweep {
  public:
   Sweep(const TriangleSource& source, unsigned shift, Id* next, TriangleRecord* region,
@@ -67,13 +71,13 @@ class Sweep {
   }
 
  private:
-  /// 1 if a < b. Branchless: comparisons of ids are unpredictable, and compilers would branch.
+  /// 1 if a < b, else 0; without a branch, since comparisons of ids are unpredictable.
   static HWY_INLINE std::uint64_t below(Id a, Id b) {
     return (std::uint64_t{a} - std::uint64_t{b}) >> 63;
   }
 
-  /// Collects numbers and rows of one facet, in stored order, and the vertices beyond its ridges.
-  /// Not 0 if a ridge does not belong to two facets of the same orientation.
+  /// Collects numbers and rows of one facet, in stored order, and its neighbours' vertices off the
+  /// ridges. The result is not 0 if a ridge does not belong to two facets of the same orientation.
   HWY_INLINE Id collect(unsigned k) {
     const Facet3D* HWY_RESTRICT const facets = s_.facets;
     const double* HWY_RESTRICT const rows = s_.rows;
@@ -112,6 +116,7 @@ class Sweep {
     return wrong;
   }
 
+  /// Fills place k, to complete a vector, with the data of the facet before.
   void repeat_last(unsigned k) {
     for (unsigned j = 0; j < 3; ++j) {
       std::memcpy(b_.corner[j] + 4 * k, b_.corner[j] + 4 * (k - 1), 32);
@@ -119,7 +124,8 @@ class Sweep {
     }
   }
 
-  /// Normals, sums and sides of a vector of facets from k on, as facet_block computes them.
+  /// Computes normals and sums of a vector of facets, from facet k on, as facet_block does, and
+  /// tests whether their ridges are convex.
   HWY_INLINE void compute(unsigned k, unsigned count) {
     const D d;
     Lanes corner[3][3], origin[3], edge[2][3], n[3], sum[3];
@@ -137,7 +143,7 @@ class Sweep {
     for (unsigned i = 0; i < lane_count() && k + i < count; ++i)
       b_.numbers[k + i].thin = thin >> i & 1U;
 
-    // Outward oriented, so the side is negative where the ridge is convex.
+    // The normals point outward, so the side is negative if the ridge is convex.
     const Lanes relative = reach * (s_.exact_doubles ? 0 : -determinant_error(3));
     const Lanes tiny = s_.exact_doubles ? 0 : -determinant_tiny;
     for (unsigned j = 0; j < 3; ++j) {
@@ -155,13 +161,14 @@ class Sweep {
     for (unsigned c = 0; c < 3; ++c) v[c] = v[c] * s_.factor[c];
   }
 
-  /// Keeps an undecided ridge, seen from the facet with the lower number.
+  /// Appends the undecided ridges to open_, each only from its facet with the lower number.
   HWY_NOINLINE void keep_open(unsigned k, unsigned count, unsigned j, unsigned lanes) {
     for (unsigned i = 0; i < lane_count() && k + i < count; ++i)
       if ((lanes >> i & 1U) != 0 && b_.slot[k + i] < b_.numbers[k + i].neighbour[j])
         open_.push_back({b_.slot[k + i], b_.across_id[j][k + i]});
   }
 
+  /// Writes the record of facet k to its bucket.
   HWY_INLINE void write(unsigned k) {
     const Batch::Numbers& numbers = b_.numbers[k];
     auto* to = reinterpret_cast<unsigned char*>(region_ + next_[numbers.vertex[0] >> shift_]++);
@@ -250,7 +257,7 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
     if (!facet.live()) continue;
     const std::uint32_t* v = facet.vertices;
     ++counts[std::min({source.place[v[0]], source.place[v[1]], source.place[v[2]]}) >> shift];
-    // Prefetches what the sweep over these facets reads, and the lines that it writes to.
+    // Prefetches the data that sweep_triangles reads for these facets, and the lines it writes.
     for (unsigned j = 0; j < 3; ++j) {
       prefetch_passing_line(source.facets + facet.neighbours[j]);
       prefetch_passing_line(source.rows + std::size_t{v[j]} * Shared3D::row_stride);

@@ -1,5 +1,5 @@
-// The inner loops of the result in 3D, where every facet is a triangle: a vector of facets at a
-// time. docs/exactness.md, "Ridges".
+// The inner loops of the result in 3D, where every facet is a triangle. They process a vector of
+// facets at a time. docs/exactness.md, "Ridges".
 #pragma once
 
 #include <cstdint>
@@ -10,52 +10,56 @@
 
 namespace cullhull::internal::inline result {
 
-/// The data of a facet for the second sweep. Vertices by position, in stored order: the lowest
-/// first, counter-clockwise seen from outside.
+/// The data of a facet for the second sweep. Vertices are given by their positions in the hull and
+/// in stored order: lowest first, counter-clockwise seen from outside.
 struct TriangleRecord {
-  double normal[3];  // as `cofactors` computes it, bit for bit
-  double sum[3];     // of the corners' differences from vertex 0
+  double normal[3];  // with the bits that `cofactors` computes
+  double sum[3];     // sum of the corners' differences from the hull's vertex 0
   std::uint32_t vertex[3];
   std::uint32_t slot;          // the engine's number of the facet
-  std::uint32_t neighbour[3];  // their slots; entry j lies across the ridge without vertex j
+  std::uint32_t neighbour[3];  // slots; neighbour j lies across the ridge without vertex j
   std::uint32_t thin;          // nonzero: the normal must be computed with more bits
 };
 static_assert(sizeof(TriangleRecord) == 80);
 
-/// A ridge whose side doubles did not decide: the facet, and the neighbour's vertex off it.
+/// A ridge whose convexity doubles could not decide: a facet, and its neighbour's vertex off the
+/// ridge.
 struct OpenRidge {
   std::uint32_t facet, across;  // vertex numbers of the engine
 };
 
-/// The engine's facets, and the frame's coordinates: row i times `factor`, exactly.
+/// The engine's facets and the coordinates of their vertices. Rows times `factor` are the frame's
+/// coordinates, exactly.
 struct TriangleSource {
   const Facet3D* facets = nullptr;
-  const std::uint32_t* place = nullptr;  // by vertex number: the position in the hull
+  const std::uint32_t* place = nullptr;  // position in the hull of each vertex number
   const double* rows = nullptr;          // Shared3D::row_stride apart
   double factor[3] = {1, 1, 1};
   double origin[3] = {0, 0, 0};  // the frame's vertex 0
   bool exact_doubles = false;    // no operation on differences rounds (small lattices)
 };
 
-/// Counts the live facets of slots [begin, end) by bucket: the position of the lowest vertex,
-/// shifted right by `shift`. Returns their number.
+/// Counts the live facets in slots [begin, end), adding to counts[bucket]; the bucket is the
+/// position of the lowest vertex, shifted right by `shift`. Returns their number. Also prefetches
+/// data for sweep_triangles, among them `region`, which it does not access.
 std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                               unsigned shift, std::uint32_t* counts, const void* region);
 
-/// Writes the records of the same facets to region[next[bucket]++]. Returns false if a ridge does
-/// not belong to two facets of the same orientation; ridges that are not certainly convex are
-/// appended to `open`, once.
+/// Writes the records of the same facets to region[next[bucket]++], and appends each ridge that is
+/// not certainly convex to `open`, once. Returns false if a ridge does not belong to two facets of
+/// the same orientation.
 bool sweep_triangles(const TriangleSource& source, std::uint32_t begin, std::uint32_t end,
                      unsigned shift, std::uint32_t* next, TriangleRecord* region,
                      std::vector<OpenRidge>& open);
 
+/// The most facets of one call of triangle_shares: a run of the sums.
 inline constexpr unsigned shares_at_once = 32;
 using TriangleShares = ShareArrays<shares_at_once>;
 
-/// The shares and planes of at most `shares_at_once` facets, as facet_share computes them, bit for
-/// bit; `vertices`: rows of the frame, three doubles each; `unit`: a power of two. Returns a bit
-/// mask of the facets that facet_share must compute. Planes are written for whole vectors: to
-/// planes[0 .. 128).
+/// Computes shares and planes of `count` <= `shares_at_once` facets, with the bits of facet_share.
+/// `vertices`: rows of the frame, three doubles each; `unit`: the power of two that scales the
+/// planes' offsets. Returns a bit mask of the facets that facet_share must compute instead. Writes
+/// planes of whole vectors, so `planes` needs room for 128 doubles.
 std::uint32_t triangle_shares(const TriangleRecord* const* records, unsigned count,
                               const double* vertices, const double* origin, double unit,
                               TriangleShares& shares, double* planes);

@@ -15,8 +15,9 @@ VertexList list_vertices(const Boundary& surface, std::uint32_t points, const st
   const bool many = surface.dimension > 3;
   run.each(surface.vertices.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
-      // Threads may set the same flag, to the same value. Where a vertex has dozens of facets, most
-      // find it set, and avoid taking the cache line from one another.
+      // Threads may set the same flag, to the same value. If a vertex has dozens of facets, the
+      // flag is usually set already. Testing it first avoids taking the cache line from other
+      // threads.
       const std::atomic_ref<std::uint8_t> flag(used[surface.vertices[i]]);
       if (many && flag.load(std::memory_order_relaxed) != 0) continue;
       flag.store(1, std::memory_order_relaxed);
@@ -59,10 +60,11 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   }
   BigArray<std::uint8_t> used(count);
   std::memset(used.get(), 0, count);
-  // Meanwhile one thread resizes the result, which takes as long, as a vector clears its memory.
+  // Meanwhile one thread resizes the result: std::vector clears its memory, which takes as long.
   run.each_item(chunk_count(size, light_grain) + 1, [&](std::uint64_t job) {
     if (job == 0) return resize_big(out, size);
-    // No two corners are equal, and neighbouring bytes may be written concurrently.
+    // All corners differ, so each byte is written once. Neighbouring bytes may be written
+    // concurrently.
     const std::uint64_t end = std::min<std::uint64_t>(size, job * light_grain);
     for (std::uint64_t i = (job - 1) * light_grain; i < end; ++i) used[corners[i]] = 1;
   });

@@ -1,12 +1,12 @@
-// From 4D on hulls have so many facets that time and memory are dominated by passes over them.
-// Simplices are sorted first, by keys that hold all of a simplex's vertices; all else is computed
-// in canonical order, and written directly into the result. In that order two facets that share a
-// ridge are mostly near one another: they share their lowest vertex unless the ridge lacks it, and
-// a vertex has some hundred facets.
+// From 4D on hulls have so many facets that passes over them take most of the time and memory. So
+// the simplices are sorted first, by keys that contain all vertices of a simplex. Everything else
+// is computed in canonical order and written directly into the result. In that order two facets
+// that share a ridge are usually near each other in memory, because they have the same lowest
+// vertex unless the ridge lacks it, and a vertex has some hundred facets.
 //
-// Four sweeps: keys are distributed to buckets by the lowest vertex (deal), buckets are sorted and
-// simplices written (sort_buckets), neighbours are renumbered (renumber), ridges are checked and
-// planes and measures computed (scan).
+// There are four sweeps: deal() distributes the keys to buckets by the lowest vertex,
+// sort_buckets() sorts each bucket and writes its simplices, renumber() renumbers the neighbours,
+// and scan() checks the ridges and computes planes and measures.
 #include "result/write/write_simplices.hpp"
 
 #include <algorithm>
@@ -31,6 +31,7 @@
 namespace cullhull::internal::inline result {
 namespace {
 
+/// The work of write_simplices in dimension K.
 template <unsigned K>
 class SimplexWriter {
  public:
@@ -74,7 +75,8 @@ class SimplexWriter {
 
   // ---------------------------------------------------------------- keys, sorted
 
-  /// The order within buckets depends on sizes alone, not on threads.
+  /// Distributes the simplices' keys to buckets. The order within a bucket depends on the chunk
+  /// size alone, not on threads.
   void deal() {
     const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
     std::vector<std::uint32_t> next(chunks * buckets_, 0);
@@ -104,7 +106,8 @@ class SimplexWriter {
     });
   }
 
-  /// Positions of the vertices, as stored.
+  /// Writes the positions of the vertices of the surface's simplex f, in stored order: ascending,
+  /// except that the last two are exchanged if that makes the simplex outward oriented.
   void stored(std::uint64_t f, std::uint32_t* corners) const {
     const std::uint32_t* ids = surface_.simplex(f);
     for (unsigned j = 0; j < K; ++j) corners[j] = vertices_.position(ids[j]);
@@ -128,6 +131,7 @@ class SimplexWriter {
     });
   }
 
+  /// Compares two simplices, by more than their keys if these lack vertices.
   bool less(const FacetKey& a, const FacetKey& b) const {
     if (packing_.complete() || !packing_.alike(a, b)) return a < b;
     std::uint32_t v[K], w[K];
@@ -136,6 +140,7 @@ class SimplexWriter {
     return std::lexicographical_compare(v, v + K, w, w + K);
   }
 
+  /// Sorts bucket b.
   void sort(std::uint32_t b, BucketSort<FacetKey>& sorted) const {
     const std::uint32_t begin = bucket_start_[b], end = bucket_start_[b + 1];
     sorted.sort(
@@ -149,6 +154,7 @@ class SimplexWriter {
         [this](const FacetKey& x, const FacetKey& y) { return less(x, y); });
   }
 
+  /// Writes order, rank, vertices and facets of the simplices of sorted bucket b.
   void write_bucket(std::uint32_t b, const BucketSort<FacetKey>& sorted) {
     const std::uint32_t base = b << shift_;
     bool twice = false;
@@ -174,13 +180,14 @@ class SimplexWriter {
     if (twice) fail_not_exact("a simplex uses a point twice");
   }
 
-  /// Whether the last two of stored vertices were swapped.
+  /// Whether the last two of the stored vertices are exchanged.
   static bool is_odd(const std::uint32_t* stored) { return stored[K - 2] > stored[K - 1]; }
 
+  /// Writes the neighbours of the simplices and of the facets in the new numbers.
   void renumber() {
-    // Prefetch distances: the ids of a simplex, then what they refer to. Hulls of 50,000 points of
-    // a sphere in 4D take 2 % more time without the near one; other distances differ by the noise,
-    // 3 %.
+    // Prefetch distances: `far` for the neighbours of a simplex, `near` for their ranks. Hulls of
+    // 50,000 points on a sphere in 4D take 2% more time without the near prefetch. Other distances
+    // change the time by no more than the noise, 3%.
     constexpr std::uint64_t far = 40, near = 12;
     neighbours_.resize(count_ * K);
     facet_neighbours_.resize(count_ * K);
@@ -215,7 +222,8 @@ class SimplexWriter {
     RungCounts rungs;
   };
 
-  /// False if some simplices are coplanar.
+  /// Checks all ridges and computes planes and shares. Returns false if some simplices are
+  /// coplanar.
   bool scan(std::uint64_t* rung_counts) {
     planes_.resize(count_ * (K + 1));
     runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
@@ -230,19 +238,19 @@ class SimplexWriter {
       ridges += c.ridges;
       c.rungs.add_to(rung_counts);
     }
-    // Each ridge was matched from its lower simplex to one slot of the higher: half of all slots.
+    // Each ridge was counted once, from its lower simplex. Two slots belong to a ridge.
     if (2 * ridges != count_ * K) fail_not_exact("a ridge is not shared by two facets");
     return true;
   }
 
-  /// A ridge to a simplex of higher number: `across` is first that simplex, then its vertex off the
-  /// ridge.
+  /// A ridge between a simplex and a neighbour of higher number. `across` is that neighbour at
+  /// first; match() replaces it by the neighbour's vertex off the ridge.
   struct Ridge {
     std::uint32_t simplex, across, slot;
   };
   static_assert(simplex_chunk % measure_run == 0 && measure_run % lanes == 0);
 
-  /// Run after run; the data of a run is prefetched while the run before is computed.
+  /// Processes a chunk run by run. The data of the next run is prefetched while a run is computed.
   void scan_chunk(std::uint64_t begin, std::uint64_t end, ChunkCounts& out) {
     FacetBlock<K> block;
     for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
@@ -272,7 +280,9 @@ class SimplexWriter {
     }
   }
 
-  /// Which of two neighbouring simplices is the higher is unpredictable: no branch.
+  /// Lists the ridges of simplices [from, to) to neighbours of higher number, and prefetches their
+  /// data. Returns their number. Which of two neighbours is higher is unpredictable, so the loop
+  /// has no branch.
   unsigned list_ridges(std::uint64_t from, std::uint64_t to, Ridge* ridges) const {
     unsigned count = 0;
     for (std::uint64_t f = from; f < to; ++f)
@@ -290,15 +300,15 @@ class SimplexWriter {
     return count;
   }
 
-  /// Stored vertices in ascending order.
+  /// Copies stored vertices in ascending order.
   static void straighten(const std::uint32_t* stored, std::uint32_t* v) {
     std::copy_n(stored, K, v);
     v[K - 2] = std::min(stored[K - 2], stored[K - 1]);
     v[K - 1] = std::max(stored[K - 2], stored[K - 1]);
   }
 
-  /// Replaces `across` by the vertex; checks that the two simplices share the ridge, refer to one
-  /// another, and have the same orientation.
+  /// Replaces `across` by the neighbour's vertex off the ridge. Throws Error{not_exact} unless both
+  /// simplices contain the ridge, refer to each other, and have the same orientation.
   void match(Ridge& ridge) const {
     const std::uint32_t f = ridge.simplex, g = ridge.across;
     const std::uint32_t* stored = &corners_[std::size_t{f} * K];
@@ -306,10 +316,11 @@ class SimplexWriter {
     std::uint32_t a[K], b[K];
     straighten(stored, a);
     straighten(other, b);
-    // If both contain the ridge, the difference of sums gives the vertex that only g has.
+    // If both contain the ridge, the sums of their vertices differ by that of the two other
+    // vertices.
     std::uint32_t x = stored[ridge.slot];
     for (unsigned c = 0; c < K; ++c) x += b[c] - a[c];
-    unsigned i = 0, j = 0;  // indices of the two vertices that are off the ridge
+    unsigned i = 0, j = 0;  // indices of the two vertices off the ridge
     for (unsigned c = 0; c < K; ++c) {
       i += a[c] < stored[ridge.slot];
       j += b[c] < x;
@@ -345,8 +356,8 @@ class SimplexWriter {
     if (sign == Sign::zero) coplanar_.store(true, std::memory_order_relaxed);
   }
 
-  /// The side of a vertex relative to the simplex of a lane, which is outward oriented: negative
-  /// where the ridge between them is convex. `known`: whether it is certain.
+  /// The side of a vertex relative to the simplex in a lane, whose normal points outward: negative
+  /// if the ridge between them is convex. Sets `known` to whether the sign is certain.
   Sign side(const FacetBlock<K>& block, unsigned lane, std::uint32_t vertex, bool& known) const {
     const double* p = frame_.at(vertex);
     double sum = 0, largest = 0;
@@ -360,6 +371,7 @@ class SimplexWriter {
     return sign_of(sum);
   }
 
+  /// The exact sign of a ridge that doubles could not decide, as side() defines it.
   Sign exact_side(const Ridge& ridge, ChunkCounts& out) const {
     // Local ids are the vertices of the surface's simplices.
     const std::uint32_t g = neighbours_[std::size_t{ridge.simplex} * K + ridge.slot];
@@ -377,6 +389,7 @@ class SimplexWriter {
     return sign;
   }
 
+  /// Writes the plane of simplex i, whose data are in a lane of the block, and returns its share.
   Share<K> write_plane(std::uint64_t i, const FacetBlock<K>& block, unsigned lane) {
     double normal[K], sum[K];
     for (unsigned c = 0; c < K; ++c) {
@@ -390,9 +403,8 @@ class SimplexWriter {
 
   // ---------------------------------------------------------------- before it all
 
-  /// Whether some simplices of a sample have coplanar neighbours: then sorting would be wasted. If
-  /// none has, there may still be coplanar ones elsewhere. Up to 64 blocks of 8: half a thousand of
-  /// more.
+  /// Whether some simplex of a sample has a coplanar neighbour: then the sweeps would be wasted. If
+  /// not, other simplices may still have one. The sample has up to 512 simplices, in blocks of 8.
   bool coplanar_sample() const {
     const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
     FacetBlock<K> block;
@@ -437,14 +449,14 @@ class SimplexWriter {
   const unsigned shift_;
   const std::uint32_t buckets_;
   const FacetKeys<K> packing_;
-  std::vector<std::uint32_t> bucket_start_;  // keys of each bucket
+  std::vector<std::uint32_t> bucket_start_;  // first key of each bucket
   BigArray<FacetKey> keys_;
   BigArray<std::uint32_t> order_;    // the surface's simplices in canonical order
-  BigArray<std::uint32_t> rank_;     // and where each of them is in it
-  BigArray<std::uint32_t> corners_;  // positions of the vertices as stored, in canonical order
+  BigArray<std::uint32_t> rank_;     // the inverse of order_
+  BigArray<std::uint32_t> corners_;  // stored vertices of the simplices in canonical order
   std::atomic<bool> coplanar_{false};
   BigArray<Share<K>> runs_;
-  // The result's.
+  // Lists of the result.
   Array<std::uint64_t> simplices_, facets_;
   Array<std::uint32_t> neighbours_, facet_neighbours_;
   Array<double> planes_;

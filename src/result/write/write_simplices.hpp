@@ -1,5 +1,5 @@
-// Writes the canonical result of hulls in general position, where every simplex is a facet, and the
-// lists of vertices that all writers share.
+// Writers of the canonical result for points in general position, where every simplex is a facet;
+// and the lists of vertices that all writers use.
 #pragma once
 
 #include <cstddef>
@@ -17,29 +17,27 @@
 
 namespace cullhull::internal::inline result {
 
-// The points that a surface uses, numbered by ascending id.
-
-/// Positions among the vertices ascend as the local ids do.
+/// The vertices of a surface. A vertex's position is its rank by ascending id.
 struct VertexList {
   std::vector<std::uint64_t> ids;     ///< point ids, ascending
-  bool all_points = false;            ///< every local point is a vertex: position = local id
-  bool plain = false;                 ///< and its id too
-  BigArray<std::uint32_t> positions;  ///< of local ids that are vertices; empty if all are
+  bool all_points = false;            ///< every local point is a vertex, so position = local id
+  bool plain = false;                 ///< all_points, and point id = local id
+  BigArray<std::uint32_t> positions;  ///< by local id of a vertex; empty if all_points
 
   std::uint32_t position(std::uint32_t local) const {
     return all_points ? local : positions[local];
   }
 };
 
-/// `ids`: point id of each of `points` local ones; nullptr: the same.
+/// Lists the vertices of a surface. `points`: the number of local points; `ids`: the point id of
+/// each local point, ascending; nullptr: its local id.
 VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run);
 
-// Ranks of flagged items.
-
-/// `flags`: 0 or 1 for each of `count` items. Calls prepare(total) with the number of ones, then,
-/// if that returns true, visit(item, rank) for every item, `rank` being the number of flagged items
-/// before it. Two passes over the flags, in parallel chunks.
+/// Computes ranks of flagged items. `flags`: 0 or 1 for each of `count` items. Calls prepare(total)
+/// with the number of ones and, if that returns true, visit(item, rank) for every item, flagged or
+/// not; `rank` is the number of flagged items before it. Makes two passes over the flags, in
+/// parallel chunks.
 template <class Prepare, class Visit>
 void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run,
                   const Prepare& prepare, const Visit& visit) {
@@ -60,31 +58,30 @@ void rank_flagged(const std::uint8_t* flags, std::uint64_t count, const Run& run
 
 // The extreme points of an engine's boundary.
 
-/// Ascending rows of the extreme points (of equal points the lowest); `boundary` as build_hull
-/// takes it. Adds to `rung_counts`.
+/// The rows of the extreme points, ascending; of equal points the lowest row. `boundary`: the same
+/// input as build_hull's. Adds to `rung_counts`.
 std::vector<std::uint64_t> extreme_rows(Boundary&& boundary, const LocalPoints& points,
                                         const Run& run, std::uint64_t* rung_counts);
 
-/// Ascending rows of a polygon's corners among `count` rows, or their ids (which ascend) if not
-/// null.
+/// The rows of a polygon's `size` corners among `count` rows, sorted; or, if `ids` is not null, the
+/// ids of these rows, which ascend too.
 std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size_t size,
                                          std::uint32_t count, const std::uint64_t* ids,
                                          const Run& run);
 
-// The result in 3D where every triangle is a facet: points in general position.
+// The result in 3D if every triangle is a facet.
 
-/// Checks every ridge and fills the hull in a few sweeps over the engine's own facets. Returns
-/// false, with surface and hull unchanged but for their counts of rungs, where the general code is
-/// needed: some facets are coplanar, the points span too many powers of two, or the surface is not
-/// that of a hull. Otherwise the surface is consumed. The points must have dimension 3.
+/// Checks every ridge and fills the hull in a few sweeps over the engine's own facets, and consumes
+/// the surface. Returns false if the general code is needed: the points do not have dimension 3,
+/// some facets are coplanar, the coordinates span too many powers of two, or the surface is not
+/// that of a hull. Surface and hull are then unchanged, except for rung counts.
 bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull);
 
-/// For k = 4 ... 8 = surface.dimension and a frame that is not wild: checks every ridge of the
-/// surface, as `coplanar_pairs` does, and fills the hull from it in a few sweeps. Returns false,
-/// with the hull's facets and measures unchanged, where some simplices are coplanar, so that the
-/// general code is needed. `vertices`: those of the surface; hull.vertices must hold their ids.
-/// `key_bits`: length of the sorting keys, at most 128; tests pass less to reach the code for keys
-/// that do not hold all vertices.
+/// The same from 4D to 8D (surface.dimension) for a frame that is not wild: checks every ridge, as
+/// coplanar_pairs does, and fills the hull in a few sweeps. Returns false, with the hull's facets
+/// and measures unchanged, if some simplices are coplanar, so that the general code is needed.
+/// `vertices`: those of the surface. `key_bits`: length of the sorting keys in bits, at most 128;
+/// tests pass less to reach the code for keys that lack some vertices.
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 

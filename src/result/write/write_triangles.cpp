@@ -1,9 +1,9 @@
-// Three sweeps. The first runs over the facets in the engine's order, where neighbours are near in
-// memory: it checks all ridges and writes, separately for each range of facets, records of all data
-// that the result needs of a facet, sorted into buckets by the lowest vertex. The second takes a
-// bucket from all ranges, sorts it in the cache and writes the facets out, in order. The third
-// renumbers the neighbours. The sums follow the canonical order, whatever the ranges and buckets
-// are.
+// Writes the result in 3D in three sweeps. The first visits the facets in the engine's order, in
+// which neighbours are near in memory. It checks all ridges and writes a record of each facet, with
+// all data that the result needs; each range of facets sorts its records into buckets by the lowest
+// vertex. The second sweep takes a bucket's records from all ranges, sorts them in the cache and
+// writes the facets in canonical order. The third renumbers the neighbours. The sums follow the
+// canonical order and do not depend on ranges and buckets.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -30,13 +30,13 @@ using Id = std::uint32_t;
 
 // -------------------------------------------------------------------------------- the vertices
 
-/// The hull's vertices, and the position of each of the engine's vertex numbers among them.
+/// The hull's vertices, and the position among them of each vertex number of the engine.
 class Vertices3D {
  public:
   Vertices3D(const TriangleMesh& surface, const LocalPoints& points, const Id* order,
              const std::uint64_t* ids, const Run& run)
       : place_(order) {
-    // A closed surface of F triangles has F / 2 + 2 vertices: here they are all points.
+    // By Euler's formula, F triangles of a hull have F / 2 + 2 vertices, so F = 2 V - 4.
     all_points_ = surface.live == 2 * std::uint64_t{points.count} - 4;
     resize_big(ids_, surface.live / 2 + 2);
     if (!all_points_) {
@@ -49,13 +49,16 @@ class Vertices3D {
   }
 
   std::vector<std::uint64_t>& ids() { return ids_; }
+  /// The position of each vertex number of the engine.
   const Id* place() const { return place_; }
-  /// The local id of the vertex at each position; null where every local point is a vertex.
+  /// The local id of the vertex at each position; null if every local point is a vertex.
   const Id* locals() const { return all_points_ ? nullptr : locals_.get(); }
-  /// False if the surface has another number of vertices than a closed one.
+  /// False if the number of vertices contradicts Euler's formula: the surface is not that of a
+  /// hull.
   bool good() const { return good_; }
 
  private:
+  /// Numbers the vertices when some points are not vertices.
   void number(const TriangleMesh& surface, Id points, const Id* order, const std::uint64_t* ids,
               const Run& run) {
     BigArray<std::uint8_t> used(surface.count), extreme(points);
@@ -101,7 +104,7 @@ class Vertices3D {
   bool all_points_ = false, good_ = true;
 };
 
-/// Maps each point to the lowest id among its equals.
+/// The local id of each vertex number of the engine, replaced by the lowest id of an equal point.
 BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
   run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
@@ -117,6 +120,7 @@ BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& 
 
 // ---------------------------------------------------------------------------------- the sweeps
 
+/// The three sweeps.
 class TriangleWriter {
  public:
   TriangleWriter(const ResultInput& input, TriangleMesh& surface, Vertices3D& vertices,
@@ -154,8 +158,9 @@ class TriangleWriter {
  private:
   // ---------------------------------------------------------------- first sweep
 
-  /// The engine's rows are used where they are the frame's times powers of two, as where no axis
-  /// was translated; otherwise the frame's rows are copied into the engine's order.
+  /// Chooses the coordinates that the first sweep reads. If the engine's rows are the frame's times
+  /// powers of two (no axis was translated), the sweep uses the engine's rows. Otherwise the
+  /// frame's rows are copied into the engine's order.
   void place_rows() {
     source_.facets = surface_.facets.data();
     source_.place = vertices_.place();
@@ -179,7 +184,8 @@ class TriangleWriter {
     source_.rows = own_rows_.get();
   }
 
-  /// Derives the powers of two from one vertex and checks them on all, bit by bit.
+  /// Derives the factors from one vertex with a nonzero coordinate for each axis. Returns whether
+  /// they map the rows of all vertices to the frame's, bit for bit.
   bool find_factors() {
     const auto local_row = [&](std::uint64_t v) {
       const Id* locals = vertices_.locals();
@@ -207,8 +213,8 @@ class TriangleWriter {
     return same;
   }
 
-  /// Divides lowest vertices into buckets and facets into ranges of 4096, so that each fits L2
-  /// (2048 and 8192 were no faster).
+  /// Divides the lowest vertices into buckets of about 4096 facets, and the facets into ranges of
+  /// 4096, so that each fits the L2 cache. 2048 and 8192 were no faster.
   void divide() {
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     shift_ = bucket_shift(count_, vertex_count, stretch);
@@ -219,7 +225,8 @@ class TriangleWriter {
       region_[s + 1] = region_[s] + (stretches_[s].second - stretches_[s].first);
   }
 
-  /// False if some facets are coplanar, or the surface is not that of a hull.
+  /// The first sweep. Returns false if some facets are coplanar or the surface is not that of a
+  /// hull.
   bool sweep() {
     records_ = BigArray<TriangleRecord>(region_.back());
     starts_ = BigArray<Id>(stretches_.size() * (std::size_t{buckets_} + 1));
@@ -246,6 +253,7 @@ class TriangleWriter {
     RungCounts rungs;
   };
 
+  /// Checks and distributes the facets of range s.
   void sweep_stretch(std::uint64_t s, Counts& out) {
     const auto [begin, end] = stretches_[s];
     TriangleRecord* region = records_.get() + region_[s];
@@ -264,9 +272,10 @@ class TriangleWriter {
       if (stop_.load(std::memory_order_relaxed)) return;
       if (exact_side(r, out) != Sign::negative) stop_ = true;
     }
-    out.rungs.of[0] += out.live * 3 / 2 - open.size();  // half the ridges of each facet
+    out.rungs.of[0] += out.live * 3 / 2 - open.size();  // a ridge belongs to two facets
   }
 
+  /// The exact sign of a ridge that doubles could not decide: negative if it is convex.
   Sign exact_side(const OpenRidge& r, Counts& out) const {
     const auto point = [&](Id v) {
       return Orientation3D::Point{surface_.rows.get() + std::size_t{v} * Shared3D::row_stride,
@@ -290,17 +299,20 @@ class TriangleWriter {
 
   /// Scratch of one thread.
   struct Scratch {
-    BucketSort<std::uint64_t> sorted;  // keys: second vertex, record
+    BucketSort<std::uint64_t> sorted;  // keys: second vertex, then the record's index
     TriangleShares shares;
     alignas(64) double planes[4 * shares_at_once];
   };
-  /// Shares of the facets of a bucket that belong to runs crossing its beginning or end.
+  /// The shares of those facets of a bucket whose run continues in the bucket before (head) or
+  /// after (tail).
   struct Cut {
     std::vector<Share<3>> head, tail;
   };
 
+  /// The second sweep.
   void write_facets() {
-    // Neighbouring buckets read the same cache lines of the table of starts: 16 entries of 4 bytes.
+    // A cache line of the table starts_ has 16 entries, which belong to neighbouring buckets, so
+    // one thread processes 16 buckets in turn.
     const std::uint64_t together = buckets_ >= 256 ? 16 : 1;
     run_.each(buckets_, together, [&](std::uint64_t begin, std::uint64_t end) {
       Scratch scratch;
@@ -313,7 +325,7 @@ class TriangleWriter {
     join_cut_runs();
   }
 
-  /// body(first, last) for the records of bucket b in each range.
+  /// Calls body(first, last) for the records of bucket b in each range of facets.
   template <class Body>
   void each_segment(Id b, const Body& body) const {
     const std::size_t row = std::size_t{buckets_} + 1;
@@ -322,7 +334,7 @@ class TriangleWriter {
       body(region_[s] + start[0], region_[s] + start[1]);
   }
 
-  /// Facets with the same lowest vertex differ in their second.
+  /// Sorts bucket b by the lowest and the second vertex, in which any two facets differ.
   void sort(Id b, BucketSort<std::uint64_t>& sorted) const {
     const Id base = b << shift_;
     sorted.sort(
@@ -340,6 +352,7 @@ class TriangleWriter {
         std::less<>());
   }
 
+  /// Writes the facets of sorted bucket b run by run.
   void write_bucket(Id b, Scratch& scratch) {
     const std::uint64_t begin = bucket_start_[b], end = bucket_start_[b + 1];
     for (std::uint64_t at = begin; at < end;) {
@@ -371,7 +384,8 @@ class TriangleWriter {
     }
   }
 
-  /// Computes planes and shares of facets [at, at + size).
+  /// Computes planes and shares of facets [at, at + size): with vectors, and singly for those that
+  /// need more care.
   void write_planes(std::uint64_t at, const TriangleRecord* const* records, unsigned size,
                     Scratch& scratch) {
     double* planes = hull_.facet_planes.data() + at * 4;
@@ -395,7 +409,7 @@ class TriangleWriter {
     for (unsigned k = 0; k < size; ++k) out.push_back(s.at(k));
   }
 
-  /// Sums the runs that cross borders of buckets, in order.
+  /// Sums the runs that cross borders between buckets, in canonical order.
   void join_cut_runs() {
     Share<3> run;
     const auto add = [&](std::uint64_t i, const Share<3>& share) {
@@ -413,6 +427,7 @@ class TriangleWriter {
 
   // ---------------------------------------------------------------- third sweep and sums
 
+  /// The third sweep: renumbers the neighbours and moves the lists into the result.
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
     run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
@@ -434,9 +449,9 @@ class TriangleWriter {
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
   }
 
-  static constexpr Id stretch = 4096;  // facets of a range, see divide()
-  /// Facets to prefetch. Without, the hull of a sphere of 1M points takes 37 % more time; 4, 8 and
-  /// 32 differ by less than 3 %.
+  static constexpr Id stretch = 4096;  // facets in a range, see divide()
+  /// Prefetch distance in facets. Without prefetching the hull of 1M points on a sphere takes 37%
+  /// more time; distances of 4, 8 and 32 differ by less than 3%.
   static constexpr std::uint64_t ahead = 16;
 
   const ResultInput& input_;
@@ -454,13 +469,13 @@ class TriangleWriter {
   unsigned shift_ = 0;
   Id buckets_ = 0;
   std::vector<TriangleMesh::Run> stretches_;
-  std::vector<Id> region_;  // where the records of each range begin
-  BigArray<Id> starts_;     // ranges x (buckets + 1): where each bucket begins in it
+  std::vector<Id> region_;  // first record of each range
+  BigArray<Id> starts_;     // ranges x (buckets + 1): beginning of each bucket in a range
   std::vector<Id> bucket_start_;
   BigArray<TriangleRecord> records_;
   std::atomic<bool> stop_{false};
   Array<std::uint64_t> simplices_;
-  BigArray<Id> rank_;  // of the engine's slots in canonical order
+  BigArray<Id> rank_;  // canonical number of each of the engine's slots
   BigArray<Share<3>> runs_;
   std::vector<Cut> cut_;
 };
