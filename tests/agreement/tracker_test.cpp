@@ -1,61 +1,26 @@
 // HullTracker: every frame is the static hull, bit for bit, whatever moves how.
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <limits>
-#include <new>
 
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
 #include "flow/pipeline.hpp"
+#include "tests/counted_memory.hpp"
 #include "tests/made_sets.hpp"
-
-namespace {
-
-std::atomic<std::int64_t> live_bytes{0}, allocated_bytes{0};
-
-void* counted(void* p) {
-  if (p == nullptr) throw std::bad_alloc();
-  const auto size = static_cast<std::int64_t>(malloc_usable_size(p));
-  live_bytes += size;
-  allocated_bytes += size;
-  return p;
-}
-void uncounted(void* p) {
-  if (p == nullptr) return;
-  live_bytes -= static_cast<std::int64_t>(malloc_usable_size(p));
-  std::free(p);
-}
-
-}  // namespace
-
-// Everything the library keeps is counted, so that a test can see whether it grows.
-void* operator new(std::size_t n) { return counted(std::malloc(n > 0 ? n : 1)); }
-void* operator new(std::size_t n, std::align_val_t a) {
-  const auto align = static_cast<std::size_t>(a);
-  return counted(std::aligned_alloc(align, (n + align - 1) / align * align));
-}
-void* operator new(std::size_t n, const std::nothrow_t&) noexcept {
-  void* const p = std::malloc(n > 0 ? n : 1);
-  return p == nullptr ? p : counted(p);
-}
-void operator delete(void* p, const std::nothrow_t&) noexcept { uncounted(p); }
-void operator delete(void* p) noexcept { uncounted(p); }
-void operator delete(void* p, std::size_t) noexcept { uncounted(p); }
-void operator delete(void* p, std::align_val_t) noexcept { uncounted(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { uncounted(p); }
 
 namespace cullhull {
 namespace {
 
+using testing_support::allocated_bytes;
 using testing_support::canonical_hash;
+using testing_support::live_bytes;
 using testing_support::moving_frames;
 using Rows = std::vector<double>;
 

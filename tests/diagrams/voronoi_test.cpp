@@ -4,35 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <map>
-#include <new>
 #include <random>
 #include <set>
 
 #include "cullhull/error.hpp"
 #include "diagrams/slow_cells.hpp"
-
-namespace {
-
-std::atomic<std::uint64_t> asked_bytes{0};
-
-void* counted(std::size_t n) {
-  asked_bytes += n;
-  void* const p = std::malloc(n > 0 ? n : 1);
-  if (p == nullptr) throw std::bad_alloc();
-  return p;
-}
-void freed(void* p) { std::free(p); }
-
-}  // namespace
-
-// Bytes asked for are counted: work that makes lists again and again shows there.
-void* operator new(std::size_t n) { return counted(n); }
-void operator delete(void* p) noexcept { freed(p); }
-void operator delete(void* p, std::size_t) noexcept { freed(p); }
+#include "tests/counted_memory.hpp"
 
 namespace cullhull {
 namespace {
@@ -375,9 +354,9 @@ TEST(Voronoi, CellsOfOneCircleTakeLinearWork) {
     ASSERT_EQ(t.cell_groups.back(), 0U);
     Options o;
     o.threads = 1;
-    const std::uint64_t before = asked_bytes;
+    const std::int64_t before = allocated_bytes;
     const Voronoi v = voronoi(view_of(s), t, {}, o);
-    bytes.push_back(asked_bytes - before);
+    bytes.push_back(static_cast<std::uint64_t>(allocated_bytes - before));
     counts.push_back(s.count());
     EXPECT_EQ(v.vertices.size(), 2U);
     EXPECT_EQ(v.ridge_points.size(),
