@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -20,7 +21,11 @@ namespace cullhull::internal::inline delaunay {
 class PlaneInsertion {
  public:
   PlaneInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points), run_(run), store_(2, run.budget), signs_(points) {}
+      : s_(points),
+        run_(run),
+        store_(2, run.budget),
+        signs_(points),
+        tiny_(points.filtered ? points.tiny : std::numeric_limits<double>::infinity()) {}
 
   CellStore<2>& store() { return store_; }
   const LiftCounts& counts() {
@@ -42,104 +47,126 @@ class PlaneInsertion {
     signs_.set_query(p);
     px_ = s_.row(p)[0];
     py_ = s_.row(p)[1];
-    const std::uint32_t first = locate();
-    edges_.clear();
-    cavity_.clear();
-    open_.clear();
-    cavity_.push_back(first);
-    const std::uint32_t* v = store_.vertices(first);
-    const Corner a = corner(v[0]), b = corner(v[1]), c = corner(v[2]);
-    // The edges are visited counter-clockwise, beginning with a b, opposite to corner 2. open_ is a
-    // stack, so they are pushed in reverse.
-    const std::uint32_t* n = store_.neighbours(first);
-    open_.push_back({n[1], c, a});
-    open_.push_back({n[0], b, c});
-    open_.push_back({n[2], a, b});
-    walk_around();
+    Corner corners[3];
+    const std::uint32_t first = locate(corners);
+    walk_around(first, corners);
     make_cells(p);
     if ((++inserted_ & 1023) == 0) run_.check();
     return true;
   }
 
  private:
-  /// A vertex with coordinates and lift relative to the point.
+  /// A vertex with coordinates and lift relative to the point. `code`: of an edge that ends here,
+  /// the neighbour across it.
   struct Corner {
     double x, y, lift;
-    std::uint32_t vertex;
+    std::uint32_t vertex, code;
   };
-  /// The edge from `from` to `to` of a triangle in the cavity. `code`: the neighbour across it.
-  struct Edge {
-    std::uint32_t code;
-    Corner from, to;
-  };
-  /// An edge of the cavity's boundary. `code`: the neighbour outside.
+  /// An edge of the cavity's boundary, from the end of the one before. `code`: the neighbour
+  /// outside.
   struct Rim {
-    std::uint32_t code, from, to;
+    std::uint32_t code, to;
   };
 
+  /// The infinite vertex has coordinates with which no filter decides.
   Corner corner(std::uint32_t v) const {
-    if (v == infinite) return {0, 0, 0, v};
+    if (v == infinite) {
+      constexpr double none = std::numeric_limits<double>::quiet_NaN();
+      return {none, none, none, v, 0};
+    }
     const double* q = s_.row(v);
     const double x = q[0] - px_, y = q[1] - py_;
-    return {x, y, x * x + y * y, v};
+    return {x, y, x * x + y * y, v, 0};
   }
 
-  /// Visibility walk to the triangle that contains the point, or to a ghost.
-  std::uint32_t locate() {
+  static unsigned next(unsigned slot) { return slot == 2 ? 0 : slot + 1; }
+  static unsigned previous(unsigned slot) { return slot == 0 ? 2 : slot - 1; }
+
+  /// Visibility walk to the triangle that contains the point, or to a ghost; sets its corners.
+  std::uint32_t locate(Corner* corners) {
     std::uint32_t c = last_;
     if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
-    unsigned from = 3;
-    for (;;) {
-      const unsigned j = signs_.separating_facet(store_.vertices(c), from);
+    for (unsigned j = 0; j < 3; ++j) corners[j] = corner(store_.vertices(c)[j]);
+    for (unsigned from = 3;;) {
+      unsigned j = 0;
+      while (j < 3 && (j == from || !beyond(c, j, corners[next(j)], corners[previous(j)]))) ++j;
       if (j == 3) return c;
       const std::uint32_t code = store_.neighbours(c)[j];
+      const Corner begin = corners[next(j)], end = corners[previous(j)];
       c = store_.cell_of(code);
       from = store_.slot_of(code);
-      if (store_.vertices(c)[from] == infinite) return c;
+      corners[from] = corner(store_.vertices(c)[from]);
+      corners[next(from)] = end;
+      corners[previous(from)] = begin;
+      if (corners[from].vertex == infinite) return c;
       if ((++steps_ & 4095) == 0) run_.check();
     }
   }
 
-  /// Finds the cavity (cavity_) and its boundary in cyclic order (edges_) by depth-first search.
-  void walk_around() {
-    while (!open_.empty()) {
-      const Edge e = open_.back();
-      open_.pop_back();
-      const std::uint32_t c = store_.cell_of(e.code);
-      const unsigned slot = store_.slot_of(e.code);
-      const Corner apex = corner(store_.vertices(c)[slot]);
-      if (!conflict(c, e, apex)) {
-        edges_.push_back({e.code, e.from.vertex, e.to.vertex});
+  /// Whether the point is beyond the edge from a to b of the finite triangle c, opposite to corner
+  /// j. The roundings are those of filtered_by_columns().
+  bool beyond(std::uint32_t c, unsigned j, const Corner& a, const Corner& b) {
+    const double l = a.x * b.y, r = a.y * b.x, det = l - r;
+    const double bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny_;
+    if (std::abs(det) > bound) return det < 0;
+    return signs_.replaced(store_.vertices(c), j) == Sign::negative;
+  }
+
+  /// Finds the cavity (cavity_), beginning with a triangle and its corners, and its boundary in
+  /// cyclic order (rims_) by depth-first search. The edges that are to be visited follow one
+  /// another, so open_, a stack, has the end of each.
+  void walk_around(std::uint32_t first, const Corner* corners) {
+    rims_.clear();
+    cavity_.clear();
+    cavity_.push_back(first);
+    const std::uint32_t* across = store_.neighbours(first);
+    Corner* open = open_.data();
+    std::size_t depth = 3;
+    for (unsigned j = 0, end = 0; j < 3; ++j, end = previous(end)) {  // the first one on top
+      open[j] = corners[end];
+      open[j].code = across[next(end)];
+    }
+    Corner from = corners[0];
+    while (depth > 0) {
+      const Corner to = open[depth - 1];
+      const std::uint32_t c = store_.cell_of(to.code);
+      const unsigned slot = store_.slot_of(to.code);
+      Corner apex = corner(store_.vertices(c)[slot]);
+      if (!conflict(c, from, apex, to)) {
+        rims_.push_back({to.code, to.vertex});
+        from = to;
+        --depth;
         continue;
       }
       cavity_.push_back(c);
-      // The triangle is apex, to, from. Visit the edge from-apex, opposite to `to`, first.
-      const unsigned next = slot == 2 ? 0 : slot + 1, last = slot == 0 ? 2 : slot - 1;
-      const std::uint32_t* n = store_.neighbours(c);
-      open_.push_back({n[last], apex, e.to});
-      open_.push_back({n[next], e.from, apex});
+      // The triangle is apex, to, from. The edge from-apex, opposite to `to`, is visited first.
+      across = store_.neighbours(c);
+      open[depth - 1].code = across[previous(slot)];
+      apex.code = across[next(slot)];
+      if (depth == open_.size()) {
+        open_.resize(2 * depth);
+        open = open_.data();
+      }
+      open[depth++] = apex;
     }
   }
 
-  /// Whether the point is in conflict with triangle c, which has edge e and the opposite corner w.
-  bool conflict(std::uint32_t c, const Edge& e, const Corner& w) {
-    if (s_.filtered && w.vertex != infinite && e.from.vertex != infinite &&
-        e.to.vertex != infinite) {
-      const Corner &u = e.from, &v = e.to;
-      // Determinant of the rows u, w, v relative to the point: positive inside the circumcircle.
-      const double uw = u.x * w.y, wu = u.y * w.x, wv = w.x * v.y, vw = w.y * v.x, vu = v.x * u.y,
-                   uv = v.y * u.x;
-      const double det = (uw - wu) * v.lift + (wv - vw) * u.lift + (vu - uv) * w.lift;
-      const double size = (std::abs(uw) + std::abs(wu)) * v.lift +
-                          (std::abs(wv) + std::abs(vw)) * u.lift +
-                          (std::abs(vu) + std::abs(uv)) * w.lift;
-      // Roundings on a path of the computation: 2 differences, a product, a difference; 4 for the
-      // lift, a product, 2 sums. Computing `size` adds 4 more.
-      const double bound = 16 * unit_roundoff * size + s_.tiny;
-      if (std::abs(det) > bound) {
-        ++filtered_;
-        return det > 0;
-      }
+  /// Whether the point is in conflict with triangle c, which has the edge from u to v and the
+  /// opposite corner w.
+  bool conflict(std::uint32_t c, const Corner& u, const Corner& w, const Corner& v) {
+    // Determinant of the rows u, w, v relative to the point: positive inside the circumcircle.
+    const double uw = u.x * w.y, wu = u.y * w.x, wv = w.x * v.y, vw = w.y * v.x, vu = v.x * u.y,
+                 uv = v.y * u.x;
+    const double det = (uw - wu) * v.lift + (wv - vw) * u.lift + (vu - uv) * w.lift;
+    const double size = (std::abs(uw) + std::abs(wu)) * v.lift +
+                        (std::abs(wv) + std::abs(vw)) * u.lift +
+                        (std::abs(vu) + std::abs(uv)) * w.lift;
+    // Roundings on a path of the computation: 2 differences, a product, a difference; 4 for the
+    // lift, a product, 2 sums. Computing `size` adds 4 more.
+    const double bound = 16 * unit_roundoff * size + tiny_;
+    if (std::abs(det) > bound) {
+      ++filtered_;
+      return det > 0;
     }
     if (const unsigned g = store_.ghost_slot(c); g < 3) {
       const Sign beyond = signs_.replaced(store_.vertices(c), g);
@@ -153,22 +180,23 @@ class PlaneInsertion {
   /// cavity, slot 1 the next new triangle, slot 2 the previous one.
   void make_cells(std::uint32_t p) {
     store_.count_reused(cavity_.size());
-    while (cavity_.size() < edges_.size()) cavity_.push_back(store_.new_cell());
-    const std::size_t n = edges_.size();
-    std::uint32_t before = cavity_[n - 1];
+    while (cavity_.size() < rims_.size()) cavity_.push_back(store_.new_cell());
+    const std::size_t n = rims_.size();
+    std::uint32_t before = cavity_[n - 1], from = rims_[n - 1].to;
     last_ = no_index;
     for (std::size_t i = 0; i < n; ++i) {
-      const Rim& e = edges_[i];
+      const Rim& e = rims_[i];
       const std::uint32_t c = cavity_[i];
       std::uint32_t *v = store_.vertices(c), *across = store_.neighbours(c);
       v[0] = p;
-      v[1] = e.from;
+      v[1] = from;
       v[2] = e.to;
       store_.link(c, 0, e.code);
       across[1] = store_.code(i + 1 < n ? cavity_[i + 1] : cavity_[0], 2);
       across[2] = store_.code(before, 1);
       before = c;
-      if (e.from != infinite && e.to != infinite) last_ = c;
+      if (from != infinite && e.to != infinite) last_ = c;
+      from = e.to;
     }
     if (last_ == no_index) last_ = before;
   }
@@ -177,12 +205,13 @@ class PlaneInsertion {
   const Run& run_;
   CellStore<2> store_;
   PointSigns<2> signs_;
+  double tiny_;  ///< of filters; infinite where none may decide
   double px_ = 0, py_ = 0;
   std::uint64_t steps_ = 0, inserted_ = 0, filtered_ = 0;
   std::uint32_t last_ = 0;
   LiftCounts counts_;
-  std::vector<Edge> open_;
-  std::vector<Rim> edges_;
+  std::vector<Corner> open_ = std::vector<Corner>(64);
+  std::vector<Rim> rims_;
   std::vector<std::uint32_t> cavity_;
 };
 

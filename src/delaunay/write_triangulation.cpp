@@ -1,6 +1,7 @@
 #include "delaunay/write_triangulation.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <numeric>
 #include <utility>
@@ -90,40 +91,90 @@ std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* k
   return all;
 }
 
-/// Replaces the vertices of finite cells by the caller's ids and orders their corners; returns
-/// these cells as rows to be sorted. Sets `rank` of all other cells to no_cell.
+/// Finite cells by their lowest vertex, and the numbers by which they are written.
+struct CellOrder {
+  Array<std::uint32_t> ends;   ///< for each id the end of its cells in `cells`
+  Array<std::uint32_t> cells;  ///< of each id, in the order of writing once sort_cells() has run
+  Array<std::uint32_t>
+      rank;  ///< the number of a cell of the store; no_cell for all but finite ones
+
+  std::uint32_t begin(std::uint64_t id) const { return id == 0 ? 0 : ends[id - 1]; }
+};
+
+/// Adds 1 to a counter that threads may share, and returns what it was.
+inline std::uint32_t add_one(std::uint32_t& counter, bool shared) {
+  if (!shared) return counter++;
+  return std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
+}
+
+/// Replaces the vertices of finite cells by the caller's ids, orders their corners and lists the
+/// cells by their lowest id. The order of the cells of an id depends on the threads.
 template <unsigned K>
-Array<Ranked> finite_cells(const LiftedPoints& s, CellStore<K>& store, Array<std::uint32_t>& rank,
-                           const Run& run) {
+CellOrder cells_by_lowest(const LiftedPoints& s, CellStore<K>& store, std::uint64_t point_count,
+                          const Run& run) {
   const unsigned corners = store.corners();
-  constexpr std::uint64_t chunk = light_grain;
-  std::vector<std::uint32_t> begins(chunk_count(store.count(), chunk) + 1, 0);
-  const auto finite = [&](std::uint32_t c) {
-    return !store.dead(c) && store.ghost_slot(c) == corners;
-  };
-  run.each_chunk(store.count(), chunk,
-                 [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t c = begin; c < end; ++c)
-      begins[at + 1] += finite(static_cast<std::uint32_t>(c)) ? 1 : 0;
+  const bool shared = run.threads > 1 && store.count() > light_grain;
+  CellOrder order;
+  order.rank.resize(store.count());
+  order.ends.resize(point_count);
+  run.each(point_count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    std::fill(order.ends.data() + begin, order.ends.data() + end, 0U);
   });
-  for (std::size_t i = 1; i < begins.size(); ++i) begins[i] += begins[i - 1];
-  Array<Ranked> rows(begins.back());
-  run.each_chunk(store.count(), chunk,
-                 [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
-    std::uint32_t to = begins[at];
+  run.each(store.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const auto c = static_cast<std::uint32_t>(i);
-      if (!finite(c)) {
-        rank[c] = no_cell;
+      if (store.dead(c) || store.ghost_slot(c) != corners) {
+        order.rank[c] = no_cell;
         continue;
       }
       std::uint32_t* v = store.vertices(c);
       for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
       sort_simplex<K == 0 ? 0 : K + 1, true>(v, store.neighbours(c), corners);
-      rows[to++] = ranked(v, corners, c);
+      order.rank[c] = v[0];
+      add_one(order.ends[v[0]], shared);
     }
   });
-  return rows;
+  std::uint32_t all = 0;
+  for (std::uint32_t& end : order.ends) all += std::exchange(end, all);
+  order.cells.resize(all);
+  run.each(store.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t c = begin; c < end; ++c)
+      if (const std::uint32_t lowest = order.rank[c]; lowest != no_cell)
+        order.cells[add_one(order.ends[lowest], shared)] = static_cast<std::uint32_t>(c);
+  });
+  return order;
+}
+
+/// Sorts the cells of ids [first, last) by all their corners, and numbers them.
+template <unsigned K>
+void sort_cells(CellStore<K>& store, CellOrder& order, std::uint64_t first, std::uint64_t last) {
+  const unsigned corners = store.corners();
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t *v = store.vertices(a), *w = store.vertices(b);
+    for (unsigned j = 1; j < corners; ++j)
+      if (v[j] != w[j]) return v[j] < w[j];
+    return false;
+  };
+  constexpr std::uint32_t ahead = 16;  // cells: about the delay of memory
+  constexpr std::uint32_t few = 24;    // sorted by insertion; an id has 2 in the plane, 7 in space
+  const std::uint32_t stop = order.begin(last);
+  std::uint32_t* const cells = order.cells.data();
+  for (std::uint64_t id = first; id < last; ++id) {
+    const std::uint32_t begin = order.begin(id), end = order.ends[id];
+    for (std::uint32_t i = begin; i < end; ++i)
+      if (i + ahead < stop) prefetch_line(store.vertices(cells[i + ahead]));
+    if (end - begin > few) {
+      std::sort(cells + begin, cells + end, less);
+    } else {
+      for (std::uint32_t i = begin + 1; i < end; ++i) {
+        const std::uint32_t c = cells[i];
+        std::uint32_t to = i;
+        for (; to > begin && less(c, cells[to - 1]); --to) cells[to] = cells[to - 1];
+        cells[to] = c;
+      }
+    }
+    for (std::uint32_t i = begin; i < end; ++i) order.rank[cells[i]] = i;
+  }
 }
 
 template <unsigned K>
@@ -195,27 +246,25 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run) {
   const unsigned corners = store.corners();
-  Array<std::uint32_t> rank(store.count());
-  Array<Ranked> order = finite_cells(s, store, rank, run);
-  sort_rows(order, corners, static_cast<std::uint32_t>(out.point_count), run,
-            [&](std::uint32_t c) { return store.vertices(c); });
-  run.each(order.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) rank[order[i].row] = static_cast<std::uint32_t>(i);
-  });
-  out.cells.resize(order.size() * corners);
-  out.neighbours.resize(order.size() * corners);
-  run.each(order.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+  CellOrder order = cells_by_lowest(s, store, out.point_count, run);
+  run.each(out.point_count, light_grain / 4,
+           [&](std::uint64_t begin, std::uint64_t end) { sort_cells(store, order, begin, end); });
+  const std::uint64_t count = order.cells.size();
+  out.cells.resize(count * corners);
+  out.neighbours.resize(count * corners);
+  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     constexpr std::uint64_t far = 24, near = 12;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + far < end) prefetch_line(store.vertices(order[i + far].row));
+      if (i + far < end) prefetch_line(store.vertices(order.cells[i + far]));
       if (i + near < end) {
-        const std::uint32_t* n = store.neighbours(order[i + near].row);
-        for (unsigned j = 0; j < corners; ++j) prefetch_line(&rank[store.cell_of(n[j])]);
+        const std::uint32_t* n = store.neighbours(order.cells[i + near]);
+        for (unsigned j = 0; j < corners; ++j) prefetch_line(&order.rank[store.cell_of(n[j])]);
       }
-      const std::uint32_t *v = store.vertices(order[i].row), *n = store.neighbours(order[i].row);
+      const std::uint32_t c = order.cells[i];
+      const std::uint32_t *v = store.vertices(c), *n = store.neighbours(c);
       for (unsigned j = 0; j < corners; ++j) {
         out.cells[i * corners + j] = v[j];
-        out.neighbours[i * corners + j] = rank[store.cell_of(n[j])];
+        out.neighbours[i * corners + j] = order.rank[store.cell_of(n[j])];
       }
     }
   });

@@ -16,6 +16,25 @@ struct KeptPolygon {
   SmallPolygon polygon{short_run().control};
 };
 
+bool small_extreme_2d(const PointView& points, ExtremePoints& result) {
+  SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
+  if (!polygon.find(points)) return false;
+  result.affine_dimension = 2;
+  result.ids.resize(polygon.size());
+  polygon.write_vertices(result.ids.data());
+  std::sort(result.ids.begin(), result.ids.end());
+  polygon.rung_counts().add_to(result.statistics.rung_counts);
+  return true;
+}
+
+bool small_extreme_3d(const PointView& points, ExtremePoints& result) {
+  Hull hull;
+  if (!hull_of_few(points, nullptr, points.count, hull)) return false;
+  result.affine_dimension = hull.affine_dimension;
+  result.ids = std::move(hull.vertices);
+  return true;
+}
+
 bool small_hull_2d(const PointView& points, Hull& hull) {
   SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
@@ -40,6 +59,24 @@ bool few_enough(const PointView& points) {
                                  : false;
 }
 
+/// Calls find() where this way is permitted, and describes the call in `statistics`. False where
+/// find() is.
+template <class Find>
+bool find_small(const PointView& points, const Options& options, Statistics& statistics,
+                const Find& find) {
+  if (!few_enough(points) || !takes_small_sets(options)) return false;
+  const Clock::time_point start = Clock::now();
+  const Control control(options);
+  control.check();
+  if (!find()) return false;
+  statistics.threads = resolve_threads(options.threads);
+  statistics.survivors = points.count;
+  statistics.cull_reason = "few points";
+  statistics.hull_seconds = statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return true;
+}
+
 }  // namespace
 
 bool takes_small_sets(const Options& options) {
@@ -51,22 +88,22 @@ bool takes_small_sets(const Options& options) {
 }
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
-  if (!few_enough(points) || !takes_small_sets(options)) return false;
-  const Clock::time_point start = Clock::now();
-  const Control control(options);
-  control.check();
-  if (!(points.dimension == 2 ? small_hull_2d(points, hull)
-                              : hull_of_few(points, nullptr, points.count, hull)))
-    return false;
-  hull.dimension = points.dimension;
-  hull.point_count = points.count;
-  hull.scalar = points.scalar;
-  hull.statistics.threads = resolve_threads(options.threads);
-  hull.statistics.survivors = points.count;
-  hull.statistics.cull_reason = "few points";
-  hull.statistics.hull_seconds = hull.statistics.compute_seconds = seconds_since(start);
-  control.report("done", 1);
-  return true;
+  return find_small(points, options, hull.statistics, [&] {
+    if (!(points.dimension == 2 ? small_hull_2d(points, hull)
+                                : hull_of_few(points, nullptr, points.count, hull)))
+      return false;
+    hull.dimension = points.dimension;
+    hull.point_count = points.count;
+    hull.scalar = points.scalar;
+    return true;
+  });
+}
+
+bool small_extreme(const PointView& points, const Options& options, ExtremePoints& result) {
+  return find_small(points, options, result.statistics, [&] {
+    return points.dimension == 2 ? small_extreme_2d(points, result)
+                                 : small_extreme_3d(points, result);
+  });
 }
 
 }  // namespace cullhull::internal::inline few

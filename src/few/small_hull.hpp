@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
@@ -19,6 +20,9 @@ bool takes_small_sets(const Options& options);
 /// Fills all of `hull`, the same bits as the general flow gives. False, and nothing done, where the
 /// general flow is needed. `points` and `options` have been checked.
 bool small_hull(const PointView& points, const Options& options, Hull& hull);
+
+/// The same for the extreme points alone: in the plane nothing else is computed.
+bool small_extreme(const PointView& points, const Options& options, ExtremePoints& result);
 
 // The canonical hull of few points in space, straight from their coordinates.
 

@@ -4,6 +4,7 @@
 
 #include "cullhull/extreme_points.hpp"
 #include "extreme/extreme_ids.hpp"
+#include "few/small_hull.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "parallel/memory/pages.hpp"
@@ -72,11 +73,12 @@ using namespace internal;
 
 ExtremePoints extreme_points(const PointView& points, const Options& options) {
   check_arguments(points, options);
+  ExtremePoints result;
+  if (small_extreme(points, options, result)) return result;
   const Call call(options);
   Run run = call.run;
   const auto start = Clock::now();
 
-  ExtremePoints result;
   Statistics& statistics = result.statistics;
   statistics.threads = run.threads;
   run.check();

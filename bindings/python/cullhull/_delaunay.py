@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from ._arguments import Progress, as_array, as_coordinates
 from ._drop_in import raise_flat
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, NotFinite
 from ._incremental import IncrementalPoints, Lazy
 from ._qhull_options import QhullOptions, parse
 from ._triangulation import Triangulation, delaunay
@@ -323,16 +323,17 @@ class Delaunay(Lifted):
         [[0, -1]]
         """
         x = self._as_questions(xi)
-        cells = np.full(x.shape[:-1], -1, dtype=np.int32)
-        rows, flat = x.reshape(-1, self.ndim), cells.reshape(-1)
-        places: Any = slice(None)
-        if not np.isfinite(rows).all():
-            places = np.flatnonzero(np.isfinite(rows).all(axis=1))
-        flat[places] = self.triangulation.find_simplex(rows[places])
+        rows = x.reshape(-1, self.ndim)
+        try:
+            cells = self.triangulation._cells.find(rows, None)
+        except NotFinite:
+            cells = np.full(len(rows), -1, dtype=np.int32)
+            finite = np.flatnonzero(np.isfinite(rows).all(axis=1))
+            cells[finite] = self.triangulation.find_simplex(rows[finite])
         tolerance = _DEFAULT_TOLERANCE if tol is None else float(tol)
-        if tolerance > 0:
-            self._find_near(rows, flat, tolerance)
-        return cells
+        if tolerance > 0 and cells.min(initial=0) < 0:
+            self._find_near(rows, cells, tolerance)
+        return cells.reshape(x.shape[:-1])
 
     def _find_near(
         self, rows: npt.NDArray[np.float64], cells: npt.NDArray[np.int32], tolerance: float

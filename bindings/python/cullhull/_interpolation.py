@@ -76,6 +76,8 @@ class _Interpolator:
     ) -> npt.NDArray[Any]:
         """Answers in the shape of the questions; `found` those inside."""
         each = found.shape[1:]
+        if len(found) == inside.size:
+            return found.reshape(xi.shape[:-1] + each)
         out = np.full((inside.size, *each), self.fill_value, dtype=found.dtype)
         out[inside] = found
         return out.reshape(xi.shape[:-1] + each)
@@ -198,14 +200,12 @@ class LinearNDInterpolator(_OnCells):
         inside = cells >= 0
         if not inside.all():
             cells, rows = cells[inside], rows[inside]
-        native = self.tri.triangulation
-        shares = native.barycentric(rows, cells, threads=self._threads)
-        corners = native.cells[cells]
-        values = self.values.reshape(len(self.points), -1)
-        found = np.zeros((len(cells), values.shape[1]), dtype=values.dtype)
-        for j in range(corners.shape[1]):
-            found += shares[:, j, np.newaxis] * values[corners[:, j]]
-        return self._spread(xi, inside, found.reshape(len(found), *self.values_shape))
+        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
+        numbers = np.ascontiguousarray(self.values, dtype=kind).view(np.float64)
+        found = self.tri.triangulation._cells.linear(
+            rows, cells, numbers.reshape(-1), numbers.shape[1], settings(threads=self._threads)
+        ).view(kind)
+        return self._spread(xi, inside, found.reshape(len(rows), *self.values_shape))
 
 
 class NaturalNDInterpolator(_OnCells):

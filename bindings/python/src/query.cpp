@@ -34,11 +34,18 @@ void require_same_dimension(const Solid& solid, const PointView& points) {
                               ", what is asked about has " + std::to_string(points.dimension));
 }
 
+/// The first question prepares for all. From 5D on an answer climbs over many facets.
+Length length_of_questions(const Solid& solid, const PointView& view) {
+  if (!solid.is_prepared()) return length_of(view, solid.hull().simplex_count());
+  if (view.dimension > 4) return view.count <= 1'000 ? Length::moderate : Length::long_;
+  return view.count <= 100 ? Length::brief : view.count <= 100'000 ? Length::moderate : Length::long_;
+}
+
 /// Calls ask(query, view, options) under run().
 template <class Ask>
 void ask_all(const Solid& solid, const PointView& view, const Settings* settings, Ask&& ask) {
   require_same_dimension(solid, view);
-  run(settings, length_of(view, solid.hull().simplex_count()),
+  run(settings, length_of_questions(solid, view),
       [&](const Options& options) { ask(solid.query(), view, options); });
 }
 

@@ -49,6 +49,7 @@ const HullQuery& Solid::query() const {
     const std::vector<double> rows = rows_by_place();
     query_ = std::make_unique<HullQuery>(
         PointView::row_major(rows.data(), ids().size(), hull_.dimension), by_place());
+    is_prepared_ = true;
   });
   return *query_;
 }

@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -27,6 +28,7 @@ class Solid {
 
   /// Prepared at the first query; callable from any thread, with or without the GIL.
   const cullhull::HullQuery& query() const;
+  bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
   /// The ids of the vertices, ascending: query() numbers them by their position here.
   const std::vector<std::uint64_t>& ids() const;
   /// The hull over its vertices alone, numbered by their position, and their coordinates.
@@ -42,6 +44,7 @@ class Solid {
   mutable std::once_flag sorted_, prepared_;
   mutable std::vector<std::uint64_t> ids_;  // sorted when first needed
   mutable std::unique_ptr<cullhull::HullQuery> query_;
+  mutable std::atomic<bool> is_prepared_ = false;
 };
 
 /// The ids of `count` points that a filter kept, as a NumPy array.

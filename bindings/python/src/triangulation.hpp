@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -34,6 +35,7 @@ class Cells {
   /// Prepared at the first question; any thread may ask, with or without the GIL. A preparation
   /// that was stopped is made anew by the next question.
   const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
+  bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
 
  private:
   cullhull::Triangulation triangulation_;
@@ -42,6 +44,7 @@ class Cells {
   std::vector<double> weights_;
   mutable std::once_flag prepared_;
   mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
+  mutable std::atomic<bool> is_prepared_ = false;
 };
 
 /// How Python sees a triangulation whose arrays it shows: by its object, which keeps their memory.
