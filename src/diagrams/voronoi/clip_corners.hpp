@@ -19,6 +19,7 @@ namespace cullhull::internal::inline diagrams {
 
 template <unsigned D>
 using ExactPoint = std::array<mpq_class, D>;
+/// Coordinates as double-doubles, each with a bound of its error.
 template <unsigned D>
 using TrackedPoint = std::array<BoundedDoubleDouble, D>;
 
@@ -43,7 +44,7 @@ class CellCorners {
 
   /// The side of the plane that the corner is on; positive: outside the halfspace.
   Sign side(std::uint32_t plane, std::uint32_t corner);
-  /// The corner relative to p.
+  /// The corner relative to the cell's site.
   const TrackedPoint<D>& at(std::uint32_t corner) const { return corners_[corner].at; }
   const ExactPoint<D>& exact(std::uint32_t corner);
   /// Writes the corner's coordinates, each rounded to the nearest double.

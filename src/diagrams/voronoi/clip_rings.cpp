@@ -124,7 +124,9 @@ class PieceBoundary {
   std::vector<PieceEdge> edges_;
 };
 
-/// Calls body(i, j) for pieces that an edge of the region's triangles joins.
+/// A cell is cut into a piece for each triangle of the region. Calls body(i, j) for positions in
+/// `pieces` (ascending by triangle) of two pieces whose triangles share an edge that the cell
+/// crosses; each such pair is met from both sides.
 template <class Body>
 void each_seam(const CellCorners<2>& corners, const std::vector<CellPiece>& pieces,
                const Body& body) {

@@ -126,7 +126,8 @@ class CellClipper {
     return shape_;
   }
 
-  /// The side of the bisector towards a neighbour that x is on.
+  /// Which side of the bisector between the site and a neighbour x is on, exactly: negative the
+  /// site's, positive the neighbour's. `x`: in the coordinates of the points.
   Sign side_of(const double* x, std::uint32_t neighbour) {
     const DualPoints& points = cells_.points();
     question_.start(points.row(site_), points.weighted(), t_.furthest_site);

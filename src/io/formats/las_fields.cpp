@@ -86,7 +86,10 @@ void append(PointKeys& keys, double value) {
   keys.add({text, static_cast<std::size_t>(r.ptr - text)});
 }
 
-/// Coordinates some of which are fields.
+/// Sets data.view to the chosen columns of all points, in storage of its own. Columns are axes (x,
+/// y, z), which data.view has already, and other fields of the records (intensity, GPS time), read
+/// from `records`, `record` bytes each. Beside a field of doubles axes are in the world unless
+/// options.numbers asks for those of the file: else data.placement keeps the chosen axes' grid.
 void gather(PointData& data, const Columns& all, const char* records, std::size_t record,
             const std::vector<std::uint32_t>& columns, const ReadOptions& options) {
   const PointView from = data.view;

@@ -232,8 +232,11 @@ std::vector<std::uint32_t> columns_by_name(const Source& source, const ReadOptio
   return taken;
 }
 
-/// Determines the coordinate columns: those asked for; else those that the header's names tell;
-/// else all.
+/// Sets preamble.layout to the columns that are coordinates and, with options.key, the key's: those
+/// that options.columns names or numbers; else those whose names in the header are known (x, y, z
+/// and the like); else all columns, which need no layout unless there is a key or text in quotes.
+/// `first` and `separator`: the first line of points, and what divides it into columns. Throws what
+/// find_preamble() throws.
 void lay_out_columns(const Source& source, const ReadOptions& options, const DataLine& first,
                      std::vector<std::string> names, char separator, Preamble& preamble) {
   const bool quotes = std::find(first.begin, first.end, '"') != first.end;
