@@ -30,7 +30,8 @@ endfunction()
 
 # cullhull_together(TARGET FOLDER NAME... [AND NAME...]...): the sources FOLDER/NAME.cpp between two AND
 # are compiled as one, which spares what each would instantiate for itself. Their unnamed namespaces
-# become one as well, so they are listed: sources that are not compile alone.
+# become one as well, so they are listed: sources that are not compile alone, and two functions of
+# one name and as many parameters in a group must not be.
 function(cullhull_together target folder)
   if(NOT CULLHULL_FAST_BUILD)
     return()
@@ -41,6 +42,9 @@ function(cullhull_together target folder)
     if(name STREQUAL "AND")
       string(APPEND group "_")
       continue()
+    endif()
+    if(NOT EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpp")
+      message(FATAL_ERROR "there is no ${folder}/${name}.cpp to compile together with others")
     endif()
     set_source_files_properties("${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpp"
       TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${group}")

@@ -83,17 +83,19 @@ void write_json(const std::string& path, const Triangulation& t, const AlphaShap
   out.commit();
 }
 
-[[noreturn]] void refuse(const std::string& f, const char* holds, std::uint32_t dimension) {
+[[noreturn]] void refuse_dimension(const std::string& f, const char* holds,
+                                   std::uint32_t dimension) {
   throw Error(ErrorCode::invalid_argument, ".", f, " holds ", holds, ", not ", dimension, "D");
 }
 
 void check(const std::string& path, const std::string& f, std::uint32_t dimension) {
   if (is_mesh(f)) {
-    if (dimension != 2 && dimension != 3) refuse(f, "shapes of 2D and 3D points", dimension);
+    if (dimension != 2 && dimension != 3)
+      refuse_dimension(f, "shapes of 2D and 3D points", dimension);
   } else if (is_map(f)) {
-    if (dimension != 2) refuse(f, "polygons of 2D points", dimension);
+    if (dimension != 2) refuse_dimension(f, "polygons of 2D points", dimension);
   } else if (f == "vtk") {
-    if (dimension > 3) refuse(f, "cells of points of up to 3 dimensions", dimension);
+    if (dimension > 3) refuse_dimension(f, "cells of points of up to 3 dimensions", dimension);
   } else if (f != "json") {
     refuse_format(path, f, {OutputKind::triangulation});
   }
