@@ -12,7 +12,7 @@ from ._arguments import Progress, as_points, settings
 from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
 from ._incremental import Lazy
-from ._lists import Lists
+from ._lists import Lists, collector_paused
 from ._native import Native
 from ._triangulation import Triangulation, delaunay
 
@@ -498,8 +498,9 @@ class Voronoi(Lifted):
     @Lazy
     def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
         """From pairs of points, as in `ridge_points`, to lists of vertices."""
-        pairs: list[list[int]] = self.ridge_points.tolist()
-        return {(a, b): vertices for (a, b), vertices in zip(pairs, self.ridge_vertices)}
+        first, second = self.ridge_points.T.tolist()
+        with collector_paused():
+            return dict(zip(zip(first, second), self.ridge_vertices))
 
     @Lazy
     def regions(self) -> list[list[int]]:
