@@ -131,7 +131,7 @@ class PipedRecords : public BlockSource {
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ == 0 && !begun_) begin(memory);
     if (next_ >= layout_.count && !empty_) {
-      finish(memory);
+      drain(memory);
       return false;
     }
     const std::uint64_t wanted = std::min(per_block_, layout_.count - next_), first = next_;
@@ -172,7 +172,7 @@ class PipedRecords : public BlockSource {
     next_ = pass_;
   }
   /// Reads to the end, as the writer of a pipe must not find it closed before.
-  void finish(BlockMemory& memory) {
+  void drain(BlockMemory& memory) {
     constexpr std::size_t piece = std::size_t{1} << 20;
     while (from_.stream->read(memory.room(piece), piece) > 0)
       if (layout_.ends_file) fail({name_, nullptr, 0}, "more bytes after the last point");
