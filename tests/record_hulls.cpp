@@ -3,6 +3,7 @@
 // for every hull of every test, with a hash of the points and one of the whole result. Files of
 // two machines are compared by scripts/compare_hulls.py.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -44,6 +45,8 @@ class Record {
     std::fclose(file);
   }
   void add(const PointView& points, const Hull& hull) {
+    // In a forked child the lock may be held for ever, by a thread that the child does not have.
+    if (getpid() != process_) return;
     const ::testing::TestInfo* const test = ::testing::UnitTest::GetInstance()->current_test_info();
     const std::string name =
         test == nullptr ? "-" : std::string(test->test_suite_name()) + "." + test->name();
@@ -53,6 +56,7 @@ class Record {
   }
 
  private:
+  const pid_t process_ = getpid();
   std::mutex mutex_;
   std::set<std::tuple<std::string, std::uint64_t, std::uint64_t>> lines_;
 };
