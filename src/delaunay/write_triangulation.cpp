@@ -1,7 +1,6 @@
 #include "delaunay/write_triangulation.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <numeric>
 #include <utility>
@@ -91,91 +90,192 @@ std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* k
   return all;
 }
 
-/// Finite cells by their lowest vertex, and the numbers by which they are written.
-struct CellOrder {
-  Array<std::uint32_t> ends;   ///< for each id the end of its cells in `cells`
-  Array<std::uint32_t> cells;  ///< of each id, in the order of writing once sort_cells() has run
-  Array<std::uint32_t>
-      rank;  ///< the number of a cell of the store; no_cell for all but finite ones
-
-  std::uint32_t begin(std::uint64_t id) const { return id == 0 ? 0 : ends[id - 1]; }
-};
-
-/// Adds 1 to a counter that threads may share, and returns what it was.
-inline std::uint32_t add_one(std::uint32_t& counter, bool shared) {
-  if (!shared) return counter++;
-  return std::atomic_ref(counter).fetch_add(1, std::memory_order_relaxed);
-}
-
-/// Replaces the vertices of finite cells by the caller's ids, orders their corners and lists the
-/// cells by their lowest id. The order of the cells of an id depends on the threads.
+/// Writes the finite cells of a store, ordered by their vertices. The points' ids are in no order
+/// of space, so that a place in the order of ids costs a miss of the cache. The cells are therefore
+/// copied to buckets of consecutive lowest ids, which is sequential, and sorted there, within the
+/// cache. Neighbours are written in the order of the store, where neighbours are close to each
+/// other.
 template <unsigned K>
-CellOrder cells_by_lowest(const LiftedPoints& s, CellStore<K>& store, std::uint64_t point_count,
-                          const Run& run) {
-  const unsigned corners = store.corners();
-  const bool shared = run.threads > 1 && store.count() > light_grain;
-  CellOrder order;
-  order.rank.resize(store.count());
-  order.ends.resize(point_count);
-  run.each(point_count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    std::fill(order.ends.data() + begin, order.ends.data() + end, 0U);
-  });
-  run.each(store.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) {
-      const auto c = static_cast<std::uint32_t>(i);
-      if (store.dead(c) || store.ghost_slot(c) != corners) {
-        order.rank[c] = no_cell;
-        continue;
-      }
-      std::uint32_t* v = store.vertices(c);
-      for (unsigned j = 0; j < corners; ++j) v[j] = s.ids[v[j]];
-      sort_simplex<K == 0 ? 0 : K + 1, true>(v, store.neighbours(c), corners);
-      order.rank[c] = v[0];
-      add_one(order.ends[v[0]], shared);
-    }
-  });
-  std::uint32_t all = 0;
-  for (std::uint32_t& end : order.ends) all += std::exchange(end, all);
-  order.cells.resize(all);
-  run.each(store.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t c = begin; c < end; ++c)
-      if (const std::uint32_t lowest = order.rank[c]; lowest != no_cell)
-        order.cells[add_one(order.ends[lowest], shared)] = static_cast<std::uint32_t>(c);
-  });
-  return order;
-}
+class CellWriter {
+ public:
+  CellWriter(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run)
+      : s_(s),
+        store_(store),
+        out_(out),
+        run_(run),
+        shift_(shift_of(out.point_count)),
+        buckets_((out.point_count >> shift_) + 1) {}
 
-/// Sorts the cells of ids [first, last) by all their corners, and numbers them.
-template <unsigned K>
-void sort_cells(CellStore<K>& store, CellOrder& order, std::uint64_t first, std::uint64_t last) {
-  const unsigned corners = store.corners();
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t *v = store.vertices(a), *w = store.vertices(b);
-    for (unsigned j = 1; j < corners; ++j)
-      if (v[j] != w[j]) return v[j] < w[j];
-    return false;
-  };
-  constexpr std::uint32_t ahead = 16;  // cells: about the delay of memory
-  constexpr std::uint32_t few = 24;    // sorted by insertion; an id has 2 in the plane, 7 in space
-  const std::uint32_t stop = order.begin(last);
-  std::uint32_t* const cells = order.cells.data();
-  for (std::uint64_t id = first; id < last; ++id) {
-    const std::uint32_t begin = order.begin(id), end = order.ends[id];
-    for (std::uint32_t i = begin; i < end; ++i)
-      if (i + ahead < stop) prefetch_line(store.vertices(cells[i + ahead]));
-    if (end - begin > few) {
-      std::sort(cells + begin, cells + end, less);
-    } else {
-      for (std::uint32_t i = begin + 1; i < end; ++i) {
-        const std::uint32_t c = cells[i];
-        std::uint32_t to = i;
-        for (; to > begin && less(c, cells[to - 1]); --to) cells[to] = cells[to - 1];
-        cells[to] = c;
-      }
-    }
-    for (std::uint32_t i = begin; i < end; ++i) order.rank[cells[i]] = i;
+  void write() {
+    count_cells();
+    out_.cells.resize(cells_.size() * corners());
+    out_.neighbours.resize(cells_.size() * corners());
+    fill_buckets();
+    run_.each_item(buckets_, [&](std::uint64_t b) { sort_bucket(b); });
+    write_neighbours();
   }
-}
+
+ private:
+  static constexpr unsigned few_ids = 11;  // log2 of the ids of a bucket: its cells fit a cache
+  static constexpr unsigned most_buckets = 10;  // log2: as many streams are written at once
+
+  static unsigned shift_of(std::uint64_t ids) {
+    unsigned shift = few_ids;
+    while (ids >> shift >> most_buckets > 0) ++shift;
+    return shift;
+  }
+  constexpr unsigned corners() const { return K != 0 ? K + 1 : store_.corners(); }
+
+  /// Replaces the vertices of finite cells by the caller's ids, orders their corners and counts the
+  /// cells of each bucket.
+  void count_cells() {
+    constexpr std::uint64_t most_chunks = 64;  // each has a counter for every bucket
+    chunk_ = std::max<std::uint64_t>(light_grain, store_.count() / most_chunks + 1);
+    begins_.assign(chunk_count(store_.count(), chunk_) * buckets_, 0);
+    rank_.resize(store_.count());
+    run_.each_chunk(store_.count(), chunk_,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* const counts = begins_.data() + chunk * buckets_;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto c = static_cast<std::uint32_t>(i);
+        if (store_.dead(c) || store_.ghost_slot(c) != corners()) {
+          rank_[c] = no_cell;
+          continue;
+        }
+        std::uint32_t* v = store_.vertices(c);
+        for (unsigned j = 0; j < corners(); ++j) v[j] = s_.ids[v[j]];
+        sort_simplex<K == 0 ? 0 : K + 1, true>(v, store_.neighbours(c), corners());
+        rank_[c] = 0;
+        ++counts[v[0] >> shift_];
+      }
+    });
+    std::uint32_t all = 0;
+    bucket_begins_.resize(buckets_ + 1);
+    for (std::uint64_t b = 0; b < buckets_; ++b) {
+      bucket_begins_[b] = all;
+      for (std::uint64_t at = b; at < begins_.size(); at += buckets_)
+        all += std::exchange(begins_[at], all);
+    }
+    bucket_begins_[buckets_] = all;
+    cells_.resize(all);
+  }
+
+  /// Copies the cells' vertices to their buckets, where the neighbours are written later.
+  void fill_buckets() {
+    std::uint32_t* const to = out_.neighbours.data();
+    run_.each_chunk(store_.count(), chunk_,
+                    [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      std::uint32_t* const at = begins_.data() + chunk * buckets_;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto c = static_cast<std::uint32_t>(i);
+        if (rank_[c] == no_cell) continue;
+        const std::uint32_t* v = store_.vertices(c);
+        const std::uint32_t place = at[v[0] >> shift_]++;
+        std::copy_n(v, corners(), to + std::size_t{place} * corners());
+        cells_[place] = c;
+      }
+    });
+  }
+
+  /// A cell of a bucket for sorting: its corners after the lowest one, and its place.
+  struct Row {
+    std::uint64_t key;         ///< corners 1 and 2
+    std::uint32_t third, row;  ///< corner 3; the place
+  };
+
+  /// Writes a bucket's cells in their order, and numbers them.
+  void sort_bucket(std::uint64_t bucket) {
+    const std::uint32_t begin = bucket_begins_[bucket];
+    const std::uint32_t count = bucket_begins_[bucket + 1] - begin;
+    const std::uint32_t* const cells = out_.neighbours.data() + std::size_t{begin} * corners();
+    const auto first = static_cast<std::uint32_t>(bucket << shift_);
+    std::vector<std::uint32_t> ends(
+        std::min<std::uint64_t>(std::uint64_t{1} << shift_, out_.point_count - first));
+    for (std::uint32_t i = 0; i < count; ++i) ++ends[cells[std::size_t{i} * corners()] - first];
+    std::uint32_t all = 0;
+    for (std::uint32_t& end : ends) all += std::exchange(end, all);
+    Array<Row> rows(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t* v = cells + std::size_t{i} * corners();
+      const std::uint64_t second = corners() > 2 ? v[2] : 0;
+      rows[ends[v[0] - first]++] = {std::uint64_t{v[1]} << 32 | second, corners() > 3 ? v[3] : 0,
+                                    i};
+    }
+    const auto less = [&](const Row& a, const Row& b) {
+      if (a.key != b.key) return a.key < b.key;
+      if (a.third != b.third || corners() <= 4) return a.third < b.third;
+      const std::uint32_t *v = cells + std::size_t{a.row} * corners(),
+                          *w = cells + std::size_t{b.row} * corners();
+      return std::lexicographical_compare(v + 4, v + corners(), w + 4, w + corners());
+    };
+    std::uint32_t* to = out_.cells.data() + std::size_t{begin} * corners();
+    const auto write = [&](const Row& r, std::uint32_t rank) {
+      std::copy_n(cells + std::size_t{r.row} * corners(), corners(),
+                  to + std::size_t{rank} * corners());
+      rank_[cells_[begin + r.row]] = begin + rank;
+    };
+    std::uint32_t at = 0;
+    for (const std::uint32_t end : ends) {
+      Row* const r = rows.data() + at;
+      const std::uint32_t n = end - at;
+      if (n == 0) continue;
+      if (K >= 1 && K <= 3 && n <= 8) {
+        rank_and_write<8>(r, n, at, write);
+      } else if (K >= 1 && K <= 3 && n <= 16) {
+        rank_and_write<16>(r, n, at, write);
+      } else {
+        std::sort(r, r + n, less);
+        for (std::uint32_t i = 0; i < n; ++i) write(r[i], at + i);
+      }
+      at = end;
+    }
+  }
+  /// Writes n <= most rows of at most four corners at the places that sorting would give them.
+  /// Counts the rows that are less instead, always of `most`, because branches would be
+  /// unpredictable.
+  template <unsigned most, class Write>
+  static void rank_and_write(const Row* rows, std::uint32_t n, std::uint32_t first,
+                             const Write& write) {
+    std::uint64_t key[most];
+    std::uint32_t third[most];
+    for (std::uint32_t i = 0; i < most; ++i) {
+      key[i] = i < n ? rows[i].key : ~std::uint64_t{0};
+      third[i] = rows[i < n ? i : 0].third;
+    }
+    for (std::uint32_t i = 0; i < n; ++i) {
+      std::uint32_t less = 0;
+      for (std::uint32_t j = 0; j < most; ++j)
+        less += static_cast<std::uint32_t>(key[j] < key[i]) |
+                (static_cast<std::uint32_t>(key[j] == key[i]) &
+                 static_cast<std::uint32_t>(third[j] < third[i]));
+      write(rows[i], first + less);
+    }
+  }
+
+  void write_neighbours() {
+    run_.each(store_.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const auto c = static_cast<std::uint32_t>(i);
+        if (rank_[c] == no_cell) continue;
+        const std::uint32_t* n = store_.neighbours(c);
+        std::uint32_t* to = out_.neighbours.data() + std::size_t{rank_[c]} * corners();
+        for (unsigned j = 0; j < corners(); ++j) to[j] = rank_[store_.cell_of(n[j])];
+      }
+    });
+  }
+
+  const LiftedPoints& s_;
+  CellStore<K>& store_;
+  Triangulation& out_;
+  const Run& run_;
+  unsigned shift_;  ///< a bucket has 2^shift_ ids
+  std::uint64_t buckets_, chunk_ = 0;
+  std::vector<std::uint32_t> begins_;         ///< by chunk of the store, of its part of each bucket
+  std::vector<std::uint32_t> bucket_begins_;  ///< and the number of cells
+  Array<std::uint32_t> cells_;                ///< of the store, by place in the buckets
+  Array<std::uint32_t>
+      rank_;  ///< the number of a cell of the store; no_cell for all but finite ones
+};
 
 template <unsigned K>
 void join_groups(const LiftedPoints& s, const std::vector<std::uint32_t>& places,
@@ -245,29 +345,7 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
 
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run) {
-  const unsigned corners = store.corners();
-  CellOrder order = cells_by_lowest(s, store, out.point_count, run);
-  run.each(out.point_count, light_grain / 4,
-           [&](std::uint64_t begin, std::uint64_t end) { sort_cells(store, order, begin, end); });
-  const std::uint64_t count = order.cells.size();
-  out.cells.resize(count * corners);
-  out.neighbours.resize(count * corners);
-  run.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    constexpr std::uint64_t far = 24, near = 12;
-    for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + far < end) prefetch_line(store.vertices(order.cells[i + far]));
-      if (i + near < end) {
-        const std::uint32_t* n = store.neighbours(order.cells[i + near]);
-        for (unsigned j = 0; j < corners; ++j) prefetch_line(&order.rank[store.cell_of(n[j])]);
-      }
-      const std::uint32_t c = order.cells[i];
-      const std::uint32_t *v = store.vertices(c), *n = store.neighbours(c);
-      for (unsigned j = 0; j < corners; ++j) {
-        out.cells[i * corners + j] = v[j];
-        out.neighbours[i * corners + j] = order.rank[store.cell_of(n[j])];
-      }
-    }
-  });
+  CellWriter<K>(s, store, out, run).write();
   write_boundary(out, nullptr, out.hull_facets, out.hull_cells, run);
 }
 template void write_cells(const LiftedPoints&, CellStore<0>&, Triangulation&, const Run&);
