@@ -9,6 +9,7 @@
 #include <atomic>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "delaunay/cell_store.hpp"
 #include "delaunay/point_signs.hpp"
 #include "exact/insphere/lift_side.hpp"
+#include "exact/insphere/lift_sides.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 #include "geometry/simplex.hpp"
@@ -78,6 +80,7 @@ class CellInsertion {
   const LiftCounts& counts() {
     counts_ = signs_.counts();
     counts_.rungs[0] += by_plane_;
+    counts_.rungs[1] += by_lanes_;
     return counts_;
   }
 
@@ -112,10 +115,12 @@ class CellInsertion {
       let_go();
       return Inserted::full;
     }
-    make_cells(p);
-    bool joined = false;
-    if constexpr (K == 3) joined = join_along_edges();
-    if (!joined) join_cells();
+    if (K == 3 && facets_.size() <= 2 * most_labels - 4) {  // vertices by Euler's formula
+      make_cells_in_space(p);
+    } else {
+      make_cells(p);
+      join_cells();
+    }
     for (const std::uint32_t c : cavity_) free_cell(c);
     let_go();
     work_ += facets_.size();
@@ -156,8 +161,9 @@ class CellInsertion {
 
   void make_tables() {
     if constexpr (K == 3) {
-      labels_.resize(s_.count, 0);
-      edges_.assign(std::size_t{most_labels} * most_labels, no_index);
+      labels_.resize(s_.count + 1, 0);
+      edges_.resize(std::size_t{most_labels} * most_labels);
+      labelled_.resize(most_labels);
     }
   }
 
@@ -292,17 +298,8 @@ class CellInsertion {
   }
 
   /// Whether the point is in conflict with cell c: inside its circumsphere (below its lifted cell),
-  /// ties broken. The stored plane of the cell decides first, where there is one.
+  /// ties broken.
   bool conflict(std::uint32_t c) {
-    if constexpr (with_planes) {
-      if (planes_.used() && planes_.known(c)) {
-        const Sign side = planes_.side(c, signs_.point());
-        if (side != Sign::zero) {
-          ++by_plane_;
-          return side == Sign::negative;
-        }
-      }
-    }
     const unsigned g = cells_.store.ghost_slot(c);
     if (g < corners()) {
       const Sign beyond = signs_.replaced(cells_.store.vertices(c), g);
@@ -312,35 +309,129 @@ class CellInsertion {
     return signs_.conflict(cells_.store.vertices(c));
   }
 
+  /// conflict() for a cell whose plane does not decide. Cells of points that are not on a lattice
+  /// are put off (decide_undecided) and count as not in conflict until then.
+  [[gnu::noinline]] bool conflict_in_doubt(std::uint32_t c) {
+    if constexpr (with_planes) {
+      if (planes_.known(c) && s_.exact_limit == 0) {
+        undecided_.push_back(c);
+        return false;
+      }
+    }
+    return conflict(c);
+  }
+
+  /// Decides the cells that were put off, by double-doubles, many at a time. Those in conflict
+  /// become the next of the cavity's `cells`.
+  void decide_undecided(std::size_t& cells) {
+    if constexpr (with_planes) {
+      double rows[(K + 1) * K * sides_block] = {}, signs[sides_block];
+      for (std::size_t begin = 0; begin < undecided_.size(); begin += sides_block) {
+        const std::size_t count = std::min(sides_block, undecided_.size() - begin);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+          const std::uint32_t* v = cells_.store.vertices(undecided_[begin + lane]);
+          for (unsigned i = 0; i <= K; ++i)
+            for (unsigned j = 0; j < K; ++j)
+              rows[(i * K + j) * sides_block + lane] = s_.row(v[i])[j];
+        }
+        lift_sides_double_double(K, rows, signs_.point(), s_.tiny, signs);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+          const std::uint32_t c = undecided_[begin + lane];
+          const bool decided = signs[lane] != 0;
+          by_lanes_ += decided ? 1 : 0;
+          if (!(decided ? signs[lane] < 0 : conflict(c))) continue;
+          set_mark(c, in_);
+          make_room(cells, 0);
+          room_of_cells_[cells++] = c;
+        }
+      }
+    }
+    undecided_.clear();
+  }
+
   /// Collects the cells in conflict with the point, from `first` across facets, and the facets of
   /// the boundary. Returns false if another thread holds one of these cells or of their neighbours.
   bool find_cavity(std::uint32_t first) {
     if constexpr (!shared) in_ = cells_.store.next_stamp();
-    cavity_.clear();
-    facets_.clear();
-    cavity_.push_back(first);
+    undecided_.clear();
+    make_room(0, 0);
+    room_of_cells_[0] = first;
     set_mark(first, in_);
-    for (std::size_t i = 0; i < cavity_.size(); ++i) {
-      const std::uint32_t c = cavity_[i];
+    std::size_t searched = 0, cells = 1, facets = 0;
+    bool put_off = false;
+    while (searched < cells) {
+      bool free = false;
+      if constexpr (with_planes)
+        free = planes_.used() ? search<true>(searched, cells, facets)
+                              : search<false>(searched, cells, facets);
+      else
+        free = search<false>(searched, cells, facets);
+      if (!free) return false;
+      if (!undecided_.empty()) {
+        put_off = true;
+        decide_undecided(cells);
+      }
+    }
+    cavity_ = {room_of_cells_.data(), cells};
+    facets_ = {room_of_facets_.data(), facets};
+    if (put_off) {  // some cells beyond a facet have turned out to be inside
+      std::size_t kept = 0;
+      for (const Facet& f : facets_)
+        if (!inside(cells_.store.cell_of(cells_.store.neighbours(f.cell)[f.slot])))
+          room_of_facets_[kept++] = f;
+      facets_ = facets_.first(kept);
+    }
+    return true;
+  }
+  /// Goes on with the search from cell number `searched` of the cavity. `by_plane`: cells have
+  /// planes. Returns false if another thread holds a cell.
+  template <bool by_plane>
+  bool search(std::size_t& searched, std::size_t& cells, std::size_t& facets) {
+    const double* const p = signs_.point();
+    std::size_t cell = cells, facet = facets, i = searched;
+    std::uint64_t tested = 0;
+    for (; i < cell; ++i) {
+      make_room(cell, facet);
+      std::uint32_t* const to_cells = room_of_cells_.data();
+      Facet* const to_facets = room_of_facets_.data();
+      const std::uint32_t c = to_cells[i];
       const std::uint32_t* n = cells_.store.neighbours(c);
-      if (i + 1 < cavity_.size()) prefetch_around(cavity_[i + 1]);
+      if (i + 1 < cell) prefetch_around(to_cells[i + 1]);
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = cells_.store.cell_of(n[j]);
         const CellState seen = classify(o);
-        if (seen == CellState::inside) continue;
         if (seen == CellState::busy) return false;
+        bool in = seen == CellState::inside;
         if (seen == CellState::first) {
-          if (conflict(o)) {
-            set_mark(o, in_);
-            cavity_.push_back(o);
-            continue;
+          if constexpr (by_plane) {
+            ++tested;
+            if (!planes_.decides(o, p, in)) [[unlikely]] {
+              in = conflict_in_doubt(o);
+              --tested;
+            }
+          } else {
+            in = conflict(o);
           }
-          set_mark(o, out());
+          set_mark(o, out() - (in ? 1 : 0));
+          // Whether a cell is in conflict is unpredictable: its number is stored in both lists, of
+          // which one grows.
+          to_cells[cell] = o;
+          cell += in ? 1 : 0;
         }
-        facets_.push_back({c, j, no_index});
+        to_facets[facet] = {c, j, no_index};
+        facet += in ? 0 : 1;
       }
     }
+    by_plane_ += tested;
+    searched = i;
+    cells = cell;
+    facets = facet;
     return true;
+  }
+  void make_room(std::size_t cells, std::size_t facets) {
+    if (room_of_cells_.size() < cells + corners()) room_of_cells_.resize(2 * (cells + corners()));
+    if (room_of_facets_.size() < facets + corners())
+      room_of_facets_.resize(2 * (facets + corners()));
   }
 
   /// Prefetches what find_cavity() reads of a cell's neighbours.
@@ -397,50 +488,86 @@ class CellInsertion {
       label_base_ = 0;
     }
     label_base_ += most_labels;
-    label_count_ = 0;
-    at_infinity_ = no_index;
   }
-  /// A small number for a vertex of the boundary, the same for each of its occurrences.
-  std::uint32_t label(std::uint32_t v) {
-    if (v == infinite)
-      return at_infinity_ != no_index ? at_infinity_ : at_infinity_ = label_count_++;
-    const std::uint32_t known = labels_[v] - label_base_;
-    if (known < most_labels) return known;
-    labels_[v] = label_base_ + label_count_;
-    return label_count_++;
-  }
+  /// Gives the vertices of the boundary small numbers, in the order in which they are first seen.
+  /// Branch-free, because whether a vertex has been seen is unpredictable.
+  class Labels {
+   public:
+    explicit Labels(CellInsertion& all)
+        : by_vertex_(all.labels_.data()),
+          vertices_(all.labelled_.data()),
+          infinity_(all.s_.count),
+          base_(all.label_base_) {}
+    std::uint32_t operator()(std::uint32_t v) {
+      std::uint32_t& known = by_vertex_[std::min(v, infinity_)];
+      const std::uint32_t old = known - base_;
+      const bool fresh = old >= most_labels;
+      const std::uint32_t label = fresh ? count_ : old;
+      known = base_ + label;
+      vertices_[label] = v;
+      count_ += fresh ? 1 : 0;
+      return label;
+    }
+    std::uint32_t count() const { return count_; }
 
-  /// 3D: links the new cells. Exactly two of them share each edge of the cavity's boundary; a table
-  /// over pairs of labels holds the edges seen once. Returns false, and changes nothing, if the
-  /// boundary has too many vertices for the table.
-  bool join_along_edges() {
-    if (facets_.size() > 2 * most_labels - 4) return false;  // Euler's formula
+   private:
+    std::uint32_t *by_vertex_, *vertices_;
+    std::uint32_t infinity_, base_, count_ = 0;
+  };
+
+  /// 3D: make_cells() and join_cells() for a boundary of at most most_labels vertices. The boundary
+  /// is a closed surface, so that each of its edges is in two facets, which have it in opposite
+  /// directions: a table over pairs of labels finds the cell on the other side.
+  void make_cells_in_space(std::uint32_t p) {
+    // The slots other than each, such that the facets of a cell are oriented alike.
+    static constexpr std::uint8_t around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     clear_labels();
+    Labels label(*this);
+    std::uint32_t* const edges = edges_.data();
+    if (corners_.size() < facets_.size()) corners_.resize(2 * facets_.size());
+    std::array<std::uint32_t, 3>* corners = corners_.data();
+    for (Facet& f : facets_) {
+      const std::uint32_t made = new_cell();
+      f.made = made;
+      const std::uint32_t *old = cells_.store.vertices(f.cell),
+                          outside = cells_.store.neighbours(f.cell)[f.slot];
+      std::uint32_t* v = cells_.store.vertices(made);
+      std::copy_n(old, 4, v);
+      v[f.slot] = p;
+      cells_.store.link(made, f.slot, outside);
+      const std::uint8_t* slot = around[f.slot];
+      const std::uint32_t a = label(v[slot[0]]), b = label(v[slot[1]]), c = label(v[slot[2]]);
+      *corners++ = {a, b, c};
+      edges[b * most_labels + c] = cells_.store.code(made, slot[0]);
+      edges[c * most_labels + a] = cells_.store.code(made, slot[1]);
+      edges[a * most_labels + b] = cells_.store.code(made, slot[2]);
+    }
+    if constexpr (with_planes) {
+      if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());
+      planes_.see(labelled_.data(), label.count(), p);
+    }
+    const std::uint32_t* const vertex = labelled_.data();
+    std::uint32_t last = no_index;
+    corners = corners_.data();
     for (const Facet& f : facets_) {
-      const std::uint32_t* v = cells_.store.vertices(f.made);
-      std::uint32_t corner[4];
-      for (unsigned i = 0; i < 4; ++i) corner[i] = i == f.slot ? 0 : label(v[i]);
-      for (unsigned i = 0; i < 4; ++i) {
-        if (i == f.slot) continue;
-        // The edge joins the corners in the two slots other than i and the point's.
-        std::uint32_t a = no_index, b = 0;
-        for (unsigned j = 0; j < 4; ++j) {
-          if (j == i || j == f.slot) continue;
-          if (a == no_index)
-            a = corner[j];
-          else
-            b = corner[j];
-        }
-        std::uint32_t& met = edges_[a < b ? a * most_labels + b : b * most_labels + a];
-        if (met == no_index) {
-          met = cells_.store.code(f.made, i);
-        } else {
-          cells_.store.link(f.made, i, met);
-          met = no_index;
-        }
+      const auto [a, b, c] = *corners++;
+      const std::uint8_t* slot = around[f.slot];
+      std::uint32_t* n = cells_.store.neighbours(f.made);
+      n[slot[0]] = edges[c * most_labels + b];
+      n[slot[1]] = edges[a * most_labels + c];
+      n[slot[2]] = edges[b * most_labels + a];
+      const bool finite = vertex[a] != infinite && vertex[b] != infinite && vertex[c] != infinite;
+      if (finite) last = f.made;
+      if constexpr (with_planes) {
+        if (!planes_.used()) continue;
+        if (finite)
+          planes_.add_seen(f.made, a, b, c, p);
+        else
+          planes_.set_none(f.made);
       }
     }
-    return true;
+    last_ = last == no_index ? facets_.front().made : last;
+    if constexpr (with_planes) planes_.flush(p);
   }
 
   /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary, by the sums of
@@ -483,7 +610,7 @@ class CellInsertion {
   }
 
   void join_cells() {
-    if constexpr (with_planes) {
+    if constexpr (K >= 4 && K <= 6) {
       if (facets_.size() * K < RidgeSums::max_entries) return join_by_sums();
     }
     for (const Facet& f : facets_) {
@@ -513,7 +640,7 @@ class CellInsertion {
   }
 
   static constexpr std::uint32_t most_labels = 64;
-  static constexpr bool with_planes = K >= 4 && K <= 6;
+  static constexpr bool with_planes = K >= 3 && K <= 6;
 
   const LiftedPoints& s_;
   const Run& run_;
@@ -521,15 +648,20 @@ class CellInsertion {
   PointSigns<K> signs_;
   std::conditional_t<with_planes, CellPlanes<K>, NoPlanes> planes_;
   LiftCounts counts_;
-  std::uint64_t by_plane_ = 0, steps_ = 0, work_ = 0;
+  std::uint64_t by_plane_ = 0, by_lanes_ = 0, steps_ = 0, work_ = 0;
   std::uint32_t last_ = 0, in_ = 0;
-  std::vector<std::uint32_t> cavity_;
-  std::vector<Facet> facets_;
-  // labels_: by vertex, label_base_ plus the label. edges_: by two labels, an edge seen once.
-  std::vector<std::uint32_t> labels_, edges_;
+  std::vector<std::uint32_t> room_of_cells_, undecided_;
+  std::vector<Facet> room_of_facets_;
+  std::span<const std::uint32_t> cavity_;
+  std::span<Facet> facets_;
+  // labels_: by vertex, label_base_ plus the label; the last one is of infinity. edges_: by the two
+  // labels of a directed edge, the code of the new cell's facet there. labelled_: by label, the
+  // vertex. corners_: by facet, its labels.
+  std::vector<std::uint32_t> labels_, edges_, labelled_;
+  std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;
-  std::uint32_t label_base_ = 0, label_count_ = 0, at_infinity_ = no_index;
+  std::uint32_t label_base_ = 0;
   // If shared: the cells this thread holds, its unused cells, how many it created.
   std::vector<std::uint32_t> held_, spare_;
   std::uint64_t created_ = 0;

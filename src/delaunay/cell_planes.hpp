@@ -2,8 +2,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "delaunay/cell_store.hpp"
 #include "delaunay/lift_planes.hpp"
@@ -14,17 +16,31 @@
 
 namespace cullhull::internal::inline delaunay {
 
+/// A bound of nothing below 0 in 16 bits: the upper bits of a double, rounded up.
+class ShortBound {
+ public:
+  ShortBound() = default;
+  explicit ShortBound(double least)
+      : bits_(static_cast<std::uint16_t>((std::bit_cast<std::uint64_t>(least) + 0xffff'ffff'ffff) >>
+                                         48)) {}
+  double value() const { return std::bit_cast<double>(std::uint64_t{bits_} << 48); }
+
+ private:
+  std::uint16_t bits_;
+};
+
+/// A cell's plane. Small, because an insertion reads some fifty of them from all over memory.
 template <unsigned K>
 struct LiftedPlane {
   double normal[K + 1];
-  double linear, square;  ///< the numbers a and b of lift_planes()
   std::uint32_t origin;
+  ShortBound linear, square;  ///< the numbers a and b of lift_planes()
 };
 /// Indexed by cell.
 template <unsigned K>
 using PlaneArray = RawArray<LiftedPlane<K>>;
 
-/// For 4 <= K <= 6 and points without weights that span all of space.
+/// For 3 <= K <= 6 and points without weights that span all of space.
 template <unsigned K>
 class CellPlanes {
  public:
@@ -39,7 +55,11 @@ class CellPlanes {
     planes_ = planes.data();
   }
   /// Marks cell c, a ghost for instance, as having no plane.
-  void set_none(std::uint32_t c) { planes_[c].origin = infinite; }
+  void set_none(std::uint32_t c) {
+    planes_[c].origin = 0;
+    planes_[c].linear = ShortBound(std::numeric_limits<double>::infinity());
+    planes_[c].square = ShortBound(0);
+  }
 
   /// Adds the plane of cell c, whose corners are `v` and whose corner `slot` is the point p. Planes
   /// are computed lift_block at a time.
@@ -55,6 +75,27 @@ class CellPlanes {
     odd_[open_] = slot % 2 == 1;
     if (++open_ == lift_block) flush(p);
   }
+  /// 3D: the vertices of the next cells, other than p, which add_seen() names by their places in
+  /// this list. The infinite vertex may be among them.
+  void see(const std::uint32_t* vertices, std::uint32_t count, std::uint32_t p) {
+    const double* o = s_.row(p);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double* q = s_.row(vertices[i] == infinite ? p : vertices[i]);
+      for (unsigned j = 0; j < K; ++j) seen_[i][j] = q[j] - o[j];
+    }
+  }
+  /// 3D: as add() for the positively oriented cell of p and three vertices a, b, c.
+  void add_seen(std::uint32_t cell, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                std::uint32_t p) {
+    for (unsigned j = 0; j < K; ++j) {
+      rows_[(0 * (K + 1) + j) * lift_block + open_] = seen_[a][j];
+      rows_[(1 * (K + 1) + j) * lift_block + open_] = seen_[b][j];
+      rows_[(2 * (K + 1) + j) * lift_block + open_] = seen_[c][j];
+    }
+    cells_[open_] = cell;
+    odd_[open_] = false;
+    if (++open_ == lift_block) flush(p);
+  }
   /// Computes the planes added last. To be called after the last cell of each point p.
   void flush(std::uint32_t p) {
     if (open_ == 0) return;
@@ -66,20 +107,20 @@ class CellPlanes {
         const double v = block_[j * lift_block + i];
         plane.normal[j] = odd_[i] ? -v : v;
       }
-      plane.linear = block_[(K + 1) * lift_block + i];
-      plane.square = block_[(K + 2) * lift_block + i];
+      plane.linear = ShortBound(block_[(K + 1) * lift_block + i]);
+      plane.square = ShortBound(block_[(K + 2) * lift_block + i]);
     }
     open_ = 0;
   }
 
   /// Whether a cell's plane is known.
-  bool known(std::uint32_t c) const { return planes_[c].origin != infinite; }
-  void prefetch(std::uint32_t c) const {
-    prefetch_line(planes_ + c);
-    prefetch_line(&planes_[c].origin);
+  bool known(std::uint32_t c) const {
+    return planes_[c].linear.value() < std::numeric_limits<double>::infinity();
   }
-  /// As lift_side(), for a cell whose plane is known; zero if floating point does not decide.
-  Sign side(std::uint32_t c, const double* p) const {
+  void prefetch(std::uint32_t c) const { prefetch_line(planes_ + c); }
+  /// Whether the cell's plane decides that the point p is below it, or is not, as lift_side();
+  /// false if the cell has none. Without a branch on the answer, which is unpredictable.
+  bool decides(std::uint32_t c, const double* p, bool& below) const {
     const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);
     double lift = 0, value = 0, most = 0;
@@ -90,10 +131,9 @@ class CellPlanes {
       value += plane.normal[j] * v;
     }
     value += plane.normal[K] * lift;
-    const double bound = (plane.linear + plane.square * most) * most + s_.tiny;
-    if (value > bound) return Sign::positive;
-    if (value < -bound) return Sign::negative;
-    return Sign::zero;
+    const double bound = (plane.linear.value() + plane.square.value() * most) * most + s_.tiny;
+    below = value < 0;
+    return std::abs(value) > bound;
   }
 
  private:
@@ -103,6 +143,7 @@ class CellPlanes {
   std::size_t open_ = 0;
   std::uint32_t cells_[lift_block] = {};
   bool odd_[lift_block] = {};
+  double seen_[K == 3 ? 64 : 1][K] = {};
   double rows_[K * (K + 1) * lift_block] = {}, block_[(K + 3) * lift_block] = {};
 };
 

@@ -90,7 +90,7 @@ void planes_of_block(double* rows, double* planes) {
 }  // namespace
 
 void planes_of_cells(unsigned k, double* rows, double* planes) {
-  with_dimension<4, 5, 6>(k, [&](auto dimension) { planes_of_block<dimension()>(rows, planes); });
+  with_dimension<3, 5, 6>(k, [&](auto dimension) { planes_of_block<dimension()>(rows, planes); });
 }
 
 }  // namespace cullhull::internal::inline delaunay::HWY_NAMESPACE

@@ -9,7 +9,7 @@ namespace cullhull::internal::inline delaunay {
 /// The number of cells in one call.
 inline constexpr std::size_t lift_block = 8;
 
-/// Computes the planes of lift_block cells in 4 <= k <= 6 dimensions that share a corner o.
+/// Computes the planes of lift_block cells in 3 <= k <= 6 dimensions that share a corner o.
 /// rows[(i (k + 1) + j) lift_block + cell]: coordinate j of the i-th of the k other corners
 /// relative to o; the column of lifts, j = k, is overwritten. planes[j lift_block + cell] receives,
 /// for j <= k, cofactor j of the last row of det [rows; q - o, |q - o|^2], so that the determinant

@@ -1,7 +1,7 @@
-// In-sphere and power tests by elimination: right wherever they tell, and nearly always telling.
-#include "exact/insphere/eliminated_sign.hpp"
-
+// In-sphere and power tests by elimination, by lanes of double-doubles and by stored planes: right
+// wherever they tell, and nearly always telling.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,11 @@
 
 #include "cullhull/triangulation.hpp"
 #include "delaunay/brute_triangulation.hpp"
+#include "delaunay/cell_planes.hpp"
 #include "delaunay/lifted_sets.hpp"
+#include "exact/insphere/eliminated_sign.hpp"
 #include "exact/insphere/lift_filter.hpp"
+#include "exact/insphere/lift_sides.hpp"
 
 namespace cullhull {
 namespace {
@@ -162,6 +165,89 @@ TEST(EliminatedSign, RefusesWhatIsOutsideItsProof) {
   Sign sign = Sign::zero;
   EXPECT_FALSE(internal::eliminated_sign(8, m.data(), doubt.data(), sign));  // of rank 1
   EXPECT_FALSE(internal::eliminated_sign(0, m.data(), doubt.data(), sign));
+}
+
+/// As check_signs(), for lift_sides_double_double() and CellPlanes, a block of cells at a time:
+/// what the lanes tell and what the planes tell.
+template <unsigned K>
+std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
+  constexpr std::size_t block = internal::sides_block;
+  const LiftedPoints s = lifted(set, K);
+  std::mt19937_64 random(K);
+  std::pair<Told, Told> told;
+  internal::PlaneArray<K> room;
+  internal::CellPlanes<K> planes(s);
+  EXPECT_TRUE(planes.used());
+  planes.set_room(room, block + 1);
+  planes.set_none(block);
+  for (int t = 0; t < trials; ++t) {
+    std::vector<double> rows((K + 1) * K * block);
+    std::vector<std::vector<const double*>> cells(block);
+    const auto origin = static_cast<std::uint32_t>(random() % s.count);
+    for (std::size_t c = 0; c < block; ++c) {
+      std::uint32_t v[K + 1];
+      const auto slot = static_cast<unsigned>(random() % (K + 1));
+      for (unsigned i = 0; i <= K; ++i) {
+        v[i] = i == slot ? origin : static_cast<std::uint32_t>(random() % s.count);
+        cells[c].push_back(s.row(v[i]));
+        for (unsigned j = 0; j < K; ++j) rows[(i * K + j) * block + c] = s.row(v[i])[j];
+      }
+      planes.add(static_cast<std::uint32_t>(c), v, slot, origin);
+    }
+    planes.flush(origin);
+    const double* const p = s.row(static_cast<std::uint32_t>(random() % s.count));
+    double signs[block];
+    internal::lift_sides_double_double(K, rows.data(), p, s.tiny, signs);
+    for (std::uint32_t c = 0; c < block; ++c) {
+      const Sign exact = internal::lift_side_exact(s, cells[c].data(), p);
+      ++told.first.asked;
+      ++told.second.asked;
+      if (signs[c] != 0) {
+        ++told.first.known;
+        EXPECT_EQ(internal::sign_of(signs[c]), exact) << set.name << " trial " << t;
+      }
+      bool below = false;
+      if (!planes.decides(c, p, below)) continue;
+      ++told.second.known;
+      EXPECT_EQ(below ? Sign::negative : Sign::positive, exact) << set.name << " trial " << t;
+    }
+    bool below = false;
+    EXPECT_FALSE(planes.decides(block, p, below));
+    EXPECT_FALSE(planes.known(block));
+  }
+  return told;
+}
+
+template <unsigned K>
+void check_lanes_of_sets() {
+  std::vector<LiftedSet> sets;
+  for (const LiftedSet& s : large_lifted_sets(K, 40))
+    if (s.weights.empty()) sets.push_back(s);
+  sets.push_back(nearly_cospherical(K, 60, 1));
+  for (const int by : {8, 70, 140}) sets.push_back(stretched(random_points(K, 60, 2), by));
+  LiftedSet far = random_points(K, 40, 5);
+  for (double& x : far.rows) x = std::ldexp(x, -40) + 1;
+  sets.push_back(far);
+  for (const LiftedSet& s : sets) check_lanes<K>(s, 60);
+  const auto [lanes, planes] = check_lanes<K>(random_points(K, 4000, 6), 60);
+  EXPECT_GT(lanes.known + 8, lanes.asked);  // a point may be drawn twice
+  EXPECT_GT(planes.known + 16, planes.asked);
+  // Within the last bits of a sphere doubles do not tell, double-doubles do.
+  const auto [near, none] = check_lanes<K>(nearly_cospherical(K, 4000, 7), 60);
+  EXPECT_GT(near.known + 8, near.asked);
+  EXPECT_LT(none.known, none.asked / 8);
+}
+
+TEST(LiftSides, AreRightWhereTheyTell) {
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    SCOPED_TRACE(hwy::TargetName(target));
+    hwy::SetSupportedTargetsForTest(target);
+    check_lanes_of_sets<3>();
+    check_lanes_of_sets<4>();
+    check_lanes_of_sets<5>();
+    check_lanes_of_sets<6>();
+  }
+  hwy::SetSupportedTargetsForTest(0);
 }
 
 /// The counter of what was decided by integers: of random points it stays at nearly nothing.

@@ -11,10 +11,6 @@
 namespace cullhull::internal::inline exact {
 namespace {
 
-/// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
-/// Muller, Popescu 2017), and room for second-order terms.
-constexpr double double_double_roundoff = 0x1p-102;
-
 template <unsigned K>
 Sign double_double_side(const LiftedPoints& s, const double* const* c, const double* p) {
   DoubleDouble m[K + 1][K + 1];

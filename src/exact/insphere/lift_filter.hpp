@@ -11,6 +11,10 @@
 
 namespace cullhull::internal::inline exact {
 
+/// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
+/// Muller, Popescu 2017), and room for second-order terms.
+inline constexpr double double_double_roundoff = 0x1p-102;
+
 /// The bound for the determinant of K + 1 rows [differences, lift]; largest[K]: of the sums of the
 /// magnitudes of a lift's terms. A product passes the roundings of the expansion and those of its
 /// lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and their product add
