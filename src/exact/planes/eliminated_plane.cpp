@@ -8,6 +8,7 @@
 
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_parts.hpp"
+#include "exact/planes/elimination.hpp"
 
 namespace cullhull::internal::inline exact {
 namespace {
@@ -30,7 +31,8 @@ bool EliminatedPlane::set(unsigned d, const double* const* p) {
   p_ = p;
   if (d < 2 || d > largest_dimension) return false;
   const unsigned m = d - 1;
-  lu_.resize(std::size_t{m} * d);
+  stride_ = elimination_stride(d);
+  lu_.assign(m * stride_, 0.0);
   for (auto* v : {&z_, &error_, &scale_, &weight_, &image_, &work_}) v->resize(d);
   exponent_.resize(d);
   for (unsigned i = 0; i < m; ++i)
@@ -60,69 +62,32 @@ bool EliminatedPlane::scale_columns() {
 }
 
 /// With complete pivoting, so that no entry of L exceeds 1 in magnitude, nor an entry of U its
-/// row's pivot.
+/// row's pivot. Beyond the range of pivots no bound is derived.
 bool EliminatedPlane::eliminate() {
   const unsigned m = d_ - 1;
   column_.resize(d_);
   row_.resize(m);
-  for (unsigned j = 0; j < d_; ++j) column_[j] = j;
-  for (unsigned i = 0; i < m; ++i) row_[i] = i;
-  sign_ = 1;
+  bool odd = false;
+  if (exact::eliminate(lu_.data(), m, d_, row_.data(), column_.data(), 0x1p-400, 0x1p60, odd) < m)
+    return false;
   determinant_log_ = 0;
-  double mantissa = 1, largest = 0;
-  unsigned best = 0;
-  for (unsigned i = 0; i < m; ++i)
-    for (unsigned j = 0; j < d_; ++j)
-      if (std::abs(at(i, j)) > largest) largest = std::abs(at(i, j)), best = i;
+  double mantissa = 1;
   for (unsigned r = 0; r < m; ++r) {
-    // NaN compares false; beyond this range no bound is derived.
-    if (!(largest > 0x1p-400 && largest < 0x1p60)) return false;
-    unsigned column = r;
-    while (std::abs(at(best, column)) != largest) ++column;
-    if (!take_pivot(r, best, column)) return false;
-    const double* pivot_row = &at(r, 0);
-    const double pivot = pivot_row[r];
     int e = 0;
-    mantissa = std::frexp(mantissa * largest, &e);
+    mantissa = std::frexp(mantissa * std::abs(at(r, r)), &e);
     determinant_log_ += e;
-    largest = 0;
-    for (unsigned i = r + 1; i < m; ++i) {
-      double* row = &at(i, 0);
-      const double factor = row[r] /= pivot;
-      double highest = 0;
-      for (unsigned j = r + 1; j < d_; ++j) {
-        row[j] -= factor * pivot_row[j];
-        const double v = std::abs(row[j]);
-        highest = v > highest ? v : highest;
-      }
-      if (highest > largest) largest = highest, best = i;
-    }
+    if (at(r, r) < 0) odd = !odd;
   }
+  sign_ = odd ? -1 : 1;
   determinant_log_ += std::log2(mantissa) + 1;
   return true;
-}
-
-bool EliminatedPlane::take_pivot(unsigned r, unsigned row, unsigned column) {
-  const unsigned m = d_ - 1;
-  if (row != r) {
-    std::swap_ranges(&at(r, 0), &at(r, 0) + d_, &at(row, 0));
-    std::swap(row_[r], row_[row]);
-    sign_ = -sign_;
-  }
-  if (column != r) {
-    for (unsigned i = 0; i < m; ++i) std::swap(at(i, r), at(i, column));
-    std::swap(column_[r], column_[column]);
-    sign_ = -sign_;
-  }
-  if (at(r, r) < 0) sign_ = -sign_;
-  return at(r, r) != 0;
 }
 
 /// Solves U x = x in place.
 void EliminatedPlane::solve_back(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = m; r-- > 0;) {
-    const double* row = lu_.data() + std::size_t{r} * d_;
+    const double* row = lu_.data() + r * stride_;
     double sum = x[r];
     for (unsigned j = r + 1; j < m; ++j) sum -= row[j] * x[j];
     x[r] = sum / row[r];
@@ -133,7 +98,7 @@ void EliminatedPlane::solve_back(std::vector<double>& x) const {
 void EliminatedPlane::solve(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = 0; r < m; ++r) {
-    const double* row = lu_.data() + std::size_t{r} * d_;
+    const double* row = lu_.data() + r * stride_;
     for (unsigned j = 0; j < r; ++j) x[r] -= row[j] * x[j];
   }
   solve_back(x);
@@ -143,11 +108,11 @@ void EliminatedPlane::solve(std::vector<double>& x) const {
 void EliminatedPlane::bound_inverse(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = 0; r < m; ++r) {
-    const double* row = lu_.data() + std::size_t{r} * d_;
+    const double* row = lu_.data() + r * stride_;
     for (unsigned j = 0; j < r; ++j) x[r] += std::abs(row[j]) * x[j];
   }
   for (unsigned r = m; r-- > 0;) {
-    const double* row = lu_.data() + std::size_t{r} * d_;
+    const double* row = lu_.data() + r * stride_;
     for (unsigned j = r + 1; j < m; ++j) x[r] += std::abs(row[j]) * x[j];
     x[r] /= std::abs(row[r]);
   }

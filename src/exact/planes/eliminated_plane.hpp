@@ -37,10 +37,9 @@ class EliminatedPlane {
   double largest_scale() const { return largest_scale_; }
 
  private:
-  double& at(unsigned i, unsigned j) { return lu_[std::size_t{i} * d_ + j]; }
+  double& at(unsigned i, unsigned j) { return lu_[i * stride_ + j]; }
   bool scale_columns();
   bool eliminate();
-  bool take_pivot(unsigned r, unsigned row, unsigned column);
   void solve_back(std::vector<double>& x) const;
   void solve(std::vector<double>& x) const;
   void bound_inverse(std::vector<double>& x) const;
@@ -56,8 +55,9 @@ class EliminatedPlane {
   bool below_unit(const double* x, double magnitude) const;
 
   unsigned d_ = 0;
+  std::size_t stride_ = 0;
   const double* const* p_ = nullptr;
-  std::vector<double> lu_;  // (d - 1) x d, rows and columns in pivot order
+  std::vector<double> lu_;  // (d - 1) x d, stride_ apart, rows and columns in pivot order
   std::vector<unsigned> column_, row_;
   std::vector<int> exponent_;  // scale_ = 2^-exponent_ for each axis
   std::vector<double> scale_, z_, error_;

@@ -57,6 +57,7 @@ struct Lane {
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> apex;
   std::vector<float> planes;
+  std::vector<double> wide;   // planes beyond 8D
   std::vector<float> offset;  // the point relative to O
   std::vector<const double*> rows, simplex_rows;
   std::vector<double> minors;

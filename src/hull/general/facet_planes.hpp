@@ -16,6 +16,7 @@ struct PlaneFrame {
   const double* rows = nullptr;    ///< points, packed rows, |x| <= 1
   const double* centre = nullptr;  ///< O, or O rounded
   const double* reach = nullptr;   ///< at least |x - O| of every point, per axis
+  double radius = 0;               ///< at least |x - O| of every point; for plane_between()
   bool exact_rows = true;          ///< rows are the points themselves (no underflow in scaling)
 };
 
@@ -24,9 +25,16 @@ struct PlaneFrame {
 void facet_planes(const PlaneFrame& frame, std::uint32_t apex, const std::uint32_t* facets,
                   const std::uint8_t* apex_slot, std::size_t count, float* planes);
 
-/// Planes in any dimension, one facet at a time.
+/// Planes in any dimension, one facet at a time. `wide`, unless null: as `planes`, in doubles, for
+/// plane_between(); their error bounds that of n . (x - O) for all points x, infinity for none.
 void facet_planes_any(const PlaneFrame& frame, const std::uint32_t* facets, std::size_t count,
-                      float* planes);
+                      float* planes, double* wide = nullptr);
+
+/// The plane through a point and the ridge between a facet that the point sees and one that it does
+/// not see: a sum of these two facets' wide planes. False where its error would be too large. Time:
+/// O(d). docs/exactness.md, "Planes from neighbours".
+bool plane_between(const PlaneFrame& frame, const double* seen, const double* unseen,
+                   std::uint32_t point, float* plane, double* wide);
 
 // Finds the points strictly inside a polytope of few facets by testing every point against every
 // facet, many points at a time. Below some thousand facets that takes less than searching for the

@@ -11,7 +11,8 @@ namespace cullhull::internal::inline hull {
 
 /// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
 /// ridge opposite to vertex j. In 4D and 5D both are one cache line; in 6D and 7D the hot part is
-/// half a line. D: the dimension, or 0 for one known at run time only.
+/// half a line. D: the dimension, or 0 for one known at run time only; then planes are kept in
+/// doubles as well.
 template <unsigned D>
 class FacetStore {
  public:
@@ -34,6 +35,7 @@ class FacetStore {
     return std::size_t{8} * dim();
   }
   std::size_t bytes_per_facet() const {
+    if constexpr (D == 0) return hot_stride() + cold_stride() + wide_stride() * sizeof(double);
     return together ? hot_stride() : hot_stride() + cold_stride();
   }
 
@@ -45,6 +47,9 @@ class FacetStore {
   const Id* vertices(Id f) const { return reinterpret_cast<const Id*>(cold() + f * cold_stride()); }
   Id* neighbours(Id f) { return vertices(f) + dim(); }
   const Id* neighbours(Id f) const { return vertices(f) + dim(); }
+  /// For D = 0: the wide plane of facet_planes_any().
+  double* wide(Id f) requires(D == 0) { return wide_.data() + f * wide_stride(); }
+  const double* wide(Id f) const requires(D == 0) { return wide_.data() + f * wide_stride(); }
   bool alive(Id f) const { return vertices(f)[0] != dead; }
 
   void prefetch(Id f) const {
@@ -63,9 +68,11 @@ class FacetStore {
   void reserve(std::size_t facets) {
     hot_.reserve(facets * hot_stride());
     if constexpr (!together) cold_.reserve(facets * cold_stride());
+    if constexpr (D == 0) wide_.reserve(facets * wide_stride());
   }
   void release_planes() {
     if constexpr (!together) hot_.release();
+    wide_.release();
   }
 
  private:
@@ -80,8 +87,11 @@ class FacetStore {
     return cold_.data();
   }
 
+  std::size_t wide_stride() const { return std::size_t{dim()} + 1; }
+
   unsigned dimension_;
   RawArray<std::byte> hot_, cold_;
+  RawArray<double> wide_;  ///< for D = 0
 };
 
 }  // namespace cullhull::internal::inline hull

@@ -128,6 +128,7 @@ class InsertionNd {
   const Run& run_;
   unsigned dimension_;
   std::vector<double> centre_, reach_;
+  double radius_ = 0;  ///< for D = 0
   /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
   bool centre_exact_ = false;
   PlaneFrame frame_;
@@ -183,8 +184,8 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
     std::copy_n(points.row(order_[i]), dim(), ordered_.data() + i * dim());
   choose_centre();
   measure_reach();
-  frame_ = {dim(), ordered_.data(), centre_.data(), reach_.data(),
-            points_.exact == points_.coordinates};
+  frame_ = {dim(),         ordered_.data(), centre_.data(),
+            reach_.data(), radius_,         points_.exact == points_.coordinates};
 }
 
 /// O: the simplex's centroid, rounded to as few bits as keep it strictly inside, so that exact
@@ -219,8 +220,15 @@ void InsertionNd<D>::measure_reach() {
   for (Id k = 0; k < points_.count; ++k) {
     if (k % 65536 == 0) run_.check();
     const double* p = points_.row(k);
-    for (unsigned j = 0; j < dim(); ++j) reach[j] = std::max(reach[j], std::abs(p[j] - centre_[j]));
+    double square = 0;
+    for (unsigned j = 0; j < dim(); ++j) {
+      const double y = std::abs(p[j] - centre_[j]);
+      reach[j] = std::max(reach[j], y);
+      if constexpr (D == 0) square += y * y;
+    }
+    radius_ = std::max(radius_, square);
   }
+  radius_ = std::sqrt(radius_) * (1 + 0x1p-30) + 0x1p-40;
   for (unsigned j = 0; j < dim(); ++j) reach_[j] = reach[j] * (1 + 0x1p-30) + 0x1p-40;
 }
 
@@ -287,9 +295,12 @@ void InsertionNd<D>::build_simplex() {
       std::swap(v[0], v[1]);
       std::swap(n[0], n[1]);
     }
-    const std::uint8_t first = 0;
+    [[maybe_unused]] const std::uint8_t first = 0;
     std::vector<float> plane(d + 1);
-    facet_planes(frame_, v[0], v, &first, 1, plane.data());
+    if constexpr (D == 0)
+      facet_planes_any(frame_, v, 1, plane.data(), store_.wide(i));
+    else
+      facet_planes(frame_, v[0], v, &first, 1, plane.data());
     std::copy(plane.begin(), plane.end(), store_.plane(i));
   }
   facet_slots_ = live_ = d + 1;

@@ -89,12 +89,19 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   }
   link(s, lane);
   run_.check();
-  // Beyond 8D a plane can take milliseconds: one at a time, with a check for cancellation.
-  const std::size_t at_once = D > 0 ? count : 1;
-  for (std::size_t k = 0; k < count; k += at_once) {
-    if constexpr (D == 0) run_.check();
-    facet_planes(frame_, point, lane.vertices.data() + k * d, lane.apex.data() + k, at_once,
-                 lane.planes.data() + k * (d + 1));
+  if constexpr (D == 0) {
+    lane.wide.resize(count * (d + 1));
+    for (std::size_t k = 0; k < count; ++k) {
+      const HorizonRidge& r = s.horizon[k];
+      float* const plane = lane.planes.data() + k * (d + 1);
+      double* const wide = lane.wide.data() + k * (d + 1);
+      if (plane_between(frame_, store_.wide(r.facet), store_.wide(r.outside), point, plane, wide))
+        continue;
+      run_.check();  // beyond 8D the plane can take milliseconds
+      facet_planes_any(frame_, lane.vertices.data() + k * d, 1, plane, wide);
+    }
+  } else {
+    facet_planes(frame_, point, lane.vertices.data(), lane.apex.data(), count, lane.planes.data());
   }
   const Id* const slot = s.visible.data();
   for (std::size_t k = count; k < s.seen; ++k) store_.vertices(slot[k])[0] = dead;
@@ -106,6 +113,8 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
     const HorizonRidge& r = s.horizon[k];
     const Id f = slot[k];
     std::memcpy(store_.plane(f), lane.planes.data() + k * (d + 1), (d + 1) * sizeof(float));
+    if constexpr (D == 0)
+      std::memcpy(store_.wide(f), lane.wide.data() + k * (d + 1), (d + 1) * sizeof(double));
     std::memcpy(store_.vertices(f), lane.vertices.data() + k * d, d * sizeof(Id));
     Id* n = store_.neighbours(f);
     const Id* local = lane.neighbours.data() + k * d;

@@ -11,6 +11,7 @@
 #include "exact/determinants/cofactors.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "exact/planes/elimination.hpp"
 #include "result/facets/orthogonal_parts.hpp"
 #include "result/measures/measure_frame.hpp"
 
@@ -38,8 +39,9 @@ Real difference(double a, double b) {
 inline double value(double v) { return v; }
 inline double value(const DoubleDouble& v) { return v.value(); }
 
-/// Computes the normal to the k - 1 rows of m, which it overwrites, by elimination with complete
-/// pivoting; for dimensions above those of `cofactors`. The normal is 0 if the rows are dependent.
+/// Computes the normal to the k - 1 rows of m, elimination_stride(k) apart, which it overwrites, by
+/// elimination with complete pivoting; for dimensions above those of `cofactors`. The normal is 0
+/// if the rows are dependent.
 template <class Real>
 void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal);
 extern template void eliminate_normal(std::vector<double>&, unsigned, double*);
@@ -77,8 +79,9 @@ double simplex_normal(const Frame& frame, const std::uint32_t* v, Real* normal,
     cofactors<K, Real>(edges, out);
     for (unsigned c = 0; c < K; ++c) normal[c] = out[c];
   } else {
-    scratch.resize(std::size_t{k - 1} * k);
-    for (unsigned i = 1; i < k; ++i) fill(i, scratch.data() + std::size_t{i - 1} * k);
+    const std::size_t stride = elimination_stride(k);
+    scratch.assign((k - 1) * stride, Real(0));
+    for (unsigned i = 1; i < k; ++i) fill(i, scratch.data() + (i - 1) * stride);
     eliminate_normal(scratch, k, normal);
   }
   return lengths;

@@ -4,7 +4,10 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include "exact/planes/elimination.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -15,54 +18,64 @@
 namespace cullhull::internal::inline result {
 namespace {
 
-bool is_zero(double v) { return v == 0; }
-bool is_zero(const DoubleDouble& v) { return v.high == 0; }
-double magnitude(double v) { return std::fabs(v); }
-double magnitude(const DoubleDouble& v) { return std::fabs(v.high); }
+unsigned eliminate_completely(std::vector<double>& m, unsigned k, unsigned* row, unsigned* column,
+                              bool& odd) {
+  return eliminate(m.data(), k - 1, k, row, column, 0, std::numeric_limits<double>::infinity(),
+                   odd);
+}
+/// The same in double-doubles, without L.
+unsigned eliminate_completely(std::vector<DoubleDouble>& m, unsigned k, unsigned*, unsigned* column,
+                              bool& odd) {
+  const std::size_t stride = elimination_stride(k);
+  const auto at = [&](unsigned i, unsigned j) -> DoubleDouble& { return m[i * stride + j]; };
+  const auto magnitude = [&](unsigned i, unsigned j) { return std::fabs(at(i, j).high); };
+  odd = false;
+  for (unsigned c = 0; c < k; ++c) column[c] = c;
+  for (unsigned r = 0; r + 1 < k; ++r) {
+    unsigned bi = r, bj = r;
+    for (unsigned i = r; i + 1 < k; ++i)
+      for (unsigned j = r; j < k; ++j)
+        if (magnitude(i, j) > magnitude(bi, bj)) bi = i, bj = j;
+    if (at(bi, bj).high == 0) return r;
+    if (bi != r) {
+      for (unsigned j = 0; j < k; ++j) std::swap(at(bi, j), at(r, j));
+      odd = !odd;
+    }
+    if (bj != r) {
+      for (unsigned i = 0; i + 1 < k; ++i) std::swap(at(i, bj), at(i, r));
+      std::swap(column[bj], column[r]);
+      odd = !odd;
+    }
+    for (unsigned i = r + 1; i + 1 < k; ++i) {
+      const DoubleDouble factor = at(i, r) / at(r, r);
+      for (unsigned j = r + 1; j < k; ++j) at(i, j) = at(i, j) - factor * at(r, j);
+    }
+  }
+  return k - 1;
+}
 
 }  // namespace
 
 template <class Real>
 void eliminate_normal(std::vector<Real>& m, unsigned k, Real* normal) {
-  std::vector<unsigned> column(k);
-  for (unsigned c = 0; c < k; ++c) column[c] = c;
+  std::vector<unsigned> places(2 * std::size_t{k});
+  unsigned* const column = places.data() + k;
+  const std::size_t stride = elimination_stride(k);
   bool odd = false;
-  const auto at = [&](unsigned i, unsigned j) -> Real& {
-    return m[std::size_t{i} * k + column[j]];
-  };
-  Real det = 1;
-  for (unsigned r = 0; r + 1 < k; ++r) {
-    unsigned bi = r, bj = r;
-    for (unsigned i = r; i + 1 < k; ++i)
-      for (unsigned j = r; j < k; ++j)
-        if (magnitude(at(i, j)) > magnitude(at(bi, bj))) bi = i, bj = j;
-    if (is_zero(at(bi, bj))) {
-      for (unsigned c = 0; c < k; ++c) normal[c] = 0;
-      return;
-    }
-    if (bi != r) {
-      for (unsigned j = 0; j < k; ++j)
-        std::swap(m[bi * std::size_t{k} + j], m[r * std::size_t{k} + j]);
-      odd = !odd;
-    }
-    if (bj != r) {
-      std::swap(column[bj], column[r]);
-      odd = !odd;
-    }
-    det = det * at(r, r);
-    for (unsigned i = r + 1; i + 1 < k; ++i) {
-      const Real factor = at(i, r) / at(r, r);
-      for (unsigned j = r; j < k; ++j) at(i, j) = at(i, j) - factor * at(r, j);
-    }
+  if (eliminate_completely(m, k, places.data(), column, odd) + 1 < k) {
+    std::fill_n(normal, k, Real(0));
+    return;
   }
+  Real det = 1;
+  for (unsigned r = 0; r + 1 < k; ++r) det = det * m[r * stride + r];
   // The normal satisfies normal . x = det [rows; x] for every x. The column without a pivot comes
   // last in pivot order, and its cofactor is det.
-  normal[column[k - 1]] = det;
-  if (odd) normal[column[k - 1]] = -det;
+  normal[column[k - 1]] = odd ? -det : det;
   for (unsigned r = k - 1; r-- > 0;) {
+    const Real* const row = m.data() + r * stride;
     Real sum = 0;
-    for (unsigned j = r + 1; j < k; ++j) sum = sum + at(r, j) * normal[column[j]];
-    normal[column[r]] = -(sum / at(r, r));
+    for (unsigned j = r + 1; j < k; ++j) sum = sum + row[j] * normal[column[j]];
+    normal[column[r]] = -(sum / row[r]);
   }
 }
 
