@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/exact_float.hpp"
@@ -43,11 +44,45 @@ Sign NearestVertex::compare(const double* q, std::uint32_t a, std::uint32_t b) c
   return mesh_.furthest ? -sign : sign;
 }
 
+NearestVertex::Power NearestVertex::power(const double* q, std::uint32_t row) const {
+  const unsigned d = mesh_.dimension;
+  const double* a = mesh_.row(row);
+  double square = 0;
+  for (unsigned j = 0; j < d; ++j) square += (a[j] - q[j]) * (a[j] - q[j]);
+  const double weight = mesh_.stride > d ? a[d] : 0;
+  return {mesh_.furthest ? weight - square : square - weight,
+          (d + 8) * unit_roundoff * (square + std::abs(weight)) + 0x1p-1000};
+}
+
+/// Goes down while doubles tell the way, always to the nearest neighbour. Returns whether they tell
+/// that row is the end.
+bool NearestVertex::descend(const double* q, std::uint32_t& row) const {
+  for (Power best = power(q, row);;) {
+    Power nearest{std::numeric_limits<double>::infinity(), 0};
+    std::uint32_t to = row;
+    double doubt = 0;
+    for (const std::uint32_t next : graph_[row]) {
+      const Power other = power(q, next);
+      const bool nearer = other.value < nearest.value;
+      nearest.value = nearer ? other.value : nearest.value;
+      to = nearer ? next : to;
+      doubt = std::max(doubt, other.doubt);
+    }
+    doubt += best.doubt;
+    if (!(nearest.value < best.value - doubt)) return nearest.value > best.value + doubt;
+    row = to;
+    best = power(q, to);
+  }
+}
+
 std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
-  std::uint32_t row = mesh_.row_at(key);
-  if (row_ != no_cell && compare(q, row_, row) == Sign::negative) row = row_;
+  std::uint32_t row = mesh_.row_at(key, key >= key_ ? near_ : 0);
+  near_ = row;
+  key_ = key;
+  if (row_ != no_cell && power(q, row_).value < power(q, row).value) row = row_;
+  const bool done = descend(q, row);
   bool tied = false;
-  for (bool moved = true; moved;) {
+  for (bool moved = !done; moved;) {
     moved = false;
     tied = false;
     for (const std::uint32_t next : graph_[row]) {

@@ -148,13 +148,20 @@ class NearestVertex {
   std::uint32_t find(const double* q, std::uint32_t key);
 
  private:
+  /// The power distance of a row as computed, and a bound of its error. For the furthest site its
+  /// negative.
+  struct Power {
+    double value, doubt;
+  };
+  Power power(const double* q, std::uint32_t row) const;
+  bool descend(const double* q, std::uint32_t& row) const;
   /// Negative if a is nearer to q than b is; for the furthest site, if it is farther.
   Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const;
   std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
 
   const WalkMesh& mesh_;
   const Adjacency<std::uint32_t>& graph_;
-  std::uint32_t row_ = no_cell;
+  std::uint32_t row_ = no_cell, near_ = 0, key_ = 0;
   Flood flood_;
 };
 
