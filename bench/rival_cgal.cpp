@@ -26,6 +26,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using cullhull::PointView;
 using cullhull::bench::seconds_of;
+using cullhull::bench::settled_seconds;
 
 double hull_2(const PointView& p, std::vector<double>& extreme) {
   std::vector<Kernel::Point_2> points, hull;
@@ -71,7 +72,8 @@ std::vector<double> delaunay_2(const PointView& p) {
   std::vector<Kernel::Point_2> points;
   for (std::uint64_t i = 0; i < p.count; ++i) points.emplace_back(p.at(i, 0), p.at(i, 1));
   CGAL::Delaunay_triangulation_2<Kernel> t;
-  const double seconds = seconds_of([&] { t.insert(points.begin(), points.end()); });
+  const double seconds =
+      settled_seconds([&] { t.clear(); }, [&] { t.insert(points.begin(), points.end()); });
   return {seconds, t.dimension() < 2 ? 0.0 : static_cast<double>(t.number_of_faces())};
 }
 
@@ -82,7 +84,8 @@ std::vector<double> delaunay_3(const PointView& p, Lock*... lock) {
   for (std::uint64_t i = 0; i < p.count; ++i)
     points.emplace_back(p.at(i, 0), p.at(i, 1), p.at(i, 2));
   Triangulation t(Kernel(), lock...);
-  const double seconds = seconds_of([&] { t.insert(points.begin(), points.end()); });
+  const double seconds =
+      settled_seconds([&] { t.clear(); }, [&] { t.insert(points.begin(), points.end()); });
   return {seconds, t.dimension() < 3 ? 0.0 : static_cast<double>(t.number_of_finite_cells())};
 }
 

@@ -31,4 +31,20 @@ double median_seconds(unsigned repeat, Work&& work) {
   return median(std::move(times));
 }
 
+/// The median of calls that follow one another, each after prepare(), for 20 ms or a single one:
+/// the first call of a program takes several times as long for small inputs, of whatever library.
+/// (`calls` measures first calls.)
+template <class Prepare, class Work>
+double settled_seconds(Prepare&& prepare, Work&& work) {
+  constexpr double enough = 0.02;
+  std::vector<double> times;
+  double spent = 0;
+  while (times.empty() || spent < enough) {
+    prepare();
+    times.push_back(seconds_of(work));
+    spent += times.back();
+  }
+  return median(std::move(times));
+}
+
 }  // namespace cullhull::bench

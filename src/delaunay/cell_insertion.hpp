@@ -390,13 +390,14 @@ class CellInsertion {
     const double* const p = signs_.point();
     std::size_t cell = cells, facet = facets, i = searched;
     std::uint64_t tested = 0;
+    constexpr std::size_t ahead = 3;  // cells; one takes 2 to 3 % longer from 65,000 points on
     for (; i < cell; ++i) {
       make_room(cell, facet);
       std::uint32_t* const to_cells = room_of_cells_.data();
       Facet* const to_facets = room_of_facets_.data();
       const std::uint32_t c = to_cells[i];
       const std::uint32_t* n = cells_.store.neighbours(c);
-      if (i + 1 < cell) prefetch_around(to_cells[i + 1]);
+      if (i + ahead < cell) prefetch_around(to_cells[i + ahead]);
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = cells_.store.cell_of(n[j]);
         const CellState seen = classify(o);
@@ -417,6 +418,7 @@ class CellInsertion {
           // which one grows.
           to_cells[cell] = o;
           cell += in ? 1 : 0;
+          prefetch_line(cells_.store.vertices(o));
         }
         to_facets[facet] = {c, j, no_index};
         facet += in ? 0 : 1;
