@@ -48,7 +48,7 @@ void run(const char* shape, unsigned d, std::uint64_t sets) {
     Options options;
     options.threads = threads;
     const double t = median_seconds(
-        3, [&] { ours = convex_hulls(view, offsets.data(), sets, options).vertices.items.size(); });
+        3, [&] { ours = convex_hulls(view, offsets, options).vertices.items.size(); });
     std::printf("  %-12s %8.2f M points/s, %6.2f us a hull\n",
                 threads == 1 ? "one core" : "all cores", n / t * 1e-6,
                 t / static_cast<double>(sets) * 1e6);
@@ -58,7 +58,7 @@ void run(const char* shape, unsigned d, std::uint64_t sets) {
                                         offsets.begin() + static_cast<std::ptrdiff_t>(few) + 1);
   std::uint64_t theirs = 0;
   const double t = median_seconds(3, [&] { theirs = qhull_loop(points, d, head); });
-  const std::uint64_t same = convex_hulls(view, head.data(), few).vertices.items.size();
+  const std::uint64_t same = convex_hulls(view, head).vertices.items.size();
   std::printf(
       "  %-12s %8.2f M points/s, one core; vertices of the first %llu sets: %llu, ours %llu\n",
       "Qhull", static_cast<double>(head.back()) / t * 1e-6, static_cast<unsigned long long>(few),

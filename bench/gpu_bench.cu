@@ -196,7 +196,7 @@ ordered_json filters(const Settings& s, double copy_rate) {
     ordered_json gauge =
         row(c.name, n, c.d,
             timed(s.repeat, [&] { survivors = cullhull::cull(points.view(), options); }));
-    gauge["filter"] = survivors.method;
+    gauge["filter"] = cullhull::filter_name(survivors.filter);
     gauge["kept"] = static_cast<double>(survivors.size(n)) / static_cast<double>(n);
     gauge["share_of_copy"] =
         gauge["points_per_second"].get<double>() * c.d * sizeof(float) / copy_rate;

@@ -305,7 +305,7 @@ class Passes {
             {"device_seconds", d},
             {"of_that_cull", device.statistics.cull_seconds},
             {"survivors", device.statistics.survivors},
-            {"method", device.statistics.cull_method},
+            {"method", device.statistics.filter},
             {"cpu_seconds", h},
             {"cpu_survivors", host.statistics.survivors},
             {"threads", host.statistics.threads}};
@@ -435,7 +435,7 @@ class Passes {
     DeviceHullBatch left;
     const double on_device = wall(
         [&] { left = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda)); });
-    const double cpu = wall([&] { host = convex_hulls(here, offsets.data(), sets); });
+    const double cpu = wall([&] { host = convex_hulls(here, offsets); });
     if (device.vertices != host.vertices || device.volumes != host.volumes ||
         left.vertex_count != host.vertices.items.size())
       throw std::runtime_error("the device's batch is not the CPU's");

@@ -44,7 +44,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t count = sets.offsets.size() - 1;
     const HullBatch batch = convex_hulls(
         PointView::row_major(sets.rows.data(), sets.rows.size() / sets.dimension, sets.dimension),
-        sets.offsets.data(), count, options);
+        sets.offsets, options);
     for (std::size_t i = 0; i < count; ++i)
       if (testing_support::canonical_hash(batch.hull(i)) !=
           testing_support::canonical_hash(convex_hull(sets.set(i))))

@@ -56,8 +56,8 @@ std::string report(const CullArguments& arguments, const cullhull::PointView& po
   nlohmann::ordered_json json;
   json["threads"] = threads_used(arguments.run.threads);
   const cullhull::Survivors& survivors = outcome.result;
-  json["backend"] = survivors.backend;
-  json["cull"] = {{"method", survivors.method},
+  json["backend"] = cullhull::backend_name(survivors.backend);
+  json["cull"] = {{"method", cullhull::filter_name(survivors.filter)},
                   {"survivors", survivors.size(points.count)},
                   {"seconds", median(outcome.seconds)},
                   {"reason", survivors.reason}};
@@ -72,7 +72,7 @@ std::string summary(const Input& input, const CullOutcome& outcome, double read_
   const std::uint64_t count = input.points.count;
   const cullhull::Survivors& survivors = outcome.result;
   return points_line(input) + units_lines(input.placing, input.points) +
-         survivors_line(survivors.size(count), count, survivors.method) +
+         survivors_line(survivors.size(count), count, cullhull::filter_name(survivors.filter)) +
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
 
@@ -188,7 +188,7 @@ int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   if (!arguments.json.empty()) {
     CullOutcome outcome;
     outcome.result.ids = state.ids();
-    outcome.result.method = "stream";
+    outcome.result.filter = cullhull::UsedFilter::stream;
     outcome.result.reason = "points in blocks, of which the extreme ones are left";
     outcome.seconds = {streamed.seconds};
     cullhull::PointView all = state.points();

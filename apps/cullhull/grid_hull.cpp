@@ -25,7 +25,7 @@ cullhull::Hull hull_on_grid(const cullhull::PointView& numbers,
   hull.point_count = numbers.count;
   cullhull::Statistics& s = hull.statistics;
   s.survivors = count;
-  s.cull_method = survivors.method;
+  s.filter = survivors.filter;
   s.cull_reason = survivors.reason;
   s.backend = survivors.backend;
   s.cull_seconds = survivors.seconds;

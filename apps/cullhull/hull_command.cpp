@@ -159,8 +159,9 @@ std::string run_lines(const Hull& hull, const std::optional<Certificate>& certif
                       std::uint64_t peak) {
   const cullhull::Statistics& s = hull.statistics;
   std::string text =
-      fmt::format("run        {} engine, {}, {} thread{}, peak memory {:.1f} MB\n", s.engine,
-                  s.backend, s.threads, s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
+      fmt::format("run        {} engine, {}, {} thread{}, peak memory {:.1f} MB\n",
+                  cullhull::engine_name(s.engine), cullhull::backend_name(s.backend), s.threads,
+                  s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
   if (certificate) text += fmt::format("certified  {}\n", certificate->valid ? "yes" : "NO");
   return text;
 }
@@ -168,7 +169,8 @@ std::string run_lines(const Hull& hull, const std::optional<Certificate>& certif
 std::string summary(const HullOutcome& outcome, double read_seconds, std::uint64_t peak) {
   const Hull& hull = outcome.result;
   const cullhull::Statistics& s = hull.statistics;
-  return survivors_line(s.survivors, hull.point_count, s.cull_method) + hull_lines(hull) +
+  return survivors_line(s.survivors, hull.point_count, cullhull::filter_name(s.filter)) +
+         hull_lines(hull) +
          fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
                      s.compute_seconds, s.cull_seconds, s.hull_seconds, read_seconds) +
          (outcome.seconds.size() > 1
@@ -234,9 +236,10 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
   const cullhull::Statistics& s = points.statistics;
   nlohmann::ordered_json json;
   json["threads"] = s.threads;
-  json["backend"] = s.backend;
-  json["cull"] = {
-      {"method", s.cull_method}, {"survivors", s.survivors}, {"seconds", s.cull_seconds}};
+  json["backend"] = cullhull::backend_name(s.backend);
+  json["cull"] = {{"method", cullhull::filter_name(s.filter)},
+                  {"survivors", s.survivors},
+                  {"seconds", s.cull_seconds}};
   json["only"] = "vertices";
   json["affine_dimension"] = points.affine_dimension;
   json["vertex_count"] = points.ids.size();
@@ -284,7 +287,7 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   if (arguments.run.quiet || plan.uses_stdout()) return 0;
   const cullhull::Statistics& s = extreme.statistics;
   write_stdout(points_line(input) + units_lines(input.placing, placed) +
-               survivors_line(s.survivors, input.points.count, s.cull_method) +
+               survivors_line(s.survivors, input.points.count, cullhull::filter_name(s.filter)) +
                fmt::format("vertices   {}\nseconds    {:.6f}; reading {:.6f}\n",
                            grouped(extreme.ids.size()), s.compute_seconds, read_seconds) +
                wrote_lines(arguments));
@@ -354,7 +357,7 @@ Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
   });
   cullhull::Statistics& s = found.result.statistics;
   s.survivors = streamed.state.ids().size();
-  s.cull_method = "stream";
+  s.filter = cullhull::UsedFilter::stream;
   s.cull_reason =
       fmt::format("points in {} blocks, {} maps, {} exact reductions", streamed.read.blocks,
                   streamed.report.maps, streamed.report.reductions);
@@ -372,7 +375,7 @@ std::string extreme_json_of(const HullArguments& arguments, const Streamed& stre
   found.result.ids = streamed.state.ids();
   found.seconds = {streamed.seconds};
   cullhull::Statistics& s = found.result.statistics;
-  s.cull_method = "stream";
+  s.filter = cullhull::UsedFilter::stream;
   s.survivors = all.count;
   s.cull_seconds = s.compute_seconds = streamed.seconds;
   all.count = streamed.state.point_count();

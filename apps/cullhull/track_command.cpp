@@ -161,7 +161,7 @@ struct TrackOutcome {
 
   void add(const FrameReport& r, const Hull& h, double read_seconds) {
     ++done;
-    if (std::string_view(h.statistics.backend) == "cuda") ++on_device;
+    if (h.statistics.backend == cullhull::Backend::cuda) ++on_device;
     if (std::string_view(r.method) != "static") {
       ++led;
       points += h.point_count;
@@ -192,7 +192,7 @@ struct TrackOutcome {
 Json frame_record(std::uint64_t index, const FrameReport& r, const Hull& h, double read_seconds) {
   Json record = {{"index", index},
                  {"method", r.method},
-                 {"backend", h.statistics.backend},
+                 {"backend", cullhull::backend_name(h.statistics.backend)},
                  {"affine_dimension", h.affine_dimension},
                  {"vertex_count", h.vertices.size()},
                  {"facet_count", h.facet_count()},

@@ -6,12 +6,14 @@
 #include <span>
 
 #include "cullhull/array.hpp"
+#include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/renamed.hpp"
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// A regularised alpha shape or a concave hull: cells alone, without edges and faces that bound
 /// none.
@@ -67,16 +69,17 @@ double concave_length(const PointView& points, const Triangulation& triangulatio
 
 /// Regions of the plane bounded by rings of points.
 struct CellPolygons {
-  /// Ring i has the ids [ring_offsets[i], ring_offsets[i + 1]), none twice, beginning at the
-  /// lowest.
-  Array<std::uint32_t> ids;
-  Array<std::uint64_t> ring_offsets;
+  /// The ids of each ring, none twice, beginning at the lowest.
+  Lists<std::uint32_t> rings;
   /// Polygon i has the rings [polygon_offsets[i], polygon_offsets[i + 1]): the outer one, counter-
   /// clockwise, then holes, clockwise, by their ids. Polygons are sorted by their outer ring's ids.
   Array<std::uint64_t> polygon_offsets;
 
-  std::uint64_t ring_count() const noexcept { return ring_offsets.size() - 1; }
+  std::uint64_t ring_count() const noexcept { return rings.size(); }
   std::uint64_t polygon_count() const noexcept { return polygon_offsets.size() - 1; }
+
+  CULLHULL_RENAMED(ids, "use rings.items, or rings[i]");
+  CULLHULL_RENAMED(ring_offsets, "use rings.offsets, or rings[i]");
 };
 
 /// The union of some cells of a triangulation of the plane (k = 2), a polygon for all that hang
@@ -86,5 +89,5 @@ struct CellPolygons {
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

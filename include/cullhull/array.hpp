@@ -10,15 +10,16 @@
 #include <vector>
 
 #pragma GCC visibility push(default)
-namespace cullhull {
 
-namespace internal::inline parallel {
+namespace cullhull::internal::inline parallel {
 /// Memory for any trivial type; throws std::bad_alloc. Blocks of megabytes lie on huge pages where
 /// the system grants them.
 void* allocate_block(std::size_t bytes);
 /// `bytes` as they were asked for.
 void free_block(void* block, std::size_t bytes) noexcept;
-}  // namespace internal::inline parallel
+}  // namespace cullhull::internal::inline parallel
+
+namespace cullhull::inline v1 {
 
 /// The library keeps freed blocks, its own and those of Arrays, and reuses them: the system has to
 /// clear new memory, which takes longer than most steps of a hull. It keeps at most 16 MB of blocks
@@ -65,5 +66,5 @@ class ArrayAllocator {
 template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

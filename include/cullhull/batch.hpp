@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/hull.hpp"
@@ -9,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// The hulls of many sets, end to end. Every list holds what the member of the same name in Hull
 /// holds, for one set after another; ids count from the set's first point, facet and simplex
@@ -36,15 +37,20 @@ struct HullBatch {
   Hull hull(std::size_t i) const;
 };
 
-/// The exact hulls of the sets [offsets[i], offsets[i + 1]) of `points`, i < set_count: the same
-/// results as one convex_hull a set, whatever the number of threads. offsets has set_count + 1
-/// entries, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
+/// The exact hulls of the sets [offsets[i], offsets[i + 1]) of `points`: the same results as one
+/// convex_hull a set, whatever the number of threads. `offsets` has an entry more than there are
+/// sets, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
 /// (the first set with one) and the point within it. options.cull and options.backend apply to
 /// large sets; small ones are not filtered. Each set is hulled by one thread, so this is for many
 /// small sets: for a few large ones, convex_hull on each uses the cores better. Thread safe; memory
 /// O(results + points of the sets being hulled at a time).
-HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
-                       std::uint64_t set_count, const Options& options = {});
+HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> offsets,
+                       const Options& options = {});
+[[deprecated("pass the offsets as a span")]] inline HullBatch convex_hulls(
+    const PointView& points, const std::uint64_t* offsets, std::uint64_t set_count,
+    const Options& options = {}) {
+  return convex_hulls(points, std::span(offsets, set_count + 1), options);
+}
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -11,7 +11,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct Certificate {
   bool valid = false;
@@ -37,6 +37,11 @@ struct Certificate {
 /// Time O(n * walk + simplices * d^3), memory O(simplices). Thread safe. Options used: threads,
 /// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
+
+/// The same proof for the hull of its own vertices, by the coordinates that it carries
+/// (Options::with_coordinates): whether the points it was computed from are all inside is not
+/// checked. Error{invalid_argument} if the hull has no coordinates.
+Certificate certify(const Hull& hull, const Options& options = {});
 
 /// What one of several streams has found of the points that were pushed to it.
 struct CertifiedPart {
@@ -71,5 +76,5 @@ class CertifyStream {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -10,7 +10,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Only the Delaunay triangulation, the first step, uses threads.
 struct ConstrainedOptions : RunOptions {
@@ -68,5 +68,5 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -7,9 +7,18 @@
 
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
+
+/// The filter that was used in the end. `gauge_twice`: a second, finer map over what the first
+/// kept; `stream`: by HullStream, block after block.
+enum class UsedFilter { none, gauge, gauge_twice, pseudo_hull, gauge_pseudo_hull, stream };
+
+/// "none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "stream": as reports spell
+/// them. Static storage.
+const char* filter_name(UsedFilter filter) noexcept;
 
 /// What a filter kept. `ids` are ascending. Every extreme point of the input, and every duplicate
 /// of one, is among them; a dropped point lies strictly inside the hull.
@@ -17,15 +26,16 @@ struct Survivors {
   std::vector<std::uint64_t> ids;
   /// True when nothing was dropped; `ids` is then empty and stands for 0 ... count-1.
   bool all = false;
-  /// What was used in the end: "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "none".
-  const char* method = "none";
-  /// Where the points were culled: "cpu" or "cuda".
-  const char* backend = "cpu";
+  UsedFilter filter = UsedFilter::none;
+  /// Where the points were culled: cpu or cuda.
+  Backend backend = Backend::cpu;
   /// One line: why there and why by this method.
   std::string reason;
   double seconds = 0;
 
   std::uint64_t size(std::uint64_t count) const noexcept { return all ? count : ids.size(); }
+
+  CULLHULL_RENAMED(method, "use filter, and filter_name() for its text");
 };
 
 /// Drops points that provably lie strictly inside the hull.
@@ -35,5 +45,5 @@ struct Survivors {
 /// Source: docs/algorithm.md, "GaugeMap" and "PseudoHull".
 Survivors cull(const PointView& points, const Options& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

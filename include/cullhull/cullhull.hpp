@@ -24,6 +24,7 @@
 #include "cullhull/proximity_graphs.hpp"
 #include "cullhull/query.hpp"
 #include "cullhull/simplify.hpp"
+#include "cullhull/stop_token.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
 #include "cullhull/triangulation.hpp"

@@ -9,7 +9,7 @@
 #include "cullhull/options.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// The hulls of the sets [offsets[i], offsets[i + 1]) of points in a device's memory: the same
 /// batch, bit for bit, as convex_hulls(PointView) of the same points gives. `offsets`: set_count +
@@ -51,5 +51,5 @@ struct DeviceHullBatch {
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
                                        std::uint64_t set_count, const Options& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

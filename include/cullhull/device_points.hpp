@@ -16,7 +16,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Non-owning view of points that a device can read (device or managed memory), like PointView:
 /// coordinate j of point i lies at `data + i * point_stride + j * coordinate_stride` (bytes, any
@@ -113,5 +113,5 @@ Survivors cull(const DevicePointView& points, const Options& options = {});
 Hull convex_hull(const DevicePointView& points, const Options& options = {},
                  std::vector<double>* vertex_coordinates = nullptr);
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// What went wrong; the command line maps each code to one exit status (docs/formats.md).
 enum class ErrorCode {
@@ -56,5 +56,5 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

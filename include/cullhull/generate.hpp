@@ -3,13 +3,14 @@
 
 #include <cstdint>
 #include <memory>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "cullhull/stop_token.hpp"
+
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct Shape {
   const char* name;
@@ -23,7 +24,7 @@ const std::vector<Shape>& shapes();
 /// every machine and thread count. Throws Error{invalid_argument} for an unknown shape or a
 /// dimension the shape does not have, Error{cancelled} soon after `stop` is requested.
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
-                             std::uint64_t seed = 1, const std::stop_token& stop = {});
+                             std::uint64_t seed = 1, const stop_token& stop = {});
 
 /// The points of generate() piece by piece, for sets that memory does not hold.
 class PointGenerator {
@@ -42,7 +43,7 @@ class PointGenerator {
   /// whatever order they are asked for. Throws Error{invalid_argument} where `first` is no multiple
   /// of run_length or there are fewer points, Error{cancelled} soon after `stop` is requested.
   void rows(std::uint64_t first, std::uint64_t count, double* out,
-            const std::stop_token& stop = {}) const;
+            const stop_token& stop = {}) const;
 
  private:
   struct Impl;
@@ -68,7 +69,7 @@ class MovingPoints {
   /// Writes frame `index` < frames, row-major, to `out` (count x dimension). The same arguments
   /// give the same bits on every machine and thread count, in whatever order frames are asked for.
   /// Throws Error{cancelled} soon after `stop` is requested.
-  void frame(std::uint64_t index, double* out, const std::stop_token& stop = {}) const;
+  void frame(std::uint64_t index, double* out, const stop_token& stop = {}) const;
 
  private:
   friend const std::vector<Shape>& motions();
@@ -77,5 +78,5 @@ class MovingPoints {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -9,7 +9,7 @@
 #include "cullhull/point_blocks.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// What write_group_hulls did.
 struct GroupReport {
@@ -30,5 +30,5 @@ struct GroupReport {
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

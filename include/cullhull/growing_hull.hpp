@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Keeps the hull of all points added so far. Of the points it keeps only the vertices'
 /// coordinates. Ids number the points in the order in which they were added.
@@ -46,5 +46,5 @@ class GrowingHull {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

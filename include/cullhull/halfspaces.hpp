@@ -9,7 +9,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// A polyhedron given by halfspaces a . x + b <= 0, row i being (a_1, ..., a_d, b).
 struct HalfspaceIntersection {
@@ -42,5 +42,5 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
                                            const double* interior_point = nullptr,
                                            const Options& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

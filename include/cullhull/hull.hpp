@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,22 +12,25 @@
 #include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct Statistics {
-  std::uint64_t survivors = 0;       ///< points the filter kept (lattices are thinned once more)
-  const char* cull_method = "none";  ///< as in Survivors::method
-  std::string cull_reason;           ///< as in Survivors::reason
-  const char* engine = "native";
-  const char* backend = "cpu";  ///< as in Survivors::backend; engines run on the CPU
+  std::uint64_t survivors = 0;  ///< points the filter kept (lattices are thinned once more)
+  UsedFilter filter = UsedFilter::none;  ///< as in Survivors
+  std::string cull_reason;               ///< as in Survivors::reason
+  Engine engine = Engine::native;
+  Backend backend = Backend::cpu;  ///< as in Survivors; engines run on the CPU
   unsigned threads = 1;
   double cull_seconds = 0;
   double hull_seconds = 0;     ///< engine and result together
   double compute_seconds = 0;  ///< points in memory to complete result
   /// Orientation decisions by rung of the ladder (docs/exactness.md): cached plane, filter, exact.
   std::uint64_t rung_counts[3] = {0, 0, 0};
+
+  CULLHULL_RENAMED(cull_method, "use filter, and filter_name() for its text");
 };
 
 /// k below is `affine_dimension`: the dimension of the flat the points span (-1: no points, 0: all
@@ -70,10 +74,33 @@ struct Hull {
   double area = 0;
   std::vector<double> centroid;
 
+  /// vertices x dimension, in the order of `vertices`, if Options::with_coordinates asked for them;
+  /// else empty.
+  Array<double> vertex_coordinates;
+
   Statistics statistics;
 
   std::uint64_t facet_count() const noexcept { return facets.size(); }
   std::uint64_t simplex_count() const noexcept { return simplex_facets.size(); }
+  bool has_coordinates() const noexcept {
+    return vertex_coordinates.size() == vertices.size() * dimension;
+  }
+
+  /// The vertex ids of facet i.
+  std::span<const std::uint64_t> facet(std::uint64_t i) const { return facets[i]; }
+  /// The k vertex ids of simplex i.
+  std::span<const std::uint64_t> simplex(std::uint64_t i) const noexcept {
+    const auto k = static_cast<std::uint64_t>(affine_dimension > 0 ? affine_dimension : 0);
+    return {simplices.data() + i * k, k};
+  }
+  /// Facet i's outward unit normal (`dimension` numbers), then its offset.
+  std::span<const double> plane(std::uint64_t i) const noexcept {
+    return {facet_planes.data() + i * (dimension + 1), dimension + std::size_t{1}};
+  }
+  /// Coordinates of vertices[i], if has_coordinates().
+  std::span<const double> coordinates(std::uint64_t i) const noexcept {
+    return {vertex_coordinates.data() + i * dimension, dimension};
+  }
 
   /// Replaces every vertex id v by of(v). If `of` is increasing, every canonical order is
   /// preserved.
@@ -99,5 +126,5 @@ struct Hull {
 /// Source: docs/algorithm.md; why it is exact: docs/exactness.md.
 Hull convex_hull(const PointView& points, const Options& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -12,7 +12,7 @@
 #include "cullhull/triangulation_query.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// The vertices that a point's value comes from, ascending, and their shares.
 struct NaturalNeighbours {
@@ -70,5 +70,5 @@ class Interpolator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

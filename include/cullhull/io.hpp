@@ -5,7 +5,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,10 +14,11 @@
 #include "cullhull/machine.hpp"
 #include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/stop_token.hpp"
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// What a point of a file that has a Placement is; other files' numbers are coordinates.
 enum class Numbers {
@@ -79,7 +79,7 @@ struct ReadOptions {
   /// Threads that parse text; 0 means all the machine offers.
   unsigned threads = 0;
   /// Checked while text is parsed.
-  std::stop_token stop;
+  stop_token stop;
 };
 
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
@@ -113,10 +113,10 @@ class PointFile {
   std::uint64_t total() const noexcept;  ///< points in the file
   double read_seconds() const noexcept;
 
+ private:
+  friend PointFile open_points(const std::string& path, const ReadOptions& options);
   struct Impl;
   explicit PointFile(std::unique_ptr<Impl> impl);
-
- private:
   std::unique_ptr<Impl> impl_;
 };
 
@@ -153,10 +153,11 @@ class PointSequence {
   const Placement& placement() const noexcept;
   double read_seconds() const noexcept;  ///< of the current frame
 
+ private:
+  friend PointSequence open_sequence(const std::vector<std::string>& paths,
+                                     const ReadOptions& options);
   struct Impl;
   explicit PointSequence(std::unique_ptr<Impl> impl);
-
- private:
   std::unique_ptr<Impl> impl_;
 };
 
@@ -204,6 +205,10 @@ enum class Faces {
 /// Error{io} with the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
                 const std::string& format = "", Faces faces = Faces::polygons);
+/// The same by the coordinates that the hull carries (Options::with_coordinates). Formats that list
+/// every point are refused, and a hull without coordinates: Error{invalid_argument}.
+void write_hull(const std::string& path, const Hull& hull, const std::string& format = "",
+                Faces faces = Faces::polygons);
 /// The same bytes from the points' state and its hull(). Formats that list every point are refused:
 /// Error{invalid_argument}.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
@@ -222,8 +227,10 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
 /// Reads what write_hull(".json") or hull_to_json with lists wrote, of this schema version or an
 /// earlier one. Every size, offset and index is checked, so that the result can be handed to
 /// certify(); its statistics are not in the file. `vertex_coordinates`, if given, takes the rows of
-/// that key, in the order of `vertices`. Options used: stop, poll. `first_id`: the id of point 0 in
-/// the file; the result counts from 0. Throws Error{bad_file}, Error{io} or Error{cancelled}.
+/// that key, in the order of `vertices`; so does Hull::vertex_coordinates, if
+/// Options::with_coordinates is set. Options used: stop, poll, with_coordinates. `first_id`: the id
+/// of point 0 in the file; the result counts from 0. Throws Error{bad_file}, Error{io} or
+/// Error{cancelled}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
                     const Options& options = {}, std::uint64_t first_id = 0);
 
@@ -315,5 +322,5 @@ class NpySequenceWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

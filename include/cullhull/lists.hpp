@@ -17,7 +17,7 @@
 #include "cullhull/array.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// A read-only Array whose copies share memory. It behaves as a value: `edit` gives an array of its
 /// own. Thread safe as any value is: copies that share memory may be read, edited and destroyed on
@@ -69,14 +69,52 @@ class SharedArray {
   std::shared_ptr<Array<T>> items_;  // nullptr: empty
 };
 
+/// Random access over what operator[] of a container returns, by value: there may be no stored item
+/// to refer to. Valid as long as the container is where it was.
+template <class Container>
+class IndexIterator {
+ public:
+  using reference = decltype(std::declval<const Container&>()[0]);
+  using value_type = reference;
+  using iterator_category = std::input_iterator_tag;  // references are no lvalues
+  using iterator_concept = std::random_access_iterator_tag;
+  using difference_type = std::ptrdiff_t;
+  using pointer = void;
+
+  IndexIterator() = default;
+  IndexIterator(const Container* of, std::ptrdiff_t at) : of_(of), at_(at) {}
+  reference operator*() const { return (*of_)[static_cast<std::size_t>(at_)]; }
+  reference operator[](difference_type n) const {
+    return (*of_)[static_cast<std::size_t>(at_ + n)];
+  }
+  IndexIterator& operator++() { return *this += 1; }
+  IndexIterator& operator--() { return *this += -1; }
+  IndexIterator operator++(int) { return std::exchange(*this, *this + 1); }
+  IndexIterator operator--(int) { return std::exchange(*this, *this - 1); }
+  IndexIterator& operator+=(difference_type n) {
+    at_ += n;
+    return *this;
+  }
+  IndexIterator& operator-=(difference_type n) { return *this += -n; }
+  friend IndexIterator operator+(IndexIterator i, difference_type n) { return i += n; }
+  friend IndexIterator operator+(difference_type n, IndexIterator i) { return i += n; }
+  friend IndexIterator operator-(IndexIterator i, difference_type n) { return i += -n; }
+  friend difference_type operator-(IndexIterator a, IndexIterator b) { return a.at_ - b.at_; }
+  friend bool operator==(IndexIterator a, IndexIterator b) { return a.at_ == b.at_; }
+  friend auto operator<=>(IndexIterator a, IndexIterator b) { return a.at_ <=> b.at_; }
+
+ private:
+  const Container* of_ = nullptr;
+  std::ptrdiff_t at_ = 0;
+};
+
 /// A read-only Array of integers that is not stored where item i is i times a step.
 template <class T>
 class EvenArray {
  public:
-  class Iterator;
   using value_type = T;
-  using const_iterator = Iterator;
-  using iterator = Iterator;
+  using const_iterator = IndexIterator<EvenArray>;
+  using iterator = const_iterator;
 
   EvenArray() = default;
   EvenArray(Array<T> items)  // NOLINT: an array converts
@@ -99,8 +137,8 @@ class EvenArray {
   }
   T front() const noexcept { return (*this)[0]; }
   T back() const noexcept { return (*this)[size() - 1]; }
-  Iterator begin() const noexcept { return {this, 0}; }
-  Iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
+  iterator begin() const noexcept { return {this, 0}; }
+  iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
 
   /// The step where the items are not stored, else nullptr.
   const T* step() const noexcept { return even_ ? &step_ : nullptr; }
@@ -141,45 +179,14 @@ class EvenArray {
   bool even_ = true;
 };
 
-/// Iterates by value: there may be no stored item to refer to.
-template <class T>
-class EvenArray<T>::Iterator {
- public:
-  using iterator_category = std::random_access_iterator_tag;
-  using value_type = T;
-  using difference_type = std::ptrdiff_t;
-  using pointer = void;
-  using reference = T;
-
-  Iterator() = default;
-  Iterator(const EvenArray* array, std::ptrdiff_t at) : array_(array), at_(at) {}
-  T operator*() const { return (*array_)[static_cast<std::size_t>(at_)]; }
-  T operator[](difference_type n) const { return (*array_)[static_cast<std::size_t>(at_ + n)]; }
-  Iterator& operator++() { return *this += 1; }
-  Iterator& operator--() { return *this += -1; }
-  Iterator operator++(int) { return std::exchange(*this, *this + 1); }
-  Iterator operator--(int) { return std::exchange(*this, *this - 1); }
-  Iterator& operator+=(difference_type n) {
-    at_ += n;
-    return *this;
-  }
-  Iterator& operator-=(difference_type n) { return *this += -n; }
-  friend Iterator operator+(Iterator i, difference_type n) { return i += n; }
-  friend Iterator operator+(difference_type n, Iterator i) { return i += n; }
-  friend Iterator operator-(Iterator i, difference_type n) { return i += -n; }
-  friend difference_type operator-(Iterator a, Iterator b) { return a.at_ - b.at_; }
-  friend bool operator==(Iterator a, Iterator b) { return a.at_ == b.at_; }
-  friend auto operator<=>(Iterator a, Iterator b) { return a.at_ <=> b.at_; }
-
- private:
-  const EvenArray* array_ = nullptr;
-  std::ptrdiff_t at_ = 0;
-};
-
 /// Lists end to end: list i is items[offsets[i] .. offsets[i + 1]). Where all are of one length,
-/// the offsets take no memory.
+/// the offsets take no memory. A range of spans: for (std::span<const T> list : lists).
 template <class T, class Items = Array<T>>
 struct Lists {
+  using value_type = std::span<const T>;
+  using const_iterator = IndexIterator<Lists>;
+  using iterator = const_iterator;
+
   EvenArray<std::uint64_t> offsets{0};
   Items items;
 
@@ -192,12 +199,15 @@ struct Lists {
   }
 
   std::size_t size() const noexcept { return offsets.size() - 1; }
+  bool empty() const noexcept { return size() == 0; }
   std::span<const T> operator[](std::size_t i) const {
     return {items.data() + offsets[i], items.data() + offsets[i + 1]};
   }
+  iterator begin() const noexcept { return {this, 0}; }
+  iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
 
   friend bool operator==(const Lists&, const Lists&) = default;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -4,7 +4,7 @@
 #include <string>
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Rates by which the planner chooses where points are culled. The defaults are guesses from below
 /// for a desktop with a PCIe 3 device; `cullhull-bench machine` measures them (docs/gpu.md). Wrong
@@ -18,5 +18,5 @@ struct MachineConstants {
   std::string date;                             ///< of the measurement; empty: none was made
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

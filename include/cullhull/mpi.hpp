@@ -24,7 +24,7 @@
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 namespace mpi {
 
 /// What a call cost; the same on every rank, but for `seconds`.
@@ -109,5 +109,5 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
                     const std::vector<double>& vertex_coordinates, const JobOptions& options = {});
 
 }  // namespace mpi
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -10,7 +10,7 @@
 #include "cullhull/voronoi.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct ReadOptions;
 
@@ -96,5 +96,5 @@ void to_world(std::vector<double>& numbers, const Grid& grid);
 /// were made on. None where one of several is no regular file. Throws what open_points throws.
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options);
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

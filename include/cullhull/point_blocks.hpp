@@ -13,7 +13,7 @@
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// The position of a reading: all blocks before it have been visited.
 struct BlockPosition {
@@ -115,5 +115,5 @@ BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisi
 void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

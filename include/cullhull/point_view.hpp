@@ -1,12 +1,17 @@
 // A view over the caller's points: pointer, count, dimension, strides, scalar type.
 #pragma once
 
+#include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <ranges>
 #include <type_traits>
 
+#include "cullhull/error.hpp"
+
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Scalar types that can be read in place. Every value of each is exactly a double.
 enum class ScalarType : std::uint8_t { f32, f64, i8, u8, i16, u16, i32, u32 };
@@ -32,6 +37,12 @@ const char* scalar_name(ScalarType t) noexcept;
 
 template <class T>
 constexpr ScalarType scalar_type_of() noexcept {
+  static_assert(
+      !std::is_integral_v<T> || sizeof(T) <= 4,
+      "cullhull takes integers of at most 32 bits, because not every 64-bit integer is a "
+      "double: convert the points to double (exact up to 2^53 in magnitude) or to int32_t");
+  static_assert(std::is_integral_v<T> || std::is_same_v<T, float> || std::is_same_v<T, double>,
+                "coordinates are float, double or integers of 8, 16 or 32 bits");
   if constexpr (std::is_same_v<T, float>) return ScalarType::f32;
   if constexpr (std::is_same_v<T, double>) return ScalarType::f64;
   if constexpr (std::is_same_v<T, std::int8_t>) return ScalarType::i8;
@@ -41,6 +52,42 @@ constexpr ScalarType scalar_type_of() noexcept {
   if constexpr (std::is_same_v<T, std::int32_t>) return ScalarType::i32;
   if constexpr (std::is_same_v<T, std::uint32_t>) return ScalarType::u32;
 }
+
+/// A point of D coordinates in a row: std::array<T, D> or T[D].
+template <class P>
+struct PointArray {
+  static constexpr std::uint32_t dimension = 0;  // none
+};
+template <class T, std::size_t D>
+struct PointArray<std::array<T, D>> {
+  using Scalar = T;
+  static constexpr std::uint32_t dimension = D;
+};
+template <class T, std::size_t D>
+struct PointArray<T[D]> {
+  using Scalar = std::remove_cv_t<T>;
+  static constexpr std::uint32_t dimension = D;
+};
+
+/// A contiguous range of such points: std::vector<std::array<double, 3>>, std::span<const
+/// std::array<float, 2>>, double[8][3], ...
+template <class R>
+concept PointRange = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
+                     PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>::dimension >
+0;
+
+/// A matrix with the members of Eigen's: Matrix, Map, and Ref of them.
+template <class M>
+concept PointMatrix = requires(const M& m) {
+  typename M::Scalar;
+  { m.data() } -> std::convertible_to<const typename M::Scalar*>;
+  { m.rows() } -> std::convertible_to<std::ptrdiff_t>;
+  { m.cols() } -> std::convertible_to<std::ptrdiff_t>;
+  { m.innerStride() } -> std::convertible_to<std::ptrdiff_t>;
+  { m.outerStride() } -> std::convertible_to<std::ptrdiff_t>;
+  { M::IsRowMajor ? 1 : 0 } -> std::convertible_to<int>;
+  { M::RowsAtCompileTime + M::ColsAtCompileTime } -> std::convertible_to<int>;
+};
 
 /// Non-owning, trivially copyable; the memory must outlive every call it is passed to and must not
 /// change meanwhile. Coordinate j of point i lies at
@@ -54,6 +101,42 @@ struct PointView {
   std::ptrdiff_t point_stride = 0;
   std::ptrdiff_t coordinate_stride = 0;
 
+  constexpr PointView() noexcept = default;
+  constexpr PointView(const std::byte* data_, ScalarType scalar_, std::uint32_t dimension_,
+                      std::uint64_t count_, std::ptrdiff_t point_stride_,
+                      std::ptrdiff_t coordinate_stride_) noexcept
+      : data(data_),
+        scalar(scalar_),
+        dimension(dimension_),
+        count(count_),
+        point_stride(point_stride_),
+        coordinate_stride(coordinate_stride_) {}
+
+  /// A range of points converts, so that it can be passed where a view is taken. A temporary does
+  /// not, unless it is a view itself, as std::span is: its memory would be gone.
+  template <class R>
+  requires(!std::same_as<std::remove_cvref_t<R>, PointView> && PointRange<R> &&
+           (std::is_lvalue_reference_v<R> || std::ranges::borrowed_range<R>)) PointView(R&& points)
+  noexcept  // NOLINT: a range converts
+      : PointView(
+            row_major(reinterpret_cast<const typename PointArray<
+                          std::remove_cv_t<std::ranges::range_value_t<R>>>::Scalar*>(
+                          std::ranges::data(points)),
+                      std::ranges::size(points),
+                      PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>::dimension)) {}
+
+  /// So does a matrix of Eigen's. Points are its columns where only the number of rows is known at
+  /// compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
+  template <class M>
+  requires(PointMatrix<M> && !PointRange<const M&>) PointView(const M& points)
+  noexcept  // NOLINT: a matrix converts
+      : PointView(of_matrix(points)) {}
+  template <class M>
+  requires(PointMatrix<M> && !PointRange<const M&> && !M::IsVectorAtCompileTime &&
+           std::is_rvalue_reference_v<M&&> && requires(M m) { m.resize(0, 0); })
+      PointView(M&& points)
+  = delete;  // its memory would be gone
+
   /// Points one after another: x0 y0 z0 x1 y1 z1 ...
   template <class T>
   static PointView row_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
@@ -64,6 +147,18 @@ struct PointView {
             static_cast<std::ptrdiff_t>(d * sizeof(T)),
             static_cast<std::ptrdiff_t>(sizeof(T))};
   }
+  /// The same of a contiguous range of scalars (std::vector<double>, std::span<const float>, ...).
+  /// Error{invalid_argument} if its size is no multiple of d.
+  template <class R>
+  requires(std::ranges::contiguous_range<R>&& std::ranges::sized_range<R>&&
+               std::is_arithmetic_v<std::ranges::range_value_t<R>> &&
+           (std::is_lvalue_reference_v<R> || std::ranges::borrowed_range<R>)) static PointView
+      row_major(R&& scalars, std::uint32_t d) {
+    const std::uint64_t size = std::ranges::size(scalars);
+    if (d == 0 || size % d != 0)
+      throw Error(ErrorCode::invalid_argument, size, " scalars are no points of dimension ", d);
+    return row_major(std::ranges::data(scalars), size / d, d);
+  }
   /// Coordinates one after another: x0 x1 ... y0 y1 ...
   template <class T>
   static PointView column_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
@@ -73,6 +168,21 @@ struct PointView {
             n,
             static_cast<std::ptrdiff_t>(sizeof(T)),
             static_cast<std::ptrdiff_t>(n * sizeof(T))};
+  }
+
+  /// As the constructor from a matrix.
+  template <PointMatrix M>
+  static PointView of_matrix(const M& m) noexcept {
+    const bool by_column = M::RowsAtCompileTime > 0 && M::ColsAtCompileTime <= 0;
+    const auto size = static_cast<std::ptrdiff_t>(sizeof(typename M::Scalar));
+    const std::ptrdiff_t inner = size * m.innerStride(), outer = size * m.outerStride();
+    const bool inner_is_column = M::IsRowMajor;
+    return {reinterpret_cast<const std::byte*>(m.data()),
+            scalar_type_of<typename M::Scalar>(),
+            static_cast<std::uint32_t>(by_column ? m.rows() : m.cols()),
+            static_cast<std::uint64_t>(by_column ? m.cols() : m.rows()),
+            by_column == inner_is_column ? inner : outer,
+            by_column == inner_is_column ? outer : inner};
   }
 
   const std::byte* address(std::uint64_t point, std::uint32_t coordinate) const noexcept {
@@ -89,5 +199,5 @@ struct PointView {
   }
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

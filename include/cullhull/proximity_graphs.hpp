@@ -9,7 +9,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Each graph is edges x 2 ids, the lower one first, sorted lexicographically. `triangulation` is
 /// one made by delaunay() of `points`, of any dimension. Lengths are compared exactly: no graph
@@ -42,5 +42,5 @@ Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
                                                   const Triangulation& triangulation,
                                                   const RunOptions& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -13,7 +13,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Where a point lies; for a flat hull, within its flat (off the flat is outside).
 enum class Side : std::int8_t { inside = -1, boundary = 0, outside = 1 };
@@ -48,6 +48,9 @@ class HullQuery {
  public:
   /// `points`: those the hull was computed from.
   HullQuery(const PointView& points, const Hull& hull, const Options& options = {});
+  /// By the coordinates that the hull carries (Options::with_coordinates).
+  /// Error{invalid_argument} if it has none.
+  explicit HullQuery(const Hull& hull, const Options& options = {});
   ~HullQuery();
   HullQuery(HullQuery&&) noexcept;
   HullQuery& operator=(HullQuery&&) noexcept;
@@ -104,5 +107,5 @@ class HullQuery {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

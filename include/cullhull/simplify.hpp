@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct Simplification {
   /// The exact, canonical hull of the vertices that were kept: that of `convex_hull` over them
@@ -54,5 +54,5 @@ std::vector<std::uint32_t> shared_planes(const PointView& points, const Hull& hu
 /// own tolerance (a few times what it allows for rounding).
 double rounding_distance(const PointView& points, const Hull& hull);
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

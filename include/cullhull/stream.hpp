@@ -13,11 +13,12 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
 
-namespace internal::inline stream {
+namespace cullhull::internal::inline stream {
 struct StateParts;
 }
+
+namespace cullhull::inline v1 {
 
 /// All that a set of points contributes to a hull: its extreme points, each with its global id and
 /// its coordinates bit for bit as given; of equal points the one with the lowest id. Flats and
@@ -38,6 +39,9 @@ class HullState {
   /// extreme_points(); not_finite names the global id.
   explicit HullState(const PointView& points, std::uint64_t first_id = 0,
                      const Options& options = {});
+  /// Of the points a hull was computed from, with Options::with_coordinates. O(vertices).
+  /// Error{invalid_argument} if the hull has no coordinates.
+  explicit HullState(const Hull& hull);
 
   std::uint32_t dimension() const noexcept { return dimension_; }  ///< 0: not known yet
   ScalarType scalar() const noexcept { return scalar_; }
@@ -145,5 +149,5 @@ class HullStream {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// What one frame cost, and what it changed.
 struct FrameReport {
@@ -74,5 +74,5 @@ class HullTracker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

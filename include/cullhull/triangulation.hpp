@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "cullhull/array.hpp"
@@ -13,7 +12,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// The neighbour across a facet of the hull: there is no cell.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
@@ -145,5 +144,5 @@ Certificate certify(const PointView& points, const Triangulation& triangulation,
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options = {});
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -11,7 +11,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// A triangulation prepared for questions. Cells and nearest vertices are exact: there is no
 /// tolerance, and no order of questions, thread count or start changes an answer.
@@ -66,5 +66,5 @@ class TriangulationQuery {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

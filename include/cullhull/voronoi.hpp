@@ -6,12 +6,14 @@
 #include <span>
 
 #include "cullhull/array.hpp"
+#include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
+#include "cullhull/renamed.hpp"
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 /// Stands for the end of what is unbounded, in lists of vertices.
 inline constexpr std::uint32_t at_infinity = 0xffffffff;
@@ -35,18 +37,16 @@ struct Voronoi {
   /// ridges x 2 points, ascending; sorted lexicographically. Between these two regions, and no
   /// others, lies a face of dimension k - 1 (d - 1 in space).
   Array<std::uint32_t> ridge_points;
-  /// The vertices of ridge i are items [ridge_offsets[i], ridge_offsets[i + 1]): k = 1: one; k = 2:
-  /// the one on the left of the way from the lower point to the other, then the one on the right;
-  /// k = 3: around that way by the right hand, beginning at infinity or else at the lowest; k > 3:
-  /// ascending. at_infinity stands among them where the ridge is unbounded.
-  Array<std::uint64_t> ridge_offsets;
-  Array<std::uint32_t> ridge_vertices;
+  /// The vertices of each ridge. k = 1: one; k = 2: the one on the left of the way from the lower
+  /// point to the other, then the one on the right; k = 3: around that way by the right hand,
+  /// beginning at infinity or else at the lowest; k > 3: ascending. at_infinity is among them where
+  /// the ridge is unbounded.
+  Lists<std::uint32_t> ridges;
 
-  /// The same of the region of each point; none for duplicates and hidden points. k = 2: counter-
-  /// clockwise, beginning at infinity or else at the lowest; else ascending. at_infinity is among
-  /// them where the region is unbounded.
-  Array<std::uint64_t> region_offsets;
-  Array<std::uint32_t> region_vertices;
+  /// The vertices of the region of each point; none for duplicates and hidden points. k = 2:
+  /// counterclockwise, beginning at infinity or else at the lowest; else ascending. at_infinity is
+  /// among them where the region is unbounded.
+  Lists<std::uint32_t> regions;
 
   /// The unbounded edges, one for each facet of the triangulation's hull, in its order: the vertex
   /// where it begins, and d numbers for its direction, the facet's outward normal (inward for the
@@ -59,13 +59,13 @@ struct Voronoi {
     return dimension == 0 ? 0 : vertices.size() / dimension;
   }
   std::uint64_t ridge_count() const noexcept { return ridge_points.size() / 2; }
-  std::span<const std::uint32_t> ridge(std::uint64_t i) const noexcept {
-    return {ridge_vertices.data() + ridge_offsets[i], ridge_offsets[i + 1] - ridge_offsets[i]};
-  }
-  std::span<const std::uint32_t> region(std::uint64_t point) const noexcept {
-    return {region_vertices.data() + region_offsets[point],
-            region_offsets[point + 1] - region_offsets[point]};
-  }
+  std::span<const std::uint32_t> ridge(std::uint64_t i) const { return ridges[i]; }
+  std::span<const std::uint32_t> region(std::uint64_t point) const { return regions[point]; }
+
+  CULLHULL_RENAMED(ridge_offsets, "use ridges.offsets, or ridges[i]");
+  CULLHULL_RENAMED(ridge_vertices, "use ridges.items, or ridges[i]");
+  CULLHULL_RENAMED(region_offsets, "use regions.offsets, or regions[i]");
+  CULLHULL_RENAMED(region_vertices, "use regions.items, or regions[i]");
 };
 
 /// The diagram dual to a triangulation of `points` with `weights` (none, or one a point).
@@ -151,5 +151,5 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
                           bool shapes = true, const RunOptions& options = {},
                           const Voronoi* diagram = nullptr);
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -5,8 +5,7 @@
 
 #include "batch/batch_maker.hpp"
 
-namespace cullhull {
-namespace internal::inline batch {
+namespace cullhull::internal::inline batch {
 
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets) {
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
@@ -16,7 +15,9 @@ void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint
                   "; offsets must ascend and not exceed the ", points, " points");
 }
 
-}  // namespace internal::inline batch
+}  // namespace cullhull::internal::inline batch
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -65,9 +66,10 @@ Hull HullBatch::hull(std::size_t i) const {
   return h;
 }
 
-HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
-                       std::uint64_t set_count, const Options& options) {
-  check_offsets(points.count, offsets, set_count);
+HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> offsets,
+                       const Options& options) {
+  const std::uint64_t set_count = offsets.empty() ? 0 : offsets.size() - 1;
+  check_offsets(points.count, offsets.empty() ? nullptr : offsets.data(), set_count);
   const Run run(options);
   BatchMaker maker(points.dimension, points.scalar, set_count, offsets[set_count] - offsets[0],
                    run);
@@ -80,4 +82,4 @@ HullBatch convex_hulls(const PointView& points, const std::uint64_t* offsets,
   return std::move(maker).finish();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

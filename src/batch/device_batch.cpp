@@ -12,8 +12,7 @@
 #include "cuda/set_hulls.hpp"
 #include "flow/pipeline.hpp"
 
-namespace cullhull {
-namespace internal::inline batch {
+namespace cullhull::internal::inline batch {
 namespace {
 
 using cuda::SetsOnDevice;
@@ -187,7 +186,9 @@ class DeviceBatch {
 };
 
 }  // namespace
-}  // namespace internal::inline batch
+}  // namespace cullhull::internal::inline batch
+
+namespace cullhull::inline v1 {
 
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options,
@@ -203,4 +204,4 @@ DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std:
   return internal::DeviceBatch(points, offsets, set_count, options).to_device();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

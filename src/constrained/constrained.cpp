@@ -21,8 +21,7 @@
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull {
-namespace internal::inline constrained {
+namespace cullhull::internal::inline constrained {
 namespace {
 
 /// The constraints as pairs of ids, each duplicate point replaced by its representative.
@@ -506,7 +505,9 @@ void force_all(const LiftedPoints& points, const Constraints& constraints, const
 }
 
 }  // namespace
-}  // namespace internal::inline constrained
+}  // namespace cullhull::internal::inline constrained
+
+namespace cullhull::inline v1 {
 
 ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
@@ -534,4 +535,4 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   return out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

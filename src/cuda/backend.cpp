@@ -7,8 +7,7 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/device_points.hpp"
 
-namespace cullhull {
-namespace internal::inline cuda {
+namespace cullhull::internal::inline cuda {
 
 void require_cuda(int device) { (void)device_or_current(device); }
 bool cuda_started() noexcept { return started(); }
@@ -32,7 +31,9 @@ std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView&
   return survivors_of_host_points(map.table(), points, run);
 }
 
-}  // namespace internal::inline cuda
+}  // namespace cullhull::internal::inline cuda
+
+namespace cullhull::inline v1 {
 
 int current_cuda_device() noexcept {
   int ordinal = -1;
@@ -63,4 +64,4 @@ CudaStatus cuda_status() {
   return status;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

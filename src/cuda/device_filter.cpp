@@ -58,8 +58,8 @@ class DeviceFilter {
     result.survivors.reason = sampled.reason;
     if (sampled.map == nullptr) return all_points(std::move(result));
     result.survivors.reason += "; " + where;
-    result.survivors.backend = "cuda";
-    result.survivors.method = "gauge";
+    result.survivors.backend = Backend::cuda;
+    result.survivors.filter = UsedFilter::gauge;
     result.survivors.all = false;
     try {
       cull_there(sampled.map->table(), result);
@@ -81,8 +81,8 @@ class DeviceFilter {
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.all = ids.size() == points_.count;
     if (!result.survivors.all) result.survivors.ids = std::move(ids);
-    result.survivors.method = "pseudo-hull";
-    result.survivors.backend = "cuda";
+    result.survivors.filter = UsedFilter::pseudo_hull;
+    result.survivors.backend = Backend::cuda;
     result.survivors.reason = "filter as asked; the points are on the device";
     return result;
   }
@@ -153,7 +153,7 @@ class DeviceFilter {
     constexpr unsigned most_rounds = 24;
     if (grows_later()) {
       cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
-      result.survivors.method = "gauge, pseudo-hull";
+      result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left";
       return kept;
     }
@@ -161,7 +161,7 @@ class DeviceFilter {
                                            cuda::most_gauge_nodes(cuda::device()), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
-    result.survivors.method = "gauge x2";
+    result.survivors.filter = UsedFilter::gauge_twice;
     return cuda::survivors_of_device_points(finer.map->table(), view);
   }
 

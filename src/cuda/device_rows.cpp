@@ -68,7 +68,7 @@ void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
 
 }  // namespace cullhull::internal::inline cuda
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids) {
   using namespace internal;
@@ -91,4 +91,4 @@ void wait_for_cuda_device_of(const void* memory) {
   cuda::check(cudaDeviceSynchronize(), "waiting for the device that holds the points");
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

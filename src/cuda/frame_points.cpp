@@ -122,7 +122,7 @@ class DeviceFrame final : public FramePoints {
 
   void scan_there(const GaugeMap& map, Survivors& result) const {
     result.all = false;
-    result.backend = "cuda";
+    result.backend = Backend::cuda;
     result.reason += "; " + reason_;
     try {
       const cuda::DeviceIds left = cuda::survivors_of_device_points(map.table(), points_);

@@ -6,8 +6,7 @@
 #include "flow/pipeline.hpp"
 #include "tracker/frame_points.hpp"
 
-namespace cullhull {
-namespace internal::inline cuda {
+namespace cullhull::internal::inline cuda {
 
 void require_cuda(int) {
   throw Error(ErrorCode::backend_unavailable,
@@ -52,23 +51,25 @@ Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const R
 }
 Array<double> QuestionsOnDevice::all_rows(const Run&) const { return {}; }
 
-}  // namespace internal::inline cuda
+}  // namespace cullhull::internal::inline cuda
 
-namespace internal::inline flow {
+namespace cullhull::internal::inline flow {
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
 }
 
-}  // namespace internal::inline flow
+}  // namespace cullhull::internal::inline flow
 
-namespace internal::inline tracker {
+namespace cullhull::internal::inline tracker {
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
   check_arguments(points);
   require_cuda();
   return nullptr;
 }
-}  // namespace internal::inline tracker
+}  // namespace cullhull::internal::inline tracker
+
+namespace cullhull::inline v1 {
 
 int current_cuda_device() noexcept { return -1; }
 Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {
@@ -88,4 +89,4 @@ CudaStatus cuda_status() {
   return status;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

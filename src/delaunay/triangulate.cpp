@@ -19,8 +19,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull {
-namespace internal::inline delaunay {
+namespace cullhull::internal::inline delaunay {
 namespace {
 
 void check_arguments(const PointView& points) {
@@ -187,7 +186,9 @@ Triangulation triangulate(const PointView& points, const TriangulationOptions& o
   return triangulate_lifted(points, {}, options, prepared);
 }
 
-}  // namespace internal::inline delaunay
+}  // namespace cullhull::internal::inline delaunay
+
+namespace cullhull::inline v1 {
 
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
   internal::Prepared prepared;
@@ -203,4 +204,4 @@ Triangulation regular_triangulation(const PointView& points, std::span<const dou
   return result;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -49,14 +49,16 @@ class ChunkedListBuilder {
     part.items.insert(part.items.end(), list.begin(), list.end());
     part.ends.push_back(part.items.size());
   }
-  void join(Array<std::uint64_t>& offsets, Array<std::uint32_t>& items) {
-    offsets.assign(1, 0);
+  Lists<std::uint32_t> join() {
+    Array<std::uint64_t> offsets(1, 0);
+    Array<std::uint32_t> items;
     for (Part& part : parts_) {
       const std::uint64_t before = items.size();
       items.insert(items.end(), part.items.begin(), part.items.end());
       for (const std::uint64_t end : part.ends) offsets.push_back(before + end);
       part = {};
     }
+    return {std::move(offsets), std::move(items)};
   }
   const std::uint64_t grain;
 

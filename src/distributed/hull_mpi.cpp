@@ -104,7 +104,7 @@ Survivors local_survivors(const Job& job, const Part& common) {
   found.all = left.size() == block.points.count;
   if (!found.all) found.ids.assign(left.ids.begin(), left.ids.end());
   for (std::uint64_t& id : found.ids) id -= block.first_id;
-  if (!found.all) found.method = "gauge";
+  if (!found.all) found.filter = UsedFilter::gauge;
   found.reason = common.points.size() == 0 ? "no map of all ranks would pay"
                                            : "a map of " + std::to_string(common.points.size()) +
                                                  " extreme points of samples of all ranks";

@@ -56,15 +56,6 @@ class Courier {
     }
     items(list.edit());
   }
-  /// A pointer to one of the constant names below. An unknown name leaves the receiver's unchanged.
-  void name(const char*& text) {
-    std::string copy = text;
-    items(copy);
-    if (sends()) return;
-    for (const char* known : {"none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull",
-                              "native", "qhull", "cpu", "cuda", "stream"})
-      if (copy == known) text = known;
-  }
 
  private:
   Communicator& ranks_;
@@ -73,10 +64,10 @@ class Courier {
 
 void exchange(Courier& all, Statistics& s) {
   all.value(s.survivors);
-  all.name(s.cull_method);
+  all.value(s.filter);
   all.items(s.cull_reason);
-  all.name(s.engine);
-  all.name(s.backend);
+  all.value(s.engine);
+  all.value(s.backend);
   all.value(s.threads);
   all.value(s.cull_seconds);
   all.value(s.hull_seconds);
@@ -109,6 +100,7 @@ void broadcast(Communicator& ranks, int root, Hull& h) {
   all.value(h.volume);
   all.value(h.area);
   all.items(h.centroid);
+  all.items(h.vertex_coordinates);
   exchange(all, h.statistics);
 }
 

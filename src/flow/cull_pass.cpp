@@ -23,7 +23,7 @@ std::uint32_t CullPass::most_nodes() const {
 void CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) {
   result.ids = survivors(map, rows);
   result.all = false;
-  result.backend = device_ ? "cuda" : "cpu";
+  result.backend = device_ ? Backend::cuda : Backend::cpu;
   result.reason += "; " + reason_;
 }
 

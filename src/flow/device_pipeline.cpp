@@ -9,9 +9,9 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
+#include "result/vertex_coordinates.hpp"
 
-namespace cullhull {
-namespace internal::inline flow {
+namespace cullhull::internal::inline flow {
 
 namespace {
 
@@ -41,20 +41,24 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   unfiltered.survivors.all = true;
   Hull hull = hull_of_survivors(PointView::row_major(filtered.rows.data(), count, points.dimension),
                                 std::move(unfiltered), run);
+  if (options.with_coordinates)
+    write_coordinates(PointView::row_major(filtered.rows.data(), count, points.dimension), hull);
   hull.statistics.threads = call.run.threads;
   // Survivors ascend, so all that is ordered by position among them is ordered by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
   hull.point_count = points.count;
   hull.scalar = points.scalar;
   hull.statistics.survivors = count;
-  hull.statistics.cull_method = s.method;
+  hull.statistics.filter = s.filter;
   hull.statistics.cull_reason = s.reason;
   hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;
 }
 
-}  // namespace internal::inline flow
+}  // namespace cullhull::internal::inline flow
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -88,4 +92,4 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   return hull;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

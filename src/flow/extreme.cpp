@@ -11,8 +11,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull {
-namespace internal::inline flow {
+namespace cullhull::internal::inline flow {
 namespace {
 
 void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
@@ -67,7 +66,9 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
 }
 
 }  // namespace
-}  // namespace internal::inline flow
+}  // namespace cullhull::internal::inline flow
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -85,7 +86,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   if (points.count == 0) return result;
   Filtered filtered = filter_and_plan(points, run);
   statistics.survivors = filtered.survivors.size(points.count);
-  statistics.cull_method = filtered.survivors.method;
+  statistics.filter = filtered.survivors.filter;
   statistics.cull_seconds = seconds_since(start);
 
   const auto search_start = Clock::now();
@@ -99,4 +100,4 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   return result;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -20,7 +20,7 @@ SampledPoints host_points(const PointView& points, const Run& run) {
 void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& points, const Run& run,
              Filtered& result) {
   const unsigned d = points.dimension;
-  result.survivors.method = "gauge";
+  result.survivors.filter = UsedFilter::gauge;
   SurvivorRows gathered;
   // A second copy of the survivors for a short time; where most points survive, fetching them later
   // costs no more.
@@ -81,7 +81,7 @@ void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   SurvivorRows gathered;
   const std::vector<std::uint64_t> kept = sampled.map->survivors(left, run, &gathered);
   keep_of_survivors(result, d, kept, std::move(gathered.rows));
-  result.survivors.method = "gauge x2";
+  result.survivors.filter = UsedFilter::gauge_twice;
 }
 
 }  // namespace cullhull::internal::inline flow

@@ -132,9 +132,9 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.point_count = points.count;
   hull.scalar = points.scalar;
   hull.statistics.threads = run.threads;
-  hull.statistics.engine = run.options.engine == Engine::qhull ? "qhull" : "native";
+  hull.statistics.engine = run.options.engine;
   hull.statistics.survivors = filtered.survivors.size(points.count);
-  hull.statistics.cull_method = filtered.survivors.method;
+  hull.statistics.filter = filtered.survivors.filter;
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&

@@ -4,7 +4,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 void keep_memory(std::size_t limit) noexcept {
   internal::keep_pages(limit);
@@ -15,4 +15,4 @@ void keep_memory(std::size_t limit) noexcept {
 
 std::size_t kept_memory() noexcept { return internal::kept_pages(); }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

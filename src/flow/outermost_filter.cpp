@@ -75,7 +75,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   Survivors& survivors = result.survivors;
   if (!kept_by_outermost(points, first, most_outside, run, survivors.ids)) return false;
   survivors.all = false;
-  survivors.method = "gauge";
+  survivors.filter = UsedFilter::gauge;
   survivors.reason = "a map of the outermost points in " +
                      std::to_string(6 * first.cones * first.cones) + " directions";
   gather_survivors(points, result, run);
@@ -83,7 +83,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   if (survivors.ids.size() > MediumHull3D::max_points &&
       kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, run, kept)) {
     keep_of_survivors(result, 3, kept);
-    survivors.method = "gauge x2";
+    survivors.filter = UsedFilter::gauge_twice;
   }
   return true;
 }

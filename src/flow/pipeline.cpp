@@ -14,9 +14,9 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/run.hpp"
+#include "result/vertex_coordinates.hpp"
 
-namespace cullhull {
-namespace internal::inline flow {
+namespace cullhull::internal::inline flow {
 
 void check_arguments(const PointView& points, const Options& options) {
   require_points(points);
@@ -38,9 +38,26 @@ Filtered filter_and_plan(const PointView& points, Run& run) {
   return filtered;
 }
 
-}  // namespace internal::inline flow
+}  // namespace cullhull::internal::inline flow
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
+
+const char* backend_name(Backend backend) noexcept {
+  static constexpr const char* names[] = {"automatic", "cpu", "cuda"};
+  return names[static_cast<unsigned>(backend)];
+}
+
+const char* engine_name(Engine engine) noexcept {
+  return engine == Engine::qhull ? "qhull" : "native";
+}
+
+const char* filter_name(UsedFilter filter) noexcept {
+  static constexpr const char* names[] = {
+      "none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "stream"};
+  return names[static_cast<unsigned>(filter)];
+}
 
 Survivors cull(const PointView& points, const Options& options) {
   check_arguments(points, options);
@@ -56,7 +73,10 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  if (Hull hull; small_hull(points, options, hull)) return hull;
+  if (Hull hull; small_hull(points, options, hull)) {
+    if (options.with_coordinates) write_coordinates(points, hull);
+    return hull;
+  }
   const Call call(options);
   Run run = call.run;
   const auto start = Clock::now();
@@ -66,9 +86,10 @@ Hull convex_hull(const PointView& points, const Options& options) {
   Hull hull = hull_of_survivors(points, std::move(filtered), run);
   hull.statistics.threads = call.run.threads;  // a stage may use fewer
   hull.statistics.cull_seconds = cull_seconds;
+  if (options.with_coordinates) write_coordinates(points, hull);
   hull.statistics.compute_seconds = seconds_since(start);
   run.report("done", 1);
   return hull;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

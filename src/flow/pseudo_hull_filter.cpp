@@ -11,7 +11,7 @@ Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   run.report("cull", 0);
   const PseudoHullSettings by_subsets;
   result.survivors.ids = pseudo_hull_survivors(points, by_subsets, run);
-  result.survivors.method = "pseudo-hull";
+  result.survivors.filter = UsedFilter::pseudo_hull;
   result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
   if (result.survivors.ids.size() == points.count) {
     result.survivors.ids = {};

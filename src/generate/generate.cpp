@@ -12,8 +12,8 @@
 #include "parallel/int128.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
+namespace cullhull::inline v1 {
 
-namespace cullhull {
 namespace {
 
 using internal::RandomStream;
@@ -331,4 +331,4 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
   return points;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

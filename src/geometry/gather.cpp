@@ -178,7 +178,7 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
 
 }  // namespace cullhull::internal::inline geometry
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 const char* scalar_name(ScalarType t) noexcept {
   static constexpr const char* names[] = {"f32", "f64", "i8", "u8", "i16", "u16", "i32", "u32"};
@@ -193,4 +193,4 @@ double PointView::at(std::uint64_t point, std::uint32_t coordinate) const noexce
   });
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

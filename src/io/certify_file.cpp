@@ -7,8 +7,7 @@
 
 #include "io/mapped_file.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
                            const Grid& grid, std::uint64_t first_id) {
@@ -28,7 +27,9 @@ Certificate certify_source(const PointView& points, const Source& source, const 
   return certificate;
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 Certificate certify_file(const PointView& points, const std::string& path, const Options& options,
                          const Grid& grid, std::uint64_t first_id) {
@@ -39,4 +40,4 @@ Certificate certify_file(const PointView& points, const std::string& path, const
   return certificate;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

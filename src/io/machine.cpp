@@ -7,8 +7,8 @@
 #include "cullhull/io.hpp"
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
+namespace cullhull::inline v1 {
 
-namespace cullhull {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
@@ -53,4 +53,4 @@ MachineConstants machine_from_json(const std::string& path) {
   return m;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -11,8 +11,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation. When all slots are in use
@@ -222,7 +221,9 @@ void FileWindow::expect(std::uint64_t offset, std::size_t length) const {
   system::expect_soon(descriptor_, offset, length);
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 const char* describe_mapped_fault(const void* address) noexcept {
   const char* const p = static_cast<const char*>(address);
@@ -233,4 +234,4 @@ const char* describe_mapped_fault(const void* address) noexcept {
   return nullptr;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

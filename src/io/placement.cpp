@@ -12,8 +12,7 @@
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 constexpr int most_decimals = 15, most_places = 100;
@@ -148,7 +147,9 @@ void place(PointData& data, const ReadOptions& options) {
   data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 using internal::multiples_of;
 
@@ -257,4 +258,4 @@ void to_world(std::vector<double>& numbers, const Grid& grid) {
   for (double& x : numbers) x = grid.to_world(x);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

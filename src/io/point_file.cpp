@@ -15,7 +15,7 @@
 #include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct PointFile::Impl {
   internal::MappedFile file;
@@ -69,7 +69,9 @@ std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
 std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 
-namespace internal::inline io {
+}  // namespace cullhull::inline v1
+
+namespace cullhull::internal::inline io {
 namespace {
 
 bool begins(const Source& s, std::string_view magic) {
@@ -267,7 +269,9 @@ void prefault(const MappedFile& file, const PointView& view, unsigned threads) {
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
@@ -324,4 +328,4 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
   }
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

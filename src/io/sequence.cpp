@@ -11,7 +11,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct PointSequence::Impl {
   ReadOptions options;
@@ -59,7 +59,9 @@ struct PointSequence::Impl {
   }
 };
 
-namespace internal::inline io {
+}  // namespace cullhull::inline v1
+
+namespace cullhull::internal::inline io {
 namespace {
 
 /// By name, but digits by value: frame2 before frame10.
@@ -121,7 +123,8 @@ void list_pattern(const std::string& pattern, std::vector<std::string>& files) {
 }
 
 /// True if `path` holds an array (frames, n, d); `impl` then reads from it.
-bool open_array(const std::string& path, PointSequence::Impl& impl) {
+template <class Impl>
+bool open_array(const std::string& path, Impl& impl) {
   const std::string& format = impl.options.format;
   if (!(format.empty() ? path == "-" || extension_of(path) == "npy" : format == "npy"))
     return false;
@@ -142,7 +145,9 @@ bool open_array(const std::string& path, PointSequence::Impl& impl) {
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 namespace {
 
@@ -215,4 +220,4 @@ bool PointSequence::next() {
   return true;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -10,6 +10,7 @@
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
+#include "result/vertex_coordinates.hpp"
 
 namespace cullhull::internal::inline query {
 namespace {
@@ -51,10 +52,11 @@ double largest_of(const double* x, unsigned k) {
 
 }  // namespace
 
-QueryPoints make_query_points(const PointView& points, const Hull& hull, const Control& control) {
+QueryPoints make_query_points(const PointView* points, const Hull& hull, const Control& control) {
   if (hull.affine_dimension < 0)
     throw Error(ErrorCode::invalid_argument, "an empty hull answers no questions");
-  if (points.dimension != hull.dimension || points.count != hull.point_count)
+  if (points != nullptr &&
+      (points->dimension != hull.dimension || points->count != hull.point_count))
     throw Error(ErrorCode::invalid_argument, "these are not the points the hull was computed from");
   QueryPoints q;
   q.dimension = hull.dimension;
@@ -69,8 +71,14 @@ QueryPoints make_query_points(const PointView& points, const Hull& hull, const C
   }
   const unsigned d = q.dimension;
   q.full.resize(q.ids.size() * d);
-  for (std::size_t i = 0; i < q.ids.size(); ++i)
-    for (unsigned j = 0; j < d; ++j) q.full[i * d + j] = points.at(q.ids[i], j) + 0.0;
+  const auto copy = [&](const PointView& from, const auto& row_of) {
+    for (std::size_t i = 0; i < q.ids.size(); ++i)
+      for (unsigned j = 0; j < d; ++j) q.full[i * d + j] = from.at(row_of(i), j) + 0.0;
+  };
+  if (points != nullptr)
+    copy(*points, [&](std::size_t i) { return q.ids[i]; });
+  else
+    copy(OwnVertices(hull).points(), [](std::size_t i) { return i; });
   q.low.assign(q.full.begin(), q.full.begin() + d);
   q.high = q.low;
   for (std::size_t i = 0; i < q.full.size(); ++i) {

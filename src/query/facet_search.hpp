@@ -40,7 +40,8 @@ struct QueryPoints {
   }
 };
 
-QueryPoints make_query_points(const PointView& points, const Hull& hull, const Control& control);
+/// `points`: those of the hull, or nullptr: the coordinates that the hull carries.
+QueryPoints make_query_points(const PointView* points, const Hull& hull, const Control& control);
 
 /// Facets as linear functions that are 1 on the facet and less than 1 beneath it, relative to a
 /// centre inside, and the graph of neighbours to climb on. k >= 2.

@@ -9,7 +9,7 @@
 #include "geometry/gather.hpp"
 #include "query/hull_arguments.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 struct GrowingHull::State {
   Hull hull;
@@ -102,4 +102,4 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   return outside;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -9,8 +9,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "query/inscribed_ball.hpp"
 
-namespace cullhull {
-namespace internal::inline query {
+namespace cullhull::internal::inline query {
 namespace {
 
 /// Rows scaled to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
@@ -92,7 +91,9 @@ void write_vertices(HalfspaceIntersection& h) {
 }
 
 }  // namespace
-}  // namespace internal::inline query
+}  // namespace cullhull::internal::inline query
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -122,4 +123,4 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   return h;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

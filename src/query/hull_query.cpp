@@ -20,8 +20,7 @@
 #include "query/facet_search.hpp"
 #include "query/vertex_search.hpp"
 
-namespace cullhull {
-namespace internal::inline query {
+namespace cullhull::internal::inline query {
 namespace {
 
 /// Points a chunk: some 20 to 100 microseconds of single queries.
@@ -105,12 +104,14 @@ void refuse_non_finite(const double* p, unsigned d) {
 }
 
 }  // namespace
-}  // namespace internal::inline query
+}  // namespace cullhull::internal::inline query
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
 struct HullQuery::State {
-  State(const PointView& view, const Hull& hull, const Control& control)
+  State(const PointView* view, const Hull& hull, const Control& control)
       : points(make_query_points(view, hull, control)),
         flat(points),
         vertices(points, control),
@@ -470,7 +471,12 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
 HullQuery::HullQuery(const PointView& points, const Hull& hull, const Options& options) {
   const Control control(options);
   control.check();
-  state_ = std::make_unique<State>(points, hull, control);
+  state_ = std::make_unique<State>(&points, hull, control);
+}
+HullQuery::HullQuery(const Hull& hull, const Options& options) {
+  const Control control(options);
+  control.check();
+  state_ = std::make_unique<State>(nullptr, hull, control);
 }
 HullQuery::~HullQuery() = default;
 HullQuery::HullQuery(HullQuery&&) noexcept = default;
@@ -597,4 +603,4 @@ void HullQuery::rays(const PointView& origins, const PointView& directions, RayH
   });
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

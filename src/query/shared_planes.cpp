@@ -9,8 +9,8 @@
 #include "parallel/index.hpp"
 #include "parallel/sort_few.hpp"
 #include "query/hull_arguments.hpp"
+namespace cullhull::inline v1 {
 
-namespace cullhull {
 namespace {
 
 class Planes {
@@ -127,4 +127,4 @@ std::vector<std::uint32_t> shared_planes(const PointView& points, const Hull& hu
   return own;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

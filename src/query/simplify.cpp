@@ -16,8 +16,7 @@
 #include "query/vertex_links.hpp"
 #include "query/vertex_search.hpp"
 
-namespace cullhull {
-namespace internal::inline query {
+namespace cullhull::internal::inline query {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -229,7 +228,9 @@ class Simplifier {
 };
 
 }  // namespace
-}  // namespace internal::inline query
+}  // namespace cullhull::internal::inline query
+
+namespace cullhull::inline v1 {
 
 Simplification simplify(const PointView& points, const Hull& hull, double distance,
                         const Options& options) {
@@ -263,4 +264,4 @@ double rounding_distance(const PointView& points, const Hull& hull) {
   return 64 * d * std::sqrt(d) * 0x1p-53 * largest;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -10,9 +10,11 @@
 #include "cullhull/stream.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/byte_order.hpp"
+#include "parallel/dispatch.hpp"
+#include "result/vertex_coordinates.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -27,6 +29,21 @@ HullState::HullState(const PointView& points, std::uint64_t first_id, const Opti
   HullStream stream(options);
   stream.push(points, first_id);
   *this = stream.state();
+}
+
+HullState::HullState(const Hull& hull)
+    : dimension_(hull.dimension), scalar_(hull.scalar), seen_(hull.point_count) {
+  OwnVertices own(hull);
+  ids_ = std::move(own.ids);
+  // Every coordinate came from a number of this type, so that converting it back is exact.
+  const std::size_t size = scalar_size(scalar_);
+  rows_.resize(own.rows.size() * size);
+  with_scalar(scalar_, [&](auto v) {
+    for (std::size_t i = 0; i < own.rows.size(); ++i) {
+      v = static_cast<decltype(v)>(own.rows[i]);
+      std::memcpy(rows_.data() + i * size, &v, size);
+    }
+  });
 }
 
 PointView HullState::points() const noexcept {
@@ -245,4 +262,4 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   return state;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

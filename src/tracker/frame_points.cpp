@@ -6,6 +6,7 @@
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "result/vertex_coordinates.hpp"
 
 namespace cullhull::internal::inline tracker {
 
@@ -45,6 +46,7 @@ Hull HostFrame::hull(Filtered&& filtered) {
       useful_threads(run_.threads, filtered.survivors.size(points_.count), points_.dimension);
   Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads),
                                 Few::at_once, &known);
+  if (run_.options.with_coordinates) write_coordinates(points_, hull);
   hull.statistics.threads = run_.threads;
   return hull;
 }

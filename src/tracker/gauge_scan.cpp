@@ -73,7 +73,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
     map = GaugeMap::build(std::move(polytope), settings);
     if (map == nullptr) return false;
   }
-  result.survivors.method = "gauge";
+  result.survivors.filter = UsedFilter::gauge;
   result.survivors.reason = "led by the last frame's vertices";
   points.scan(*map, result.survivors);
   scan_seconds = seconds_since(start);

@@ -139,7 +139,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
   const auto start = Clock::now();
   run.control.report("scan", 0);
   Filtered result;
-  result.survivors.method = "pseudo-hull";
+  result.survivors.filter = UsedFilter::pseudo_hull;
   result.survivors.reason = "filter as asked; the pseudo-hull runs on the CPU";
   led = dimension_ == points.dimension && simplex_of_.size() == points.count && !corners_.empty();
   if (led) {

@@ -16,7 +16,7 @@
 #include "tracker/frame_points.hpp"
 #include "tracker/simplex_memory.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -212,4 +212,4 @@ void HullTracker::reset() noexcept {
   impl_->simplices.clear();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -86,7 +86,7 @@ TEST(Backend, AutomaticFallsBack) {
   Options plain;
   plain.backend = Backend::cpu;
   const Hull expected = convex_hull(view, plain);
-  EXPECT_STREQ(expected.statistics.backend, "cpu");
+  EXPECT_EQ(expected.statistics.backend, Backend::cpu);
   EXPECT_NE(expected.statistics.cull_reason.find("CPU as asked"), std::string::npos);
 
   Options lured;
@@ -96,7 +96,7 @@ TEST(Backend, AutomaticFallsBack) {
   const Hull hull = convex_hull(view, lured);
   EXPECT_EQ(testing_support::canonical_hash(hull), testing_support::canonical_hash(expected));
   const CudaStatus status = cuda_status();
-  EXPECT_STREQ(hull.statistics.backend, status.available ? "cuda" : "cpu");
+  EXPECT_EQ(hull.statistics.backend, status.available ? Backend::cuda : Backend::cpu);
   if (!status.available) {
     EXPECT_NE(hull.statistics.cull_reason.find(", but " + status.reason), std::string::npos)
         << hull.statistics.cull_reason;
@@ -113,7 +113,7 @@ TEST(Backend, EveryReasonIsALine) {
       const Survivors s = cull(PointView::row_major(rows.data(), n, 3), options);
       EXPECT_FALSE(s.reason.empty());
       EXPECT_EQ(s.reason.find('\n'), std::string::npos);
-      EXPECT_STREQ(s.backend, "cpu");
+      EXPECT_EQ(s.backend, Backend::cpu);
     }
 }
 

@@ -55,7 +55,7 @@ TEST(Batch, equals_one_call_a_set_for_any_number_of_threads) {
     for (const unsigned threads : {1U, 3U}) {
       Options options;
       options.threads = threads;
-      const HullBatch batch = convex_hulls(sets.view(), sets.offsets.data(), sets.size(), options);
+      const HullBatch batch = convex_hulls(sets.view(), sets.offsets, options);
       ASSERT_EQ(batch.size(), sets.size());
       for (std::size_t i = 0; i < sets.size(); ++i)
         ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(sets.set(i))))
@@ -81,7 +81,7 @@ TEST(Batch, any_scalar_and_layout) {
     }
     for (const PointView& view : {PointView::row_major(floats.data(), n, d),
                                   PointView::column_major(columns.data(), n, d)}) {
-      const HullBatch batch = convex_hulls(view, offsets.data(), offsets.size() - 1);
+      const HullBatch batch = convex_hulls(view, offsets);
       for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
         PointView set = view;
         set.data += static_cast<std::ptrdiff_t>(offsets[i]) * view.point_stride;
@@ -119,7 +119,7 @@ TEST(Batch, small_sets_in_space_equal_one_call_each) {
   const PointView views[] = {sets.view(), PointView::column_major(columns.data(), n, 3),
                              PointView::row_major(floats.data(), n, 3)};
   for (const PointView& view : views) {
-    const HullBatch batch = convex_hulls(view, sets.offsets.data(), sets.size());
+    const HullBatch batch = convex_hulls(view, sets.offsets);
     for (std::size_t i = 0; i < sets.size(); ++i) {
       PointView one = view;
       one.count = sets.offsets[i + 1] - sets.offsets[i];
@@ -132,11 +132,11 @@ TEST(Batch, small_sets_in_space_equal_one_call_each) {
 TEST(Batch, sets_may_leave_points_out_and_may_be_none) {
   const Sets sets = mixed(2);
   const std::uint64_t offsets[] = {7, 30, 30, 41};
-  const HullBatch batch = convex_hulls(sets.view(), offsets, 3);
+  const HullBatch batch = convex_hulls(sets.view(), offsets);
   EXPECT_EQ(batch.hull(0).point_count, 23U);
   EXPECT_EQ(batch.hull(1).affine_dimension, -1);
   EXPECT_EQ(batch.vertices.size(), 3U);
-  EXPECT_EQ(convex_hulls(sets.view(), offsets, 0).size(), 0U);
+  EXPECT_EQ(convex_hulls(sets.view(), std::span(offsets, 1)).size(), 0U);
   EXPECT_THROW(batch.hull(3), std::out_of_range);
 }
 
@@ -145,7 +145,7 @@ TEST(Batch, errors_name_the_first_bad_set) {
   sets.coordinates[(sets.offsets[300] + 2) * 3] = std::numeric_limits<double>::quiet_NaN();
   sets.coordinates[(sets.offsets[20] + 1) * 3] = std::numeric_limits<double>::infinity();
   try {
-    convex_hulls(sets.view(), sets.offsets.data(), sets.size());
+    convex_hulls(sets.view(), sets.offsets);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::not_finite);
@@ -153,15 +153,15 @@ TEST(Batch, errors_name_the_first_bad_set) {
         << e.what();
   }
   const std::uint64_t descending[] = {5, 3}, beyond[] = {0, 1U << 30};
-  EXPECT_THROW(convex_hulls(sets.view(), descending, 1), Error);
-  EXPECT_THROW(convex_hulls(sets.view(), beyond, 1), Error);
-  EXPECT_THROW(convex_hulls(sets.view(), nullptr, 0), Error);
+  EXPECT_THROW(convex_hulls(sets.view(), descending), Error);
+  EXPECT_THROW(convex_hulls(sets.view(), beyond), Error);
+  EXPECT_THROW(convex_hulls(sets.view(), std::span<const std::uint64_t>()), Error);
   std::stop_source stop;
   stop.request_stop();
   Options options;
   options.stop = stop.get_token();
   try {
-    convex_hulls(sets.view(), sets.offsets.data(), sets.size(), options);
+    convex_hulls(sets.view(), sets.offsets, options);
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);

@@ -254,7 +254,7 @@ TEST(FewPoints, a_filter_of_few_keeps_every_vertex_and_its_copies) {
       s.add({s.coordinates[3 * v], s.coordinates[3 * v + 1], s.coordinates[3 * v + 2]});
     }
     const Survivors survivors = cull(view_of(s));
-    ASSERT_STREQ(survivors.method, "gauge");
+    ASSERT_EQ(survivors.filter, UsedFilter::gauge);
     ASSERT_LT(survivors.ids.size(), 2000U);
     EXPECT_TRUE(std::includes(survivors.ids.begin(), survivors.ids.end(), kept.begin(), kept.end()))
         << "seed " << seed;

@@ -34,7 +34,7 @@ class FarFrame final : public FramePoints {
   void scan(const GaugeMap& map, Survivors& result) override {
     result.ids = map.survivors(points_, run_);
     result.all = false;
-    result.backend = "cuda";
+    result.backend = Backend::cuda;
   }
   void fetch(Filtered& result) override {
     const auto& ids = result.survivors.ids;
@@ -84,8 +84,8 @@ int expect_led_frames(const std::vector<std::vector<T>>& frames, unsigned d) {
         EXPECT_EQ(canonical_hash(hull), canonical_hash(expected));
         EXPECT_EQ(hull.scalar, expected.scalar);
         EXPECT_EQ(hull.statistics.survivors, left);
-        EXPECT_STREQ(hull.statistics.backend, "cuda");
-        EXPECT_STREQ(hull.statistics.cull_method, "gauge");
+        EXPECT_EQ(hull.statistics.backend, Backend::cuda);
+        EXPECT_STREQ(hull.statistics.filter, "gauge");
       }
     }
     last = std::move(expected);

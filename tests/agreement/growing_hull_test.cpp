@@ -113,7 +113,7 @@ TEST(Poll, is_called_on_the_calling_thread_and_may_stop_the_call) {
     EXPECT_EQ(hash, canonical_hash(convex_hull(part_of(set, 0, set.count()))));
     EXPECT_GT(calls, 10U);
     const std::vector<std::uint64_t> offsets{0, 5'000, 20'000};
-    convex_hulls(part_of(set, 0, set.count()), offsets.data(), 2, options);
+    convex_hulls(part_of(set, 0, set.count()), offsets, options);
     EXPECT_EQ(elsewhere, 0U);
 
     std::stop_source stop;

@@ -31,7 +31,7 @@ TEST(QhullEngine, AgreesInGeneralPosition) {
       options.engine = Engine::qhull;
       const Hull qhull = convex_hull(v, options);
       EXPECT_EQ(canonical_hash(qhull), canonical_hash(native)) << shape << " " << d << "D";
-      EXPECT_STREQ(qhull.statistics.engine, "qhull");
+      EXPECT_EQ(qhull.statistics.engine, Engine::qhull);
     }
 }
 

@@ -192,7 +192,7 @@ void expect_other_ways(const PointSet& s, const Hull& hull, Random& r) {
   }
 
   const std::uint64_t n = s.count(), middle = n / 3, offsets[] = {0, n, n, n};
-  const HullBatch batch = convex_hulls(view_of(s), offsets, 3, any_options(r));
+  const HullBatch batch = convex_hulls(view_of(s), offsets, any_options(r));
   EXPECT_EQ(canonical_hash(batch.hull(0)), canonical_hash(hull)) << "batch";
 
   GrowingHull growing(s.dimension);

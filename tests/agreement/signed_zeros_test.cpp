@@ -33,12 +33,12 @@ void expect_same_by_all_doors(const PointSet& s) {
   };
   same("a batch", [&] {
     const std::uint64_t offsets[] = {0, s.count()};
-    return convex_hulls(view, offsets, 1).hull(0);
+    return convex_hulls(view, offsets).hull(0);
   });
   same("a batch of columns", [&] {
     const std::vector<double> columns = transposed(s.coordinates, s.dimension);
     const std::uint64_t offsets[] = {0, s.count()};
-    return convex_hulls(PointView::column_major(columns.data(), s.count(), s.dimension), offsets, 1)
+    return convex_hulls(PointView::column_major(columns.data(), s.count(), s.dimension), offsets)
         .hull(0);
   });
   same("a stream", [&] {

@@ -116,7 +116,7 @@ void expect_the_general_way(const std::string& name, const Make& make, std::uint
   Options general, threads;
   general.memory_budget = (1 << 22) - 1;
   general.threads = 1;
-  const HullBatch batch = convex_hulls(all, offsets.data(), offsets.size() - 1);
+  const HullBatch batch = convex_hulls(all, offsets);
   for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
     PointView set = all;
     set.data += static_cast<std::ptrdiff_t>(offsets[i]) * set.point_stride;
@@ -130,7 +130,7 @@ void expect_the_general_way(const std::string& name, const Make& make, std::uint
   }
   for (const unsigned t : {1U, 3U}) {
     threads.threads = t;
-    const HullBatch again = convex_hulls(all, offsets.data(), offsets.size() - 1, threads);
+    const HullBatch again = convex_hulls(all, offsets, threads);
     ASSERT_TRUE(again.facets == batch.facets && again.facet_planes == batch.facet_planes &&
                 again.centroids == batch.centroids && again.vertices == batch.vertices)
         << name;

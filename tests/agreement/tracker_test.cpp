@@ -407,7 +407,7 @@ std::string refusal(HullTracker& tracker, const std::function<void()>& update) {
     EXPECT_EQ(e.code(), ErrorCode::backend_unavailable) << e.what();
     return e.what();
   }
-  ADD_FAILURE() << "no error; " << tracker.hull().statistics.backend;
+  ADD_FAILURE() << "no error; " << backend_name(tracker.hull().statistics.backend);
   return "";
 }
 
@@ -426,7 +426,7 @@ TEST(HullTracker, ADeviceThatIsAskedForAndNotThere) {
                   "frame 0: " + reason);
       } else {
         EXPECT_EQ(canonical_hash(tracker.update(rows_of(rows, 3))), static_hash(rows_of(rows, 3)));
-        EXPECT_STREQ(tracker.hull().statistics.backend, "cpu");
+        EXPECT_EQ(tracker.hull().statistics.backend, Backend::cpu);
       }
       // Points in a device's memory need a device whatever the options say.
       const auto device = DevicePointView::row_major(rows.data(), 20000, 3);
@@ -472,7 +472,7 @@ TEST(HullTracker, AutomaticFallsBack) {
     const Hull& hull = tracker.update(rows_of(rows, 3));
     EXPECT_EQ(canonical_hash(hull), static_hash(rows_of(rows, 3)));
     const std::string& reason = hull.statistics.cull_reason;
-    EXPECT_STREQ(hull.statistics.backend, status.available ? "cuda" : "cpu");
+    EXPECT_EQ(hull.statistics.backend, status.available ? Backend::cuda : Backend::cpu);
     EXPECT_EQ(reason.find(", but " + status.reason) != std::string::npos, !status.available)
         << reason;
     on_cpu.update(rows_of(rows, 3));
@@ -488,7 +488,7 @@ TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
   HullTracker tracker(options);
   for (const Rows& rows : moving_frames("bumpy", "spin", 9000, 3, 3)) {
     const Hull& hull = tracker.update(rows_of(rows, 3));
-    EXPECT_STREQ(hull.statistics.backend, "cpu");
+    EXPECT_EQ(hull.statistics.backend, Backend::cpu);
     EXPECT_NE(hull.statistics.cull_reason.find("the pseudo-hull runs on the CPU"),
               std::string::npos);
   }

@@ -183,9 +183,7 @@ void check_polygons(const LiftedSet& s, const Triangulation& t,
   EXPECT_EQ(polygons.polygon_count(), pieces) << s.name;
   for (std::uint64_t i = 0; i < polygons.polygon_count(); ++i)
     for (std::uint64_t r = polygons.polygon_offsets[i]; r < polygons.polygon_offsets[i + 1]; ++r) {
-      const std::span<const std::uint32_t> ring(
-          polygons.ids.data() + polygons.ring_offsets[r],
-          polygons.ring_offsets[r + 1] - polygons.ring_offsets[r]);
+      const std::span<const std::uint32_t> ring = polygons.rings[r];
       EXPECT_EQ(std::set<std::uint32_t>(ring.begin(), ring.end()).size(), ring.size()) << s.name;
       EXPECT_EQ(ring[0], *std::min_element(ring.begin(), ring.end()));
       const mpq_class own = twice_area(s, t, ring);

@@ -256,7 +256,7 @@ TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
   options.backend = Backend::cuda;
   const Hull hull =
       convex_hull(DevicePointView::row_major(there.data<float>(), n, 3, stream.get()), options);
-  EXPECT_STREQ(hull.statistics.backend, "cuda");
+  EXPECT_EQ(hull.statistics.backend, Backend::cuda);
   EXPECT_EQ(canonical_hash(hull),
             canonical_hash(convex_hull(PointView::row_major(rows.data(), n, 3))));
 }

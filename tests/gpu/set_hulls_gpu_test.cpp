@@ -34,7 +34,7 @@ void expect_the_cpus(const Sets<T>& sets, const std::string& what) {
   SCOPED_TRACE(what);
   const OnDevice there(sets.rows);
   const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
-  const HullBatch expected = convex_hulls(host_view(sets), sets.offsets.data(), sets.count());
+  const HullBatch expected = convex_hulls(host_view(sets), sets.offsets);
   Options options;
   options.backend = Backend::cuda;  // not the CPU in its stead where memory is short
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
@@ -123,7 +123,7 @@ TEST_F(GpuSets, AnyStridesAndOffsetsOnTheDevice) {
   for (std::uint64_t i = 0; i < n; ++i)
     for (unsigned j = 0; j < 3; ++j)
       columns[j * n + i] = wide[5 * i + 1 + j] = sets.rows[3 * i + j];
-  const HullBatch expected = convex_hulls(host_view(sets), sets.offsets.data(), sets.count());
+  const HullBatch expected = convex_hulls(host_view(sets), sets.offsets);
   const OnDevice columns_there(columns), wide_there(wide), offsets_there(sets.offsets);
   const Stream stream;
   auto view = DevicePointView::column_major(columns_there.data<float>(), n, 3, stream);
@@ -145,8 +145,7 @@ TEST_F(GpuSets, ErrorsAreTheCpus) {
     const OnDevice there(sets.rows);
     const auto view = DevicePointView::row_major(there.data<double>(), sets.offsets.back(), 3);
     const auto* offsets = sets.offsets.data();
-    const std::string expected =
-        error_of([&] { convex_hulls(host_view(sets), offsets, sets.count()); });
+    const std::string expected = error_of([&] { convex_hulls(host_view(sets), sets.offsets); });
     EXPECT_NE(expected.find("set 33: point 7"), std::string::npos) << expected;
     EXPECT_EQ(error_of([&] { convex_hulls(view, offsets, sets.count()); }), expected);
     EXPECT_EQ(error_of([&] { convex_hulls_on_device(view, offsets, sets.count()); }), expected);
@@ -157,12 +156,12 @@ TEST_F(GpuSets, ErrorsAreTheCpus) {
   const auto view = DevicePointView::row_major(there.data<float>(), 50, 2);
   for (const std::vector<std::uint64_t>& wrong :
        {std::vector<std::uint64_t>{0, 20, 10}, std::vector<std::uint64_t>{0, 20, 51}}) {
-    const std::string expected = error_of([&] { convex_hulls(host_view(sets), wrong.data(), 2); });
+    const std::string expected = error_of([&] { convex_hulls(host_view(sets), wrong); });
     EXPECT_EQ(error_of([&] { convex_hulls(view, wrong.data(), 2); }), expected);
     EXPECT_EQ(error_of([&] { convex_hulls_on_device(view, wrong.data(), 2); }), expected);
   }
   EXPECT_EQ(error_of([&] { convex_hulls(view, nullptr, 2); }),
-            error_of([&] { convex_hulls(host_view(sets), nullptr, 2); }));
+            error_of([&] { convex_hulls(host_view(sets), std::span<const std::uint64_t>()); }));
 }
 
 TEST_F(GpuSets, ManySetsInPieces) {
@@ -174,7 +173,7 @@ TEST_F(GpuSets, ManySetsInPieces) {
     options.memory_budget = std::uint64_t{1} << 22;  // pieces of some 30,000 points
     const OnDevice there(sets.rows);
     const auto view = DevicePointView::row_major(there.data<float>(), sets.offsets.back(), d);
-    const HullBatch expected = convex_hulls(host_view(sets), sets.offsets.data(), sets.count());
+    const HullBatch expected = convex_hulls(host_view(sets), sets.offsets);
     expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
     expect_same_lists(convex_hulls_on_device(view, sets.offsets.data(), sets.count()), expected);
   }

@@ -81,11 +81,11 @@ TEST_F(GpuTracker, LedFramesAreCulledOnTheDevice) {
   for (const Rows& rows : moving_frames("bumpy", "spin", 50000, 3, 3)) {
     const OnDevice copy(rows);
     const auto host = PointView::row_major(rows.data(), 50000, 3);
-    EXPECT_STREQ(
+    EXPECT_EQ(
         there.update(DevicePointView::row_major(copy.data<double>(), 50000, 3)).statistics.backend,
-        "cuda");
-    EXPECT_STREQ(here.update(host).statistics.backend, "cuda");
-    EXPECT_STREQ(cpu.update(host).statistics.backend, "cpu");
+        Backend::cuda);
+    EXPECT_EQ(here.update(host).statistics.backend, Backend::cuda);
+    EXPECT_EQ(cpu.update(host).statistics.backend, Backend::cpu);
   }
   EXPECT_STREQ(there.report().method, "gauge");
   EXPECT_STREQ(here.report().method, "gauge");
@@ -103,7 +103,7 @@ TEST_F(GpuTracker, AutomaticStaysOnTheDevice) {
     const Hull& hull = tracker.update(DevicePointView::row_major(copy.data<double>(), 30000, 3));
     EXPECT_EQ(canonical_hash(hull),
               canonical_hash(convex_hull(PointView::row_major(rows.data(), 30000, 3))));
-    EXPECT_STREQ(hull.statistics.backend, "cuda");
+    EXPECT_EQ(hull.statistics.backend, Backend::cuda);
   }
   EXPECT_STREQ(tracker.report().method, "gauge");
 }

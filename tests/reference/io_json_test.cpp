@@ -85,8 +85,8 @@ TEST(Json, HullsWithoutFacets) {
 TEST(Json, TheFileHoldsTheResultAndNothingOfTheRun) {
   Example a = cube(), b = cube();
   b.hull.statistics.threads = 7;
-  b.hull.statistics.cull_method = "gauge";
-  b.hull.statistics.backend = "cuda";
+  b.hull.statistics.filter = "gauge";
+  b.hull.statistics.backend = Backend::cuda;
   b.hull.statistics.compute_seconds = 3;
   b.hull.statistics.survivors = 8;
   EXPECT_EQ(result_text(a), result_text(b));
@@ -104,7 +104,7 @@ TEST(Json, TheReportHasTheKeysOfTheContract) {
   Example e = cube();
   Statistics& s = e.hull.statistics;
   s.threads = 2;
-  s.cull_method = "gauge x2";
+  s.filter = UsedFilter::gauge_twice;
   s.cull_reason = "because";
   s.survivors = 8;
   s.cull_seconds = 0.25;

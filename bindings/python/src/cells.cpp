@@ -113,7 +113,8 @@ std::tuple<Numbers, Offsets, Offsets> cell_polygons(const Cells& cells, Numbers 
     polygons =
         cullhull::cell_polygons(cells.points().view(), cells.triangulation(), numbers, options);
   });
-  return {copied(polygons.ids), copied(polygons.ring_offsets), copied(polygons.polygon_offsets)};
+  return {copied(polygons.rings.items), copied(polygons.rings.offsets),
+          copied(polygons.polygon_offsets)};
 }
 
 // -------------------------------------------------------------------------------------- graphs

@@ -94,10 +94,10 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
   const cullhull::Statistics& s = solid.hull().statistics;
   nb::typed<nb::dict, nb::str, nb::any> all;
   all["survivors"] = s.survivors;
-  all["cull_method"] = s.cull_method;
+  all["cull_method"] = cullhull::filter_name(s.filter);
   all["cull_reason"] = s.cull_reason;
-  all["engine"] = s.engine;
-  all["backend"] = s.backend;
+  all["engine"] = cullhull::engine_name(s.engine);
+  all["backend"] = cullhull::backend_name(s.backend);
   all["threads"] = s.threads;
   all["cull_seconds"] = s.cull_seconds;
   all["hull_seconds"] = s.hull_seconds;

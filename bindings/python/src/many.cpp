@@ -28,11 +28,10 @@ std::unique_ptr<Batch> convex_hulls(nb::handle array, Array<std::int64_t> offset
                                     const Settings* settings) {
   const Points points(array);
   if (offset_array.size() == 0) throw nb::value_error("offsets must be at least one");
-  const std::uint64_t sets = offset_array.size() - 1;
   const auto* const offsets = reinterpret_cast<const std::uint64_t*>(offset_array.data());
   auto batch = std::make_unique<Batch>();
   run(settings, length_of(points.view()), [&](const Options& options) {
-    batch->hulls = cullhull::convex_hulls(points.view(), offsets, sets, options);
+    batch->hulls = cullhull::convex_hulls(points.view(), {offsets, offset_array.size()}, options);
     batch->gather_vertices(points.view(), offsets);
   });
   return batch;

@@ -130,11 +130,12 @@ ScalarType scalar_named(const std::string& name) {
   refuse("scalar");
 }
 
-/// The library's own string constants, as `const char*` in a result must not dangle.
-const char* known(const std::string& text, std::initializer_list<const char*> words) {
-  for (const char* word : words)
-    if (text == word) return word;
-  return "other";
+/// The value up to `last` whose name is `text`; the first one for a text that is none's.
+template <class Enum>
+Enum named(const std::string& text, Enum last, const char* (*name)(Enum) noexcept) {
+  for (int i = 0; i <= static_cast<int>(last); ++i)
+    if (text == name(static_cast<Enum>(i))) return static_cast<Enum>(i);
+  return Enum{};
 }
 
 void check_version(const State& state) {
@@ -228,8 +229,9 @@ State state_of_solid(SolidHandle self) {
   state["vertex_rows"] = saved(nb::inst_ptr<Solid>(self)->vertex_rows(), self);
   const cullhull::Statistics& s = h.statistics;
   state["statistics"] = nb::make_tuple(
-      s.survivors, s.cull_method, s.cull_reason, s.engine, s.backend, s.threads, s.cull_seconds,
-      s.hull_seconds, s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
+      s.survivors, cullhull::filter_name(s.filter), s.cull_reason, cullhull::engine_name(s.engine),
+      cullhull::backend_name(s.backend), s.threads, s.cull_seconds, s.hull_seconds,
+      s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
   return state;
 }
 
@@ -243,9 +245,9 @@ void load_statistics(const State& state, cullhull::Statistics& s) {
               nb::try_cast(all[8], s.compute_seconds) && nb::try_cast(all[9], s.rung_counts[0]) &&
               nb::try_cast(all[10], s.rung_counts[1]) && nb::try_cast(all[11], s.rung_counts[2]),
           "statistics");
-  s.cull_method = known(method, {"none", "gauge", "pseudo-hull"});
-  s.engine = known(engine, {"native", "qhull"});
-  s.backend = known(backend, {"cpu", "cuda"});
+  s.filter = named(method, cullhull::UsedFilter::stream, cullhull::filter_name);
+  s.engine = named(engine, cullhull::Engine::qhull, cullhull::engine_name);
+  s.backend = named(backend, cullhull::Backend::cuda, cullhull::backend_name);
 }
 
 /// Checks every index that a query would use: a wrong one must not lead out of an array.

@@ -27,6 +27,9 @@ template <class List>
 Array<std::int64_t> offsets_in(const List& list, nb::handle self) {
   return list_of(reinterpret_cast<const std::int64_t*>(list.data()), list.size(), self);
 }
+Array<std::int64_t> offsets_in(const cullhull::EvenArray<std::uint64_t>& list, nb::handle self) {
+  return signed_list(list, self);
+}
 /// int32, with -1 for at_infinity and no_point.
 template <class List>
 Array<std::int32_t> numbers_in(const List& list, nb::handle self) {
@@ -113,13 +116,13 @@ void bind_diagram(nb::module_& m) {
                    shown(self).ridge_count(), 2, self);
           })
       .def_prop_ro("ridge_offsets",
-                   [](Self self) { return offsets_in(shown(self).ridge_offsets, self); })
+                   [](Self self) { return offsets_in(shown(self).ridges.offsets, self); })
       .def_prop_ro("ridge_vertices",
-                   [](Self self) { return numbers_in(shown(self).ridge_vertices, self); })
+                   [](Self self) { return numbers_in(shown(self).ridges.items, self); })
       .def_prop_ro("region_offsets",
-                   [](Self self) { return offsets_in(shown(self).region_offsets, self); })
+                   [](Self self) { return offsets_in(shown(self).regions.offsets, self); })
       .def_prop_ro("region_vertices",
-                   [](Self self) { return numbers_in(shown(self).region_vertices, self); })
+                   [](Self self) { return numbers_in(shown(self).regions.items, self); })
       .def_prop_ro("ray_vertices",
                    [](Self self) { return numbers_in(shown(self).ray_vertices, self); })
       .def_prop_ro("ray_directions", [](Self self) {

@@ -11,8 +11,7 @@
 #include "certify/certificate.hpp"
 #include "certify/hull/cones.hpp"
 
-namespace cullhull {
-namespace internal::certify {
+namespace cullhull::internal::certify {
 
 void require_certifiable(const PointView& points) {
   if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
@@ -201,7 +200,9 @@ void check_all(Subject& s, Certificate& out) {
 }
 
 }  // namespace
-}  // namespace internal::certify
+}  // namespace cullhull::internal::certify
+
+namespace cullhull::inline v1 {
 
 Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
   using namespace internal::certify;
@@ -339,4 +340,4 @@ Certificate CertifyStream::finish() {
   return m.out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -15,8 +15,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull {
-namespace internal::certify {
+namespace cullhull::internal::certify {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -367,7 +366,9 @@ ConstrainedTriangulation witness_of(const PointView& points, std::span<const std
 }
 
 }  // namespace
-}  // namespace internal::certify
+}  // namespace cullhull::internal::certify
+
+namespace cullhull::inline v1 {
 
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options) {
@@ -388,4 +389,4 @@ Certificate certify(const PointView& points, std::span<const std::uint32_t> edge
   return out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

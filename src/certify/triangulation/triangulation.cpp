@@ -18,8 +18,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull {
-namespace internal::certify {
+namespace cullhull::internal::certify {
 namespace {
 
 class TriangulationSubject {
@@ -511,7 +510,9 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
 }
 
 }  // namespace
-}  // namespace internal::certify
+}  // namespace cullhull::internal::certify
+
+namespace cullhull::inline v1 {
 
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options) {
@@ -524,4 +525,4 @@ Certificate certify(const PointView& points, std::span<const double> weights,
   return internal::certify::certify_triangulation(points, weights, triangulation, options);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

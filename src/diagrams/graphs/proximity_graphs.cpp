@@ -12,8 +12,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
@@ -249,7 +248,9 @@ Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
 }
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -273,4 +274,4 @@ Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
   return graph_of(points, triangulation, options, lune_edges);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -8,7 +8,7 @@
 #include "diagrams/interpolation/natural_weights.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -146,4 +146,4 @@ void Interpolator::nearest(const PointView& points, double* out, double outside,
   });
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

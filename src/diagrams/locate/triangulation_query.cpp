@@ -19,8 +19,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 /// Queries in a chunk, and queries sorted at once: memory does not grow with their number.
@@ -141,7 +140,9 @@ void barycentric(unsigned k, const double* const* p, const double* q, double* ou
 }
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -314,4 +315,4 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
   });
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -12,8 +12,7 @@
 #include "exact/insphere/circumcentre.hpp"
 #include "parallel/disjoint_sets.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 void require_delaunay(const Triangulation& t) {
@@ -75,7 +74,9 @@ double first_single_region(const Triangulation& t, const Array<double>& radii, d
 }
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const RunOptions& options) {
@@ -124,4 +125,4 @@ double critical_alpha(const PointView& points, const Triangulation& triangulatio
   return goal == AlphaGoal::all_points ? all : first_single_region(triangulation, radii, all);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -10,8 +10,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 using Ring = std::vector<std::uint32_t>;
@@ -128,8 +127,8 @@ class PolygonWriter {
   }
 
   static void add(const Ring& ring, CellPolygons& out) {
-    out.ids.insert(out.ids.end(), ring.begin(), ring.end());
-    out.ring_offsets.push_back(out.ids.size());
+    out.rings.items.insert(out.rings.items.end(), ring.begin(), ring.end());
+    out.rings.offsets.push_back(out.rings.items.size());
   }
 
   const DualPoints& p_;
@@ -141,7 +140,9 @@ class PolygonWriter {
 };
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options) {
@@ -154,7 +155,6 @@ CellPolygons cell_polygons(const PointView& points, const Triangulation& triangu
                 "polygons are of cells in the plane, not in dimension ", t.affine_dimension);
   const DualPoints p(points, t, {}, run);
   CellPolygons out;
-  out.ring_offsets.assign(1, 0);
   out.polygon_offsets.assign(1, 0);
   for (const std::uint32_t c : cells)
     if (c >= t.size()) throw Error(ErrorCode::invalid_argument, "there is no cell ", c);
@@ -162,4 +162,4 @@ CellPolygons cell_polygons(const PointView& points, const Triangulation& triangu
   return out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -12,8 +12,7 @@
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 void require_plane(const Triangulation& t) {
@@ -119,7 +118,9 @@ class Digging {
 };
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -169,4 +170,4 @@ double concave_length(const PointView& points, const Triangulation& triangulatio
   return std::isinf(greatest) ? greatest : least + ratio * (greatest - least);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

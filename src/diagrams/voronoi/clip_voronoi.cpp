@@ -19,8 +19,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 void check_dimension(const Triangulation& t) {
@@ -497,7 +496,9 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 }
 
 }  // namespace
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
@@ -544,4 +545,4 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   return clip<2>(points, t, polygon_region(region, run), weights, shapes, diagram, run);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

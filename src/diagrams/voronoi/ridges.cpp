@@ -247,9 +247,8 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
       points.add(chunk, {e.low, e.high});
     });
   });
-  vertices.join(out.ridge_offsets, out.ridge_vertices);
-  Array<std::uint64_t> pairs;
-  points.join(pairs, out.ridge_points);
+  out.ridges = vertices.join();
+  out.ridge_points = points.join().items;
 }
 
 }  // namespace cullhull::internal::inline diagrams

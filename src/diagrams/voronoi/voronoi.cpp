@@ -13,8 +13,7 @@
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull {
-namespace internal::inline diagrams {
+namespace cullhull::internal::inline diagrams {
 namespace {
 
 void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
@@ -90,7 +89,7 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
       lists.add(chunk, list);
     }
   });
-  lists.join(out.region_offsets, out.region_vertices);
+  out.regions = lists.join();
 }
 
 }  // namespace
@@ -150,7 +149,9 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
   });
 }
 
-}  // namespace internal::inline diagrams
+}  // namespace cullhull::internal::inline diagrams
+
+namespace cullhull::inline v1 {
 
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights, const RunOptions& options) {
@@ -170,11 +171,7 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   out.affine_dimension = t.affine_dimension;
   out.furthest_site = t.furthest_site;
   const DualPoints p(points, t, weights, run);
-  if (t.corners() == 0) {
-    out.ridge_offsets.assign(1, 0);
-    out.region_offsets.assign(1, 0);
-    return out;
-  }
+  if (t.corners() == 0) return out;
   run.report("vertices", 0);
   write_vertices(p, t, out, run);
   if (k > 0) write_rays(p, t, out, run);
@@ -186,4 +183,4 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   return out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -16,12 +16,12 @@ void require_diagram_of(const Triangulation& t, std::uint64_t vertices, const Vo
     return std::all_of(list.begin(), list.end(),
                        [&](std::uint32_t v) { return v < end || v == at_infinity; });
   };
-  const auto& offsets = diagram.ridge_offsets;
+  const auto& offsets = diagram.ridges.offsets;
   if (diagram.dimension != t.dimension || diagram.point_count != t.point_count ||
       diagram.affine_dimension != t.affine_dimension || diagram.furthest_site != t.furthest_site ||
       diagram.vertex_count() != vertices || offsets.size() != diagram.ridge_count() + 1 ||
-      offsets.front() != 0 || offsets.back() != diagram.ridge_vertices.size() ||
-      !std::is_sorted(offsets.begin(), offsets.end()) || !below(diagram.ridge_vertices, vertices) ||
+      offsets.front() != 0 || offsets.back() != diagram.ridges.items.size() ||
+      !std::is_sorted(offsets.begin(), offsets.end()) || !below(diagram.ridges.items, vertices) ||
       std::any_of(diagram.ridge_points.begin(), diagram.ridge_points.end(),
                   [&](std::uint32_t p) { return p >= t.point_count; }))
     throw Error(ErrorCode::invalid_argument, "the diagram is not that of the triangulation");

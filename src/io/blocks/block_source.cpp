@@ -451,7 +451,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
 
 }  // namespace cullhull::internal::inline io
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options) {
   using namespace internal;
@@ -475,4 +475,4 @@ Grid common_grid(const std::vector<std::string>& files, const ReadOptions& optio
   return of_states >= 0 && of_states != grid.decimals() ? Grid() : grid;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -9,8 +9,8 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "parallel/memory/memory.hpp"
+namespace cullhull::inline v1 {
 
-namespace cullhull {
 namespace {
 
 /// A file, folder or pattern a line; blank lines and lines that begin with # are left out.
@@ -68,4 +68,4 @@ bool worth_streaming(const std::vector<std::string>& files, const Options& optio
   return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

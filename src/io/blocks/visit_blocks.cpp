@@ -12,8 +12,7 @@
 #include "io/blocks/block_source.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -385,7 +384,9 @@ class Reading {
 };
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {
@@ -397,4 +398,4 @@ BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisi
   return internal::Reading(files, visitor, reading).run();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

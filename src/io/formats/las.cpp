@@ -220,7 +220,7 @@ void write_records(OutputFile& out, const Source& las, const std::vector<std::ui
 }  // namespace
 }  // namespace cullhull::internal::inline io
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids) {
@@ -238,4 +238,4 @@ void write_las_records(const std::string& path, const std::string& las,
   out.commit();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

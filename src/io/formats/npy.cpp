@@ -11,8 +11,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 struct Header {
@@ -392,7 +391,9 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
   internal::OutputFile out(path);
@@ -451,4 +452,4 @@ void NpySequenceWriter::write(const double* coordinates) {
   if (--impl_->frames == 0) impl_->out.commit();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

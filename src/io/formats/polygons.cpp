@@ -11,8 +11,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 using nlohmann::json;
@@ -96,7 +95,9 @@ Polygons read_polygons(const Source& source) {
   return PolygonReader(source.name).read(document);
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 PolygonRings Polygons::rings() const {
   return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};
@@ -118,4 +119,4 @@ Polygons read_polygons(const std::string& path) {
   return polygons;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

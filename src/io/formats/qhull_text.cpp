@@ -10,8 +10,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/sort_few.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 
 void append_padded(std::string& out, double v) {
   const std::size_t at = out.size();
@@ -410,7 +409,9 @@ std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) 
   return measures;
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 const std::vector<std::string>& qhull_formats() {
   static const std::vector<std::string> words = {
@@ -478,4 +479,4 @@ std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::st
   return qhull_text(state, hull, what);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

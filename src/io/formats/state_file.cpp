@@ -10,8 +10,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 std::string_view as_text(const void* data, std::size_t size) {
@@ -110,7 +109,9 @@ void write_npz(OutputFile& out, const HullState& state) {
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 void write_state(const std::string& path, const HullState& state) {
   const std::string format = internal::output_format(path, "", "hullstate");
@@ -140,4 +141,4 @@ HullState read_state(const std::string& path) {
   }
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

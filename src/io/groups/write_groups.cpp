@@ -16,8 +16,7 @@
 #include "io/write/output_formats.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 /// One hull of a batch, and the rows of its points.
@@ -213,8 +212,8 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
     std::vector<std::uint64_t> offsets;
     for (std::size_t i = begin; i <= end; ++i) offsets.push_back(sorted.offsets[i] - first);
     const double* const rows = sorted.coordinates.as<const double>() + first * d;
-    const HullBatch batch = convex_hulls(PointView::row_major(rows, offsets.back(), d),
-                                         offsets.data(), end - begin, options);
+    const HullBatch batch =
+        convex_hulls(PointView::row_major(rows, offsets.back(), d), offsets, options);
     for (std::size_t i = begin; i < end; ++i) {
       records.add({collected.words()[sorted.order[i]], collected.numeric(), batch, i - begin,
                    rows + offsets[i - begin] * d, d, grid});
@@ -236,7 +235,9 @@ std::string name_of_key(const std::string& key) {
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options) {
@@ -271,4 +272,4 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   return report;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

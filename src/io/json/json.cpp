@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 JsonHead head_of(std::string_view kind, const Hull& hull) {
@@ -65,7 +64,9 @@ void write_result_json(const Coordinates& points, const Hull& hull, const TextSi
   w.end_document();
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 namespace {
 
@@ -76,17 +77,17 @@ std::string report_json(const internal::Coordinates& points, const Hull& hull,
   const Statistics& s = hull.statistics;
   w.begin_document(internal::head_of("hull_report", hull));
   w.member("threads", s.threads);
-  w.member("backend", s.backend);
+  w.member("backend", backend_name(s.backend));
   w.key("cull");
   w.begin_object();
-  w.member("method", s.cull_method);
+  w.member("method", filter_name(s.filter));
   w.member("survivors", s.survivors);
   w.member("seconds", s.cull_seconds);
   w.member("reason", s.cull_reason);
   w.end_object();
   w.key("hull");
   w.begin_object();
-  w.member("engine", s.engine);
+  w.member("engine", engine_name(s.engine));
   w.member("seconds", s.hull_seconds);
   w.end_object();
   internal::write_measures(w, hull);
@@ -108,4 +109,4 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
   return report_json(state, hull, extras, with_lists);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -9,8 +9,7 @@
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 using nlohmann::json;
@@ -472,7 +471,7 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
                     const Options& options, std::uint64_t first_id) {
   RawHull raw;
   raw.first_id = first_id;
-  raw.want_coordinates = vertex_coordinates != nullptr;
+  raw.want_coordinates = vertex_coordinates != nullptr || options.with_coordinates;
   const Control control(options);
   control.check();
   HullReader reader(source, raw, control);
@@ -480,10 +479,14 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
   Hull hull = HullChecker(source, raw).check();
   if (vertex_coordinates != nullptr)
     vertex_coordinates->assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
+  if (options.with_coordinates)
+    hull.vertex_coordinates.assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
   return hull;
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
                     const Options& options, std::uint64_t first_id) {
@@ -493,4 +496,4 @@ Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordin
   return hull;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

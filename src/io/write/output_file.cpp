@@ -13,8 +13,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation.
@@ -145,7 +144,9 @@ void OutputFile::commit() {
   abandon();
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 void remove_unfinished_files() noexcept {
   for (internal::Unfinished& u : internal::unfinished)
@@ -153,9 +154,9 @@ void remove_unfinished_files() noexcept {
       internal::system::remove_file(u.path);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1
 
-namespace cullhull {
+namespace cullhull::inline v1 {
 
 void check_writable(const std::string& path) { const internal::OutputFile unfinished(path); }
 
@@ -165,4 +166,4 @@ void write_text(const std::string& path, std::string_view text) {
   file.commit();
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

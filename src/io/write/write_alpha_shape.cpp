@@ -12,8 +12,7 @@
 #include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 /// Only the points of these triangles.
@@ -56,8 +55,8 @@ void write_polygons(const std::string& path, const std::string& f, const PointVi
     PlaneRings rings;
     for (std::uint64_t r = all.polygon_offsets[i]; r < all.polygon_offsets[i + 1]; ++r) {
       rings.emplace_back();
-      for (std::uint64_t v = all.ring_offsets[r]; v < all.ring_offsets[r + 1]; ++v)
-        for (std::uint32_t j = 0; j < 2; ++j) rings.back().push_back(points.at(all.ids[v], j));
+      for (const std::uint32_t id : all.rings[r])
+        for (std::uint32_t j = 0; j < 2; ++j) rings.back().push_back(points.at(id, j));
     }
     return rings;
   });
@@ -102,7 +101,9 @@ void check(const std::string& path, const std::string& f, std::uint32_t dimensio
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -122,4 +123,4 @@ void write_alpha_shape(const std::string& path, const PointView& points, const T
   write_mesh(path, f, mesh_of(points, t, shape));
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -10,9 +10,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull {
-
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed) {
@@ -30,7 +28,9 @@ void refuse_format(const std::string& path, const std::string& format, OutputFor
               quoted_text("." + format), "; known are", known);
 }
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 namespace {
 
@@ -71,9 +71,13 @@ void write_hull(const std::string& path, const PointView& points, const Hull& hu
   write_hull_of(path, points, hull, format, faces);
 }
 
+void write_hull(const std::string& path, const Hull& hull, const std::string& format, Faces faces) {
+  write_hull_of(path, HullState(hull), hull, format, faces);
+}
+
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
                 const std::string& format, Faces faces) {
   write_hull_of(path, state, hull, format, faces);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -10,8 +10,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 /// Writes the rows packed, little-endian.
@@ -72,7 +71,9 @@ std::string column_names(std::uint32_t dimension) {
 }
 
 }  // namespace
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
                const std::string& format) {
@@ -125,4 +126,4 @@ void write_points(const std::string& path, const HullState& state, const std::st
   write_points_of(path, state, state.ids(), format);
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

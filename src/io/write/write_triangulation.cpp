@@ -13,8 +13,7 @@
 #include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull {
-namespace internal::inline io {
+namespace cullhull::internal::inline io {
 namespace {
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
@@ -60,10 +59,10 @@ void indices(JsonWriter& w, const char* name, const Items& items, std::uint64_t 
 }
 
 /// Lists of vertices between offsets, each on a line; the one at infinity becomes -1.
-template <class Offsets, class Items>
-void vertex_lists(JsonWriter& w, const char* name, const Offsets& offsets, const Items& items) {
-  w.rows(name, offsets.empty() ? 0 : offsets.size() - 1, [&](std::uint64_t i) {
-    w.list_by(items, offsets[i], offsets[i + 1], [&](std::uint32_t v) { w.index(v, at_infinity); });
+void vertex_lists(JsonWriter& w, const char* name, const Lists<std::uint32_t>& lists) {
+  w.rows(name, lists.size(), [&](std::uint64_t i) {
+    w.list_by(lists.items, lists.offsets[i], lists.offsets[i + 1],
+              [&](std::uint32_t v) { w.index(v, at_infinity); });
   });
 }
 
@@ -149,7 +148,9 @@ HullMesh mesh_of(const ClippedCells& cells) {
 
 }  // namespace
 
-}  // namespace internal::inline io
+}  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
 
 using namespace internal;
 
@@ -230,8 +231,8 @@ void write_voronoi(const std::string& path, const Voronoi& v, const std::string&
     w.member("furthest_site", v.furthest_site);
     w.nested("vertices", v.vertices, v.dimension);
     w.nested("ridge_points", v.ridge_points, 2);
-    vertex_lists(w, "ridge_vertices", v.ridge_offsets, v.ridge_vertices);
-    vertex_lists(w, "regions", v.region_offsets, v.region_vertices);
+    vertex_lists(w, "ridge_vertices", v.ridges);
+    vertex_lists(w, "regions", v.regions);
     w.flat("ray_vertices", v.ray_vertices);
     w.nested("ray_directions", v.ray_directions, v.dimension);
   });
@@ -350,4 +351,4 @@ std::string voronoi_to_qhull_text(const Voronoi& v, std::string_view what) {
   return out;
 }
 
-}  // namespace cullhull
+}  // namespace cullhull::inline v1

@@ -40,7 +40,7 @@ TEST(EmulatedDevices, HostPointsGoToTheDeviceThatTheOptionsName) {
   EXPECT_THROW(convex_hull(points, options), Error);  // the current one
   options.device = 1;
   const Hull hull = convex_hull(points, options);
-  EXPECT_EQ(hull.statistics.backend, "cuda");
+  EXPECT_EQ(hull.statistics.backend, Backend::cuda);
   EXPECT_EQ(canonical_hash(hull), plain_hash(rows, 3));
   check(cudaSetDevice(1));
   EXPECT_EQ(current_cuda_device(), 1);

@@ -89,8 +89,7 @@ class RandomBatch : public RandomWork<RandomBatch> {
       try {  // with little memory a set may be too large for the CPU, too
         Options plain = o;
         plain.backend = Backend::cpu;
-        expected = convex_hulls(PointView::row_major(s.rows.data(), n, d), s.offsets.data(),
-                                s.count(), plain);
+        expected = convex_hulls(PointView::row_major(s.rows.data(), n, d), s.offsets, plain);
       } catch (const Error& e) {
         problem = e.what();
       }
