@@ -36,7 +36,7 @@ std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sam
 /// still cost time. `extreme` of its `sample` points are vertices.
 bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);
 
-/// "132 of 1000 sampled points are extreme".
+/// Returns a sentence: "132 of 1000 sampled points are extreme".
 std::string sample_finding(std::uint64_t sample, std::uint64_t extreme);
 
 /// The data that decide where a pass over points is faster.
@@ -45,7 +45,7 @@ struct PlaceQuestion {
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;
   unsigned threads = 1;
-  bool on_device = false;          ///< where the points are
+  bool on_device = false;          ///< the points are in its memory
   bool device_started = false;     ///< the driver was used in this process
   std::uint64_t pinned_bytes = 0;  ///< pinned memory kept from earlier calls
 };

@@ -12,7 +12,7 @@
 namespace cullhull::internal::inline geometry {
 namespace {
 
-constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte
+constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte in 3D
 
 /// How to treat -0 among the coordinates.
 enum class Zeros { positive, as_given };
@@ -66,7 +66,7 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
               (std::isnan(value) ? "NaN" : "infinite"), "; remove or repair such points first");
 }
 
-/// The lowest of the values that several threads report.
+/// Keeps the lowest of the values that several threads report.
 class Lowest {
  public:
   void offer(std::uint64_t v) {

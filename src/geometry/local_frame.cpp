@@ -431,7 +431,7 @@ void LocalFrame::detect_lattice() {
     sum += most;
   }
   points_.small_lattice = sum <= allowed;
-  // Rows (k + 1) p - (sum of k + 1 points) are larger by that factor.
+  // Rows (k + 1) p - (sum of k + 1 points) are larger by up to k + 1 in each of k columns.
   points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 

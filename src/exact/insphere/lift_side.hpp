@@ -1,4 +1,4 @@
-// The ladder of in-sphere and power tests, and the rule for ties.
+// The ladder of in-sphere and power tests, and counts of its decisions.
 #pragma once
 
 #include <cstdint>

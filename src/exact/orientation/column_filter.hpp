@@ -34,7 +34,8 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign)
       }
     if (!bounded && !(*std::max_element(largest, largest + K) <= 0x1p100)) return false;
     det = determinant(m);
-    // Each product: K differences, the roundings of the expansion; those of the bound.
+    // Each product has the roundings of K differences and of the expansion; then those of the
+    // bound.
     bound = determinant_bound<K>(largest, minor_roundings(K) + 2 * K, unit_roundoff, tiny);
   }
   if (det > bound) {

@@ -74,7 +74,7 @@ HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
   }
 }
 
-/// Where the ray from the centre through y meets the cube.
+/// The place where the ray from the centre through y meets the cube.
 template <unsigned D>
 struct Direction {
   VF norm;          // |y|_inf
@@ -343,7 +343,7 @@ class Blocks {
         levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
         ids_(ids) {}
 
-  /// The most points that may be added next.
+  /// Returns how many points may be added next at most.
   std::uint32_t room() const {
     return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
   }

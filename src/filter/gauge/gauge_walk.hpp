@@ -48,7 +48,7 @@ class ConeWalk {
   std::uint32_t facet_count() const { return facet_count_; }
   double centre(unsigned j) const { return centre_[j]; }
   double scale(unsigned j) const { return scale_[j]; }
-  /// L: no point of the unit 1-norm ball has a larger gauge.
+  /// Returns L: no point of the unit 1-norm ball has a larger gauge.
   double lipschitz() const { return lipschitz_; }
 
   /// Inverts the matrix of every facet; worthwhile if each facet is visited many times. Returns
@@ -279,7 +279,8 @@ class ConeWalk {
     solve(f, v, mu);
   }
 
-  /// The inverse of the matrix whose columns are the facet's vertices; returns its determinant.
+  /// Computes the inverse of the matrix whose columns are the facet's vertices; returns its
+  /// determinant.
   double invert(std::uint32_t f, double* inverse) const {
     if constexpr (D == 3) {
       const double *a = point(facet(f)[0]), *b = point(facet(f)[1]), *c = point(facet(f)[2]);
@@ -318,7 +319,7 @@ class ConeWalk {
     return eliminate(a, mu);
   }
 
-  /// L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
+  /// Computes L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
   bool bound_axes() {
     double weight = 0;
     double residual = 0;

@@ -255,7 +255,7 @@ class Lines {
     std::fill(high_.get() + begin, high_.get() + end, std::uint64_t{0});
     if (hashed_) std::fill(names_.get() + begin, names_.get() + end, nobody);
   }
-  /// May be called by several threads.
+  /// May be called by several threads concurrently.
   void offer(const Keyed& p) {
     const std::uint64_t s = slot(p.key), low = as_low(p), high = as_high(p);
     const std::atomic_ref lowest(low_[s]), highest(high_[s]);
@@ -325,8 +325,8 @@ class Thinner {
         [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) { body(c, begin, end); });
   }
 
-  /// Packs fields of b_0, b_1, ... bits, the last lowest; false if they need more than 64 bits, or
-  /// one more than 32.
+  /// Packs fields of b_0, b_1, ... bits, the last lowest; returns false if they need more than 64
+  /// bits, or a field more than 32.
   bool lay_out(const std::vector<unsigned>& bits) {
     fields_.assign(d_, {});
     total_ = 0;

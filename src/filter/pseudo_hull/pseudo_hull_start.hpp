@@ -48,7 +48,7 @@ struct TakeExtremes {
   }
 };
 
-/// The extremes of the rows [step * grain, (step + 1) * grain).
+/// Finds the extremes of the rows [step * grain, (step + 1) * grain).
 template <unsigned D, class Rows>
 struct ExtremesOfStep {
   Rows rows;
