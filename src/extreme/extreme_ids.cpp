@@ -1,7 +1,7 @@
 // After Clarkson (More output-sensitive geometric algorithms, 1994): a point is tested against a
-// working set; if it is inside that set's hull, it is not extreme. If a direction separates it, the
-// point farthest in that direction joins the working set; if that is the point itself, it is
-// extreme. Points are tested in blocks, outermost first, against the working set of the blocks
+// working set; if it is inside that set's hull, it is not extreme. If a direction separates the
+// two, the point farthest in that direction joins the working set; if that is the point itself, it
+// is extreme. Points are tested in blocks, outermost first, against the working set of the blocks
 // before.
 #include "extreme/extreme_ids.hpp"
 
@@ -15,7 +15,7 @@
 namespace cullhull::internal::inline extreme {
 namespace {
 
-/// The lowest id of each set of equal points.
+/// Returns the lowest id of each set of equal points.
 std::vector<std::uint32_t> distinct(const LocalPoints& points, const Control& control) {
   const unsigned d = points.dimension;
   std::vector<std::uint32_t> ids(points.count);
@@ -45,7 +45,7 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run
   constexpr std::uint64_t chunk = 32;
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, run.control)) present[i] = 1;
-  // Outermost first: their hull contains the others.
+  // Outermost first: the hull of the first points contains most others.
   std::vector<std::uint32_t> order;
   for (NormOrder all(points, {}, run); all.left() > 0;) all.take_round(order);
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),

@@ -9,8 +9,9 @@
 
 namespace cullhull::internal::inline extreme {
 
-/// Ascending local ids; of equal points the lowest. Time: for h of n points extreme, one linear
-/// program over some h points for each of n, and one pass over all n for each of h. O(n d) memory.
+/// Returns ascending local ids; of equal points the lowest. Time: for h of n points extreme, one
+/// linear program over about h points for each of n, and one pass over all n for each of h. O(n d)
+/// memory.
 std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run);
 
 }  // namespace cullhull::internal::inline extreme

@@ -1,7 +1,7 @@
-// Wolfe's method (Finding the nearest point in a polytope, 1976) from the point: either the nearest
-// point of the others' hull is at some distance, and the direction to it separates the two, or the
-// point is a convex combination of a few others, the corral. Both are certificates that are checked
-// exactly, whatever the method's rounding.
+// Wolfe's method (Finding the nearest point in a polytope, 1976), started at the tested point:
+// either the hull of the other points is at some distance, and the direction to its nearest point
+// separates the two, or the point is a convex combination of a few others, the corral. Both results
+// are certificates that are checked exactly, whatever the method's rounding.
 #include "extreme/hull_membership.hpp"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners
   constexpr double never = std::numeric_limits<double>::infinity();
   rows_ = n;
   rest_ = never;
-  // [A I], A's columns being the corners with a 1 below, by Gauss and Jordan.
+  // Inverts A by Gauss-Jordan elimination of [A I]; A's columns are the corners with a 1 below.
   std::vector<double> a(std::size_t{n} * 2 * n, 0.0);
   const auto at = [&](unsigned i, unsigned j) -> double& { return a[std::size_t{i} * 2 * n + j]; };
   const auto entry = [&](unsigned i, unsigned j) {
@@ -90,7 +90,7 @@ HullMembership::HullMembership(const LocalPoints& points, const Control& control
 
 bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
                             const PointColumns& working, std::vector<std::uint32_t>& useful) {
-  // Certificates are checked in the scaled coordinates where scaling was exact.
+  // Certificates are checked in the scaled coordinates if scaling was exact.
   if (points_.exact == points_.coordinates) {
     origin_ = points_.row(point);
     if (in_known_simplex(point)) return true;
@@ -110,18 +110,19 @@ bool HullMembership::inside(std::uint32_t point, const PointColumns& others,
 HullMembership::Answer HullMembership::search(std::uint32_t point, const PointColumns& others,
                                               const PointColumns& working,
                                               std::vector<std::uint32_t>& useful) {
-  // Each round adds a working point; what takes more is left to exact arithmetic. A guess: some
-  // tens of rounds are usual.
+  // Each round adds a useful point; after the last, slow exact arithmetic decides. Some tens of
+  // rounds are usual: a lower limit would send more points there, a higher one would delay hopeless
+  // cases. Other values are untested.
   constexpr unsigned most_rounds = 200;
   for (unsigned round = 0; round < most_rounds; ++round) {
     control_.check();
     Answer answer = approach(point, working, useful);
     if (answer != Answer::separated) return answer;
-    // The direction separates the point from the working points: from all others, too?
+    // The direction separates the point from the working points. Does it from all others?
     std::uint32_t against = no_index;
     answer = separates_all(point, others, against);
     if (answer == Answer::separated) return answer;
-    // If that point was tried already, rounding prevents progress.
+    // If that point was tried before, rounding prevents progress.
     if (working.contains(against) ||
         std::find(useful.begin(), useful.end(), against) != useful.end())
       return Answer::unknown;
@@ -169,7 +170,7 @@ bool HullMembership::in_corral(std::uint32_t q) const {
 }
 
 /// Whether direction_, or direction_ rounded to f32, separates the point from all others. If not
-/// (unknown), `against` is one on the wrong side.
+/// (unknown), `against` receives a point on the wrong side.
 HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
                                                      const PointColumns& others,
                                                      std::uint32_t& against) {
@@ -179,8 +180,8 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
     at += double{narrow_[j]} * origin_[j];
     size += std::abs(double{narrow_[j]});
   }
-  // Coordinates rounded to f32, d products and sums of numbers of at most |v|; the error of `at` is
-  // far smaller.
+  // Bounds the rounding of coordinates to f32 and of d products and sums of numbers of at most |v|;
+  // the error of `at` is far smaller.
   const double narrow_bound = (d_ + 3) * 0x1p-24 * size + 0x1p-120;
   const PointColumns::Least found = others.least(narrow_.data(), point);
   against = found.id;
@@ -190,12 +191,12 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
   const Farthest farthest = most_against(others.ids(), point);
   size = 0;
   for (const double v : direction_) size += std::abs(v);
-  // d products and sums of numbers of at most |v|, twice, and the difference.
+  // Bounds d products and sums of numbers of at most |v|, twice, and the difference.
   const double bound = (2.0 * d_ + 6) * unit_roundoff * size + 0x1p-1000;
   against = farthest.id;
   if (farthest.least > bound) return Answer::separated;
   if (farthest.least < -bound) return Answer::unknown;
-  // Doubtful signs are decided exactly; the other points are beyond the bound on the right side.
+  // Doubtful signs are decided exactly; the other points exceed the bound on the right side.
   const auto doubtful =
       std::find_if(others.ids().begin(), others.ids().end(),
                    [&](std::uint32_t o) { return o != point && side_of(point, o) <= 0; });
@@ -204,7 +205,7 @@ HullMembership::Answer HullMembership::separates_all(std::uint32_t point,
   return Answer::unknown;
 }
 
-/// direction_ . (q - point)
+/// Returns direction_ . (q - point).
 double HullMembership::against(std::uint32_t q) const {
   const double* x = points_.row(q);
   double sum = 0;
@@ -212,7 +213,7 @@ double HullMembership::against(std::uint32_t q) const {
   return sum;
 }
 
-/// The point of `ids` with the least direction . (q - point).
+/// Returns the point of `ids` with the least direction . (q - point).
 HullMembership::Farthest HullMembership::most_against(const std::vector<std::uint32_t>& ids,
                                                       std::uint32_t point) const {
   Farthest result;
@@ -231,7 +232,7 @@ HullMembership::Farthest HullMembership::most_against(const std::vector<std::uin
   return result;
 }
 
-/// The same among the first `count`, in f32.
+/// Does the same among the first `count` points, in f32.
 HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns& points,
                                                               std::uint32_t point,
                                                               std::size_t count) {
@@ -245,21 +246,22 @@ HullMembership::Farthest HullMembership::roughly_most_against(const PointColumns
 HullMembership::Answer HullMembership::approach(std::uint32_t point, const PointColumns& working,
                                                 const std::vector<std::uint32_t>& useful) {
   const unsigned most_steps = 50 + 20 * d_;
-  // Points of the greatest norm, which decide most steps; a guess.
+  // The number of points, those of greatest norm, that are scanned first: they decide most steps.
+  // More of them decide more steps but lengthen each. Other values are untested.
   constexpr std::size_t outermost = 16 * std::size_t{PointColumns::block};
   for (unsigned step = 0; step < most_steps; ++step) {
     combine();
     double square = 0;
     for (const double v : direction_) square += v * v;
     if (corral_.empty()) {
-      // Outward from the middle of the frame: a direction in which most others lie behind the
-      // point.
+      // Outward from the middle of the frame: most other points are behind the point in this
+      // direction.
       for (unsigned j = 0; j < d_; ++j) direction_[j] = -origin_[j];
     } else if (square < 0x1p-80 || corral_.size() == d_ + 1) {
       if (prove_inside(point)) return Answer::inside;
       if (square < 0x1p-96) return Answer::unknown;
     }
-    // Usually one of the first, which are the outermost, suffices.
+    // Usually one of the first points, which are the outermost, suffices.
     Farthest farthest = roughly_most_against(working, point, outermost);
     if (!(farthest.least < 0) || in_corral(farthest.id))
       farthest = roughly_most_against(working, point, no_index);
@@ -280,7 +282,7 @@ void HullMembership::add(std::uint32_t q) {
   weights_.push_back(corral_.size() == 1 ? 1 : 0);
 }
 
-/// direction_ = the weighted point of the corral, relative to the query point.
+/// Sets direction_ to the weighted point of the corral, relative to the query point.
 void HullMembership::combine() {
   std::fill(direction_.begin(), direction_.end(), 0.0);
   for (std::size_t i = 0; i < corral_.size(); ++i)
@@ -288,7 +290,7 @@ void HullMembership::combine() {
       direction_[j] += weights_[i] * (points_.row(corral_[i])[j] - origin_[j]);
 }
 
-/// Moves towards the nearest point of the corral's flat; corners whose weight becomes 0 leave.
+/// Moves towards the nearest point of the corral's flat; removes corners whose weight becomes 0.
 void HullMembership::move_to_nearest() {
   while (corral_.size() > 1) {
     if (!nearest_in_flat()) {  // affinely dependent, up to rounding
@@ -323,8 +325,8 @@ void HullMembership::move_to_nearest() {
   if (!weights_.empty()) weights_[0] = 1;
 }
 
-/// flat_: affine weights of the point nearest to the origin in the corral's flat, by the bordered
-/// Gram matrix. False where that is singular.
+/// Sets flat_ to the affine weights of the point nearest to the origin in the corral's flat, by the
+/// bordered Gram matrix. Returns false if that is singular.
 bool HullMembership::nearest_in_flat() {
   const std::size_t n = corral_.size(), m = n + 1;
   system_.assign(m * (m + 1), 0.0);
@@ -364,7 +366,7 @@ bool HullMembership::nearest_in_flat() {
 }
 
 /// Decides exactly whether the point is a convex combination of the corral's points. Solves sum w_i
-/// (q_i - p) = 0, sum w_i = 1 in rational numbers; the corral need not span all of space.
+/// (q_i - p) = 0, sum w_i = 1 in rational numbers; the corral need not be full-dimensional.
 bool HullMembership::certain_inside(std::uint32_t point) const {
   const std::size_t n = corral_.size(), rows = d_ + 1;
   if (n == 0) return false;
@@ -392,7 +394,7 @@ bool HullMembership::certain_inside(std::uint32_t point) const {
   return solves_without_negatives(a);
 }
 
-/// Sign of direction_ . (q - point), exactly.
+/// Returns the sign of direction_ . (q - point), exactly.
 int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   const double* x = points_.row(q);
   double sum = 0, size = 0;

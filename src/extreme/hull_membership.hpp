@@ -16,27 +16,27 @@ namespace cullhull::internal::inline extreme {
 /// docs/exactness.md, "Extreme points without facets".
 class SimplexInverse {
  public:
-  /// False where the simplex is too flat for doubles. Coordinates must be exact, |x| <= 1.
+  /// Returns false if the simplex is too flat for doubles. Coordinates must be exact, |x| <= 1.
   bool set(const LocalPoints& points, const std::uint32_t* corners);
-  /// Whether x is proved to be strictly inside.
+  /// Whether x is provably strictly inside.
   bool surely_inside(const double* x) const;
 
  private:
   unsigned rows_ = 0;
   std::vector<double> inverse_;  ///< rows_ x rows_: barycentric coordinates of (x, 1)
-  std::vector<double> allowed_;  ///< rounding error of each
-  /// 2 sum_i max_j |I - M A|_ij; infinite where there is no simplex.
+  std::vector<double> allowed_;  ///< rounding error of each coordinate
+  /// 2 sum_i max_j |I - M A|_ij; infinite if there is no simplex.
   double rest_ = std::numeric_limits<double>::infinity();
 };
 
-/// Tests points of one set against the others. Not thread safe; each worker has its own object.
+/// Tests points of one set against the others. Not thread safe; each worker needs its own object.
 class HullMembership {
  public:
   HullMembership(const LocalPoints& points, const Control& control);
 
   /// Whether `point` is in the hull of the other points of `others`, none of which may equal it.
-  /// `working`: some of `others`, tried first; points that were needed are appended to `useful`.
-  /// Points near the last one are tested faster.
+  /// `working`: some of `others`, tried first; further points that were needed are appended to
+  /// `useful`. A point near the previous one is tested faster.
   bool inside(std::uint32_t point, const PointColumns& others, const PointColumns& working,
               std::vector<std::uint32_t>& useful);
 
@@ -72,13 +72,14 @@ class HullMembership {
   const double* origin_ = nullptr;
   std::vector<std::uint32_t> corral_;
   std::vector<double> weights_, flat_, direction_, system_;
-  std::vector<float> narrow_;  ///< direction_, its largest coordinate 1
+  std::vector<float> narrow_;  ///< direction_ scaled so that its largest coordinate is 1
   static constexpr unsigned most_simplices = 8;
-  std::vector<SimplexInverse> simplices_;  ///< simplices that recent points were found in
+  std::vector<SimplexInverse> simplices_;  ///< simplices that contained recent points
   unsigned newest_ = 0;
 };
 
-/// The same by the simplex method with Bland's rule in rational arithmetic: never fails, slow.
+/// Decides the same by the simplex method with Bland's rule in rational arithmetic: never fails,
+/// slow.
 bool inside_exact(const LocalPoints& points, std::uint32_t point,
                   const std::vector<std::uint32_t>& others, const Control& control);
 

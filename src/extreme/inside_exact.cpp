@@ -1,8 +1,9 @@
 // The simplex method, phase one, in rational arithmetic with Bland's rule (1977), which never
 // cycles.
 //
-// Find w >= 0 with sum w_q (q - p) = 0 and sum w_q = 1. The first basis has one artificial variable
-// a row; their sum reaches zero exactly if p is in the hull. The inverse of the basis is stored.
+// It finds w >= 0 with sum w_q (q - p) = 0 and sum w_q = 1. The first basis has one artificial
+// variable per row; their sum reaches zero exactly if p is in the hull. The inverse of the basis is
+// stored.
 #include <cmath>
 #include <vector>
 
@@ -31,7 +32,7 @@ class Simplex {
       inverse_[i][i] = 1;
       basis_[i] = others.size() + i;  // artificial
     }
-    inverse_[rows_ - 1][rows_] = 1;  // the last column holds the basic values
+    inverse_[rows_ - 1][rows_] = 1;  // the last column contains the basic values
   }
 
   bool feasible() {
@@ -54,7 +55,7 @@ class Simplex {
     return true;
   }
 
-  /// prices = sum of the rows of the inverse whose basic variable is artificial.
+  /// Sets prices to the sum of the rows of the inverse whose basic variable is artificial.
   void price() {
     rounded_.assign(rows_, 0.0);
     rounded_size_ = 0;
@@ -78,7 +79,7 @@ class Simplex {
     column_[rows_ - 1] = 1;
   }
 
-  /// sum = row . column_.
+  /// Sets sum to row . column_.
   void dot_column(const std::vector<mpq_class>& row, mpq_class& sum) {
     sum = 0;
     for (std::size_t j = 0; j < rows_; ++j) {
@@ -87,7 +88,7 @@ class Simplex {
     }
   }
 
-  /// The first column with prices . column > 0. Columns that doubles prove negative are skipped.
+  /// Returns the first column with prices . column > 0. Skips columns that doubles prove negative.
   std::size_t improving() {
     const bool floating = points_.exact == points_.coordinates && std::isfinite(rounded_size_);
     // |column| <= 2, each difference and product and sum rounded, prices within 2u.
@@ -113,8 +114,8 @@ class Simplex {
   void pivot(std::size_t q) {
     load(q);
     for (std::size_t i = 0; i < rows_; ++i) dot_column(inverse_[i], entering_[i]);
-    // Least ratio, the lowest variable among equals (Bland). One exists, as the sum of the
-    // artificial variables is bounded below.
+    // The row of least ratio leaves, among equals that of the lowest variable (Bland). One exists,
+    // because the sum of the artificial variables is bounded below.
     std::size_t leaving = rows_;
     for (std::size_t i = 0; i < rows_; ++i) {
       if (sgn(entering_[i]) <= 0) continue;

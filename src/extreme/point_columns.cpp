@@ -1,4 +1,4 @@
-// The scan over blocks, compiled once per instruction set.
+// The scan over blocks of points, compiled once per instruction set.
 //
 // A box's bound is computed by the same operations, in the same order, as a point's value, from the
 // box's corner that is least along the direction. Rounded products and sums are monotone, so the
@@ -22,7 +22,7 @@ namespace cullhull::internal::inline extreme::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<float, PointColumns::box_group>;
 
-/// The values of a vector of points: coordinate j begins at from[j] + offset.
+/// Returns direction . x of a vector of points; from(j) is the address of their coordinates j.
 template <class From>
 HWY_INLINE hn::Vec<F> along(const From& from, unsigned d, const float* direction) {
   const F f;

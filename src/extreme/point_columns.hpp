@@ -1,4 +1,4 @@
-// A layout of points for finding the one that is least along a direction.
+// A layout of points for finding the least one along a direction.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 
 namespace cullhull::internal::inline extreme {
 
-/// Coordinates rounded to f32, column by column in blocks, each block with its bounding box: a
-/// block whose box is not low enough is skipped. Points that are added near one another make small
-/// boxes.
+/// Coordinates rounded to f32, column by column in blocks, each block with its bounding box: a scan
+/// skips blocks whose box is not low enough. Boxes are small if consecutive points are near one
+/// another.
 class PointColumns {
  public:
   static constexpr unsigned block = 64;      ///< points
@@ -30,16 +30,16 @@ class PointColumns {
     std::uint32_t id = no_index;  ///< no_index: there is no other point
     float value = 0;
   };
-  /// The least direction . x of the first `count` points (a multiple of `block`, or all) without
-  /// point `except`, computed in f32: off by at most (d + 2) 2^-24 sum |direction_j| + 2^-120 where
-  /// all |x_j| <= 1.
+  /// Returns the least direction . x of the first `count` points (a multiple of `block`, or all)
+  /// without point `except`, computed in f32: within (d + 2) 2^-24 sum |direction_j| + 2^-120 of
+  /// exact if all |x_j| <= 1.
   Least least(const float* direction, std::uint32_t except, std::size_t count = no_index) const;
 
  private:
   const LocalPoints& points_;
   std::vector<std::uint32_t> ids_, slot_;
-  /// Coordinate j of point k of block b: points_f32_[(b d + j) 64 + k]; of box k of group g:
-  /// low_[(g d + j) 16 + k]. Padding is NaN.
+  /// Coordinate j of point k of block b: columns_[(b d + j) 64 + k]; of box k of group g: low_[(g d
+  /// + j) 16 + k]. Padding is NaN.
   std::vector<float> columns_, low_, high_;
 };
 

@@ -23,7 +23,7 @@ using V = hn::Vec<F>;
 
 }  // namespace
 
-/// Squared distances and cones for a block of points, padding included.
+/// Computes squared distances and cones for a block of points, padding included.
 void find_cones(const OutermostFrame& frame, const OutermostBlock& block, unsigned cells,
                 float* squares, std::int32_t* cones) {
   alignas(64) float near[3][OutermostBlock::size];
@@ -64,7 +64,7 @@ void find_cones(const OutermostFrame& frame, const OutermostBlock& block, unsign
   }
 }
 
-/// Splits packed rows of doubles into columns, a block of them.
+/// Splits a block of packed rows of doubles into columns.
 void split_rows(const double* rows, OutermostBlock& block) {
   const hn::ScalableTag<double> d;
   for (unsigned i = 0; i < OutermostBlock::size; i += static_cast<unsigned>(hn::Lanes(d))) {
@@ -164,8 +164,8 @@ class Search {
     if (squares_[i] > best.square) best = {squares_[i], static_cast<std::uint32_t>(first + i)};
   }
 
-  /// Calls body for evenly spaced blocks of points: 16 blocks of 64 points, as a thousand points
-  /// estimate a share to some 2 %.
+  /// Calls `body` for evenly spaced blocks of points: 16 blocks of 64 points, because a thousand
+  /// points estimate a share to about 2 %.
   template <class Body>
   void each_sampled(const Body& body) {
     constexpr std::uint64_t blocks = 16;
@@ -174,8 +174,8 @@ class Search {
       body(k * all / std::min(blocks, all) * block_size);
   }
 
-  /// The middle of the sample's bounding box, scaled to be about a cube. False where f32 would
-  /// over- or underflow.
+  /// Chooses as centre the middle of the sample's bounding box, and a scale that makes the box
+  /// about a cube. Returns false if f32 would over- or underflow.
   bool choose_frame() {
     double low[3], high[3];
     for (unsigned c = 0; c < 3; ++c) {
@@ -199,10 +199,10 @@ class Search {
     return true;
   }
 
-  /// Whether enough points of a sample lie well below the outermost point of their cone.
+  /// Whether enough points of a sample are well below the outermost point of their cone.
   bool sample_has_inside() {
-    // Of squared distances: 2 % in distance. 0.9 and 0.99 take 4 % more time on balls of 10,000
-    // points, 1 % less on bumpy ones.
+    // The ratio of squared distances above which a point counts as outside: 2 % in distance. 0.9
+    // and 0.99 take 4 % more time on balls of 10,000 points, 1 % less on bumpy ones.
     constexpr float nearly = 0.96F;
     if (settings_.most_outside >= 1) return true;
     std::uint64_t sampled = 0, outside = 0;

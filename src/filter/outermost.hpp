@@ -1,5 +1,5 @@
-// The outermost point of a set in each cone of directions: a few points whose hull makes a quick
-// filter in space.
+// Finds the outermost point of a set in each cone of directions: a few points whose hull makes a
+// quick 3D filter.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +11,21 @@ namespace cullhull::internal::inline filter {
 
 struct OutermostSettings {
   unsigned cells = 8;  ///< cones along an edge of the cube of directions, of which it has 6 cells^2
-  /// No answer where more than this share of about a thousand points is nearly as far out as the
-  /// outermost in its direction.
+  /// The search gives up if more than this share of about a thousand points is nearly as far out as
+  /// the outermost point in its direction.
   double most_outside = 1;
 };
 
-/// Ascending ids of points in space, at most one for each cone. Distances are approximate: single
-/// precision, from the middle of a sample's box. Empty where no answer is possible: points all
-/// equal along an axis, coordinates that are not finite or span too much, most points outside.
-/// count < 2^32. Time O(n).
+/// Returns ascending ids of 3D points, at most one for each cone. Distances are approximate: single
+/// precision, from the middle of a sample's box. Returns nothing if all points are equal along an
+/// axis, coordinates are not finite or span too much, or most points are outside. count < 2^32.
+/// Time O(n).
 std::vector<std::uint64_t> outermost_points(const PointView& points,
                                             const OutermostSettings& settings);
 
 // The data that the search for the outermost points passes to its kernels.
 
-/// The centre of the directions, and the scale that makes the points' extents alike.
+/// The centre of the directions, and the scale that makes the points' extents similar.
 struct OutermostFrame {
   double centre[3], scale[3];
 };

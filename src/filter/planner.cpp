@@ -10,12 +10,12 @@ namespace {
 /// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
 /// ratios matter. Wrong constants cost time, never correctness.
 struct Costs {
-  double sample_point;  ///< hulling a sample, facets included, for each of its points
-  double engine_point;  ///< the engine's time for a point that is not extreme
-  double survivor;      ///< the later stages' time for a survivor of the first map
+  double sample_point;  ///< hulling a sample, facets included, per point
+  double engine_point;  ///< the engine's time per point that is not extreme
+  double survivor;      ///< the later stages' time per survivor of the first map
   double pass;          ///< testing a point against the map
   double build;         ///< building the map
-  double excess;        ///< share the map keeps / share its polytope would keep
+  double excess;        ///< share that the map keeps / share that its polytope would keep
   double largest_probe;
   double largest_sample;
 };
@@ -30,21 +30,22 @@ constexpr Costs costs_by_dimension[] = {
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
 
-/// Efron (1965): the expected share of the points that an m-sample's hull leaves outside is the
-/// expected share of an (m + 1)-sample's points that are extreme.
+/// Estimates the share of points that a sample's hull leaves outside. Efron (1965): for m points it
+/// is expected to be the share of an (m + 1)-sample's points that are extreme.
 double kept_share(std::uint64_t sample, std::uint64_t extreme) {
   return static_cast<double>(std::max<std::uint64_t>(extreme, 1)) /
          static_cast<double>(std::max<std::uint64_t>(sample, 1));
 }
 
-/// Starting the driver and making its context; seconds.
+/// Seconds to start the driver and create its context.
 constexpr double device_start = 0.25;
-/// Making pinned memory, bytes a second: the system locks and clears its pages, 4 KB each at about
-/// a microsecond. Assumed, not measured: the first call for points of the host pays it.
+/// Bytes of pinned memory made per second: the system locks and clears each page of 4 KB in about a
+/// microsecond. Derived from that, not measured: the first call for points of the host pays it.
 constexpr double pin_rate = 4e9;
-/// Two pieces in flight of this many bytes each (cuda/gauge.cpp), or of the points if they are few.
+/// Bytes per piece (cuda/gauge.cpp), two of which are in flight; fewer if the points are few.
 constexpr double pinned_piece = 32 << 20;
-/// Launches, and waiting for the few words of the answer: seconds a call. A guess.
+/// Seconds per call for launches and for waiting for the few words of the answer. Untested; matters
+/// only near break-even.
 constexpr double device_call = 100e-6;
 
 std::string seconds_text(double seconds) {
@@ -60,39 +61,41 @@ std::string seconds_text(double seconds) {
 
 }  // namespace
 
-// Below this many points even dropping all of them would save less than the map costs.
+// Below this number of points even dropping all of them would save less than the map costs.
 std::uint64_t smallest_worth_culling(unsigned d) {
   const Costs& c = costs_of(d);
   return static_cast<std::uint64_t>(c.build / (c.engine_point - c.pass));
 }
 
-// The second map drops about half of the survivors and is larger: four times the first one's cost.
+// The second map drops about half of the survivors and is larger: it costs four times the first.
 std::uint64_t smallest_worth_refining(unsigned d) {
   const Costs& c = costs_of(d);
   return static_cast<std::uint64_t>(4 * c.build / (c.engine_point - c.pass));
 }
 
-// Two threads beside one on two cores, one of them busy with something else, medians: a disk of
-// 100,000 points took 541 us beside 415 (both idle 386 and 392), nearly all of it the filter.
+// One thread below 2^19 2D points. Medians on two cores, one of them busy with other work: a disk
+// of 100,000 points took 541 us with two threads, 415 with one (both idle: 386 and 392), nearly all
+// of it in the filter.
 unsigned useful_cull_threads(unsigned threads, std::uint64_t count, unsigned d) {
   return d == 2 && count < std::uint64_t{1} << 19 ? 1 : threads;
 }
 
-// Likewise, all points extreme: 10,000 points took 438 us beside 271, 50,000 3.9 ms beside 1.5,
-// 100,000 the same (idle two thirds of it).
+// Likewise, all points extreme: 10,000 points took 438 us with two threads, 271 with one; 50,000
+// 3.9 and 1.5 ms; 100,000 took the same (idle: two thirds of it).
 unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d) {
   return d == 2 && count < std::uint64_t{1} << 16 ? 1 : threads;
 }
 
-// Where all points are extreme, hulling the probe costs its share of the whole, at most 1 / 128.
-// Samples of fewer than 8 d points show nothing.
+// Where all points are extreme, hulling the probe costs its share of the total time, at most 1 /
+// 128. Samples of fewer than 8 d points are too small to decide.
 std::uint64_t probe_sample_size(std::uint64_t count, unsigned d) {
   const double size = std::min(static_cast<double>(count) / 128, costs_of(d).largest_probe);
   return std::min(count, std::max(static_cast<std::uint64_t>(size), std::uint64_t{8} * d));
 }
 
-// A larger sample keeps fewer points where the density is smooth, but not where the points lie on a
-// surface, and the probe cannot tell: so no decay is assumed. On a surface extreme = sample.
+// A larger sample keeps fewer points where the density is smooth, but not where the points are on a
+// surface, and the probe cannot distinguish the two: so no decay is assumed. On a surface extreme =
+// sample.
 bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {
   const Costs& c = costs_of(d);
   const auto n = static_cast<double>(count);
@@ -112,10 +115,10 @@ std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
   return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
 }
 
-// A pass on the host costs the larger of reading and testing. For a device, points are copied into
-// pinned memory while the piece before is transferred: again the larger of the two; the kernel's
-// time is hidden behind both. A device that holds the points reads them at half of its copying rate
-// at least (docs/gpu.md), as a copy moves two bytes for one.
+// A pass on the host costs the larger of reading and testing. For a device, a piece of the points
+// is copied into pinned memory while the previous one is transferred: again the larger of the two;
+// both hide the kernel's time. A device that holds the points reads them at no less than half of
+// its copying rate (docs/gpu.md), because a copy moves two bytes for one.
 Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
   const auto n = static_cast<double>(q.count);
   const double bytes = n * static_cast<double>(q.point_bytes);
@@ -139,9 +142,9 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi
-// and Sulanke 1963, Barany 1989). The least of  sample_point m + survivor count s(m)  is at
-// m^(1 + a) = a (survivor / sample_point) count s m0^a, where the probe of m0 points gave s.
-// At most an eighth of the points: where the law does not hold the loss stays small.
+// and Sulanke 1963, Barany 1989). The cost  sample_point m + survivor count s(m)  is least at m^(1
+// + a) = a (survivor / sample_point) count s m0^a, where the probe of m0 points gave s. The sample
+// is at most an eighth of the points: where the law does not hold, the loss stays small.
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
                               std::uint64_t extreme) {
   const Costs& c = costs_of(d);

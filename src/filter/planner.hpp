@@ -1,5 +1,5 @@
-// When the filter pays, how large its samples should be, and where the points are culled. Pure
-// functions of counts and rates.
+// Decides when the filter is worthwhile, how large its samples should be, and where the points are
+// culled. Pure functions of counts and rates.
 #pragma once
 
 #include <cstdint>
@@ -9,51 +9,52 @@
 
 namespace cullhull::internal::inline filter {
 
-/// Fewer points than this are hulled faster than a map is built.
+/// Below this number of points, hulling them is faster than building a map.
 std::uint64_t smallest_worth_culling(unsigned d);
-/// Fewer survivors than this are hulled faster than a second map is built.
+/// Below this number of survivors, hulling them is faster than building a second map.
 std::uint64_t smallest_worth_refining(unsigned d);
 
-/// The number of `threads` that pays: one, where there is too little work to share. For the filter
-/// of `count` points, and for the hull of `count` survivors.
+/// Returns how many of `threads` are worthwhile: one if there is too little work to share. For the
+/// filter of `count` points, and for the hull of `count` survivors.
 unsigned useful_cull_threads(unsigned threads, std::uint64_t count, unsigned d);
 unsigned useful_threads(unsigned threads, std::uint64_t count, unsigned d);
 
-/// Points of the first, small sample, whose hull tells whether the filter pays.
+/// Size of the first, small sample (the probe), whose hull decides whether the filter is
+/// worthwhile.
 std::uint64_t probe_sample_size(std::uint64_t count, unsigned d);
 
-/// Whether culling `count` points saves time, where `extreme` of `sample` random ones were vertices
-/// of the sample's hull.
+/// Whether culling `count` points saves time if `extreme` of `sample` random ones were vertices of
+/// the sample's hull.
 bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);
 
 /// Size of the sample that a map is built from, given the probe's outcome (as above); at least
-/// `sample` where the count allows it.
+/// `sample` if the count allows it.
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
                               std::uint64_t extreme);
 
-/// The same question once the sample of the map itself is hulled: its hull is paid for, so only
-/// building the map and the pass count. `extreme` of its `sample` points are vertices.
+/// The same question after the map's own sample has been hulled: only building the map and the pass
+/// still cost time. `extreme` of its `sample` points are vertices.
 bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);
 
-/// "132 of 1000 sampled points are extreme".
+/// Returns a sentence: "132 of 1000 sampled points are extreme".
 std::string sample_finding(std::uint64_t sample, std::uint64_t extreme);
 
-/// What decides where a pass over points is faster.
+/// The data that decide where a pass over points is faster.
 struct PlaceQuestion {
   std::uint64_t count = 0;
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;
   unsigned threads = 1;
-  bool on_device = false;          ///< where the points are
+  bool on_device = false;          ///< the points are in its memory
   bool device_started = false;     ///< the driver was used in this process
-  std::uint64_t pinned_bytes = 0;  ///< of pinned memory kept from earlier calls
+  std::uint64_t pinned_bytes = 0;  ///< pinned memory kept from earlier calls
 };
 struct Placement {
   bool device = false;
-  std::string reason;       ///< with the estimates of both
-  std::string host_reason;  ///< with that of the CPU alone, for where there is no device
+  std::string reason;       ///< with the estimates of both places
+  std::string host_reason;  ///< with the CPU's estimate alone, used where there is no device
 };
-/// Whether the device would cull the points faster; does not check that there is one.
+/// Whether the device would cull the points faster; does not check that there is a device.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
 
 }  // namespace cullhull::internal::inline filter

@@ -1,4 +1,4 @@
-// The flow for points in a device's memory: cull there, then hull the survivors as points of the
+// The flow for points in a device's memory: cull them on the device, hull the survivors on the
 // host, and translate their ids back.
 #include <algorithm>
 #include <utility>
@@ -44,7 +44,7 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   if (options.with_coordinates)
     write_coordinates(PointView::row_major(filtered.rows.data(), count, points.dimension), hull);
   hull.statistics.threads = call.run.threads;
-  // Survivors ascend, so all that is ordered by position among them is ordered by id.
+  // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
   hull.point_count = points.count;
   hull.scalar = points.scalar;
@@ -79,7 +79,7 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
     const Survivors& s = filtered.survivors;
     vertex_coordinates->clear();
     for (const std::uint64_t v : hull.vertices) {
-      // Survivors ascend, and a vertex is one of them.
+      // Survivors ascend by id, and every vertex is a survivor.
       const auto at = s.all ? v
                             : static_cast<std::uint64_t>(
                                   std::lower_bound(s.ids.begin(), s.ids.end(), v) - s.ids.begin());

@@ -1,4 +1,4 @@
-// The flow of extreme_points: like that of convex_hull, but without facets where those are many.
+// The flow of extreme_points: like that of convex_hull, but from 4D on it computes no facets.
 #include <algorithm>
 #include <utility>
 
@@ -24,7 +24,7 @@ void extreme_in_plane(const PointView& points, const Filtered& filtered, const R
   polygon.rung_counts.add_to(result.statistics.rung_counts);
 }
 
-/// The extreme points' local ids, ascending.
+/// Returns the extreme points' local ids, ascending.
 std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& run,
                                           std::uint64_t* rung_counts) {
   const LocalPoints& points = frame.points();

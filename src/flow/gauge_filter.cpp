@@ -16,20 +16,20 @@ SampledPoints host_points(const PointView& points, const Run& run) {
           }};
 }
 
-/// The pass of a map over all points, and the stages after it.
+/// Runs the pass of a map over all points, and the stages after it.
 void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& points, const Run& run,
              Filtered& result) {
   const unsigned d = points.dimension;
   result.survivors.filter = UsedFilter::gauge;
   SurvivorRows gathered;
-  // A second copy of the survivors for a short time; where most points survive, fetching them later
-  // costs no more.
+  // The most survivors whose rows are copied during the pass. The copy briefly doubles the memory
+  // for survivors; where more points survive, gathering them afterwards is as fast.
   gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
   pass.cull(*map, result.survivors, &gathered);
   map.reset();
   if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
-    // Points so close together that single precision does not separate them. The plane's engine
-    // drops inner points in double precision, from the caller's memory.
+    // The points are too close together for single precision to separate them. The 2D engine
+    // discards inner points in double precision, reading the caller's memory.
     result.survivors.ids = {};
     result.survivors.all = true;
     result.survivors.reason += "; it kept nearly all";
@@ -53,7 +53,7 @@ void filter_by_sample(const PointView& points, const Run& run, Filtered& result)
                             pass.most_nodes(), run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run);  // names the first bad point, not the sample's
+    check_finite(points, nullptr, run);  // reports the first bad point of all, not of the sample
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return;

@@ -1,4 +1,4 @@
-// The second half of the flow: thin lattices, frame, engine, result.
+// The second half of the flow, from survivors to the result: thin lattices, frame, engine, result.
 #include <algorithm>
 #include <optional>
 #include <string>
@@ -25,9 +25,9 @@ Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
   return hull_nd(points, frame.simplex().data(), run);
 }
 
-/// Hulls points of the plane without a frame. False where there are none, and for flats and
-/// polygons of extreme aspect ratios: `filtered` is then reduced to the corners, which have the
-/// same hull.
+/// Hulls 2D points without a frame. Returns false if `points` is not 2D or another engine is asked
+/// for; also for flats and polygons of extreme aspect ratio, after reducing `filtered` to the
+/// polygon's corners, which have the same hull.
 bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
   if (points.dimension != 2 || run.options.engine != Engine::native) return false;
   const PlanarRows rows(points, filtered);
@@ -46,9 +46,9 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   return false;
 }
 
-/// Hulls few points in space directly from their coordinates. False where the engine is needed.
+/// Hulls few 3D points directly from their coordinates. Returns false where the engine is needed.
 bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
-  constexpr std::uint64_t most_memory = 1 << 22;  // of the largest of such results, generously
+  constexpr std::uint64_t most_memory = 1 << 22;  // bytes; more than such a result takes
   const std::uint64_t count = survivors.size(points.count);
   if (run.options.engine != Engine::native || run.budget < most_memory ||
       (survivors.all && count > most_unfiltered_in_space))
@@ -56,7 +56,7 @@ bool few_in_space(const PointView& points, const Survivors& survivors, const Run
   return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 
-/// Qhull decides with tolerances, so its result is certified.
+/// Qhull decides with tolerances, so its result is verified exactly.
 void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
   const Certificate certificate = certify(points, hull, options);
   if (!certificate.valid)
@@ -64,8 +64,8 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
                 "); use the native engine");
 }
 
-/// The hull by a known hull's triangles. False if it has other vertices, or if the triangles
-/// between the points' places do not make a hull.
+/// Writes the hull with the triangles of a known hull. Returns false if that hull has other
+/// vertices, or if its triangles, moved to the points' positions, do not form a hull.
 bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const Run& run,
                    KnownHull& known, Hull& hull) {
   const std::vector<std::uint64_t>& vertices = known.hull->vertices;
@@ -83,7 +83,7 @@ bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const 
   return known.holds;
 }
 
-/// Frame, engine, result: for what the fast paths above do not handle, and for other engines.
+/// Computes frame, engine and result: for other engines and all that the fast paths above refuse.
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
                     Hull& hull) {
   EngineInput input = engine_input(points, std::move(filtered), run);
@@ -103,7 +103,8 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
       const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
       require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
                      std::to_string(facets) + " facets");
-      // From 4D on a facet takes some 150 ns: with fewer of them threads cost more than they save.
+      // From 4D on, writing a facet takes about 150 ns: below 16,384 facets (2.5 ms) threads cost
+      // more than they save.
       constexpr std::uint64_t worth_threads = std::uint64_t{1} << 14;
       build_hull(from, std::move(boundary),
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);

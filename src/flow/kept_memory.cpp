@@ -1,4 +1,4 @@
-// The memory that the library keeps from call to call: pages, pinned memory, scratch of threads.
+// The memory that the library keeps between calls: pages, pinned memory, scratch of threads.
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
 #include "parallel/memory/pages.hpp"

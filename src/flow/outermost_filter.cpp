@@ -10,7 +10,8 @@
 namespace cullhull::internal::inline flow {
 namespace {
 
-/// The hull of at most as many points as small_hull_3d takes; of dimension 0 where it fails.
+/// Returns the hull of the points with these ids; of dimension 0 if there are too many for
+/// small_hull_3d or it fails.
 InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64_t>& ids) {
   struct Memory {
     MediumPoints3D points;
@@ -36,14 +37,14 @@ InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64
   return polytope;
 }
 
-/// The resolution of a map of the outermost points: cones and cells along an edge of the cube of
-/// directions.
+/// The resolution of a map of the outermost points: number of cones and of grid cells along each
+/// edge of the cube of directions.
 struct Fineness {
   unsigned cones, cells;
 };
 
-/// Positions of the points that are not inside the hull of the outermost; false where no map would
-/// pay.
+/// Lists the positions of the points that are not inside the hull of the outermost points. Returns
+/// false if a map is not worthwhile.
 bool kept_by_outermost(const PointView& points, Fineness fine, double most_outside, const Run& run,
                        std::vector<std::uint64_t>& kept) {
   const OutermostSettings settings{.cells = fine.cones, .most_outside = most_outside};
@@ -60,17 +61,17 @@ bool kept_by_outermost(const PointView& points, Fineness fine, double most_outsi
 
 }  // namespace
 
-/// More directions leave fewer points to the engine, but their map takes longer. Measured on balls:
-/// of 10,000 points 96 directions take 330 us a call, 216 take 213, 384 take 255; of 2,000 points
-/// 75, 107 and 127.
+/// More directions leave fewer points to the engine, but their map takes longer. Measured on balls,
+/// per call: 10,000 points take 330 us with 96 directions, 213 with 216, 255 with 384; 2,000 points
+/// take 75, 107 and 127 us.
 bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result) {
   const Fineness first = points.count <= 8192    ? Fineness{4, 8}
                          : points.count <= 32768 ? Fineness{6, 12}
                                                  : Fineness{8, 16};
-  // Where more of the points are outside, dropping the rest saves less than the map costs. Without
-  // this test spheres of 2,000 points take 1.8 times as long, of 10,000 1.4 times; it costs balls
-  // and Gaussian sets 7 to 12 % at 2,000 points, 0 to 4 % at 10,000. 0.5 and 0.9 differ by less
-  // than 2 %.
+  // The largest share of points outside: with more, discarding the rest saves less than the map
+  // costs. Without this test spheres of 2,000 points take 1.8 times as long, of 10,000 1.4 times;
+  // the test costs balls and Gaussian sets 7 to 12 % at 2,000 points, 0 to 4 % at 10,000. The
+  // values 0.5 and 0.9 differ by less than 2 %.
   constexpr double most_outside = 0.75;
   Survivors& survivors = result.survivors;
   if (!kept_by_outermost(points, first, most_outside, run, survivors.ids)) return false;

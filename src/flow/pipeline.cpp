@@ -65,7 +65,7 @@ Survivors cull(const PointView& points, const Options& options) {
   const auto start = Clock::now();
   Filtered filtered = run_filter(points, run);
   Survivors& s = filtered.survivors;
-  // Gathering checks for NaN; where nothing was gathered, check here as convex_hull would.
+  // Gathering checks for NaN; where nothing was gathered, check here, as convex_hull would.
   if (filtered.rows.empty()) check_finite(points, s.all ? nullptr : &s.ids, run);
   s.seconds = seconds_since(start);
   return std::move(s);

@@ -20,9 +20,9 @@ Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   }
   gather_survivors(points, result, run);
   const std::uint64_t left = result.pass_survivors;
-  // One pseudo-hull of all of them, if it fits. A point takes 45 bytes and its coordinates. On a
-  // sphere, where all points are extreme, the largest round has a fifth as many facets as points;
-  // half are allowed for, each with d cells in each of two arrays.
+  // A second pseudo-hull, of all survivors as one set if it fits. A point takes 45 bytes and its
+  // coordinates. On a sphere, where all points are extreme, the largest round has a fifth as many
+  // facets as points; the bound allows half as many, each with d cells in each of two arrays.
   const std::uint64_t bytes = left * (8 * d + 45 + d * (12 * d + 8));
   PseudoHullSettings second;
   second.subsets = bytes <= std::min(run.budget / 2, std::uint64_t{1} << 30) ? 1 : 0;

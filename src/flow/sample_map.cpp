@@ -24,7 +24,7 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
                     : hull_nd(frame.points(), frame.simplex().data(), run, true);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::out_of_budget) throw;
-    return polytope;  // without a map the hull is the same
+    return polytope;  // no map; the final hull does not depend on it
   }
   // Renumber the vertices in use.
   constexpr std::uint32_t unused = 0xFFFFFFFF;
@@ -68,8 +68,8 @@ struct Sampled {
 
 Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Run& run) {
   const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
-  // In space few points of a sample are extreme (else no map is built), so its hull takes less than
-  // a millisecond: dividing the surface for two threads takes longer than they save.
+  // In 3D few points of a sample are extreme (else no map is built), so its hull takes less than a
+  // millisecond: dividing the surface between two threads takes longer than they save.
   constexpr std::uint64_t worth_threads = 1 << 15;
   const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : run.threads;
   Sampled s;
@@ -78,10 +78,11 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Ru
   return s;
 }
 
-/// In space the hull of few facets has long creases, which a coarse map cuts off: more nodes than
-/// the facets call for pay there. A node takes as long as testing some 40 points, or as the engine
-/// with one point: hence a node for every 1024 points and for every 16 survivors. 6,144 and 12,288
-/// nodes leave 32,000 points of an octahedron of 15 million instead of 60,000.
+/// The least number of nodes of a 3D map. A hull of few facets has long creases, which a coarse map
+/// cuts off, so more nodes than the facet count suggests are worthwhile. A node takes as long as
+/// testing some 40 points, or as the engine on one point: hence a node per 1,024 points in the
+/// first map and per 16 survivors in the second. At most 6,144 and 12,288 nodes leave 32,000 points
+/// of an octahedron of 15 million instead of 60,000.
 std::uint32_t least_nodes(std::uint64_t count, unsigned d, Insist insist) {
   if (d != 3) return 0;
   const std::uint64_t worth = insist == Insist::late ? std::min<std::uint64_t>(count / 16, 12288)

@@ -1,5 +1,5 @@
-// From points to the map that culls them (sample, exact hull of the sample, map), for any kind of
-// memory, given a function that fetches points; and the pass of that map over all points.
+// From points to the map that culls them (sample, exact hull of the sample, map), for points in any
+// kind of memory, which a function fetches; and the pass of that map over all points.
 #pragma once
 
 #include <cstdint>
@@ -15,56 +15,59 @@
 
 namespace cullhull::internal::inline flow {
 
-/// The exact hull of some input points as an InnerPolytope; of dimension 0 if they lie in a flat or
-/// the hull would exceed the budget.
+/// Returns the exact hull of some input points; of dimension 0 if they lie in a flat or the hull
+/// would exceed the budget.
 InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run);
 
-/// `size` ids spread evenly over [0, count), each at a pseudo-random place in its interval, so that
-/// a period in the input's order cannot hide points from the sample; fewer where count is less.
+/// Returns `size` ids spread evenly over [0, count), each at a pseudo-random place in its interval,
+/// so that a period in the input's order cannot hide points from the sample; fewer if count is
+/// less.
 std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size);
 
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;
-  /// Packed rows of the points with these ids, which ascend.
+  /// Returns packed rows of the points with these ids, which must ascend.
   std::function<Array<double>(const std::vector<std::uint64_t>& ids)> gather;
 };
 
 struct SampledMap {
-  std::unique_ptr<GaugeMap> map;  ///< null: culling would not pay, or no map exists
-  std::string reason;             ///< one line, whether there is a map or not
+  std::unique_ptr<GaugeMap> map;  ///< null: culling is not worthwhile, or no map exists
+  std::string reason;             ///< one line, with or without a map
 };
 
 enum class Insist {
-  no,    ///< build a map only if first a small sample shows that it pays, then the map's own sample
-  late,  ///< points near the boundary: a small sample shows nothing, only the map's own does
-  yes,   ///< build a map wherever one exists
+  no,    ///< build a map only if a small sample, then the map's own sample show that it is
+         ///< worthwhile
+  late,  ///< for points near the boundary: a small sample shows nothing, only the map's own decides
+  yes,   ///< build a map whenever one exists
 };
 
-/// The map of a polytope, of the resolution that pays for `count` points; null where none exists.
+/// Returns the map of a polytope, with the resolution that suits `count` points; null if none
+/// exists.
 std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t count,
                                           Insist insist, std::uint32_t most_nodes, const Run& run);
 
-/// `most_nodes`: as in GaugeMap::build. A sample whose hull would exceed `budget` gives no map.
-/// `most_probes`: the map's sample is at most so many times as large as the first.
+/// `most_nodes`: as in GaugeSettings. A sample whose hull would exceed run.budget gives no map. The
+/// map's sample is at most `most_probes` times as large as the first.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes = ~std::uint64_t{0});
 
 // The pass of a GaugeMap over all points in the host's memory: on the CPU or, copied in pieces, on
 // a CUDA device.
 
-/// Decides where the pass runs, and runs it. A device that the options require was checked before;
-/// one that the planner chose may turn out to be missing, which is no error.
+/// Decides where the pass runs, and runs it. A device that the options require has been checked
+/// before; if the planner's choice of a device fails, the pass falls back to the CPU.
 class CullPass {
  public:
-  /// Views `points` and `run`.
+  /// Keeps references to `points` and `run`.
   CullPass(const PointView& points, const Run& run);
 
   /// The most nodes of a map that fit the executor's cache; 0: the CPU's default.
   std::uint32_t most_nodes() const;
 
-  /// Sets what the map keeps and where the pass ran, and appends why to the reason. On the CPU also
-  /// gathers the rows of survivors, if asked for.
+  /// Sets the survivors and where the pass ran, and appends the planner's reason. On the CPU also
+  /// gathers the rows of survivors into `rows`, if given.
   void cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows = nullptr);
 
  private:

@@ -1,4 +1,4 @@
-// Hilbert keys in lanes, compiled once per instruction set.
+// Hilbert keys, a point per vector lane; compiled once per instruction set.
 #include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
@@ -17,13 +17,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using U = hn::CappedTag<std::uint32_t, curve_block>;
 using V = hn::Vec<U>;
 
-/// A lane mask: all ones where the bits are set.
+/// Returns a lane mask: all ones where one of the bits is set.
 HWY_INLINE V where(V x, V bits) {
   return hn::VecFromMask(U(), hn::Ne(hn::And(x, bits), hn::Zero(U())));
 }
 
-/// D: the dimension where it is known at compile time, so that coordinates stay in registers, else
-/// 0.
+/// D: the dimension if known at compile time, so that coordinates stay in registers, else 0.
 template <unsigned D>
 void keys_of_vector(unsigned dimension, unsigned bits, std::uint32_t* cells, std::uint32_t* keys) {
   const U u;

@@ -12,12 +12,12 @@
 namespace cullhull::internal::inline geometry {
 namespace {
 
-constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte
+constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte in 3D
 
-/// Of -0 among the coordinates.
+/// How to treat -0 among the coordinates.
 enum class Zeros { positive, as_given };
 
-/// Rows of the points id(i), i in [begin, end).
+/// Copies the rows of the points id(i), i in [begin, end).
 template <Zeros zeros, class T, class Id>
 void gather_rows_of(const PointView& view, const Id& id, std::uint64_t begin, std::uint64_t end,
                     double* out) {
@@ -52,7 +52,7 @@ void gather_rows(const PointView& view, const std::uint64_t* ids, std::uint64_t 
         view, [](std::uint64_t i) { return i; }, begin, end, out);
 }
 
-/// Index of the first non-finite value of [begin, end), or `end`.
+/// Returns the index of the first non-finite value of [begin, end), or `end`.
 std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t end) {
   double sum = 0;  // x * 0 is NaN exactly for NaN and infinities
   for (std::uint64_t i = begin; i < end; ++i) sum += values[i] * 0.0;
@@ -66,7 +66,7 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
               (std::isnan(value) ? "NaN" : "infinite"), "; remove or repair such points first");
 }
 
-/// The lowest of the values that several threads report.
+/// Keeps the lowest of the values that several threads report.
 class Lowest {
  public:
   void offer(std::uint64_t v) {

@@ -1,4 +1,4 @@
-// Copies chosen points of a view into packed doubles: from here on all code works on doubles.
+// Copies points of a view into packed doubles, which all later code works on.
 #pragma once
 
 #include <cstdint>
@@ -12,50 +12,51 @@
 
 namespace cullhull::internal::inline geometry {
 
-/// Throws Error{invalid_argument} with a message of these parts.
+/// Throws Error{invalid_argument}; the message consists of these parts.
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {
   throw Error(ErrorCode::invalid_argument, parts...);
 }
 
-/// Throws Error{invalid_argument} for points of no dimension, and for points without data.
+/// Throws Error{invalid_argument} for points of dimension 0, and for points without data.
 void require_points(std::uint32_t dimension, const void* data, std::uint64_t count);
 inline void require_points(const PointView& view) {
   require_points(view.dimension, view.data, view.count);
 }
-/// The first of these checks alone.
+/// Checks only the dimension.
 void require_dimension(std::uint32_t dimension);
 
 /// Throws Error{invalid_argument} unless there is one weight for each of `count` points.
 void require_weights(std::span<const double> weights, std::uint64_t count);
 
-/// The columns of points in a flat: its axes first, then the others, ascending.
+/// Returns the columns of points in a flat: its axes first, then the others, ascending.
 std::vector<std::uint32_t> flat_columns(const std::vector<std::uint32_t>& axes, unsigned dimension);
 
-/// Row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0 becomes +0.
-/// Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must ascend. The
-/// view may be a mapped file that is read from disk meanwhile, so this and check_finite can be
-/// cancelled.
+/// Returns row-major doubles of the points `ids` (nullptr: all `count` points of the view). -0
+/// becomes +0. Throws Error{not_finite} naming the lowest id with a NaN or an infinity; ids must
+/// ascend. The view may be a mapped file that is being read from disk, so this and check_finite can
+/// be cancelled.
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                             const Run& run);
 
-/// Rows of the points first + offsets[i], i < count, not checked for finiteness; -0 becomes +0.
+/// Copies the rows of the points first + offsets[i], i < count, without a check for finiteness; -0
+/// becomes +0.
 void gather_rows_at(const PointView& view, std::uint64_t first, const std::uint32_t* offsets,
                     std::size_t count, double* out);
 
-/// The exact coordinates of one point, not checked for finiteness. Loops over many points are about
-/// as fast as gather_points where the scalar type stays the same.
+/// Copies the exact coordinates of one point, without a check for finiteness. Loops over many
+/// points are about as fast as gather_points if the scalar type stays the same.
 void load_row(const PointView& view, std::uint64_t point, double* out);
 
-/// The same for the points [begin, end), row by row.
+/// Does the same for the points [begin, end), row by row.
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
-/// The same with the sign of each zero, which shows in the planes of edges.
+/// Does the same but keeps the sign of each zero, which affects the planes of edges.
 void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 
-/// Throws as gather_points does; ids: nullptr means all points. Memory O(threads).
+/// Throws as gather_points does. `ids`: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run);
 
-/// The same for packed rows that are copies of points: row i is point names[i], or i if null.
+/// Checks packed rows that are copies of points: row i is point names[i], or i if `names` is null.
 void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
                        const std::uint64_t* names, const Run& run);
 

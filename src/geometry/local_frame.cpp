@@ -18,10 +18,10 @@
 namespace cullhull::internal::inline geometry {
 namespace {
 
-/// The start simplex is first sought in a sample of this many points, then in all. Any simplex is
-/// right; a wide one makes the engine's first facets better conditioned. Looking at all of 1,000
-/// points took a tenth of a call in 4D, hence 256. Drawn pseudo-randomly from a fixed seed: points
-/// at even steps of a grid may all lie in a plane.
+/// The start simplex is sought first in a sample of this many points, then in all. Any simplex is
+/// correct; a wide one makes the engine's first facets better conditioned. Searching all of 1,000
+/// points took a tenth of a call in 4D, hence 256. The sample is pseudo-random with a fixed seed,
+/// because points at even steps of a grid may all lie in a plane.
 constexpr std::uint32_t small_sample = 256, large_sample = 1024, many_points = 1U << 16;
 
 std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
@@ -36,11 +36,11 @@ std::vector<std::uint32_t> draw_sample(std::uint32_t count) {
   return sample;
 }
 
-/// Rows of a chunk.
+/// Rows per chunk.
 constexpr std::uint64_t sweep = std::uint64_t{1} << 15;
 
 /// Subtracts from r its components along the first `rank` orthonormal rows of `basis`; returns the
-/// squared norm of the rest. D: the dimension where it is known at compile time, else 0.
+/// squared norm of the rest. D: the dimension if known at compile time, else 0.
 template <unsigned D>
 double remove_components(double* r, unsigned dimension, const double* basis, unsigned rank) {
   const unsigned d = D ? D : dimension;
@@ -59,8 +59,8 @@ struct Candidate {
   double square;
 };
 
-/// Of the points at(begin), ..., at(end - 1) the first that is farthest from the flat through
-/// `origin` spanned by `basis`.
+/// Returns the first of the points at(begin), ..., at(end - 1) that is farthest from the flat
+/// through `origin` spanned by `basis`.
 template <unsigned D, class At>
 Candidate farthest_row(const double* rows, unsigned dimension, std::uint32_t origin,
                        const double* basis, unsigned rank, std::uint64_t begin, std::uint64_t end,
@@ -81,9 +81,9 @@ Candidate farthest_row(const double* rows, unsigned dimension, std::uint32_t ori
   return best;
 }
 
-/// True only if the filter or the exact rung of `orientation` shows that p[1 .. rank] - p[0] are
-/// independent, by a nonzero determinant on the axes that elimination in doubles selects. False
-/// proves nothing.
+/// Returns true only if the filter or the exact rung of `orientation` shows that p[1 .. rank] -
+/// p[0] are independent, by a nonzero determinant on the axes that elimination in doubles selects.
+/// False proves nothing.
 bool surely_independent(unsigned d, const double* const* p, unsigned rank) {
   std::vector<double> m(std::size_t{rank} * d);
   for (unsigned i = 0; i < rank; ++i)
@@ -180,7 +180,8 @@ void LocalFrame::measure_axes() {
     }
     Axis& a = frame_[j];
     a.constant = low == high;
-    // Within a factor of two of one another and of one sign, subtraction is exact (Sterbenz 1974).
+    // Subtraction is exact for numbers of one sign within a factor of two of one another (Sterbenz
+    // 1974).
     if (low > 0 && high <= 2 * low) a.shift = low;
     if (high < 0 && low >= 2 * high) a.shift = high;
     const double largest = std::max(std::abs(low - a.shift), std::abs(high - a.shift));
@@ -188,7 +189,7 @@ void LocalFrame::measure_axes() {
   }
 }
 
-/// Finds the axes where scaling by 2^-e loses bits, as results fall below the normal range.
+/// Finds the axes where scaling by 2^-e loses bits because results are below the normal range.
 void LocalFrame::find_inexact_axes() {
   const unsigned d = dimension_;
   for (unsigned j = 0; j < d; ++j) {
@@ -350,7 +351,7 @@ bool LocalFrame::independent(std::uint32_t candidate) {
          affine_rank_exact(dimension_, p.data(), n) == n - 1;
 }
 
-/// A point off the flat of simplex_, or count_ if there is none; decided exactly.
+/// Returns a point off the flat of simplex_, or count_ if there is none; decided exactly.
 std::uint32_t LocalFrame::independent_by_scan() {
   const unsigned d = dimension_;
   const auto rank = static_cast<unsigned>(simplex_.size() - 1);
@@ -358,8 +359,8 @@ std::uint32_t LocalFrame::independent_by_scan() {
   for (const std::uint32_t v : simplex_) flat.push_back(raw_.data() + std::size_t{v} * d);
   std::vector<unsigned> kept(rank);
   affine_rank_exact(d, flat.data(), rank + 1, kept.data());
-  // The flat projects onto the kept axes one to one and fills them, so a point is off the flat
-  // exactly if it is off on the kept axes and one more.
+  // The flat projects one to one onto all of the kept axes, so a point is off the flat exactly if
+  // it is off the flat's projection onto the kept axes and one more.
   for (unsigned axis = 0; axis < d; ++axis) {
     if (frame_[axis].constant || std::find(kept.begin(), kept.end(), axis) != kept.end()) continue;
     const auto project = [&](const double* x, double* out) {
@@ -397,7 +398,8 @@ void LocalFrame::keep_axes(Array<double>& rows) const {
   rows = std::move(kept);
 }
 
-/// docs/exactness.md, "Small lattices": whether doubles compute determinants without rounding.
+/// Finds out whether doubles compute determinants without rounding: docs/exactness.md, "Small
+/// lattices".
 void LocalFrame::detect_lattice() {
   const auto k = static_cast<unsigned>(affine_dimension_);
   if (k < 2 || k > 8) return;
@@ -429,7 +431,7 @@ void LocalFrame::detect_lattice() {
     sum += most;
   }
   points_.small_lattice = sum <= allowed;
-  // Rows (k + 1) p - (sum of k + 1 points) are larger by that factor.
+  // Rows (k + 1) p - (sum of k + 1 points) are larger by up to k + 1 in each of k columns.
   points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 

@@ -10,20 +10,20 @@
 
 namespace cullhull::internal::inline geometry {
 
-/// Owns the memory that LocalPoints views.
+/// Transforms points into the engines' frame, and owns the memory that LocalPoints views.
 class LocalFrame {
  public:
   /// Takes over `rows`: count x dimension finite doubles. Finds the affine dimension exactly,
   /// projects onto as many axes (one to one on the flat) and scales. Time O(n d^2); memory: the
-  /// rows, and a second copy where scaling is not exact or axes are dropped.
+  /// rows, and a second copy if scaling is not exact or axes are dropped.
   LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension, const Run& run);
-  /// The same for a copy of `rows`, on one thread.
+  /// Does the same for a copy of `rows`, on one thread.
   LocalFrame(const std::vector<double>& rows, std::uint32_t count, unsigned dimension,
              const Run& run)
       : LocalFrame(Array<double>(rows.begin(), rows.end()), count, dimension, run) {}
 
   int affine_dimension() const { return affine_dimension_; }
-  /// The axes kept, ascending; as many as the affine dimension.
+  /// The axes kept, ascending; their number is the affine dimension.
   const std::vector<unsigned>& axes() const { return axes_; }
   /// affine_dimension() + 1 affinely independent points.
   const std::vector<std::uint32_t>& simplex() const { return simplex_; }
@@ -36,7 +36,7 @@ class LocalFrame {
     bool constant = true;
     bool exact = true;
   };
-  /// body(chunk, begin, end) for chunks of rows, on all threads.
+  /// Calls body(chunk, begin, end) for chunks of rows, on all threads.
   template <class Body>
   void each_chunk(const Body& body) const;
   void measure_axes();
@@ -44,7 +44,7 @@ class LocalFrame {
   void scale_rows(Array<double>& rows) const;
   void find_simplex(const Array<double>& scaled);
   std::uint32_t lowest_row(const Array<double>& scaled) const;
-  /// Searches the points `among`; nullptr: all.
+  /// Searches the points `among`; nullptr: all points.
   std::uint32_t farthest(const Array<double>& scaled, const std::vector<double>& basis,
                          unsigned rank, const std::vector<std::uint32_t>* among) const;
   bool independent(std::uint32_t candidate);

@@ -12,32 +12,31 @@
 namespace cullhull::internal::inline geometry {
 namespace {
 
-// Large enough for a hull worth culling with: the first round is inserted before any other point is
-// tested against the hull. On 10,000 normal points in 4D the tests against the facets of 64 points
-// drop nine of ten.
+// The size of the first round, which is inserted before any other point is tested against the hull:
+// large enough for a hull that culls well. On 10,000 normal points in 4D the tests against the
+// facets of 64 points drop nine of ten.
 constexpr std::uint32_t first_round = 64;
-/// So many of the outermost points are selected and sorted before all points are: where thinning
+/// The number of outermost points that are selected and sorted before all points are: if thinning
 /// between the rounds drops most of the others, they are never sorted.
 constexpr std::uint32_t outermost = 1024;
 constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
-/// Size of the sample that the covariance is computed from. It grows with the dimension, where the
-/// order matters more: with 512 points instead of 4096 the 6D engine makes a tenth more facets on
-/// balls.
+/// Returns the size of the sample for the covariance. It grows with the dimension, where the order
+/// matters more: with 512 points instead of 4,096 the 6D engine makes a tenth more facets on balls.
 std::uint32_t covariance_sample(std::uint32_t count, unsigned d) {
   const std::uint64_t share = std::uint64_t{count} * std::min(d - 3, 8U) / 8;
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(share, 512, 4096));
 }
 
-/// Ascends as norms descend: non-negative floats are ordered as their bits. A hash of the id in the
-/// low eight bits breaks ties.
+/// Returns a key that ascends as norms descend: non-negative floats are ordered like their bits. A
+/// hash of the id in the low eight bits breaks ties.
 std::uint32_t key(double norm, std::uint32_t id) {
   const auto v = static_cast<float>(std::min(norm, 1e30));
   const std::uint32_t tie = id * 0x9E3779B1U >> 24;
   return ~((std::bit_cast<std::uint32_t>(v) & ~0xFFU) | tie);
 }
 
-/// |L^-1 (x - mean)|^2 where L L^T is the covariance. Only a heuristic: rounding does not affect
-/// correctness.
+/// Computes |L^-1 (x - mean)|^2, where L L^T is the covariance. Only a heuristic: rounding does not
+/// affect correctness.
 class Norm {
  public:
   explicit Norm(const LocalPoints& points) : d_(points.dimension), mean_(d_, 0.0) {
@@ -58,7 +57,8 @@ class Norm {
     factorise();
   }
 
-  /// Norms of `lanes` consecutive rows. D: the dimension where it is known at compile time, else 0.
+  /// Computes the norms of `lanes` consecutive rows. D: the dimension if known at compile time,
+  /// else 0.
   static constexpr unsigned lanes = 8;
   template <unsigned D>
   void of_rows(const double* rows, double (*y)[lanes], double* norms) const {
@@ -76,7 +76,8 @@ class Norm {
   }
 
  private:
-  /// Cholesky; the diagonal holds reciprocals. A direction without extent gets weight 0.
+  /// Cholesky factorisation; the diagonal holds reciprocals. A direction without extent gets weight
+  /// 0.
   void factorise() {
     for (unsigned j = 0; j < d_; ++j) {
       const double whole = factor_[j * d_ + j];
@@ -136,7 +137,7 @@ void NormOrder::sort_outermost(std::uint32_t wanted) {
   std::uint32_t end = count_;
   if (wanted <= outermost && count_ > 4 * outermost) {
     end = outermost;
-    // The key and the id order all points, so that the result does not depend on the algorithm.
+    // Key and id order all points totally, so that the result does not depend on the algorithm.
     std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
                      [](const KeyedId& a, const KeyedId& b) {
       return a.key != b.key ? a.key < b.key : a.id < b.id;
@@ -161,8 +162,8 @@ void NormOrder::take_round(std::vector<std::uint32_t>& order) {
   taken_ += size;
 }
 
-/// Sorts along a Hilbert curve through a grid of 16^d cells for each point, as far as 32 bits hold
-/// a cell's key.
+/// Sorts points along a Hilbert curve through a grid of 16^d cells per point, but at most as many
+/// cells as 32-bit keys distinguish.
 void NormOrder::arrange(KeyedId* begin, std::uint32_t size) {
   const unsigned d = points_.dimension, used = std::min(d, 32U);
   const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,

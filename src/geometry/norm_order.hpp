@@ -11,20 +11,20 @@
 
 namespace cullhull::internal::inline geometry {
 
-/// Outermost first: by decreasing norm in the metric of the points' covariance, for which few
-/// facets are made and deleted again (on a ball 3 to 4 for each that stays, in random order 6 to
-/// 7). In rounds, each half as large as all before it together; within a round along a Hilbert
-/// curve, so that consecutive points are near one another. Points of equal norm come in
-/// pseudo-random order. Between rounds the remaining points can be thinned before they are sorted.
-/// Deterministic for any number of threads. Time O(n d^2) in all.
+/// Orders points outermost first: by decreasing norm in the metric of their covariance, which makes
+/// the engine create and delete few facets (on a ball 3 to 4 per final facet, in random order 6 to
+/// 7). Points are taken in rounds, each half as large as all before it together; within a round
+/// along a Hilbert curve, so that consecutive points are near one another. Points of equal norm
+/// come in pseudo-random order. Between rounds the remaining points can be thinned before they are
+/// sorted. Deterministic for any number of threads. Total time O(n d^2).
 class NormOrder {
  public:
   /// Orders all points except `left_out`.
   NormOrder(const LocalPoints& points, std::vector<std::uint32_t> left_out, const Run& run);
 
-  /// Points that no round has taken yet.
+  /// The number of points that no round has taken yet.
   std::uint32_t left() const { return count_ - taken_; }
-  /// One of them, k < left(), in no particular order.
+  /// Returns one of them, k < left(), in no particular order.
   std::uint32_t left_at(std::uint32_t k) const { return items_[taken_ + k].id; }
 
   /// Appends the next round to `order`.
@@ -41,9 +41,9 @@ class NormOrder {
   const LocalPoints& points_;
   const Run run_;
   RawArray<KeyedId> items_, scratch_;
-  std::uint32_t count_ = 0;   ///< items, those taken included
-  std::uint32_t taken_ = 0;   ///< from the front
-  std::uint32_t sorted_ = 0;  ///< from the front: they are the outermost, in order
+  std::uint32_t count_ = 0;   ///< number of items, those taken included
+  std::uint32_t taken_ = 0;   ///< number of items taken, from the front
+  std::uint32_t sorted_ = 0;  ///< number of items at the front that are the outermost, in order
 };
 
 }  // namespace cullhull::internal::inline geometry

@@ -1,5 +1,5 @@
-// What hulls and triangulations do with the vertices of a simplex: sort them with the sign of the
-// permutation, and pair the simplices that share a ridge.
+// Operations on the vertices of a simplex, for hulls and triangulations: sorting them with the sign
+// of the permutation, and pairing the simplices that share a ridge.
 #pragma once
 
 #include <cstddef>
@@ -14,8 +14,8 @@ namespace cullhull::internal::inline geometry {
 /// Sorts the ids of a simplex ascending; returns whether the permutation is odd. `along`: numbers
 /// that move with the ids, for instance the neighbours opposite to them. `make_even`: if the
 /// permutation is odd, the last two are swapped afterwards. N: `count` if it is a compile-time
-/// constant, otherwise 0. With N no branch depends on the ids, which usually are in random order;
-/// without, `along` may be null.
+/// constant, else 0. If N > 0, no branch depends on the ids, which usually are in random order; if
+/// N = 0, `along` may be null.
 template <unsigned N, bool make_even = false>
 inline bool sort_simplex(std::uint32_t* ids, std::uint32_t* along, unsigned count) {
   bool odd = false;
@@ -42,7 +42,7 @@ inline bool sort_simplex(std::uint32_t* ids, std::uint32_t* along, unsigned coun
 }
 
 /// Writes the facet opposite to corner `slot` of a positively oriented cell to `facet`: its ids
-/// ascending, the last two swapped where that is needed to orient it outward.
+/// ascending, the last two swapped if needed to orient it outward.
 inline void outward_facet(std::span<const std::uint32_t> cell, unsigned slot,
                           std::uint32_t* facet) {
   const auto k = static_cast<unsigned>(cell.size()) - 1;
@@ -54,10 +54,10 @@ inline void outward_facet(std::span<const std::uint32_t> cell, unsigned slot,
 }
 
 /// Pairs the two new simplices at each ridge of a cavity without comparing vertices. Each simplex
-/// adds entry(its number) to the table slot that the ridge's vertices hash to. Where is_pair()
-/// holds for the slot, exactly two simplices have added to it, and they share a ridge, whatever the
-/// hash function; other() then gives one from the other. Simplices in other slots must be found in
-/// another way.
+/// adds entry(its number) to the table slot given by a hash of the ridge's vertices. If is_pair()
+/// is true for a slot, exactly two simplices have added to it, and they share a ridge, whatever the
+/// hash function; other() then returns one from the other. Simplices in other slots must be found
+/// in another way.
 ///
 /// The upper 22 bits of a slot count the entries, the lower 42 bits sum the numbers. The sum of two
 /// numbers has 33 bits. Fewer than max_entries numbers carry at most 2^10 into the count, so the

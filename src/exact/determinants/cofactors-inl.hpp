@@ -1,9 +1,10 @@
-// The text of `cofactors`, for numbers of any kind and for vectors of them: to be included inside a
+// The text of `cofactors`, for numbers of any kind and for vectors of them: included inside a
 // namespace, once for plain numbers (cofactors.hpp) and once for each instruction set
-// (facet_lanes-inl.hpp). CULLHULL_MATH says how its function is to be inlined.
+// (facet_lanes-inl.hpp). CULLHULL_MATH defines how its function is inlined.
 
-/// normal such that normal . (x - p0) = det [p1 - p0; ...; p(K-1) - p0; x - p0], from the rows
-/// edges[i] = p(i+1) - p0. Minors of the first r rows over all r-subsets of columns, r = 1, 2, ...
+/// Computes a normal such that normal . (x - p0) = det [p1 - p0; ...; p(K-1) - p0; x - p0], from
+/// the rows edges[i] = p(i+1) - p0, by minors of the first r rows over all r-subsets of columns, r
+/// = 1, 2, ...
 template <unsigned K, class Real>
 CULLHULL_MATH void cofactors(const Real (&edges)[K > 1 ? K - 1 : 1][K], Real (&normal)[K]) {
   if constexpr (K == 1) {
@@ -19,7 +20,7 @@ CULLHULL_MATH void cofactors(const Real (&edges)[K > 1 ? K - 1 : 1][K], Real (&n
     constexpr unsigned full = (1U << K) - 1;
     Real minor[full + 1];
     for (unsigned c = 0; c < K; ++c) minor[1U << c] = edges[0][c];
-    // Every proper subset of a mask is smaller than the mask, so ascending order is enough.
+    // Every proper subset of a mask is smaller than the mask, so ascending order suffices.
     for (unsigned mask = 3; mask < full; ++mask) {
       const auto rows = static_cast<unsigned>(std::popcount(mask));
       if (rows < 2) continue;

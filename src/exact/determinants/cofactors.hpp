@@ -1,4 +1,4 @@
-// The normal of a simplex by cofactors, with the bound that makes its sign certain.
+// The normal of a simplex by cofactors, with the error bound that makes its sign certain.
 #pragma once
 
 #include <algorithm>
@@ -12,22 +12,23 @@ namespace cullhull::internal::inline exact {
 #include "exact/determinants/cofactors-inl.hpp"
 #undef CULLHULL_MATH
 
-/// |computed - exact| <= determinant_error(K) * prod_i max|row i| for the K x K determinant of
-/// rounded differences evaluated by `cofactors` and a dot product, plus `determinant_tiny` for
-/// underflow where |differences| <= 2. Each of the K! products meets K rounded differences and, at
-/// level j = 2 ... K, one multiplication and at most j - 1 additions: K + K(K+1)/2 - 1 factors
-/// (1 + u); 1.01 covers the higher powers and the rounding of the bound itself.
+/// The error bound of a K x K determinant of rounded differences, evaluated by `cofactors` and a
+/// dot product: |computed - exact| <= determinant_error(K) * prod_i max|row i|, plus
+/// `determinant_tiny` for underflow where |differences| <= 2. Each of the K! products includes K
+/// rounded differences and, at level j = 2 ... K, one multiplication and at most j - 1 additions: K
+/// + K(K+1)/2 - 1 factors (1 + u); 1.01 covers the higher powers and the rounding of the bound
+/// itself.
 constexpr double determinant_error(unsigned k) {
   double products = 1;
   for (unsigned i = 2; i <= k; ++i) products *= i;
   return 1.01 * (k + k * (k + 1) / 2.0 - 1) * products * 0x1p-53;
 }
-/// K! 2^K products, K <= 8, each off by at most K 2^-1074 through underflow: below 2^-1048.
+/// Covers underflow: K! 2^K products, K <= 8, each off by at most K 2^-1074: below 2^-1048.
 inline constexpr double determinant_tiny = 0x1p-1000;
 
-/// Cofactor normal of the simplex with corners at(0) ... at(K - 1), K doubles each. For `reach`,
-/// which is returned, the computed normal . (x - corner 0) is off by at most reach * max|x - corner
-/// 0| + determinant_tiny.
+/// Computes the cofactor normal of the simplex with corners at(0) ... at(K - 1), K doubles each,
+/// and returns its reach: the computed normal . (x - corner 0) is within reach * max|x - corner 0|
+/// + determinant_tiny of exact.
 template <unsigned K, class At>
 double normal_and_reach(const At& at, double (&normal)[K]) {
   double edges[K > 1 ? K - 1 : 1][K];

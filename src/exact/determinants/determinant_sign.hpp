@@ -1,4 +1,4 @@
-// Signs of determinants of integers: 128 bits where they provably suffice, else GMP.
+// Signs of determinants of integers: in 128 bits if they provably suffice, else by GMP.
 #pragma once
 
 #include <gmp.h>
@@ -16,11 +16,11 @@
 
 namespace cullhull::internal::inline exact {
 
-// Rows below are square matrices: columns(); narrow(), whether entries fit 64 bits, then small(i,
-// j); big(i, j, out, scratch) always.
+// `Rows` below is a square matrix with columns(); narrow(), whether entries fit 64 bits; small(i,
+// j), valid if narrow; and big(i, j, out, scratch), always valid.
 
-/// Determinant in 128 bits, if it provably fits: the sum over columns of the bits of the largest
-/// entry, plus the bits of d!.
+/// Computes the determinant in 128 bits, if it provably fits: the sum over columns of the bits of
+/// the largest entry, plus the bits of d!.
 template <unsigned D, class Rows>
 bool determinant_128(const Rows& a, Sign& sign) {
   std::int64_t m[D][D];
@@ -49,15 +49,15 @@ bool determinant_128(const Rows& a, Sign& sign) {
          });
 }
 
-/// Numbers that a thread keeps for reuse.
+/// Returns numbers that the thread keeps for reuse.
 inline BigNumbers& kept_numbers(std::size_t count) {
   thread_local BigNumbers kept;
   kept.resize(count);
   return kept;
 }
 
-/// Sign of the determinant by fraction-free elimination (Bareiss 1968), where every division is
-/// exact.
+/// Returns the determinant's sign by fraction-free elimination (Bareiss 1968), where every division
+/// is exact.
 template <class Rows>
 Sign determinant_sign_big(const Rows& rows) {
   const unsigned n = rows.columns();

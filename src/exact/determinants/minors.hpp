@@ -1,5 +1,5 @@
-// Determinants by expansion over column subsets: the one arithmetic that the filters, the cached
-// planes and the fixed-width exact rung share.
+// Determinants by expansion over column subsets: the arithmetic that the filters, the cached planes
+// and the fixed-width exact rung share.
 #pragma once
 
 #include <bit>
@@ -15,20 +15,20 @@ namespace cullhull::internal::inline exact {
 /// Unit roundoff of double.
 inline constexpr double unit_roundoff = 0x1p-53;
 
-/// Roundings met along any path of expand_minors over D x D differences: D differences, D - 1
+/// Bounds the roundings on any path of expand_minors over D x D differences: D differences, D - 1
 /// products, k - 1 additions at each level k. docs/exactness.md, "Expansion of minors".
 constexpr double minor_roundings(unsigned d) {
   return static_cast<double>(d + (d - 1) + d * (d - 1) / 2);
 }
 
-/// Minor `mask` of expand_minors, the loops unrolled.
+/// Computes minor `mask` of expand_minors, with unrolled loops.
 template <unsigned D, bool Permanent, unsigned mask, class T, class Entry>
 CULLHULL_HD_INLINE void expand_minor(const Entry (*m)[D], unsigned rows, T* det, T* perm) {
   constexpr auto size = static_cast<unsigned>(std::popcount(mask));
   if (size > rows) return;
   const Entry* row = m[size - 1];
   T sum{}, bound{};
-  unsigned k = 0;  // columns before
+  unsigned k = 0;  // number of the mask's columns before j
   const auto term = [&]<unsigned j>(std::integral_constant<unsigned, j>) {
     if constexpr ((mask >> j & 1U) != 0) {
       const T product = T(row[j]) * det[mask ^ (1U << j)];
@@ -49,8 +49,8 @@ CULLHULL_HD_INLINE void expand_minor(const Entry (*m)[D], unsigned rows, T* det,
   if constexpr (Permanent) perm[mask] = bound;
 }
 
-/// All minors of the first `rows` rows of a matrix with D columns, expanded along the last row:
-/// det[mask] is the determinant of rows 0 .. popcount(mask)-1 on the columns in `mask`, with
+/// Computes all minors of the first `rows` rows of a matrix with D columns, expanded along the last
+/// row: det[mask] is the determinant of rows 0 .. popcount(mask)-1 on the columns in `mask`, with
 /// columns ascending. `perm`, if Permanent, receives the permanents of |entries|, computed by the
 /// same additions. T is double or a signed integer wide enough for the largest minor.
 template <unsigned D, bool Permanent, class T, class Entry>
@@ -97,7 +97,7 @@ CULLHULL_HD void expand_minors(const Entry (*m)[D], unsigned rows, T* det, T* pe
   }
 }
 
-/// The determinant of N rows by expand_minors.
+/// Returns the determinant of N rows by expand_minors.
 template <unsigned N, class Real>
 inline Real determinant(const Real (&m)[N][N]) {
   Real det[1U << N];
@@ -106,12 +106,12 @@ inline Real determinant(const Real (&m)[N][N]) {
 }
 
 constexpr double factorial(unsigned n) { return n < 2 ? 1 : n * factorial(n - 1); }
-/// n! is at most 2 to this, n <= 8.
+/// Exponents such that n! <= 2^factorial_bits[n], n <= 8.
 inline constexpr int factorial_bits[] = {0, 0, 1, 3, 5, 7, 10, 13, 16};
 
-/// How far a determinant of N rows is off where the entries of column j are at most largest[j] in
-/// magnitude and each of its N! products passes `roundings` of relative size `roundoff`, those of
-/// this bound included. What underflows adds up to less than `tiny`.
+/// Returns an error bound for a determinant of N rows whose entries in column j are at most
+/// largest[j] in magnitude. Each of its N! products passes `roundings` of relative size `roundoff`,
+/// those of this bound included. Underflow adds up to less than `tiny`.
 template <unsigned N>
 inline double determinant_bound(const double* largest, double roundings, double roundoff,
                                 double tiny) {
@@ -120,7 +120,7 @@ inline double determinant_bound(const double* largest, double roundings, double 
   return roundings * roundoff * factorial(N) * product + tiny;
 }
 
-/// The cofactor normal of K - 1 rows, and the sums of the absolute values of its terms.
+/// Computes the cofactor normal of K - 1 rows, and the sums of the absolute values of its terms.
 template <unsigned K>
 void normal_and_spread(const double (*rows)[K], double* normal, double* spread) {
   constexpr unsigned full = (1U << K) - 1;

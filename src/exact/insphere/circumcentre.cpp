@@ -14,17 +14,17 @@
 namespace cullhull::internal::inline exact {
 namespace {
 
-/// The centre less p_0, coordinate j within error[j].
+/// The centre minus p_0; coordinate j is within error[j] of exact.
 template <unsigned K>
 struct Offset {
   DoubleDouble value[K];
   double error[K];
 };
 
-/// Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 - (w_i - w_0): coordinate j
-/// is a quotient of minors. Every operation of double-doubles errs by less than 2^-101, so a minor
-/// is within roundings x 2^-101 x k! x the product of its columns' largest magnitudes; the
-/// quotient's error follows. False where that proves nothing.
+/// Computes the offset by Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 -
+/// (w_i - w_0): coordinate j is a quotient of minors. Every operation of double-doubles errs by
+/// less than 2^-101, so a minor is within roundings x 2^-101 x k! x the product of its columns'
+/// largest magnitudes; the quotient's error follows. Returns false if that proves nothing.
 template <unsigned K>
 bool offset_by_double_doubles(bool weighted, const double* const* p, Offset<K>& out) {
   DoubleDouble m[K][K + 1];
@@ -47,7 +47,7 @@ bool offset_by_double_doubles(bool weighted, const double* const* p, Offset<K>& 
     m[i][K] = lift;
     largest[K] = std::max(largest[K], size);
   }
-  // Then nothing overflows, and what underflows adds up to less than 2^-300.
+  // Within these limits nothing overflows, and underflow adds up to less than 2^-300.
   double product = 1;
   for (unsigned j = 0; j < K; ++j) {
     if (!(largest[j] >= 0x1p-80 && largest[j] <= 0x1p80)) return false;
@@ -67,14 +67,15 @@ bool offset_by_double_doubles(bool weighted, const double* const* p, Offset<K>& 
     DoubleDouble y = det[all ^ (1U << j)] / (whole + whole);
     if ((K - 1 - j) % 2 == 1) y = -y;
     out.value[j] = y;
-    // Twice what the errors of both minors come to, and of the division.
+    // Twice the errors of both minors and of the division.
     out.error[j] =
         2 * (minor_error + std::abs(y.high) * 2 * whole_error) / size + 0x1p-96 * std::abs(y.high);
   }
   return true;
 }
 
-/// A coordinate is done where all that is within the error of it rounds alike (Ziv 1991).
+/// Computes the rounded centre. A coordinate is known if everything within its error rounds alike
+/// (Ziv 1991).
 template <unsigned K>
 bool by_double_doubles(bool weighted, const double* const* p, double* out) {
   Offset<K> y;
@@ -88,7 +89,7 @@ bool by_double_doubles(bool weighted, const double* const* p, double* out) {
   return true;
 }
 
-/// Of |offset|^2 - radius^2; zero: it cannot tell.
+/// Returns the sign of |offset|^2 - radius^2; zero if undecided.
 template <unsigned K>
 Sign compare_radius(const Offset<K>& y, double radius) {
   if (!(radius >= 0x1p-80 && radius <= 0x1p300)) return Sign::zero;
@@ -112,7 +113,7 @@ Sign radius_by_double_doubles(const double* const* p, double radius) {
   return offset_by_double_doubles<K>(false, p, y) ? compare_radius(y, radius) : Sign::zero;
 }
 
-/// The least double that is at least the radius, from an estimate; 0: it cannot tell.
+/// Returns the least double that is at least the radius, starting from an estimate; 0 if undecided.
 template <unsigned K>
 double radius_above_by_double_doubles(const double* const* p) {
   Offset<K> y;
@@ -143,7 +144,7 @@ std::vector<mpq_class> difference(unsigned d, const double* a, const double* b) 
   return r;
 }
 
-/// Solves (e_i . sum of s_j e_j) = right[i]; the sum.
+/// Solves (e_i . sum of s_j e_j) = right[i] for s; returns the sum of s_j e_j.
 std::vector<mpq_class> in_span(const RationalRows& edges, const std::vector<mpq_class>& right) {
   const std::size_t k = edges.size();
   RationalRows m(k, std::vector<mpq_class>(k + 1));
@@ -158,7 +159,7 @@ std::vector<mpq_class> in_span(const RationalRows& edges, const std::vector<mpq_
   return sum;
 }
 
-/// The centre less p_0.
+/// Returns the centre minus p_0.
 std::vector<mpq_class> exact_offset(unsigned d, unsigned k, bool weighted, const double* const* p) {
   RationalRows edges;
   std::vector<mpq_class> right;

@@ -14,16 +14,17 @@
 namespace cullhull::internal::inline exact {
 namespace {
 
-// N: the size where it is known early, else 0.
+// N: the size if known at compile time, else 0.
 
-/// Bounds are sums of non-negative terms, each with fewer than 4 (n + 2)^2 factors 1 + u.
+/// The largest size with a proof: bounds are sums of non-negative terms, each with fewer than 4 (n
+/// + 2)^2 factors 1 + u.
 constexpr unsigned largest_size = 4096;
-/// Column maxima are in this range before they are scaled; what underflows, there or later, then
-/// adds less than entry_tiny to an entry, as long as no row of U adds up to more than largest_row.
+/// Column maxima are in this range before scaling; underflow, then or later, adds less than
+/// entry_tiny to an entry, as long as no row of U adds up to more than largest_row.
 constexpr double least_column = 0x1p-900, most_column = 0x1p900;
 constexpr double largest_row = 0x1p60, entry_tiny = 0x1p-140;
 
-/// The largest power of two that is at most the normal number v > 0.
+/// Returns the largest power of two that is at most the normal number v > 0.
 double power_below(double v) {
   return std::bit_cast<double>(std::bit_cast<std::uint64_t>(v) & 0x7ff0000000000000U);
 }
@@ -46,8 +47,8 @@ bool scale_columns(unsigned size, double* m, double* doubt) {
   return true;
 }
 
-/// m = L U with rows exchanged so that no entry of L exceeds 1 in magnitude. The sign of the
-/// product of the pivots and of the exchanges; zero: a pivot is zero or no number.
+/// Factors m = L U with row exchanges, so that no entry of L exceeds 1 in magnitude. Returns the
+/// sign of the product of the pivots and of the exchanges; zero if a pivot is zero or NaN.
 template <unsigned N>
 Sign eliminate(unsigned size, double* m, double* doubt) {
   const unsigned n = N != 0 ? N : size;
@@ -74,7 +75,8 @@ Sign eliminate(unsigned size, double* m, double* doubt) {
   return negative ? Sign::negative : Sign::positive;
 }
 
-/// Whether |(L U)^-1| |L U - A| 1 < 1 in all rows. `x`: the doubts of the last column, overwritten.
+/// Whether |(L U)^-1| |L U - A| 1 < 1 in all rows, 1 being the vector of ones. `x`: the doubts of
+/// the last column, overwritten.
 template <unsigned N>
 bool regular(unsigned size, const double* m, double* x) {
   const unsigned n = N != 0 ? N : size;

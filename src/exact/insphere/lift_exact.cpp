@@ -21,8 +21,8 @@ Sign double_double_side(const LiftedPoints& s, const double* const* c, const dou
   return value > bound ? Sign::positive : value < -bound ? Sign::negative : Sign::zero;
 }
 
-/// The matrix of `lift_side_exact` as computed, and bounds of the errors of its lifts: a
-/// difference's error counts twice, a square, d - 1 sums, two of a weight; those of the bound.
+/// Computes the matrix of `lift_side_exact` in doubles, and error bounds of its lifts. They count a
+/// difference's error twice, a square, d - 1 sums, two errors of a weight, and those of the bound.
 void lifted_matrix(const LiftedPoints& s, const double* const* c, const double* p, double* m,
                    double* doubt) {
   const unsigned k = s.base;
@@ -45,7 +45,7 @@ void lifted_matrix(const LiftedPoints& s, const double* const* c, const double* 
   }
 }
 
-/// Room for a matrix of n x n and n doubts after it.
+/// Returns memory for a matrix of n x n and n doubts after it.
 double* room_for_matrix(unsigned n) {
   thread_local std::vector<double> numbers;
   numbers.resize(std::size_t{n} * (n + 1));

@@ -12,13 +12,13 @@
 namespace cullhull::internal::inline exact {
 
 /// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
-/// Muller, Popescu 2017), and room for second-order terms.
+/// Muller, Popescu 2017), with room for second-order terms.
 inline constexpr double double_double_roundoff = 0x1p-102;
 
-/// The bound for the determinant of K + 1 rows [differences, lift]; largest[K]: of the sums of the
-/// magnitudes of a lift's terms. A product passes the roundings of the expansion and those of its
-/// lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and their product add
-/// k + d + 4.
+/// Bounds the error of the determinant of K + 1 rows [differences, lift]; largest[K]: the largest
+/// sum of the magnitudes of a lift's terms. A product passes the roundings of the expansion and
+/// those of its lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and
+/// their product add k + d + 4.
 template <unsigned K>
 double lift_bound(const double* largest, unsigned d, double roundoff, double tiny) {
   return determinant_bound<K + 1>(largest, minor_roundings(K + 1) + 2 * d + K + 10, roundoff, tiny);
@@ -31,9 +31,9 @@ inline DoubleDouble lift_difference(double a, double b, DoubleDouble) {
 inline double magnitude_of(double v) { return std::abs(v); }
 inline double magnitude_of(const DoubleDouble& v) { return std::abs(v.high); }
 
-/// The matrix of an in-sphere or power test, in numbers of one kind: rows c_1 - c_0, ..., c_k -
-/// c_0, p - c_0, each with the difference of the lifts |x|^2 - w as its last entry; and the largest
-/// magnitudes of its columns.
+/// Computes the matrix of an in-sphere or power test, in numbers of one kind: rows c_1 - c_0, ...,
+/// c_k - c_0, p - c_0, each with the difference of the lifts |x|^2 - w as its last entry; and the
+/// largest magnitudes of its columns.
 template <unsigned K, class Real>
 inline void lifted_rows(const LiftedPoints& s, const double* const* c, const double* p,
                         Real (&m)[K + 1][K + 1], double* largest) {
@@ -65,7 +65,7 @@ inline void lifted_rows(const LiftedPoints& s, const double* const* c, const dou
   }
 }
 
-/// lift_side by doubles: false if they cannot tell. Only for s.filtered.
+/// Evaluates lift_side in doubles; returns false if they cannot decide. Only if s.filtered.
 template <unsigned K>
 inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, const double* p,
                                Sign& sign) {
@@ -83,29 +83,30 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
     for (unsigned j = 0; j <= K; ++j) product *= largest[j];
     // Without a lattice nothing is exact, not even a product that underflows to 0.
     if (!(s.exact_limit > 0 && product <= s.exact_limit)) return false;
-    sign = sign_of(value);  // all of it was whole numbers of units below 2^53
+    sign = sign_of(value);  // all terms were whole numbers of units below 2^53
   }
   if (s.furthest) sign = -sign;
   return true;
 }
 
-// In-sphere and power tests: the rungs that are not compiled for one dimension. docs/exactness.md,
+// In-sphere and power tests: the rungs whose dimension is a run-time value. docs/exactness.md,
 // "Lifting".
 
-/// Sign of det [c_i - c_0, lift(c_i) - lift(c_0)], i = 1 .. k, and the same of p as the last row:
-/// which side of the plane of lifted c the lifted point p is on; for a positively oriented cell,
-/// negative is below. By integers.
+/// Returns the sign of the determinant with rows [c_i - c_0, lift(c_i) - lift(c_0)], i = 1 .. k,
+/// and [p - c_0, lift(p) - lift(c_0)], by integers: the side of the plane through the lifted c on
+/// which the lifted p is; for a positively oriented cell, negative is below.
 Sign lift_side_exact(const LiftedPoints& s, const double* const* c, const double* p);
 
-/// The same by elimination in doubles, for any k and s.filtered: false if they cannot tell.
+/// Does the same by elimination in doubles, for any k if s.filtered; returns false if they cannot
+/// decide.
 bool lift_side_eliminated(const LiftedPoints& s, const double* const* c, const double* p,
                           Sign& sign);
 
-/// Orientation of k + 1 points by elimination in doubles: false if they cannot tell.
+/// Orientation of k + 1 points by elimination in doubles; returns false if they cannot decide.
 bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign);
 
-/// `lift_side_exact` by double-doubles where their bound allows, for 2 <= k <= 6 and s.filtered;
-/// zero: they cannot tell.
+/// Evaluates `lift_side_exact` in double-doubles, for 2 <= k <= 6 if s.filtered; returns zero if
+/// they cannot decide.
 Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, const double* p);
 
 }  // namespace cullhull::internal::inline exact

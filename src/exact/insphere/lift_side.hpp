@@ -1,4 +1,4 @@
-// The ladder of in-sphere and power tests, and the rule for ties.
+// The ladder of in-sphere and power tests, and counts of its decisions.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace cullhull::internal::inline exact {
 
-/// What predicates count: a thread's own.
+/// Counts of one thread's predicates: signs decided by each rung, and ties.
 struct LiftCounts {
   std::uint64_t rungs[3] = {0, 0, 0};
   std::uint64_t ties = 0;
@@ -21,8 +21,8 @@ struct LiftCounts {
   }
 };
 
-/// Which side of the plane through the lifted points c[0 .. k] the lifted point p is on: for a
-/// positively oriented cell, negative means below. K: k where it is known early, else 0.
+/// Returns the side of the plane through the lifted points c[0 .. k] on which the lifted point p
+/// is: for a positively oriented cell, negative means below. K: k if known at compile time, else 0.
 template <unsigned K>
 inline Sign lift_side(const LiftedPoints& s, const double* const* c, const double* p,
                       LiftCounts& counts) {
@@ -47,7 +47,7 @@ inline Sign lift_side(const LiftedPoints& s, const double* const* c, const doubl
   return lift_side_exact(s, c, p);
 }
 
-/// Orientation of k + 1 points. K as above.
+/// Returns the orientation of k + 1 points. K as above.
 template <unsigned K>
 inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
   Sign sign = Sign::zero;

@@ -1,4 +1,4 @@
-// One cell in each lane of a vector; compiled once per instruction set.
+// In-sphere tests, one cell in each lane of a vector; compiled once per instruction set.
 #include "exact/insphere/lift_sides.hpp"
 
 #include <bit>
@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<double, sides_block>;
 using V = hn::Vec<F>;
 
-/// DoubleDouble in each lane, with the same bounds of errors.
+/// A DoubleDouble in each lane, with the same error bounds.
 struct DoubleDoubles {
   V high, low;
 };
@@ -63,14 +63,14 @@ HWY_INLINE DoubleDoubles negative(const DoubleDoubles& a) {
   return {hn::Neg(a.high), hn::Neg(a.low)};
 }
 
-/// The signs of one vector of cells. `corners`, `signs`: the data of the first cell.
+/// Computes the signs of one vector of cells. `corners`, `signs`: the data of the first cell.
 template <unsigned K>
 HWY_INLINE void sides_of_vector(const double* corners, const double* p, double tiny,
                                 double* signs) {
   const F f;
   constexpr unsigned columns = K + 1, full = 1U << columns;
-  // The rows of all corners relative to p: their determinant is that of lifted_rows(), which are
-  // relative to the first corner, but for the sign (-1)^columns.
+  // The rows of all corners relative to p: up to the sign (-1)^columns, their determinant is that
+  // of lifted_rows(), whose rows are relative to the first corner.
   DoubleDoubles m[columns][columns];
   V largest[columns];
   for (V& v : largest) v = hn::Zero(f);

@@ -15,9 +15,9 @@
 namespace cullhull::internal::inline exact {
 
 /// The matrix of an in-sphere or power test: rows c_1 - c_0, ..., c_k - c_0, p - c_0, each with the
-/// difference of the lifts |x|^2 - w as its last entry. A point is k coordinates, then those up to
-/// `width` that only the lift sees, then, if weighted, the weight. Coordinates in units of 2^e, one
-/// e for all axes, lifts and weights in units of 2^(2 e).
+/// difference of the lifts |x|^2 - w as its last entry. A point consists of k coordinates, then
+/// those up to `width` that only the lift uses, then, if weighted, the weight. Coordinates are in
+/// units of 2^e, one e for all axes, lifts and weights in units of 2^(2 e).
 class LiftedRows {
  public:
   LiftedRows(unsigned k, unsigned width, bool weighted, const double* const* c, const double* p)

@@ -1,4 +1,4 @@
-// Numbers that carry a bound of their error along: double-doubles and doubles.
+// Numbers that carry an error bound: double-doubles and doubles.
 #pragma once
 
 #include <gmpxx.h>
@@ -10,9 +10,9 @@
 
 namespace cullhull::internal::inline exact {
 
-/// The exact number is within `error` of `value`. Operations of double-doubles err by less than
-/// 2^-101 relatively, and by 2^-1000 where something underflows; factors of 1 + 2^-40 cover the
-/// roundings of the bounds themselves. What overflows makes a bound that is not finite.
+/// A double-double with a bound: the exact number is within `error` of `value`. Operations err by
+/// less than 2^-101 relatively, and by 2^-1000 if something underflows; factors of 1 + 2^-40 cover
+/// the roundings of the bounds themselves. Overflow makes the bound infinite or NaN.
 struct BoundedDoubleDouble {
   DoubleDouble value;
   double error = 0;
@@ -49,7 +49,7 @@ struct BoundedDoubleDouble {
   static constexpr double grow = 1 + 0x1p-40, tiny = 0x1p-1000;
 };
 
-/// The same in doubles, which err by 2^-53: the cheap first try.
+/// A double with a bound; operations err by 2^-53 relatively: the cheap first try.
 struct BoundedDouble {
   double value = 0, error = 0;
 
@@ -78,14 +78,14 @@ struct BoundedDouble {
   static constexpr double grow = 1 + 0x1p-40, tiny = 0x1p-1000;
 };
 
-/// The exact number's sign; zero: the bound does not decide it.
+/// Returns the exact number's sign; zero if the bound does not decide it.
 inline Sign certain_sign(const BoundedDoubleDouble& v) {
   const double high = v.value.high;
   if (!std::isfinite(high) || !std::isfinite(v.value.low)) return Sign::zero;
   return high > v.error ? Sign::positive : high < -v.error ? Sign::negative : Sign::zero;
 }
 
-/// Whether everything within the error rounds to the same double (Ziv 1991): then `out` is it.
+/// Whether everything within the error rounds to the same double (Ziv 1991), which `out` receives.
 inline bool rounds_alike(const BoundedDoubleDouble& v, double& out) {
   const auto [high, low] = v.value;
   const double doubt = v.error * (1 + 0x1p-40) + 0x1p-100 * std::abs(low);
@@ -93,7 +93,7 @@ inline bool rounds_alike(const BoundedDoubleDouble& v, double& out) {
   return std::isfinite(out) && out == high + (low - doubt);
 }
 
-/// a - b as a number of either kind.
+/// Returns a - b as a number of either kind.
 template <class Real>
 Real exact_difference(double a, double b);
 template <>

@@ -1,5 +1,5 @@
 // Double-doubles: unevaluated sums of two doubles with |low| <= u |high|, u = 2^-53; about 104
-// bits. Errors relative to the result, barring overflow and underflow: sums 3 u^2 + 13 u^3,
+// bits. Error bounds relative to the result, barring overflow and underflow: sums 3 u^2 + 13 u^3,
 // products 7 u^2, quotients 16 u^2 (Joldes, Muller and Popescu, "Tight and rigorous error bounds
 // for basic building blocks of double-word arithmetic", 2017).
 #pragma once
@@ -16,13 +16,13 @@ struct DoubleDouble {
   DoubleDouble(double h, double l) : high(h), low(l) {}
   double value() const { return high + low; }
 
-  /// a + b exactly (Knuth).
+  /// Returns a + b exactly (Knuth).
   static DoubleDouble sum(double a, double b) {
     const double s = a + b;
     const double t = s - a;
     return {s, (a - (s - t)) + (b - t)};
   }
-  /// a * b exactly (Dekker, Veltkamp), barring overflow and underflow.
+  /// Returns a * b exactly (Dekker, Veltkamp), barring overflow and underflow.
   static DoubleDouble product(double a, double b) {
     const double p = a * b;
     const double ta = 134217729.0 * a, tb = 134217729.0 * b;

@@ -6,7 +6,7 @@
 
 namespace cullhull::internal::inline exact {
 
-/// Exponent of the lowest set bit; v is finite and not zero.
+/// Returns the exponent of the lowest set bit; v is finite and not zero.
 inline int lowest_bit_exponent(double v) {
   const auto bits = std::bit_cast<std::uint64_t>(v);
   const int biased = static_cast<int>((bits >> 52) & 0x7FF);
@@ -15,13 +15,13 @@ inline int lowest_bit_exponent(double v) {
   return (biased != 0 ? biased - 1075 : -1074) + std::countr_zero(m);
 }
 
-/// mantissa 2^exponent.
+/// The number mantissa 2^exponent.
 struct DoubleParts {
   std::int64_t mantissa;  ///< odd, or zero
   int exponent;
 };
 
-/// Of a finite double; {0, 0} of zero.
+/// Returns the parts of a finite double; {0, 0} for zero.
 inline DoubleParts double_parts(double v) {
   const auto bits = std::bit_cast<std::uint64_t>(v);
   const int biased = static_cast<int>((bits >> 52) & 0x7FF);

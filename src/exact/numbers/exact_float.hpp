@@ -68,7 +68,7 @@ class ExactFloat {
       mpf_div_2exp(r.v_, v_, static_cast<mp_bitcnt_t>(-e));
     return r;
   }
-  /// value * 2^shift, rounded to nearest, with infinity on overflow.
+  /// Returns value * 2^shift, rounded to nearest, infinity on overflow.
   double to_double(long shift = 0) const {
     long exponent = 0, rest_exponent = 0;
     double mantissa = mpf_get_d_2exp(&exponent, v_);  // truncated

@@ -1,5 +1,5 @@
-// Fractions that are never reduced: for sums of many that are rounded once, where finding common
-// divisors would take most of the time.
+// Fractions that are never reduced: for sums of many terms that are rounded once, where finding
+// common divisors would take most of the time.
 #pragma once
 
 #include <gmpxx.h>
@@ -14,8 +14,8 @@
 
 namespace cullhull::internal::inline exact {
 
-/// numerator / denominator * 2^exponent; the denominator is positive. What has been divided by one
-/// number keeps one denominator, and is added without another.
+/// The number numerator / denominator * 2^exponent; the denominator is positive. Fractions divided
+/// by the same number have the same denominator and are added without extending it.
 class Fraction {
  public:
   Fraction() = default;
@@ -79,7 +79,7 @@ inline Fraction exact_difference<Fraction>(double a, double b) {
   return Fraction(a) - Fraction(b);
 }
 
-/// Summands side by side.
+/// A sum whose terms are stored one by one.
 class FractionSum {
  public:
   explicit FractionSum(double) {}
@@ -94,9 +94,9 @@ class FractionSum {
   std::vector<Fraction> terms_;
 };
 
-/// Each of some sums, none of them negative, over the sum of all, as the nearest double. Nothing if
-/// the summands are so much larger than what is left of them that `bits` after the largest one's
-/// first do not decide.
+/// Returns each of some non-negative sums divided by the sum of all, as the nearest double. Returns
+/// nothing if cancellation is so strong that `bits` bits from the largest term's first one do not
+/// decide.
 inline std::optional<std::vector<double>> nearest_shares(const std::vector<FractionSum>& sums,
                                                          long bits) {
   const auto size = [](const mpz_class& v) {
@@ -109,8 +109,8 @@ inline std::optional<std::vector<double>> nearest_shares(const std::vector<Fract
       most = std::max(most.value_or(e), e);
     }
   if (!most) return std::nullopt;
-  // In units of 2^(most - bits): of each summand the whole ones below it, so that the sum of n is
-  // by less than n too small.
+  // Rounds each term down to units of 2^(most - bits), so that a sum of n terms is too small by
+  // less than n.
   std::vector<mpz_class> low;
   mpz_class low_of_all = 0, count = 0;
   for (const FractionSum& sum : sums) {

@@ -1,4 +1,4 @@
-// Rational numbers that become doubles once, at the end.
+// Rational numbers that are rounded to doubles once, at the end.
 #pragma once
 
 #include <gmpxx.h>
@@ -10,7 +10,7 @@
 
 namespace cullhull::internal::inline exact {
 
-/// The nearest double, ties to even; beyond the range infinite.
+/// Returns the nearest double, ties to even; infinity beyond the range.
 inline double nearest_double(const mpq_class& x) {
   if (x == 0) return 0;
   const mpq_class size = abs(x);
@@ -20,7 +20,7 @@ inline double nearest_double(const mpq_class& x) {
   };
   long e = bits(size.get_num()) - bits(size.get_den());
   if (e > 1026) return sgn(x) * std::numeric_limits<double>::infinity();
-  // In units in which a double of this size has 53 bits or, if that is less, of 2^-1074.
+  // Units in which a double of this size has 53 bits, but at least 2^-1074.
   const auto scaled = [&](long unit) {
     mpq_class q;
     if (unit >= 0)
@@ -41,8 +41,9 @@ inline double nearest_double(const mpq_class& x) {
 
 using RationalRows = std::vector<std::vector<mpq_class>>;
 
-/// Gauss and Jordan: clears all but one entry of each of the first `columns` columns, row r keeping
-/// that of column r. False, with the rows in part cleared, where a column depends on those before.
+/// Gauss-Jordan elimination: clears all but one entry of each of the first `columns` columns; row r
+/// keeps that of column r. Returns false, with the rows partly cleared, if a column depends on
+/// those before.
 inline bool eliminate(RationalRows& m, std::size_t columns) {
   mpq_class factor, term;
   for (std::size_t c = 0; c < columns; ++c) {
@@ -63,7 +64,7 @@ inline bool eliminate(RationalRows& m, std::size_t columns) {
 }
 
 /// Solves the square system whose rows end with their right-hand sides; the last column becomes the
-/// solution. False unless there is exactly one.
+/// solution. Returns false unless there is exactly one.
 inline bool solve(RationalRows& m) {
   const std::size_t n = m.size();
   if (!eliminate(m, n)) return false;
@@ -71,8 +72,8 @@ inline bool solve(RationalRows& m) {
   return true;
 }
 
-/// Whether the system, of at least as many rows as unknowns, has exactly one solution and that has
-/// no negative component. Overwrites the rows.
+/// Whether the system, with at least as many rows as unknowns, has exactly one solution and that
+/// has no negative component. Overwrites the rows.
 inline bool solves_without_negatives(RationalRows& m) {
   const std::size_t n = m.empty() ? 0 : m[0].size() - 1;
   if (!eliminate(m, n)) return false;

@@ -1,6 +1,6 @@
-// The filter for orientation that is compiled for one dimension: doubles, and a bound from the
+// An orientation filter for a dimension known at compile time: doubles, and a bound from the
 // largest entries of the columns, which costs less than the permanent of orientation() and decides
-// less. docs/exactness.md, "Orientation filter".
+// fewer signs. docs/exactness.md, "Orientation filter".
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline exact {
 
-/// The sign of the orientation of the K + 1 points p, K >= 2; false where doubles cannot tell.
-/// `tiny`: more than all that underflows adds to the determinant. `bounded`: no product of
+/// Computes the sign of the orientation of the K + 1 points p, K >= 2; returns false if doubles
+/// cannot decide. `tiny`: more than underflow adds to the determinant. `bounded`: no product of
 /// differences can overflow; else coordinates beyond 2^100 are left undecided for K > 2.
 template <unsigned K, bool bounded>
 inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign) {
@@ -20,8 +20,8 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign)
   if constexpr (K == 2) {
     const double l = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]);
     const double r = (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
-    // Differences, products and the last difference: 4 roundings a path, and those of the bound.
-    // What overflows makes the bound infinite or the determinant a NaN.
+    // Differences, products and the last difference: 4 roundings on each path, and those of the
+    // bound. Overflow makes the bound infinite or the determinant NaN.
     det = l - r;
     bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny;
   } else {
@@ -34,7 +34,8 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign)
       }
     if (!bounded && !(*std::max_element(largest, largest + K) <= 0x1p100)) return false;
     det = determinant(m);
-    // Each product: K differences, the roundings of the expansion; those of the bound.
+    // Each product has the roundings of K differences and of the expansion; then those of the
+    // bound.
     bound = determinant_bound<K>(largest, minor_roundings(K) + 2 * K, unit_roundoff, tiny);
   }
   if (det > bound) {

@@ -11,9 +11,9 @@
 namespace cullhull::internal::inline exact {
 namespace {
 
-/// By double-doubles, whose operations err by less than 2^-101: a term passes 1 product and d sums
-/// a list. Zero: it cannot tell. What underflows in products of magnitudes above 2^-900 or zero is
-/// nothing.
+/// Computes the sign in double-doubles, whose operations err by less than 2^-101: a term passes 1
+/// product and d sums per list entry. Returns zero if undecided. Underflow is negligible in
+/// products of magnitudes above 2^-900 or zero.
 Sign by_double_doubles(unsigned d, std::span<const DifferenceProduct> terms) {
   DoubleDouble sum;
   double size = 0;
@@ -43,8 +43,8 @@ Sign exactly(unsigned d, std::span<const DifferenceProduct> terms) {
   return sum.zero() ? Sign::zero : sum > ExactFloat() ? Sign::positive : Sign::negative;
 }
 
-/// Whether both differences have the same components but for order and signs: how lengths are equal
-/// on lattices whose coordinates are rounded.
+/// Whether both differences have the same components except for order and signs: this is how
+/// lengths are equal on lattices whose coordinates are rounded.
 bool same_components(unsigned d, const double* a, const double* b, const double* c,
                      const double* e) {
   using Parts = std::pair<double, double>;
@@ -52,7 +52,7 @@ bool same_components(unsigned d, const double* a, const double* b, const double*
     const DoubleDouble v = DoubleDouble::sum(x, -y);
     return v.high < 0 ? Parts(-v.high, -v.low) : Parts(v.high, v.low);
   };
-  constexpr unsigned most = 8;  // beyond, it is left to exact arithmetic
+  constexpr unsigned most = 8;  // in higher dimensions exact arithmetic decides
   if (d > most) return false;
   Parts left[most], right[most];
   for (unsigned j = 0; j < d; ++j) {
@@ -67,7 +67,7 @@ bool same_components(unsigned d, const double* a, const double* b, const double*
 
 }  // namespace
 
-/// Each product passes 3 roundings and the sums', the bound as many.
+/// Each product passes 3 roundings and those of the sums, the bound as many.
 EstimatedSum estimate_products(unsigned d, std::span<const DifferenceProduct> terms) {
   EstimatedSum sum;
   double size = 0;

@@ -1,4 +1,4 @@
-// Signs of sums of products of two differences: comparisons of lengths, and angles.
+// Signs of sums of products of two differences, for comparing lengths, and for angles.
 #pragma once
 
 #include <span>
@@ -7,25 +7,25 @@
 
 namespace cullhull::internal::inline exact {
 
-/// The sum over d axes of sign (a - b) (c - e).
+/// A term: the sum over d axes of sign (a - b) (c - e).
 struct DifferenceProduct {
   double sign;
   const double *a, *b, *c, *e;
 };
 
-/// A sum in doubles.
+/// A sum evaluated in doubles.
 struct EstimatedSum {
   double value = 0;
-  double bound = 0;   ///< the exact sum is within it
+  double bound = 0;   ///< bound of |value - exact sum|
   bool exact = true;  ///< nothing was rounded
 };
 
 EstimatedSum estimate_products(unsigned d, std::span<const DifferenceProduct> terms);
 
-/// Exactly. Any finite doubles.
+/// Returns the sign of the sum, exactly, for any finite doubles.
 Sign sign_of_products(unsigned d, std::span<const DifferenceProduct> terms);
 
-/// Sign of |a - b|^2 - |c - e|^2.
+/// Returns the sign of |a - b|^2 - |c - e|^2.
 Sign compare_lengths(unsigned d, const double* a, const double* b, const double* c,
                      const double* e);
 

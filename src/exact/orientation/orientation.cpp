@@ -34,8 +34,8 @@ bool filtered(const double* const* p, Sign& sign) {
       m[i][j] = p[i + 1][j] - p[0][j];
       largest = std::max(largest, std::abs(m[i][j]));
     }
-  // Within these magnitudes no product overflows (8! 2^800) and every underflow, however amplified
-  // by the factors that follow it, adds up to less than 2^-340.
+  // Within these magnitudes no product overflows (8! 2^800), and all underflows, even if amplified
+  // by later factors, add up to less than 2^-340.
   if (!(largest >= 0x1p-100 && largest <= 0x1p100)) return false;
   double det[1U << D], perm[1U << D];
   expand_minors<D, true>(m, D, det, perm);
@@ -50,8 +50,8 @@ bool filtered(const double* const* p, Sign& sign) {
     sign = Sign::negative;
     return true;
   }
-  // All on a plane across an axis, as on a box: a column of zeros (differences of doubles are zero
-  // only where the doubles are equal).
+  // All points may be on a plane orthogonal to an axis, as on a box: a column of zeros (differences
+  // of doubles are zero only if the doubles are equal).
   for (unsigned j = 0; j < D; ++j) {
     bool zero = true;
     for (unsigned i = 0; i < D; ++i) zero &= m[i][j] == 0;
@@ -74,10 +74,10 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
 }
 
 // ---------------------------------------------------------------------------------------------
-// Rung 3: integers. Column j of the points is multiplied by 2^-e_j, the largest power of two that
-// makes all of it integral; signs of determinants do not change under positive column scaling.
+// Rung 3: integers. Column j of the points is divided by the largest power of two that divides all
+// of its coordinates; signs of determinants do not change under positive column scaling.
 
-/// Rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
+/// The matrix with rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
 class CentroidDifferences {
  public:
   CentroidDifferences(unsigned d, const double* const* p, const double* const* simplex)
@@ -111,7 +111,7 @@ class CentroidDifferences {
   std::vector<std::int64_t> sums_;
 };
 
-/// The cross product of two rows that fit 64 bits, rounded.
+/// Computes the cross product of two rows that fit 64 bits, rounded.
 bool narrow_plane(const Differences& a, double* normal) {
   long exponents[3];
   for (unsigned j = 0; j < 3; ++j) {
@@ -134,15 +134,15 @@ Sign orientation_exact(unsigned d, const double* const* p) {
 
 namespace {
 
-/// The sign of (a - c) x (b - c), the difference of two products, if the four differences are
-/// doubles, as they mostly are on lattices and lines, where the sign is often exactly zero.
+/// Computes the sign of (a - c) x (b - c), the difference of two products, if the four differences
+/// are doubles, as they mostly are on lattices and lines, where the sign is often exactly zero.
 /// Rounding is monotone, so products that differ after rounding are in that order; else their
-/// rounding errors decide. False, with `sign` undefined, if a difference is rounded, or where
+/// rounding errors decide. Returns false, with `sign` undefined, if a difference is rounded, or if
 /// something overflows or underflows.
 bool compare_products(const double* a, const double* b, const double* c, Sign& sign) {
   const DoubleDouble ax = DoubleDouble::sum(a[0], -c[0]), ay = DoubleDouble::sum(a[1], -c[1]),
                      bx = DoubleDouble::sum(b[0], -c[0]), by = DoubleDouble::sum(b[1], -c[1]);
-  // NaN, where something overflows, is no zero either.
+  // A NaN, after an overflow, does not equal 0 either.
   if (!(ax.low == 0 && ay.low == 0 && bx.low == 0 && by.low == 0)) return false;
   const DoubleDouble l = DoubleDouble::product(ax.high, by.high),
                      r = DoubleDouble::product(ay.high, bx.high);
@@ -154,7 +154,7 @@ bool compare_products(const double* a, const double* b, const double* c, Sign& s
     sign = Sign::zero;
     return (ax.high == 0 || by.high == 0) && (ay.high == 0 || bx.high == 0);
   }
-  // From 2^-900 on the error is a multiple of 2^(-900 - 106) at least: a double.
+  // From 2^-900 on the error is a multiple of at least 2^(-900 - 106), hence a double.
   if (!(std::fabs(l.high) >= 0x1p-900)) return false;
   sign = sign_of(l.low > r.low ? 1 : l.low < r.low ? -1 : 0);
   return l.low == l.low && r.low == r.low;  // splitting a factor may overflow
@@ -176,7 +176,7 @@ Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
 
 namespace {
 
-/// Rung 2 by elimination, then rung 3 by cofactors.
+/// Computes the sign by rung 2 with elimination, then by rung 3 with cofactors.
 Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
   thread_local OrientedPlane plane;
   plane.set(d, p);
@@ -192,7 +192,7 @@ Sign orientation(unsigned d, const double* const* p, Rung* rung) {
   if (filtered(d, p, sign)) return sign;
   if (rung != nullptr) *rung = Rung::exact;
   if (d < 4) return orientation_exact(d, p);
-  // 128-bit integers are fastest where they suffice, double-doubles where integers would be long.
+  // 128-bit integers are fastest if they suffice, double-doubles where integers would be long.
   if (determinant_128(Differences(d, p, d), sign)) return sign;
   return eliminated(d, p, rung);
 }
@@ -208,7 +208,7 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
   for (unsigned i = 0; i < rows; ++i)
     for (unsigned j = 0; j < d; ++j) a.big(i, j, at(i, j), t);
   // Columns from left to right: the pivots are those of the row echelon form, which depend on the
-  // flat alone and not on the points that span it.
+  // flat alone, not on the points that span it.
   unsigned rank = 0;
   mpz_set_ui(previous, 1);
   for (unsigned c = 0; c < d && rank < rows; ++c) {

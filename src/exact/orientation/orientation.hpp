@@ -12,11 +12,11 @@ inline Sign sign_of(double v) {
   return v > 0 ? Sign::positive : v < 0 ? Sign::negative : Sign::zero;
 }
 
-/// Which rung of the ladder decided: (1) a cached plane, (2) a floating-point filter from the
+/// The rung of the ladder that decided: (1) a cached plane, (2) a floating-point filter from the
 /// coordinates, (3) exact arithmetic.
 enum class Rung : std::uint8_t { plane = 0, filter = 1, exact = 2 };
 
-/// How many signs each rung decided.
+/// The number of signs that each rung decided.
 struct RungCounts {
   std::uint64_t of[3] = {0, 0, 0};
 
@@ -36,11 +36,11 @@ struct RungCounts {
 /// receives the rung that decided (never Rung::plane).
 Sign orientation(unsigned d, const double* const* p, Rung* rung = nullptr);
 
-/// The same, by exact arithmetic alone (integers scaled by powers of two).
+/// Does the same by exact arithmetic alone (integers scaled by powers of two).
 Sign orientation_exact(unsigned d, const double* const* p);
 
-/// orientation(2, {a, b, c}) exactly: by the errors of two products where differences are doubles,
-/// as on lattices and lines, else by integers. Rows of two coordinates.
+/// Returns orientation(2, {a, b, c}) exactly: by the errors of two products if differences are
+/// doubles, as on lattices and lines, else by integers. Rows of two coordinates.
 Sign turn_exact(const double* a, const double* b, const double* c);
 
 /// Sign of det [p0 - o; ...; p(d-1) - o], exactly, where o is the centroid of the d + 1 points
@@ -54,11 +54,11 @@ Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
 unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count,
                            unsigned* columns = nullptr);
 
-/// A hyperplane through d points of R^d, from exact arithmetic rounded at the end: normal (not
-/// normalised, scaled so that its largest component is in [0.5, 1]) each component within relative
-/// error 2^-50 of exact (an exact zero is zero; below 2^-1022 it may underflow). Orientation:
-/// normal . (x - p0) has the sign of orientation(p0, p1, ..., p(d-1), x). Returns false if the
-/// points are affinely dependent.
+/// Computes a hyperplane through d points of R^d by exact arithmetic, rounded at the end: its
+/// normal (not normalised, scaled so that its largest component is in [0.5, 1]), each component
+/// within relative error 2^-50 of exact (an exact zero is zero; below 2^-1022 it may underflow).
+/// Orientation: normal . (x - p0) has the sign of orientation(p0, p1, ..., p(d-1), x). Returns
+/// false if the points are affinely dependent.
 bool plane_exact(unsigned d, const double* const* p, double* normal);
 
 }  // namespace cullhull::internal::inline exact

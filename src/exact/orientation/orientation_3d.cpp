@@ -44,7 +44,8 @@ bool side_in_double_doubles(const double* a, const double* b, const double* c, c
     m[0][j] = DoubleDouble::sum(b[j], -a[j]);
     m[1][j] = DoubleDouble::sum(c[j], -a[j]);
     m[2][j] = DoubleDouble::sum(p[j], -a[j]);
-    // On a plane across an axis, the usual cause of exact zeros away from lattices.
+    // The points may be on a plane orthogonal to an axis, the usual cause of exact zeros away from
+    // lattices.
     sign = Sign::zero;
     if (m[0][j].high == 0 && m[1][j].high == 0 && m[2][j].high == 0) return true;
   }
@@ -66,9 +67,10 @@ Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* sim
   find_lattice();
 }
 
-/// Coordinates are multiples of 2^l, |x| <= 1: differences are at most 2^(1 - l) of these, and a
-/// determinant at most 3! times a product of three; that of cone_side has 4 a - (sum of four
-/// points) in the first row, at most four times as much. All must stay below 2^127.
+/// Finds out whether 128-bit integers suffice. Coordinates are multiples of 2^l, |x| <= 1:
+/// differences are at most 2^(1 - l) units, and a determinant at most 3! times a product of three;
+/// that of cone_side has 4 a - (sum of four points) in the first row, at most four times as much.
+/// All must be below 2^127.
 void Orientation3D::find_lattice() {
   if (points_->exact != points_->coordinates) return;
   int bits[3] = {1, 1, 1}, sum = 3;

@@ -1,5 +1,5 @@
-// The ladder in 3D, for points of the local frame (|x| <= 1): a filter in doubles that is inlined,
-// one in double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "In 3D".
+// The ladder in 3D, for points of the local frame (|x| <= 1): an inlined filter in doubles, one in
+// double-doubles that decides nearly flat cases, then integers. docs/exactness.md, "In 3D".
 #pragma once
 
 #include <cmath>
@@ -11,36 +11,36 @@
 
 namespace cullhull::internal::inline exact {
 
-/// det [a; b; c] in doubles, by the same order of operations everywhere.
+/// Returns det [a; b; c] in doubles, by the same order of operations everywhere.
 inline double determinant_3(const double* a, const double* b, const double* c) {
   return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
-/// The permanent of the absolute values, likewise.
+/// Returns the permanent of the absolute values, by the same order of operations.
 inline double permanent_3(const double* a, const double* b, const double* c) {
   return std::abs(a[0]) * (std::abs(b[1] * c[2]) + std::abs(b[2] * c[1])) +
          std::abs(a[1]) * (std::abs(b[2] * c[0]) + std::abs(b[0] * c[2])) +
          std::abs(a[2]) * (std::abs(b[0] * c[1]) + std::abs(b[1] * c[0]));
 }
 
-/// Sign of det [b - a; c - a; p - a] by double-doubles; false where that is in doubt. `tiny`: what
-/// underflow may do to the determinant, 2^-1000 for |x| <= 1.
+/// Computes the sign of det [b - a; c - a; p - a] in double-doubles; returns false if that is in
+/// doubt. `tiny`: the largest effect of underflow on the determinant, 2^-1000 for |x| <= 1.
 bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p,
                             double tiny, Sign& sign);
 
-/// Signs among the points of one LocalPoints of dimension 3. Const functions may be called by many
-/// threads; each has its own counts.
+/// Computes signs among the points of one LocalPoints of dimension 3. Threads may call const
+/// functions concurrently, each with its own counts.
 class Orientation3D {
  public:
-  /// `simplex`: four independent points, whose exact centroid is O. Time O(n) if the points are
-  /// on a lattice, else O(1).
+  /// `simplex`: four independent points, whose exact centroid is called O. Time O(n) if the points
+  /// are on a lattice, else O(1).
   Orientation3D(const LocalPoints& points, const std::uint32_t* simplex);
 
-  /// O rounded, within 6 u a coordinate.
+  /// Returns O rounded, within 6 u per coordinate.
   const double* centre() const { return centre_; }
 
-  /// Sign of det [b - a; c - a; p - a], as orientation(3, {a, b, c, p}). The arguments are rows of
-  /// `points.coordinates` (or copies) and their ids.
+  /// Returns the sign of det [b - a; c - a; p - a], like orientation(3, {a, b, c, p}). The
+  /// arguments are rows of `points.coordinates` (or copies) and their ids.
   struct Point {
     const double* row;
     std::uint32_t id;
@@ -65,7 +65,8 @@ class Orientation3D {
     return side_hard(a, b, c, p, rungs);
   }
 
-  /// Equal points have equal rows, which are in the cache; the exact ones would have to be fetched.
+  /// Compares the rows in the cache first: equal points have equal rows, and exact rows would have
+  /// to be fetched.
   bool equal(Point a, Point b) const {
     const auto same = [](const double* x, const double* y) {
       return x[0] == y[0] && x[1] == y[1] && x[2] == y[2];
@@ -74,7 +75,7 @@ class Orientation3D {
            (points_->exact == points_->coordinates || same(exact_row(a), exact_row(b)));
   }
 
-  /// Sign of det [a - O; b - O; p - O].
+  /// Returns the sign of det [a - O; b - O; p - O].
   Sign cone_side(Point a, Point b, Point p, RungCounts& rungs) const;
 
  private:
@@ -89,10 +90,10 @@ class Orientation3D {
 
   const LocalPoints* points_;
   std::uint32_t simplex_[4];
-  double centre_[3], centre_low_[3];  // O within 2^-103 of their sum
+  double centre_[3], centre_low_[3];  // O is within 2^-103 of their sum
   bool exact_doubles_;
-  /// Where a 128-bit integer holds any determinant of differences: coordinates times `to_integer_`
-  /// are integers.
+  /// Whether a 128-bit integer can represent any determinant of differences; then coordinates times
+  /// `to_integer_` are integers.
   bool lattice_ = false;
   double to_integer_[3] = {1, 1, 1};
 };

@@ -13,15 +13,18 @@
 namespace cullhull::internal::inline exact {
 namespace {
 
-/// Bounds are sums of non-negative terms, each with fewer than 4 (d + 2)^2 factors 1 + u.
+/// The largest dimension with a proof: bounds are sums of non-negative terms, each with fewer than
+/// 4 (d + 2)^2 factors 1 + u.
 constexpr unsigned largest_dimension = 4096;
 constexpr double bound_roundings = 1 + 0x1p-20;
-/// What underflow can add to an entry of the factors' product, and to a dot product with the plane.
+/// Bounds of what underflow adds to an entry of the factors' product, and to a dot product with the
+/// plane.
 constexpr double factor_tiny = 0x1p-950, product_tiny = 0x1p-800;
-/// Relative error of double-double sums and products (Joldes, Muller, Popescu 2017).
+/// u^2; double-double sums err by 3 u^2, products by 7 u^2 (Joldes, Muller, Popescu 2017).
 constexpr double square_roundoff = unit_roundoff * unit_roundoff;
 
-/// |computed - exact| <= this times the sum of magnitudes, for d products of double-doubles.
+/// Bounds a sum of d products of double-doubles: |computed - exact| <= this times the sum of
+/// magnitudes.
 double double_double_dot(unsigned d) { return (4.0 * d + 12) * square_roundoff; }
 
 }  // namespace
@@ -61,8 +64,8 @@ bool EliminatedPlane::scale_columns() {
   return true;
 }
 
-/// With complete pivoting, so that no entry of L exceeds 1 in magnitude, nor an entry of U its
-/// row's pivot. Beyond the range of pivots no bound is derived.
+/// Factors with complete pivoting, so that no entry of L exceeds 1 in magnitude, and no entry of U
+/// its row's pivot. Returns false if a pivot is outside the range of the proof.
 bool EliminatedPlane::eliminate() {
   const unsigned m = d_ - 1;
   column_.resize(d_);
@@ -104,7 +107,7 @@ void EliminatedPlane::solve(std::vector<double>& x) const {
   solve_back(x);
 }
 
-/// x = G x for x >= 0, where G >= |(L U)^-1|: the inverses of the comparison matrices.
+/// Sets x = G x for x >= 0, where G >= |(L U)^-1|, by the inverses of the comparison matrices.
 void EliminatedPlane::bound_inverse(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   for (unsigned r = 0; r < m; ++r) {
@@ -118,8 +121,8 @@ void EliminatedPlane::bound_inverse(std::vector<double>& x) const {
   }
 }
 
-/// Finds z by substitution, and the bound of its error. Works in pivot order; the results are in
-/// the order of the axes.
+/// Finds z by substitution, and a bound of its error. Works in pivot order; the results are in the
+/// order of the axes.
 bool EliminatedPlane::bound_error() {
   const unsigned m = d_ - 1;
   std::vector<double>&z = work_, &v = weight_;
@@ -135,13 +138,14 @@ bool EliminatedPlane::bound_error() {
   return bound_by_comparison() || bound_by_inverses();
 }
 
-/// O(d^2), but the bound grows like a power of d.
+/// Bounds the error in O(d^2) time, but the bound grows like a power of d.
 bool EliminatedPlane::bound_by_comparison() {
   const unsigned m = d_ - 1;
   const std::vector<double>& v = weight_;
   std::vector<double>& h = image_;
   inverted_ = false;
-  // h = G (gamma |L| |U| v + what underflow adds): bottom up, as row i of L needs rows above it.
+  // h = G (gamma |L| |U| v + what underflow adds): bottom up, because row i of L needs the rows
+  // above it.
   double sum = v[m];
   for (unsigned r = 0; r < m; ++r) {
     double a = 0;
@@ -165,7 +169,7 @@ bool EliminatedPlane::bound_by_comparison() {
   return true;
 }
 
-/// Three times the work of the elimination, for a bound that is nearly sharp.
+/// Bounds the error nearly sharply, in three times the elimination's time.
 bool EliminatedPlane::bound_by_inverses() {
   const unsigned m = d_ - 1;
   inverted_ = true;
@@ -192,7 +196,7 @@ bool EliminatedPlane::bound_by_inverses() {
   return true;
 }
 
-/// X ~ L^-1 below the diagonal, whose own is 1, and Y ~ V^-1 on it and above.
+/// Computes X ~ L^-1 below the diagonal (X has ones on it), and Y ~ V^-1 on and above the diagonal.
 void EliminatedPlane::invert_factors() {
   const unsigned m = d_ - 1;
   inverse_.assign(std::size_t{m} * m, 0.0);
@@ -218,7 +222,7 @@ double EliminatedPlane::scaled_edge(unsigned i, unsigned j) const {
   return (p_[row_[i] + 1][c] - p_[0][c]) * scale_[c];
 }
 
-/// An upper bound of |I - X E Y| 1 into image_.
+/// Computes an upper bound of |I - X E Y| 1 into image_.
 void EliminatedPlane::bound_product() {
   const unsigned m = d_ - 1;
   const auto x = [&](unsigned i, unsigned j) { return inverse_[std::size_t{i} * m + j]; };
@@ -251,7 +255,7 @@ void EliminatedPlane::bound_product() {
   }
 }
 
-/// From bounds of |E z| to bounds of the error of z.
+/// Turns bounds of |E z| into bounds of the error of z.
 bool EliminatedPlane::bound_of_residual(std::vector<double>& x) const {
   const unsigned m = d_ - 1;
   double worst = 0;
@@ -283,8 +287,8 @@ bool EliminatedPlane::bound_of_residual(std::vector<double>& x) const {
   return true;
 }
 
-/// The dot product of edge `row_[i]` and the refined plane, rounded to a double; `bound`: of its
-/// error.
+/// Returns the dot product of edge `row_[i]` and the refined plane, rounded to a double; `bound`
+/// receives a bound of its error.
 double EliminatedPlane::residual(unsigned i, double& bound) const {
   const double *p = p_[0], *q = p_[row_[i] + 1];
   DoubleDouble sum;
@@ -349,10 +353,11 @@ Sign EliminatedPlane::refined_side(const double* x, bool& known) const {
                 known);
 }
 
-/// `value` is off by at most `bound`, apart from the rounding of the bound itself and underflow.
+/// Decides a sign: `value` is within `bound` of exact, apart from the rounding of the bound itself
+/// and underflow.
 Sign EliminatedPlane::decide(const double* x, double value, double bound, bool& known) const {
   const double most = bound * bound_roundings + product_tiny;
-  // After an overflow, also of the low parts of products, the value is infinite or beyond this
+  // After an overflow, also of the low parts of products, the value is infinite or exceeds this
   // limit.
   known = most < 0x1p300 && std::abs(value) > most;
   if (known) return sign_of(sign_ * value);
@@ -360,9 +365,9 @@ Sign EliminatedPlane::decide(const double* x, double value, double bound, bool& 
   return Sign::zero;
 }
 
-/// Whether the determinant, at most `magnitude` over the pivots' product, is smaller than the unit
-/// that it is a multiple of: the product over all axes of the largest power of two that divides all
-/// coordinates on that axis.
+/// Whether the determinant, at most `magnitude` times the pivots' product, is smaller than the unit
+/// of which it is a multiple: the product over all axes of the largest power of two that divides
+/// all coordinates on that axis.
 bool EliminatedPlane::below_unit(const double* x, double magnitude) const {
   if (!(magnitude < 0x1p300)) return false;  // NaN too
   double unit_log = 0;
@@ -374,7 +379,7 @@ bool EliminatedPlane::below_unit(const double* x, double magnitude) const {
     if (lowest == std::numeric_limits<int>::max()) return true;  // a column of zeros
     unit_log += lowest - exponent_[j];
   }
-  // (1 + theta)^(d - 1) for the rounding of the factors, and a bit for that of the logarithms.
+  // (1 + theta)^(d - 1) for the rounding of the factors, and one bit for that of the logarithms.
   const double most = determinant_log_ + 1.5 * (d_ - 1) * shrink_ + std::log2(magnitude) + 1;
   return most < unit_log;
 }

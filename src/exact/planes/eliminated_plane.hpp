@@ -10,30 +10,30 @@
 
 namespace cullhull::internal::inline exact {
 
-/// A plane is z with e_c z = 0 for all edges e_c of the facet, one component of z being 1. Rows are
-/// differences from p[0], columns are scaled by powers of two. Not safe to share between threads.
+/// A plane as the vector z with e_c z = 0 for all edges e_c of the facet; one component of z is 1.
+/// Edges are differences from p[0]; columns are scaled by powers of two. Not safe to share between
+/// threads.
 class EliminatedPlane {
  public:
-  /// Through p[0..d). False where doubles cannot prove that the points are affinely independent, or
-  /// d or a coordinate is outside the range of the proof; then `set` must be called again before
-  /// any other function. Time: O(d^3). `p` must outlive the plane.
+  /// Finds the plane through p[0..d). Returns false if doubles cannot prove that the points are
+  /// affinely independent, or d or a coordinate is outside the range of the proof; then `set` must
+  /// be called again before any other function. Time: O(d^3). `p` must outlive the plane.
   bool set(unsigned d, const double* const* p);
-  /// Sign of orientation(p[0], ..., p[d-1], x) where the bound decides it; zero where the
+  /// Returns the sign of orientation(p[0], ..., p[d-1], x) if the bound decides it; zero if the
   /// determinant is a multiple of a unit and smaller than that unit. Else `known` is false. O(d).
   Sign side(const double* x, bool& known) const;
 
-  /// Computes the same plane in double-doubles: O(d^2). False where the refinement fails.
+  /// Computes the same plane in double-doubles: O(d^2). Returns false if the refinement fails.
   bool refine();
-  /// As side, by the refined plane.
+  /// Like side, with the refined plane.
   Sign refined_side(const double* x, bool& known) const;
 
-  /// Component j of a normal n in the original axes: n . (x - p[0]) has the sign of the
+  /// Returns component j of a normal n in the original axes: n . (x - p[0]) has the sign of the
   /// orientation.
   double normal(unsigned j) const { return sign_ * z_[j] * scale_[j]; }
-  /// Bound of |normal(j) - exact|, the exact normal being the one with the same component of value
-  /// 1.
+  /// Returns a bound of |normal(j) - exact|; the two normals agree in the component that is 1 in z.
   double error(unsigned j) const { return error_[j] * scale_[j]; }
-  /// The largest factor that any axis was scaled by.
+  /// The largest scale factor of any axis.
   double largest_scale() const { return largest_scale_; }
 
  private:
@@ -64,8 +64,8 @@ class EliminatedPlane {
   std::vector<DoubleDouble> refined_;
   std::vector<double> refined_error_;
   std::vector<double> weight_, image_, work_;  // v and h of the proof; scratch
-  bool inverted_ = false;                      // whether the bounds are those of the inverses
-  std::vector<double> inverse_, product_;      // of L and V, in one matrix; scratch
+  bool inverted_ = false;                      // whether bound_by_inverses() found the bounds
+  std::vector<double> inverse_, product_;      // inverses of L and V, in one matrix; scratch
   double largest_scale_ = 1;
   double sign_ = 1;  // of the determinant of the first d - 1 pivot columns, with the row exchanges
   double determinant_log_ = 0;  // log2 of the pivots' product, rounded up

@@ -1,4 +1,4 @@
-// Compiled once per instruction set.
+// Gaussian elimination in vectors, compiled once per instruction set.
 #include "exact/planes/elimination.hpp"
 
 #include <algorithm>

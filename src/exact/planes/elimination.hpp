@@ -5,20 +5,20 @@
 
 namespace cullhull::internal::inline exact {
 
-/// The distance of rows in a matrix: vectors of so many doubles that begin in any column do not
-/// reach the next row.
+/// The distance of rows in a matrix, in doubles: a vector of this many doubles that begins in any
+/// column does not reach the next row.
 inline constexpr std::size_t elimination_lanes = 8;
 constexpr std::size_t elimination_stride(std::size_t columns) {
   return columns + elimination_lanes - 1;
 }
 
-/// Factors a matrix of `rows` < `columns` rows in place into L, below the diagonal, and U, on it
-/// and above, rows and columns in pivot order. The stride is elimination_stride(columns); entries
-/// beyond `columns` are 0. row[i], column[j]: which one came to place i or j. Of equal pivots the
-/// first is taken, by rows and then by columns. No product is fused with a difference, so that all
-/// machines compute the same bits. Returns the number of pivots taken: less than `rows` if the next
-/// one is not above `least` and below `most`. `odd`: the parity of all exchanges. Time: O(rows^2
-/// columns).
+/// Factors a matrix of `rows` < `columns` rows in place into L, below the diagonal, and U, on and
+/// above it, with rows and columns in pivot order. The stride is elimination_stride(columns);
+/// entries beyond `columns` must be 0. row[i], column[j]: the original index of the row or column
+/// now at i or j. Of equal pivots the first is chosen, by rows and then by columns. No product is
+/// fused with a difference, so that all machines compute the same bits. Returns the number of
+/// pivots found: less than `rows` if the next one is not above `least` and below `most`. `odd`: the
+/// parity of all exchanges. Time: O(rows^2 columns).
 unsigned eliminate(double* matrix, unsigned rows, unsigned columns, unsigned* row, unsigned* column,
                    double least, double most, bool& odd);
 

@@ -16,8 +16,8 @@ void BigNumbers::resize(std::size_t count) {
 }
 
 /// Fraction-free elimination (Bareiss 1968) with exchanges of rows and columns, then substitution
-/// of the null vector whose entry in the column without a pivot is the last pivot: all its entries
-/// are minors, so integers, and every division is exact.
+/// for the null vector whose entry in the column without a pivot is the last pivot: all its entries
+/// are minors, hence integers, and every division is exact.
 void ExactPlane::set(unsigned d, const double* const* p) {
   d_ = d;
   p_ = p;
@@ -99,7 +99,7 @@ ExactPlane::ScaledInteger ExactPlane::cofactor(unsigned j) {
 }
 
 ExactPlane::ScaledInteger ExactPlane::determinant(const double* x) {
-  // Terms normal_[j] (x_j - p_j) have different units: the smallest is used for all.
+  // Terms normal_[j] (x_j - p_j) have different units: all are converted to the smallest.
   long lowest = std::numeric_limits<long>::max();
   const auto unit = [&](const DoubleParts& a, const DoubleParts& b) {
     return a.mantissa == 0   ? b.exponent

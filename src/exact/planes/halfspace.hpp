@@ -1,4 +1,4 @@
-// Halfspaces in numbers of any kind, and the points that D of their planes meet in.
+// Halfspaces in numbers of any kind, and the point in which D of their planes meet.
 #pragma once
 
 #include <array>
@@ -8,16 +8,15 @@
 
 namespace cullhull::internal::inline exact {
 
-/// normal . x <= offset.
+/// The halfspace normal . x <= offset.
 template <unsigned D, class Real>
 struct Halfspace {
   std::array<Real, D> normal;
   Real offset;
 };
 
-/// The points x, relative to p, with |x|^2 - w_p <= |x - e|^2 - w_q, where e = q - p: e . x <=
-/// (|e|^2
-/// + w_p - w_q) / 2. Weights follow the coordinates in the rows.
+/// Returns the halfspace of points x, relative to p, with |x|^2 - w_p <= |x - e|^2 - w_q, where e =
+/// q - p: e . x <= (|e|^2 + w_p - w_q) / 2. Weights follow the coordinates in the rows.
 template <unsigned D, class Real>
 Halfspace<D, Real> bisector(const double* p, const double* q, bool weighted) {
   Halfspace<D, Real> h;
@@ -40,7 +39,7 @@ std::array<Real, 3> cross(const std::array<Real, 3>& a, const std::array<Real, 3
   return r;
 }
 
-/// Cramer's rule. The planes meet in one point.
+/// Returns the point in which the planes meet, which must be unique, by Cramer's rule.
 template <class Real>
 std::array<Real, 1> meeting(const std::array<const Halfspace<1, Real>*, 1>& h) {
   return {Real(h[0]->offset / h[0]->normal[0])};
@@ -62,7 +61,7 @@ std::array<Real, 3> meeting(const std::array<const Halfspace<3, Real>*, 3>& h) {
       sum[j] = i == 0 ? term : Real(sum[j] + term);
     }
   }
-  // `minors` are those of the last plane.
+  // `minors` belong to the last plane.
   Real det = h[2]->normal[0] * minors[0];
   for (unsigned j = 1; j < 3; ++j) det = det + h[2]->normal[j] * minors[j];
   for (Real& x : sum) x = x / det;

@@ -71,7 +71,7 @@ class IntegerPoints {
   std::vector<int> exponent_;
 };
 
-/// Rows p[i] - p[0]: the matrix of an orientation.
+/// The matrix of an orientation, with rows p[i] - p[0].
 class Differences {
  public:
   Differences(unsigned d, const double* const* p, unsigned rows) : points_(d, p, rows + 1) {}

@@ -1,5 +1,5 @@
-// The points that engines get: of hulls as packed doubles, scaled so that filters cannot overflow;
-// of triangulations in the order of insertion, with all that their lifts are made of.
+// The points that engines get: for hulls packed doubles, scaled so that filters cannot overflow;
+// for triangulations rows in insertion order that contain everything their lifts need.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace cullhull::internal::inline exact {
 
-/// Row-major doubles. Each axis is translated (only where that is exact) and scaled by a power of
-/// two, so that |x| <= 1; the hull's combinatorics do not change under such a map. `exact` equals
-/// `coordinates` unless scaling made something underflow (1e308 beside 1e-308): then it holds the
-/// points unscaled, and `coordinates` is off by at most 2^-1074 a coordinate, which filters cover
-/// by an absolute term.
+/// Row-major doubles. Each axis is translated (only if that is exact) and scaled by a power of two,
+/// so that |x| <= 1; the hull's combinatorics do not change under such a map. `exact` equals
+/// `coordinates` unless scaling made something underflow (1e308 beside 1e-308): then `exact` points
+/// to the unscaled points, and `coordinates` is off by at most 2^-1074 per coordinate, which
+/// filters cover by an absolute term.
 struct LocalPoints {
   unsigned dimension = 0;
   std::uint32_t count = 0;
@@ -23,38 +23,37 @@ struct LocalPoints {
   /// Every operation of a d x d determinant of differences is exact in doubles (small integer
   /// grids).
   bool small_lattice = false;
-  /// The same for determinants of rows (d + 1) p - sum of d + 1 points.
+  /// The same holds for determinants of rows (d + 1) p - sum of d + 1 points.
   bool centroid_lattice = false;
 
   const double* row(std::uint32_t i) const { return coordinates + std::size_t{i} * dimension; }
   const double* exact_row(std::uint32_t i) const { return exact + std::size_t{i} * dimension; }
 };
 
-/// The points of a triangulation as the engine sees them: in the order of insertion, each row with
-/// all that its lift is made of. The lift itself, |x|^2 - w, is never rounded: it exists in
-/// predicates alone.
+/// The points of a triangulation for the engine: in insertion order, each row with the data of its
+/// lift. The lift itself, |x|^2 - w, is never rounded: it exists only in predicates.
 struct LiftedPoints {
   unsigned base = 0;   ///< k: orientation uses the first k numbers of a row
   unsigned width = 0;  ///< d >= k: the lift is the sum of the first d squares
   unsigned stride = 0;
   std::uint32_t count = 0;
   bool weighted = false;  ///< the number after the width is the weight
-  bool furthest = false;  ///< the lift is turned upside down
-  /// Some points may be no vertices: weights, or the upper hull.
+  bool furthest = false;  ///< the lift is negated
+  /// Some points may not become vertices: weights, or the upper hull.
   bool may_hide = false;
   /// Coordinates are at most 2^l in magnitude and weights 2^(2 l), l as below, so that no filter
-  /// need fear overflow. Else signs are exact at once.
+  /// can overflow. If false, signs are computed exactly at once.
   bool filtered = false;
-  /// More than all that underflows adds to a filter's determinant: 2^-1000 where l = 0, and
-  /// 2^(-1000 + (k + 2) l) where small coordinates forbid to scale large ones down.
+  /// More than underflow adds to a filter's determinant: 2^-1000 if l = 0, and 2^(-1000 + (k + 2)
+  /// l) if small coordinates prevent scaling large ones down.
   double tiny = 0x1p-1000;
   /// Doubles compute an in-sphere determinant without rounding if the product of the largest
-  /// magnitudes of its columns is at most this: 2^53 units of a lattice that has all points and
-  /// weights; 0: no such lattice.
+  /// magnitudes of its columns is at most this: 2^53 units of a lattice that contains all points
+  /// and weights; 0: no such lattice.
   double exact_limit = 0;
 
   Array<double> rows;
-  Array<std::uint32_t> ids;  ///< the caller's, by place in the order
+  Array<std::uint32_t> ids;  ///< the caller's ids, in insertion order
 
   const double* row(std::uint32_t i) const { return rows.data() + std::size_t{i} * stride; }
 };

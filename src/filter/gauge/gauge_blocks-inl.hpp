@@ -1,4 +1,4 @@
-// The GaugeMap's tests of vectors of points, cheapest first: the core, the levels, the map.
+// The GaugeMap's tests for vectors of points, cheapest first: the core, the levels, the map.
 // Included once per instruction set (hence Highway's unusual include guard).
 
 #include "filter/gauge/gauge_build.hpp"
@@ -32,20 +32,20 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-/// Points tested together by the core, the levels and the map. With 32 points, whose test takes
-/// some 25 ns, the processor overlaps reading the next block with testing this one; where a test
-/// takes longer that does not happen, and blocks of 256 with prefetching were fastest
-/// (docs/performance.md, "The pass over all points").
+/// Points per block of the core, the levels and the map. A block of 32 points takes the core some
+/// 25 ns, and the processor overlaps reading the next block with testing this one; slower tests
+/// gain nothing from that, and blocks of 256 with prefetching were fastest (docs/performance.md,
+/// "The pass over all points").
 constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
 static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
 constexpr float integer_shift = 8388608.0F;
 constexpr std::uint32_t integer_shift_bits = 0x4B000000U;
-// A point whose norm is smaller is treated as the centre; keeps the reciprocal finite.
+// A point whose norm is smaller is treated as the centre, so that the reciprocal stays finite.
 constexpr float tiny = 0x1p-100F;
 
-/// Sorts two lanes by descending key, payloads along.
+/// Sorts two lanes by descending key and moves their payloads along.
 HWY_INLINE void order(VF& a, VF& b, VI& pa, VI& pb) {
   const I i;
   const MF swap = hn::Lt(a, b);
@@ -74,11 +74,11 @@ HWY_INLINE void sort_descending(VF (&key)[K], VI (&payload)[K]) {
   }
 }
 
-/// Where the ray from the centre through y meets the cube.
+/// The place where the ray from the centre through y meets the cube.
 template <unsigned D>
 struct Direction {
   VF norm;          // |y|_inf
-  VF inverse;       // of it, finite
+  VF inverse;       // 1 / norm, finite
   VF face;          // number of the cube's face, an integer
   VF other[D - 1];  // coordinates on that face's grid axes, times norm
   // A defaulted constructor would not be compiled for this target.
@@ -117,7 +117,7 @@ HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
   return out;
 }
 
-/// An upper bound of g(y) from the map; NaN or infinity where a coordinate is.
+/// Returns an upper bound of g(y) from the map; NaN or infinity if a coordinate is NaN or infinite.
 template <unsigned D>
 HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
   const F f;
@@ -125,7 +125,8 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   const U u;
   const Direction<D> direction = direction_of<D>(y);
 
-  // Cell and fractions. half_cells is shrunk so that 0 <= place < cells for every finite point.
+  // Cell and fractions. half_cells is a little below cells / 2, so that 0 <= place < cells for
+  // every finite point.
   const VF half_cells = hn::Set(f, t.half_cells);
   const VF middle = hn::Set(f, t.middle);
   VF fraction[D - 1];
@@ -156,7 +157,7 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
   return hn::Mul(direction.norm, sum);
 }
 
-/// Whether points are in the core: false where a coordinate is NaN.
+/// Tests whether points are in the core; false if a coordinate is NaN.
 template <unsigned D, GaugeCore::Kind kind>
 class CoreTest {
  public:
@@ -178,7 +179,7 @@ class CoreTest {
         least = hn::Min(least, z);
         sum = hn::Add(sum, z);
       }
-      // A NaN may be lost in the extremes but not in the sum.
+      // The maximum and minimum may lose a NaN; the sum does not.
       return hn::And(hn::Lt(most, radius_[0]),
                      hn::And(hn::Lt(hn::Sub(sum, least), radius_[1]), hn::Lt(sum, radius_[2])));
     }
@@ -189,7 +190,7 @@ class CoreTest {
   VF radius_[GaugeCore::norms];
 };
 
-/// The cell of the levels that holds y.
+/// Returns the cell of the levels that contains y.
 HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
   const F f;
   const U u;
@@ -206,7 +207,7 @@ HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
                  hn::Set(u, l.last));
 }
 
-/// Bit k % 8 of byte k / 8: point k survives, k < most.
+/// Survivors of a block as bits: bit k % 8 of byte k / 8 is set if point k survives, k < most.
 template <std::uint32_t most>
 class SurvivorBits {
  public:
@@ -259,11 +260,12 @@ HWY_INLINE std::size_t test_block(const GaugeTable& t, std::uint32_t first, std:
   return bits.list(first, count, ids);
 }
 
-/// Points collected for the next test: their columns, and their positions in the chunk.
+/// Points collected for the next test: their coordinates as columns, and their positions in the
+/// chunk.
 template <unsigned D>
 class OpenPoints {
  public:
-  static constexpr std::uint32_t enough = many;  ///< run the next test from so many on
+  static constexpr std::uint32_t enough = many;  ///< run the next test from this many points on
   static constexpr std::uint32_t most = 2 * enough;
 
   std::uint32_t count() const { return count_; }
@@ -274,8 +276,8 @@ class OpenPoints {
   }
   void clear() { count_ = 0; }
 
-  /// Of at most `enough` points, adds those that dropped(k, y) is false for, k being the index of
-  /// the first lane of y.
+  /// Tests at most `enough` points and adds those that are not dropped: dropped(k, y) is false; k
+  /// is the index of the first lane of y.
   template <class Load, class Places, class Dropped>
   HWY_INLINE void add(std::uint32_t count, const Load& load, const Places& places,
                       const Dropped& dropped) {
@@ -286,7 +288,7 @@ class OpenPoints {
       load(k, y);
       MF stays = hn::Not(dropped(k, y));
       if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
-      // Not CompressStore, which takes a hundred cycles on Zen 4.
+      // Compress and store, not CompressStore, which takes a hundred cycles on Zen 4.
       for (unsigned j = 0; j < D; ++j) hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
       hn::StoreU(hn::Compress(places(k), hn::RebindMask(U(), stays)), U(), places_ + at);
       at += static_cast<std::uint32_t>(hn::CountTrue(F(), stays));
@@ -301,20 +303,21 @@ class OpenPoints {
   HWY_ALIGN std::uint32_t places_[row];
 };
 
-/// Whether a shortcut (the core or the levels) is used: it is skipped for a while where it drops
-/// too little. Skipping 16 batches limits what a useless one costs to a sixteenth of its test.
+/// Decides whether a shortcut (the core or the levels) is used: it pauses where it drops too few
+/// points. A pause of 16 batches limits the cost of a useless shortcut to about a sixteenth of its
+/// test.
 class Shortcut {
  public:
   explicit Shortcut(bool there) : there_(there) {}
   bool rests() const { return !there_ || rest_ > 0; }
-  /// Whether the next `points` points take it.
+  /// Whether the shortcut tests the next `points` points; if not, they shorten its pause.
   bool taken(std::uint32_t points) {
     if (!rests()) return true;
     rest_ -= std::min(rest_, points);
     return false;
   }
-  /// It tested `asked` points and left `left` of them: with more than most_of_four quarters left it
-  /// costs more than it saves.
+  /// Reports that the shortcut left `left` of `asked` points: with more than most_of_four quarters
+  /// left it costs more than it saves, and pauses.
   void saw(std::uint32_t asked, std::uint32_t left, std::uint32_t most_of_four) {
     asked_ += asked;
     left_ += left;
@@ -328,8 +331,8 @@ class Shortcut {
   std::uint32_t asked_ = 0, left_ = 0, rest_ = 0;
 };
 
-/// The points of one call: shortcuts first where those drop enough, then the map for the points
-/// they leave, so that survivors are the same.
+/// Tests the points of one call: by the shortcuts first, if they drop enough, then by the map the
+/// points that are left. The survivors are the same with and without shortcuts.
 template <unsigned D>
 class Blocks {
  public:
@@ -340,20 +343,20 @@ class Blocks {
         levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
         ids_(ids) {}
 
-  /// The most points that may be added next.
+  /// Returns how many points may be added next at most.
   std::uint32_t room() const {
     return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
   }
 
-  /// fetch(k) is called for each vector of points, except where the core tests them: the other
-  /// tests take long enough for prefetching to pay.
+  /// fetch(k) prefetches for each vector of points, except where the core tests them: only the
+  /// slower tests gain from prefetching.
   template <class Load, class Fetch>
   HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load,
                       const Fetch& fetch) {
     const VU lane = hn::Iota(U(), 0);
     const auto places = [&](std::uint32_t k)
                             HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
-    // Both at once, as room() assumed: pass_on() below may end a pause, too.
+    // Decide both at once, as room() assumed: pass_on() below may end a pause.
     const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
     if (by_core) {
       const std::uint32_t before = for_levels_.count();
@@ -393,7 +396,7 @@ class Blocks {
                     [&](std::uint32_t, const VF(&y)[D]) HWY_ATTR { return test(y); });
   }
 
-  /// Passes on the points that the core left.
+  /// Passes the points that the core left to the next test.
   HWY_NOINLINE void pass_on() {
     if constexpr (D == 3) {
       if (levels_.taken(for_levels_.count())) {
@@ -410,7 +413,7 @@ class Blocks {
     ask_map(for_levels_);
   }
 
-  /// Tests at most block_size points; lanes beyond may hold anything.
+  /// Tests at most block_size points; lanes beyond `count` may hold anything.
   template <class Load, class Places>
   HWY_INLINE void ask_levels(std::uint32_t count, const Load& load, const Places& places) {
     const F f;

@@ -1,4 +1,4 @@
-// Builds the table: at every node of the cube map an upper bound of the gauge; and the test of
+// Builds the table, an upper bound of the gauge at every node of the cube map, and the test of
 // single points by their cones.
 
 #include "filter/gauge/gauge_build.hpp"
@@ -15,8 +15,8 @@
 namespace cullhull::internal::inline filter {
 namespace {
 
-/// With cones: also stores the facet that the walk to each node ended at, as a start for later
-/// walks.
+/// Fills a table. With cones, it also stores the facet at which the walk to each node ended, as the
+/// start of later walks.
 template <unsigned D>
 class Builder final : public GaugeCones {
  public:
@@ -40,12 +40,12 @@ class Builder final : public GaugeCones {
       scale[j] = walk_.scale(j);
     }
     fill_gauge_constants(t, centre, scale, face_);
-    // Inverting all facets pays when every one is visited many times.
+    // Inverting all facets is worthwhile when each is visited many times.
     if ((settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D)) &&
         !walk_.invert_facets(settings.threads) && !settings.convex)
       return false;
     if (settings.cones) hints_.resize(t.nodes.size());
-    // Each face by itself, so that no value depends on the thread.
+    // Faces are filled independently, so that no value depends on the thread.
     for_each_chunk(2 * D, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,
                    [&](std::uint64_t side, std::uint64_t, std::uint64_t) {
       fill_face(t, static_cast<unsigned>(side));
@@ -76,7 +76,7 @@ class Builder final : public GaugeCones {
   }
 
  private:
-  // Nodes; fewer take less time than a thread to wake up.
+  // Nodes; filling fewer takes less time than waking a thread.
   static constexpr std::uint64_t least_parallel = 4096;
 
   static std::uint64_t power(std::uint64_t base, unsigned e) {
@@ -85,7 +85,7 @@ class Builder final : public GaugeCones {
     return r;
   }
 
-  /// The facet found at the node nearest to y; |y_axis| is the largest.
+  /// Returns the facet found at the node nearest to y; |y_axis| is the largest coordinate.
   std::uint32_t hint(const double (&y)[D], unsigned axis) const {
     if (y[axis] == 0) return 0;
     const double half = 0.5 * cells_, stretch = half / std::abs(y[axis]);
@@ -97,8 +97,9 @@ class Builder final : public GaugeCones {
     return hints_[node];
   }
 
-  /// Nodes in proportion to facets; at least so many that more would keep hardly fewer points of
-  /// balls (measured for each dimension), at most a share of L2: 64 K floats are 256 KB.
+  /// Chooses the resolution: nodes in proportion to facets; at least as many as reduce the
+  /// survivors of balls noticeably (measured for each dimension), at most a share of L2: 64 K
+  /// floats are 256 KB.
   unsigned automatic_cells(const GaugeSettings& settings) const {
     struct Rule {
       double per_facet;
@@ -117,15 +118,15 @@ class Builder final : public GaugeCones {
     const double nodes = std::clamp(wanted, rule.least, std::max(rule.least, most));
     const double edge = std::pow(nodes / (2 * D), 1.0 / (D - 1));
     unsigned cells = std::max(2U, static_cast<unsigned>(edge + 0.5) - 1);
-    // Even, so that planes of symmetry through the centre, where bodies often have creases, fall on
-    // grid lines.
+    // An even number, so that planes of symmetry through the centre, where bodies often have
+    // creases, fall on grid lines.
     if (D == 3) cells += cells % 2;
     while (most_nodes > 0 && cells > 2 && 2 * D * power(cells + 1, D - 1) > most_nodes) --cells;
     return cells;
   }
 
-  /// A node is (+-cells on the face's axis, 2 i - cells on the others) / cells; the walk works on
-  /// the integers.
+  /// Fills the nodes of a face. A node is (+-cells on the face's axis, 2 i - cells on the others) /
+  /// cells; the walk works on the integers.
   void fill_face(GaugeTable& t, unsigned side) {
     double v[D];
     v[side / 2] = side % 2 ? -1.0 : 1.0;
@@ -141,8 +142,8 @@ class Builder final : public GaugeCones {
     double v[D];
   };
 
-  /// Fills the sub-grid of the lowest `axes` grid axes; walks to neighbouring nodes start at one
-  /// another's facets. Returns the facet of its first node.
+  /// Fills the sub-grid of the lowest `axes` grid axes; the walk to a node starts at the facet of a
+  /// neighbouring node. Returns the facet of the first node.
   std::uint32_t fill_axis(Filler& filler, std::uint64_t node, std::uint64_t size, unsigned skip,
                           unsigned axes, std::uint32_t from) {
     if (axes == 0) return fill_node(filler, node, from);
@@ -175,7 +176,7 @@ class Builder final : public GaugeCones {
   InnerPolytope polytope_;
   ConeWalk<D> walk_;
   unsigned cells_ = 0;
-  std::uint64_t face_ = 0;  ///< nodes of a face
+  std::uint64_t face_ = 0;  ///< nodes per face
   std::vector<std::uint32_t> hints_;
   double allowance_ = 0;
 };

@@ -14,36 +14,39 @@
 
 namespace cullhull::internal::inline filter {
 
-/// The polytope and the cones over its facets, to test points one by one.
+/// A polytope and the cones over its facets, for testing single points.
 class GaugeCones {
  public:
   virtual ~GaugeCones() = default;
-  /// True only if x (in the points' coordinates, exact doubles) is strictly inside. Thread safe.
+  /// Returns true only if x (in the points' coordinates, exact doubles) is strictly inside. Thread
+  /// safe.
   virtual bool inside(const double* x) const = 0;
 };
 
-/// Fills `table` and, where `settings` ask for them, `cones`; false when no useful map exists. See
-/// GaugeMap::build.
+/// Fills `table` and, if `settings` ask for them, `cones`; returns false if no useful map exists.
+/// See GaugeMap::build.
 bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, GaugeTable& table,
                        std::unique_ptr<GaugeCones>* cones);
 
-// The constants that all ways to build a GaugeMap's table share: docs/exactness.md, "GaugeMap".
+// Constants shared by all ways to build a GaugeMap's table: docs/exactness.md, "GaugeMap".
 
-/// Smallest float >= v.
+/// Returns the smallest float >= v.
 inline float round_up(double v) {
   const auto f = static_cast<float>(v);
   return static_cast<double>(f) >= v ? f
                                      : std::nextafter(f, std::numeric_limits<float>::infinity());
 }
 
-/// What the kernel's roundings may add to a gauge (G3), to be added to every node.
+/// Returns a bound of what the kernel's roundings add to a gauge (G3), to be added to every node.
 inline double gauge_allowance(unsigned d, double lipschitz) {
   return (1 + 0x1p-40) * lipschitz * ((d - 1) * 0x1p-19 + d * 0x1p-23);
 }
-/// With a larger allowance hardly a point would be culled, since gauges below 1 are dropped.
+/// The largest allowance of a useful map: only points with a bound below 1 are dropped, so a larger
+/// one would drop hardly any.
 inline constexpr double most_gauge_allowance = 0.25;
 
-/// Fills all but the nodes, of which a face has `face`; dimension and cells are set already.
+/// Sets all members but the nodes; `face` is the number of nodes per face. Dimension and cells must
+/// be set.
 inline void fill_gauge_constants(GaugeTable& t, const double* centre, const double* scale,
                                  std::uint64_t face) {
   const unsigned d = t.dimension;
@@ -68,15 +71,16 @@ inline void fill_gauge_constants(GaugeTable& t, const double* centre, const doub
   t.threshold = 1 - (static_cast<float>(d) + 6) * 0x1p-23F;
 }
 
-// A simple body inside the GaugeMap's pseudo-hull: a test without look-ups, for most of the points.
+// A simple body inside the GaugeMap's pseudo-hull: a test without look-ups that decides most
+// points.
 
-/// A body inside the region that the map drops. In the map's frame an ellipsoid around the centre,
-/// or a box around it with cut edges and corners: both with the frame's axes.
+/// A body inside the region that the map drops, symmetric to the axes of the map's frame: an
+/// ellipsoid around the centre, or a box around it with cut edges and corners.
 struct GaugeCore {
   enum class Kind {
     round,  ///< the sum of weight_j y_j^2 is below radius[0]
-    cut     ///< with z_j = weight_j |y_j|: all z, the sum but the least of them, the sum of all are
-            ///< below radius[0], [1], [2]
+    cut     ///< with z_j = weight_j |y_j|: the largest z_j, the sum without the smallest, and the
+            ///< sum of all are below radius[0], [1], [2]
   };
   static constexpr unsigned norms = 3;
 
@@ -85,20 +89,20 @@ struct GaugeCore {
   float radius[norms] = {};
 };
 
-/// The body that holds most of `probes` (columns of `count` coordinates in the map's frame), if it
-/// holds enough of them to pay. docs/exactness.md, G9, proves that the map drops every point of the
-/// body. Does not depend on the number of threads.
+/// Returns the body that contains most of `probes` (columns of `count` coordinates in the map's
+/// frame), if it contains enough of them to save time. docs/exactness.md, G9, proves that the map
+/// drops every point of the body. Does not depend on the number of threads.
 std::optional<GaugeCore> make_core(const GaugeTable& table, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads);
 
-// A coarse, quick test before the GaugeMap's own in 3D: one look-up a point instead of three.
+// A coarse, quick test before the GaugeMap's own in 3D: one look-up per point instead of three.
 
-/// Each cell of the map's faces, or each of s x s parts of it, has one level: the map drops every
-/// point of that cone with |y|_inf below the level. Stored as bytes in units of the highest level /
-/// 255: 6 cells^2 of them, face by face, grid axis 0 fastest.
+/// Levels per cell. Each cell of the map's faces, or each of s x s parts of it, has one level: the
+/// map drops every point in the cell's cone with |y|_inf below the level. A level is stored as a
+/// byte in units of the highest level / 255: 6 cells^2 bytes, face by face, grid axis 0 fastest.
 struct GaugeLevels {
   std::uint32_t cells = 0;  ///< along an edge of a face
-  float half_cells = 0;     ///< cells / 2, shrunk as the map's own is
+  float half_cells = 0;     ///< cells / 2, slightly reduced like the map's own
   float middle = 0;         ///< cells / 2
   float face_stride = 0;    ///< cells^2
   std::uint32_t last = 0;   ///< number of the last cell
@@ -106,30 +110,30 @@ struct GaugeLevels {
   std::vector<std::uint8_t> of_cell;
 };
 
-/// Of a map of dimension 3 that is not too fine, else none. docs/exactness.md, G8, proves that the
-/// map drops what the levels drop.
+/// Returns the levels of a 3D map that is not too fine, else nothing. docs/exactness.md, G8, proves
+/// that the map drops what the levels drop.
 std::optional<GaugeLevels> make_levels(const GaugeTable& table, unsigned threads = 1);
 
-/// The values that a map of dimension 3 interpolates, at the corners of parts x parts parts of each
-/// cell of a face: (cells * parts + 1)^2 of them.
+/// Returns the values that a 3D map interpolates, at the corners of parts x parts parts of each
+/// cell of a face: (cells * parts + 1)^2 values.
 std::vector<double> values_on_face(const GaugeTable& table, unsigned face, std::uint32_t parts);
 
-// The GaugeMap's table for a polytope in space with few facets: every node is tested against all of
-// their planes, which is faster than a walk from cone to cone.
+// The GaugeMap's table for a 3D polytope with few facets: every node is tested against all facet
+// planes, which is faster than a walk from cone to cone.
 
-/// A facet's plane in the frame of a table: the gauge of y is the largest q . y of all facets;
-/// `slack` bounds the rounding, for |y| <= 1.
+/// The facets' planes in the frame of a table: the gauge of y is the largest q . y over all facets;
+/// `slack` bounds the rounding for |y| <= 1.
 struct GaugePlanes {
-  std::vector<float> q[3], slack;  // padded to multiples of 16 by copies of the last
+  std::vector<float> q[3], slack;  // padded to multiples of 16 by copies of the last plane
 };
 
-/// The largest q . v + cells slack of all planes for each of `count` directions v of integers up to
-/// `cells`.
+/// Computes the largest q . v + cells * slack over all planes, for each of `count` directions v
+/// with integer coordinates up to `cells`.
 void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
                     const float* z, std::uint32_t count, float* gauges);
 
-/// Fills `table` as build_gauge_table does. The polytope must be an exact hull in space, its facets
-/// outward oriented; only they and the vertices are read. False when no useful map exists.
+/// Fills `table` like build_gauge_table. The polytope must be an exact 3D hull with its facets
+/// outward oriented; only facets and vertices are read. Returns false if no useful map exists.
 bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
 
 /// Tests that run before the GaugeMap's own and decide most points at a lower cost.
@@ -139,8 +143,8 @@ struct GaugeShortcuts {
   bool any() const { return core || levels; }
 };
 
-/// The shortcuts that pay for a pass over `count` points, judged by a sample of them (all of them
-/// if fewer than 512).
+/// Returns the shortcuts worthwhile for a pass over `count` points, judged by a sample of them (all
+/// of them if fewer than 512).
 GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
                               unsigned threads);
 

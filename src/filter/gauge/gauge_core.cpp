@@ -10,26 +10,29 @@
 namespace cullhull::internal::inline filter {
 namespace {
 
-/// Covers the distance of the place where the map is read from the point's direction, and all
+/// Covers the distance between the point's direction and the place where the map is read, and all
 /// rounding (docs/exactness.md, G9).
 constexpr double margin = 0x1p-12;
-/// The weights' ratio is at most this, as the margin's proof requires.
+/// The largest ratio of the weights, as the margin's proof requires.
 constexpr double most_stretch = 8;
-/// Squares of smaller radii could underflow.
+/// The least radius: squares of smaller ones could underflow.
 constexpr double least_radius = 0x1p-20;
-/// A core with fewer of the points costs more than it saves: its test takes about a third of the
-/// map's time (0.8 to 1.3 of 2.5 ns a point).
+/// The least share of points in a core that saves time: its test takes about a third of the map's
+/// (0.8 to 1.3 of 2.5 ns per point).
 constexpr double least_share = 0.375;
-/// About so many cells along an edge of a face: the finer, the closer tangents are to the
-/// ellipsoid. A guess: 6 * 32^2 tangents take a fraction of a millisecond.
+/// In 3D, the approximate number of cells along an edge of a face. A tangent to a sphere at a
+/// cell's middle loses 0.1 % of the radius at the cell's corners (angle sqrt(2) / 32); the time
+/// grows with the square, 6 * 32^2 tangents take a fraction of a millisecond. Other values are
+/// untested.
 constexpr std::uint32_t wanted_cells = 32;
-/// Radii tried for two of the cut box's norms: steps of 1/16 of the range, a guess; the time grows
-/// with the square.
+/// Radii tried for each of two of the cut box's norms. A tried radius is less than a sixteenth of
+/// the range below the best one; the time grows with the square. Other values are untested.
 constexpr unsigned steps = 16;
 
-/// The ellipsoid's norm, then those of the cut box.
+/// The number of norms: the ellipsoid's first, then those of the cut box.
 constexpr unsigned all_norms = 1 + GaugeCore::norms;
-/// For a cell, how far out points are dropped by each norm: within any one of these radii suffices.
+/// For a cell and each norm: the radius within which the map drops the cell's points. A point needs
+/// to be within only one of them.
 using Reach = std::array<double, all_norms>;
 using Norms = std::array<double, all_norms>;
 
@@ -91,8 +94,8 @@ class CoreBuilder {
       weight_[j] = static_cast<float>(longest / std::max(reach[j], longest / most_stretch));
   }
 
-  /// Cells extend no farther than their nodes: a sample of the nodes mostly shows where no core
-  /// pays.
+  /// Estimates from a sample of the nodes whether a core can be worthwhile: cells extend no farther
+  /// than their nodes.
   void measure_some_nodes() {
     constexpr std::size_t wanted = 512;
     const std::size_t step = 1 + t_.nodes.size() / wanted;
@@ -118,7 +121,8 @@ class CoreBuilder {
     }
   }
 
-  /// The point of the cube with grid coordinates (plus `shift`) on a face of `cells` cells an edge.
+  /// Computes the point of the cube with grid coordinates (plus `shift`) on a face of `cells` cells
+  /// per edge.
   static void place(unsigned face, unsigned cells, const unsigned (&grid)[D], double shift,
                     double (&v)[D]) {
     unsigned k = 0;
@@ -135,7 +139,7 @@ class CoreBuilder {
     return false;
   }
 
-  /// 1 / F at the corners of the face's cells, F being what the map interpolates.
+  /// Returns 1 / F at the corners of the face's cells; F is the function that the map interpolates.
   std::vector<double> inverse_values(unsigned face) const {
     std::vector<double> values;
     if constexpr (D == 3) {
@@ -149,7 +153,7 @@ class CoreBuilder {
     return values;
   }
 
-  /// A linear function nowhere above the norm, and equal to it at z.
+  /// Computes a linear function that is nowhere above the norm and equals it at z.
   void tangent(unsigned norm, const double (&z)[D], double (&u)[D]) const {
     double size[D], square = 0;
     unsigned lowest = 0, highest = 0;
@@ -231,7 +235,7 @@ class CoreBuilder {
     return {std::sqrt(square), most, sum - least, sum};
   }
 
-  /// `count` values of each norm at the probes.
+  /// Returns all norms at the probes: `count` values of each.
   std::vector<float> norms_of(const std::vector<float>& probes, std::uint32_t count) const {
     std::vector<float> norms(std::size_t{all_norms} * count);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -244,9 +248,9 @@ class CoreBuilder {
     return norms;
   }
 
-  /// Radii of the cut box that holds most probes. A cell is covered if any one of the three radii
-  /// is within its reach: the first and the last radius are tried on a grid, and the middle one is
-  /// the least reach of the cells that neither covers.
+  /// Finds the radii of the cut box that contains most probes. A cell is covered if any one of the
+  /// three radii is within its reach: the first and the last radius are tried on a grid, and the
+  /// middle one is the least reach of the cells that neither covers.
   std::uint32_t best_box(const std::vector<float>& norms, std::uint32_t count,
                          Reach& radius) const {
     double highest[all_norms] = {};

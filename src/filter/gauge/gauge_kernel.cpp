@@ -6,7 +6,7 @@
 // are fused only where the product is exact, or where the map tests the point afterwards.
 //
 // Where the cheapest test decides most points, blocks are so short that the processor reads the
-// next while it tests one, and prefetching only costs. Elsewhere the input is prefetched.
+// next block while it tests one; there prefetching costs time. Elsewhere the input is prefetched.
 
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/dispatch.hpp"
@@ -30,7 +30,7 @@ namespace {
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
 
-/// scale and offset of the elements of D consecutive vectors of rows.
+/// Scale and offset of the elements of D consecutive vectors of rows.
 template <unsigned D, class T>
 struct RowPattern {
   static constexpr std::size_t lanes = hn::MaxLanes(hn::ScalableTag<T>());
@@ -52,7 +52,7 @@ HWY_INLINE void store_f32(hn::ScalableTag<double> d, hn::Vec<hn::ScalableTag<dou
 }
 #endif
 
-/// `count` rows from `from` to `to`, translated, scaled, rounded to f32, zero-padded.
+/// Converts `count` rows from `from` to `to`: translated, scaled, rounded to f32, zero-padded.
 template <unsigned D, class T>
 HWY_INLINE void convert_rows(const RowPattern<D, T>& pattern, const T* HWY_RESTRICT from,
                              std::uint32_t count, float* HWY_RESTRICT to) {
@@ -103,7 +103,7 @@ std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts,
   for (std::uint32_t b = 0; b < count;) {
     const std::uint32_t n = std::min(blocks.room(), count - b);
     convert_rows<D, T>(pattern, data + std::size_t{b} * D, n, rows);
-    // Two blocks ahead: the next block would arrive too late.
+    // Prefetch two blocks ahead: the next block would arrive too late.
     const T* later = data + (std::size_t{b} + 2 * many) * D;
     blocks.add(
         b, n,
@@ -119,7 +119,7 @@ std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts,
 
 // ---------------------------------------------------------------- any layout, any scalar
 
-/// One coordinate of `count` points; computes in C, which holds T exactly.
+/// Converts one coordinate of `count` points; computes in C, which represents every T exactly.
 template <class C, class T>
 void convert_axis(const std::byte* from, std::ptrdiff_t stride, std::uint32_t count, C scale,
                   C offset, float* HWY_RESTRICT to) {

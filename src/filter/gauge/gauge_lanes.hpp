@@ -1,10 +1,10 @@
-// The GaugeMap's test of one point, and how the lanes of a warp divide points: the text that the
-// CUDA kernel (gauge_kernel.cu) and its host twin (tests/agreement/gauge_lanes_test.cpp) both
-// compile.
+// The GaugeMap's test of one point, and how the lanes of a warp share points. The CUDA kernel
+// (gauge_kernel.cu) and its host twin (tests/agreement/gauge_lanes_test.cpp) both compile this
+// text.
 //
-// Every operation is that of gauge_kernel.cpp, rounded the same, so that all three keep the same
-// points: sums and products in the same order (-fmad=false), a correctly rounded reciprocal. Three
-// steps are done in another way that gives the same values and costs less on a device:
+// Every operation rounds as in gauge_kernel.cpp, so that all three keep the same points: sums and
+// products in the same order (-fmad=false), a correctly rounded reciprocal. Three steps are done
+// differently, with the same values at a lower cost on a device:
 // * floor and conversion to integer run at an eighth of the speed of sums on a device. Rounded
 //   downward, place + 2^23 is floor(place) + 2^23 for 0 <= place < 2^23, the cell in its low bits.
 // * The norm is a maximum of floats, which ignores a NaN: then that coordinate is never dominant,
@@ -28,7 +28,7 @@ namespace cullhull::internal::inline filter {
 
 inline constexpr unsigned warp_lanes = 32;
 
-/// The constants of a GaugeTable in the form a kernel takes them, by value.
+/// The constants of a GaugeTable in the form that a kernel receives, by value.
 template <unsigned D, class C>
 struct GaugeConstants {
   C scale[D];
@@ -37,14 +37,14 @@ struct GaugeConstants {
   float middle;
   float face_base[D];        ///< first node of the axis's positive face, plus 2^23
   float stride[D - 1];       ///< as floats, for the corner
-  std::int32_t step[D - 1];  ///< the same as integers, for the walk to the other nodes
+  std::int32_t step[D - 1];  ///< the same as integers, for the steps to the other nodes
   std::int32_t all_steps;
   float face_stride;
   std::uint32_t last_corner;
   float threshold;
 };
 
-/// C: float only where the table's constants are exact in it.
+/// Converts a table's constants. C is float only if they are exact in float.
 template <unsigned D, class C>
 GaugeConstants<D, C> gauge_constants(const GaugeTable& t) {
   GaugeConstants<D, C> c{};
@@ -76,7 +76,7 @@ CULLHULL_HD_INLINE std::uint32_t bits_of(float v) {
 #endif
 }
 
-/// The larger; of a number and a NaN the number.
+/// Returns the larger number; of a number and a NaN the number.
 CULLHULL_HD_INLINE float larger(float a, float b) {
 #ifdef __CUDA_ARCH__
   return fmaxf(a, b);
@@ -94,9 +94,9 @@ CULLHULL_HD_INLINE float floor_and_shift(float v) {
 #endif
 }
 
-/// 1 / v, correctly rounded for 2^-100 <= v < 2^126. The device's approximation and one Newton step
-/// are what __frcp_rn takes in that range, without its branch to a slow path. For larger numbers
-/// the device gives 0, for an infinity or NaN a NaN: such points survive anyway.
+/// Returns 1 / v, correctly rounded for 2^-100 <= v < 2^126. In that range the device's
+/// approximation and one Newton step give what __frcp_rn gives, without its branch to a slow path.
+/// For larger numbers the device gives 0, for an infinity or NaN a NaN: such points survive anyway.
 CULLHULL_HD_INLINE float reciprocal(float v) {
 #ifdef __CUDA_ARCH__
   float r;
@@ -107,7 +107,7 @@ CULLHULL_HD_INLINE float reciprocal(float v) {
 #endif
 }
 
-/// The product is exact, so fusing it changes nothing.
+/// Returns x in the frame. The product is exact, so fusing it changes nothing.
 CULLHULL_HD_INLINE float centred(float x, float scale, float offset) {
 #ifdef __CUDA_ARCH__
   return __fmaf_rn(x, scale, -offset);
@@ -134,7 +134,7 @@ CULLHULL_HD void order(float (&key)[K], std::int32_t (&step)[K], unsigned i, uns
   step[i] = first;
 }
 
-/// The networks of gauge_kernel.cpp.
+/// Sorts by the networks of gauge_kernel.cpp.
 template <unsigned K>
 CULLHULL_HD void sort_descending(float (&key)[K], std::int32_t (&step)[K]) {
   if constexpr (K == 2) {
@@ -153,12 +153,12 @@ CULLHULL_HD void sort_descending(float (&key)[K], std::int32_t (&step)[K]) {
 
 }  // namespace lanes
 
-/// Whether the point is provably strictly inside; false for one with a NaN or an infinity.
+/// Returns whether the point is provably strictly inside; false if it has a NaN or an infinity.
 template <unsigned D, class C, class Nodes>
 CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
                               const float (&y)[D]) {
-  constexpr float tiny = 0x1p-100F;  // no division by less: quotients stay finite in floats
-  constexpr std::uint32_t shift_bits = 0x4B000000U;  // of 2^23
+  constexpr float tiny = 0x1p-100F;  // the smallest divisor: quotients stay finite in floats
+  constexpr std::uint32_t shift_bits = 0x4B000000U;  // the bits of 2^23
 
   // Dominant axis, the first of equal ones; grid axis k is axis k below it, k + 1 from it on.
   float prefix[D];
@@ -202,12 +202,12 @@ CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
   return norm * sum < t.threshold;
 }
 
-// A warp takes `group_points` points at a time and answers with as many bits, in words of 32 in the
-// points' order: bit i of the mask, counted from the lowest, says that point i survives. A layout
-// knows which points are a lane's and how they are read.
+// A warp reads `group_points` points at a time and returns as many bits, in words of 32 in the
+// points' order: bit i of the mask, counted from the lowest, is set if point i survives. A layout
+// defines which points belong to a lane and how they are read.
 
-/// Packed rows that begin at a multiple of 16 bytes: a lane takes neighbouring points, as many as
-/// make its bytes a multiple of 16, and reads nothing but vectors of that size.
+/// Packed rows that begin at a multiple of 16 bytes: a lane reads neighbouring points, as many as
+/// make its bytes a multiple of 16, only by vectors of that size.
 template <unsigned D_, class T_>
 struct PackedRows {
   using T = T_;
@@ -245,7 +245,7 @@ struct PackedRows {
   }
 };
 
-/// Any strides: lane l takes points l, l + 32, ..., so that columns are read 32 values at a time.
+/// Any strides: lane l reads points l, l + 32, ..., so that columns are read 32 values at a time.
 template <unsigned D_, class T_>
 struct AnyStrides {
   using T = T_;
@@ -273,8 +273,8 @@ struct AnyStrides {
   }
 };
 
-/// Bit k: the lane's k-th point of the group exists and survives. Whole: all of the group's points
-/// exist.
+/// Returns a mask: bit k is set if the lane's k-th point of the group exists and survives. `Whole`:
+/// all of the group's points exist.
 template <bool Whole, class Layout, class C, class Nodes>
 CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
                                          const Layout& layout, std::uint64_t group, unsigned lane,
@@ -296,7 +296,7 @@ CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, 
   return bits;
 }
 
-/// The same, for whole groups and the last one.
+/// Does the same for any group: whole ones and the last.
 template <class Layout, class C, class Nodes>
 CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
                                          const Layout& layout, std::uint64_t group, unsigned lane,
@@ -306,7 +306,7 @@ CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, 
   return lane_survivors<false>(t, nodes, layout, group, lane, count);
 }
 
-/// Groups a count of points makes.
+/// Returns the number of groups that contain `count` points.
 template <class Layout>
 CULLHULL_HD std::uint64_t group_count(std::uint64_t count) {
   return (count + Layout::group_points - 1) / Layout::group_points;
@@ -324,8 +324,8 @@ void with_layout(const void* data, std::ptrdiff_t point_stride, std::ptrdiff_t c
     use(AnyStrides<D, T>{static_cast<const std::byte*>(data), point_stride, coordinate_stride});
 }
 
-/// Calls run.template operator()<D, T, C>() for the points' dimension and scalar; C is what the
-/// frame is computed in.
+/// Calls run.template operator()<D, T, C>() for the points' dimension and scalar; the frame is
+/// computed in C.
 template <class Run>
 void with_types(const GaugeTable& t, ScalarType scalar, const Run& run) {
   with_dimension<2, 5, 6>(t.dimension, [&](auto d) {

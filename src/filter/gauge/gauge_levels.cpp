@@ -7,19 +7,19 @@
 namespace cullhull::internal::inline filter {
 namespace {
 
-/// About so many cells along an edge of a face: their 38 KB of levels fill the L1 cache or a little
-/// more.
+/// The approximate number of cells along an edge of a face: their 38 KB of levels about fill the L1
+/// cache.
 constexpr std::uint32_t wanted_cells = 80;
-/// The bound `overlap` is proved for at most so many cells.
+/// The most cells for which the bound `overlap` is proved.
 constexpr std::uint32_t most_cells = 512;
-/// The cell that the levels choose and the place where the map interpolates agree to within this
+/// The cell that the levels choose and the place where the map interpolates differ by at most this
 /// part of a cell (docs/exactness.md, G8).
 constexpr double overlap = 0x1p-10;
 /// Covers the rounding of the map's sum, of the levels and of their comparison.
 constexpr double margin = 0x1p-16;
 
-/// Replaces each value by the largest of `width` neighbours along a stride, from `back` before it
-/// on, within [0, size).
+/// Replaces each value by the largest of `width` neighbours along a stride, starting `back` before
+/// it, within [0, size).
 void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::size_t lines,
             std::size_t line_step, std::uint32_t back, std::uint32_t width) {
   std::vector<double> line(size);
@@ -35,10 +35,10 @@ void spread(std::vector<double>& v, std::uint32_t size, std::size_t step, std::s
   }
 }
 
-/// For each cell of a face the |y|_inf below which the map drops every point of the cell.
+/// Computes for each cell of a face the |y|_inf below which the map drops every point of the cell.
 void find_limits(const GaugeTable& t, unsigned face, std::uint32_t parts, double* limits) {
   const std::uint32_t cells = t.cells * parts, row = cells + 1;
-  // The largest value of each part, and of those around it as well.
+  // `own`: the largest value of each part; `around`: of the part and those around it.
   std::vector<double> own = values_on_face(t, face, parts), around = own;
   spread(own, row, 1, row, row, 0, 2);
   spread(own, row, row, row, 1, 0, 2);

@@ -73,7 +73,7 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   if (points.dimension != table_->dimension)
     throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
 
-  // Every chunk keeps its own list; their concatenation does not depend on threads.
+  // Every chunk fills its own list; their concatenation does not depend on threads.
   const std::uint64_t chunks = chunk_count(points.count, gauge_chunk);
   const unsigned d = points.dimension;
   std::vector<std::vector<std::uint16_t>> kept(chunks);
@@ -114,11 +114,13 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
 
 namespace {
 
-/// Estimates the share of points that a shortcut drops to some 2 % (one standard deviation).
+/// The sample size: estimates the share of points that a shortcut drops to about 2 % (one standard
+/// deviation).
 constexpr std::uint32_t probe_count = 512;
 
-/// Points from all over the view, in the map's frame, as columns. They only serve to estimate how
-/// much a shortcut saves: which points they are, and their rounding, does not affect results.
+/// Samples points from all over the view, in the map's frame, as columns. They only serve to
+/// estimate how much a shortcut saves: which points they are, and their rounding, does not affect
+/// results.
 std::vector<float> probe(const GaugeTable& t, const PointView& points) {
   const unsigned d = t.dimension;
   const std::uint64_t stretch = points.count / probe_count;
@@ -136,9 +138,9 @@ std::vector<float> probe(const GaugeTable& t, const PointView& points) {
 
 GaugeShortcuts make_shortcuts(const GaugeTable& t, const PointView& points, std::uint64_t count,
                               unsigned threads) {
-  // Building a shortcut takes a fraction of a millisecond, and it saves up to a nanosecond a point:
-  // at 2 million points, one for the core, at 4 million for the levels, it pays even where it saves
-  // half of that.
+  // Building a shortcut takes a fraction of a millisecond, and it saves up to a nanosecond per
+  // point: with 2 million points for the core, 4 million for the levels, it is worthwhile even if
+  // it saves half of that.
   constexpr std::uint64_t worth_core = std::uint64_t{1} << 21, worth_levels = worth_core << 1;
   GaugeShortcuts s;
   if (count >= worth_core) s.core = make_core(t, probe(t, points), probe_count, threads);

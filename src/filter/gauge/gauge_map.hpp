@@ -1,4 +1,4 @@
-// GaugeMap: the radial pseudo-hull laid on a cube map (docs/algorithm.md, docs/exactness.md).
+// GaugeMap: a radial pseudo-hull over a cube map (docs/algorithm.md, docs/exactness.md).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace cullhull::internal::inline filter {
 
 struct GaugeTable;
 
-/// A convex polytope whose vertices are input points, from which the filter is built.
+/// A convex polytope whose vertices are input points; the filter is built from it.
 struct InnerPolytope {
   unsigned dimension = 0;
   /// Vertices, packed rows of exact input coordinates (untranslated, unscaled).
@@ -26,24 +26,25 @@ struct InnerPolytope {
 };
 
 struct GaugeSettings {
-  /// Cells along an edge of the cube map; 0: chosen by the facet count and the next three members.
+  /// Cells along an edge of the cube map; 0: chosen from the facet count and the next three
+  /// members.
   unsigned resolution = 0;
   double share = 1;               ///< factor for the number of nodes
-  std::uint32_t least_nodes = 0;  ///< at least so many, as far as a CPU's cache holds them
-  std::uint32_t most_nodes = 0;   ///< at most so many; 0: as a CPU's cache holds
-  /// Keeps the polytope, as outside_cones() needs.
+  std::uint32_t least_nodes = 0;  ///< lower bound, as far as a CPU's cache holds the nodes
+  std::uint32_t most_nodes = 0;   ///< upper bound; 0: as many as a CPU's cache holds
+  /// Keeps the polytope, which outside_cones() needs.
   bool cones = false;
-  /// False: the facets are only near those of a convex polytope (after its vertices have moved,
-  /// say). They are used if each direction from the centre meets exactly one of them; else there is
-  /// no map. Needs cones.
+  /// False: the facets form nearly a convex polytope (say, after its vertices have moved). The map
+  /// uses them if each direction from the centre meets exactly one of them; else there is no map.
+  /// Needs cones.
   bool convex = true;
   unsigned threads = 1;
 };
 
-/// Rows of survivors, gathered in the pass that finds them, while they are in its cache.
+/// Rows of survivors, gathered by the pass that finds them while they are in its cache.
 struct SurvivorRows {
   std::uint64_t most = ~std::uint64_t{0};  ///< no rows for more survivors than this
-  /// Packed, as doubles, not checked for finiteness; empty where there are more survivors.
+  /// Packed, as doubles, not checked for finiteness; empty if there are more survivors.
   Array<double> rows;
 };
 
@@ -52,9 +53,9 @@ class GaugeMap {
  public:
   static constexpr unsigned min_dimension = 2, max_dimension = 6;
 
-  /// Returns null when no useful map exists (the centre is not strictly inside in floating point,
-  /// coordinates too extreme, ...): the caller then culls nothing. The map does not depend on the
-  /// number of threads.
+  /// Returns null if no useful map exists (the centre is not strictly inside in floating point,
+  /// coordinates are too extreme, ...): the caller then culls nothing. The map does not depend on
+  /// the number of threads.
   static std::unique_ptr<GaugeMap> build(InnerPolytope polytope, const GaugeSettings& settings);
   static std::unique_ptr<GaugeMap> build(InnerPolytope polytope, unsigned resolution = 0,
                                          std::uint32_t most_nodes = 0) {
@@ -62,28 +63,28 @@ class GaugeMap {
                  GaugeSettings{.resolution = resolution, .most_nodes = most_nodes});
   }
 
-  /// For an exact hull in space with so few facets, outward oriented, that testing every node
-  /// against all of them is faster than walks. Returns null where build() would.
+  /// Builds the map of an exact 3D hull, outward oriented, with few facets: testing every node
+  /// against all of them is then faster than walks. Returns null where build() would.
   static std::unique_ptr<GaugeMap> of_few_facets(const InnerPolytope& polytope,
                                                  unsigned resolution);
 
-  /// Ids (ascending, indices into `points`) of all points that are not provably strictly inside the
-  /// polytope; a point with a NaN or an infinity is always among them.
-  /// `rows`: gets their coordinates, if given.
+  /// Returns the ids (ascending, indices into `points`) of all points that are not provably
+  /// strictly inside the polytope, which include every point with a NaN or an infinity. `rows`, if
+  /// given, receives their coordinates.
   std::vector<std::uint64_t> survivors(const PointView& points, const Run& run,
                                        SurvivorRows* rows = nullptr) const;
 
-  /// Of packed rows of finite points those that are not provably strictly inside the polytope, by
-  /// the facet each one's ray leaves by: a slower test than survivors(), but exact up to rounding.
-  /// Positions, ascending; those `certain` are among them without being asked about. Needs a map
-  /// built with cones.
+  /// Returns the positions (ascending) of those packed rows of finite points that are not provably
+  /// strictly inside the polytope, tested by the facet through which each point's ray leaves:
+  /// slower than survivors(), but exact up to rounding. Rows marked `certain` are returned without
+  /// a test. Needs a map built with cones.
   std::vector<std::uint64_t> outside_cones(const Array<double>& rows,
                                            const std::vector<char>& certain, const Run& run) const;
 
-  /// The same test of one point.
+  /// Applies the same test to one point.
   bool inside_cones(const double* row) const;
 
-  /// What the kernels read.
+  /// The data that the kernels read.
   const GaugeTable& table() const noexcept;
 
   ~GaugeMap();

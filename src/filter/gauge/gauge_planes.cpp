@@ -17,7 +17,8 @@ namespace cullhull::internal::inline filter::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// For any target, fused or not, the sums are within the slack.
+/// Computes largest_gauges. On any target, with or without fused operations, the sums are within
+/// the slack.
 void largest_gauges_in(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
                        const float* z, std::uint32_t count, float* gauges) {
   const hn::CappedTag<float, 16> f;
@@ -26,14 +27,14 @@ void largest_gauges_in(const GaugePlanes& planes, unsigned cells, const float* x
   const float *q0 = planes.q[0].data(), *q1 = planes.q[1].data(), *q2 = planes.q[2].data(),
               *slack = planes.slack.data();
   const V times = hn::Set(f, static_cast<float>(cells));
-  constexpr std::uint32_t together = 4;  // directions, so that a plane is read once for all
+  constexpr std::uint32_t together = 4;  // directions for which a plane is read once
   for (std::uint32_t i = 0; i < count; i += together) {
     const auto at = [&](const float* v, std::uint32_t k)
                         HWY_ATTR { return hn::Set(f, v[std::min(i + k, count - 1)]); };
     const V x0 = at(x, 0), x1 = at(x, 1), x2 = at(x, 2), x3 = at(x, 3);
     const V y0 = at(y, 0), y1 = at(y, 1), y2 = at(y, 2), y3 = at(y, 3);
     const V z0 = at(z, 0), z1 = at(z, 1), z2 = at(z, 2), z3 = at(z, 3);
-    V m0 = hn::Zero(f), m1 = m0, m2 = m0, m3 = m0;  // no gauge is less
+    V m0 = hn::Zero(f), m1 = m0, m2 = m0, m3 = m0;  // no gauge is below 0
     for (std::size_t p = 0; p < size; p += lanes) {
       const V a = hn::LoadU(f, q0 + p), b = hn::LoadU(f, q1 + p), c = hn::LoadU(f, q2 + p);
       const V s = hn::Mul(hn::LoadU(f, slack + p), times);
@@ -67,7 +68,8 @@ void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, c
 
 namespace {
 
-/// The vertices' mean, which is inside, and powers of two that scale the vertices to |y| <= 1.
+/// Chooses as centre the vertices' mean, which is inside, and powers of two that scale the vertices
+/// to |y| <= 1.
 bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
   const std::size_t count = p.vertices.size() / 3;
   for (unsigned j = 0; j < 3; ++j) {
@@ -79,7 +81,7 @@ bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
       for (std::size_t v = 0; v < count; ++v) r = std::max(r, std::abs(p.vertices[v * 3 + j] - c));
       return r;
     };
-    // The centre is rounded to f32 if it stays near, so that f32 input is processed in f32.
+    // The centre is rounded to f32 if that moves it little, so that f32 input is processed in f32.
     const double single = static_cast<float>(mean);
     reach = reach_from(mean);
     if (std::abs(single - mean) <= 0x1p-7 * reach) {
@@ -96,8 +98,8 @@ bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
   return true;
 }
 
-/// docs/exactness.md, "GaugeMap", G2a, derives the bound. False where the centre is not certainly
-/// beneath the plane.
+/// Adds a facet's plane; docs/exactness.md, "GaugeMap", G2a, derives the bound. Returns false if
+/// the centre is not certainly beneath the plane.
 bool add_plane(const double* a, const double* b, const double* c, const double* centre,
                const double* scale, GaugePlanes& out) {
   constexpr double u = 0x1p-53, w = 0x1p-24;
@@ -137,7 +139,7 @@ bool find_planes(const InnerPolytope& p, const double* centre, const double* sca
   return true;
 }
 
-/// An upper bound of the gauge of +-e_j for all j.
+/// Returns an upper bound of the gauge of +-e_j for all j.
 double lipschitz_of(const GaugePlanes& planes) {
   double most = 0;
   for (std::size_t f = 0; f < planes.slack.size(); ++f)

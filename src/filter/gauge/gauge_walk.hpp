@@ -15,18 +15,20 @@
 
 namespace cullhull::internal::inline filter {
 
-/// What weights mu >= 0 on vertices q (relative to the centre) prove about a direction v.
+/// What a combination of vertices q (relative to the centre) with weights mu >= 0 proves about a
+/// direction v.
 struct GaugeBound {
   double weight;    ///< at least the sum of the mu
   double residual;  ///< at least |v - sum mu q|_1
 };
 
-/// The frame is y = (x - centre) * scale, scale powers of two, |y| <= 1 on the polytope.
+/// The cones of a polytope's facets. Its frame is y = (x - centre) * scale, scale powers of two,
+/// |y| <= 1 on the polytope.
 ///
-/// Correctness does not depend on the facets. Whatever weights mu >= 0 on input points q are found
-/// for a direction v, the residual r = v - sum mu q is bounded, and
+/// Correctness does not depend on the facets. For any weights mu >= 0 on input points q that are
+/// found for a direction v, the residual r = v - sum mu q is bounded, and
 ///   g(v) <= sum mu + L |r|_1,   L >= max g(+-e_j),
-/// holds for the gauge of the hull of those points. The facets only serve to find good weights.
+/// holds for the gauge of the hull of those points. The facets only help to find good weights.
 template <unsigned D>
 class ConeWalk {
  public:
@@ -37,7 +39,8 @@ class ConeWalk {
         facet_count_(static_cast<std::uint32_t>(p.facets.size() / D)),
         step_limit_(256 + static_cast<unsigned>(16 * std::pow(facet_count_, 1.0 / (D - 1)))) {}
 
-  /// False if the centre is not strictly inside in floating point, or coordinates are too extreme.
+  /// Returns false if the centre is not strictly inside in floating point, or coordinates are too
+  /// extreme.
   bool prepare() {
     return vertex_count_ >= D + 1 && facet_count_ >= D + 1 && choose_frame() && bound_axes();
   }
@@ -45,12 +48,12 @@ class ConeWalk {
   std::uint32_t facet_count() const { return facet_count_; }
   double centre(unsigned j) const { return centre_[j]; }
   double scale(unsigned j) const { return scale_[j]; }
-  /// L: no point of the unit 1-norm ball has a larger gauge.
+  /// Returns L: no point of the unit 1-norm ball has a larger gauge.
   double lipschitz() const { return lipschitz_; }
 
-  /// Inverts the matrix of every facet; pays when each facet is visited many times. False if not
-  /// all cones have one orientation, as those of a convex polytope have: then walks may not end at
-  /// the right cone.
+  /// Inverts the matrix of every facet; worthwhile if each facet is visited many times. Returns
+  /// false unless all cones have the same orientation, as those of a convex polytope have:
+  /// otherwise walks may end at a wrong cone.
   bool invert_facets(unsigned threads) {
     std::vector<double> inverses(std::size_t{facet_count_} * D * D);
     std::vector<Cone> cones(facet_count_);
@@ -71,7 +74,8 @@ class ConeWalk {
     return met != 3;
   }
 
-  /// Makes the weights non-negative and bounds what is then missing from v (exactness.md, G2).
+  /// Makes the weights non-negative and bounds the rest of v that they do not reach (exactness.md,
+  /// G2).
   GaugeBound bound(std::uint32_t f, const double* v, const double (&mu)[D]) const {
     double weight = 0;
     double rest[D];
@@ -93,9 +97,10 @@ class ConeWalk {
     return {weight * (1 + 0x1p-49), residual + (1 + weight) * 0x1p-1000};
   }
 
-  /// Walks across ridges with a negative weight to the cone that holds v. By convexity sum mu grows
-  /// from step to step, except at coplanar facets and by rounding: hence the step limit, and a
-  /// random choice of the ridge after half of it. Returns the best facet visited.
+  /// Walks across ridges with a negative weight to the cone that contains v. By convexity sum mu
+  /// grows with every step, except at coplanar facets and by rounding: hence the step limit, and a
+  /// random choice of the ridge after half the limit. Returns the best facet visited; `best`
+  /// receives its weights.
   std::uint32_t walk(std::uint32_t from, const double* v, double (&best)[D],
                      std::uint64_t& random) const {
     if (!cones_.empty() && walk_roughly(from, v)) {
@@ -139,15 +144,16 @@ class ConeWalk {
   static constexpr std::uint64_t random_seed = 88172645463325252U;
 
  private:
-  /// The data a step of the walk reads: one or two cache lines. Single precision suffices to find
-  /// the way.
+  /// The data that a step of the walk reads: one to three cache lines. Single precision suffices to
+  /// find the way.
   struct alignas(64) Cone {
     float inverse[D * D];
     std::uint32_t next[D];
   };
 
-  /// Moves `f` to the cone that holds v, or to a neighbour of it within rounding; false after 128
-  /// steps, far more than a walk from a near start takes; then the caller walks in doubles.
+  /// Moves `f` to the cone that contains v, or to a neighbour of it within rounding. Returns false
+  /// after 128 steps, far more than a walk from a near start takes; then the caller walks in
+  /// doubles.
   bool walk_roughly(std::uint32_t& f, const double* v) const {
     float w[D];
     for (unsigned j = 0; j < D; ++j) w[j] = static_cast<float>(v[j]);
@@ -171,7 +177,7 @@ class ConeWalk {
   const std::uint32_t* facet(std::uint32_t f) const { return &p_.facets[std::size_t{f} * D]; }
   const double* point(std::uint32_t v) const { return &q_[std::size_t{v} * D]; }
 
-  /// Chooses the scale by the vertices' bounding box around `centre_`; fills q_.
+  /// Chooses the scale from the vertices' bounding box around `centre_`; fills q_.
   bool apply_centre() {
     for (unsigned j = 0; j < D; ++j) {
       double reach = 0;
@@ -192,9 +198,9 @@ class ConeWalk {
     return true;
   }
 
-  /// Centre: the centroid of the polytope (estimated from at most 8192 of its cones), which is deep
-  /// inside even where vertices crowd; then rounded to f32 if that moves it by less than 2^-7 of
-  /// the extent.
+  /// Chooses the centre: the centroid of the polytope (estimated from at most 8,192 of its cones),
+  /// which is deep inside even where vertices crowd; it is rounded to f32 if that moves it by at
+  /// most 2^-7 of the extent.
   bool choose_frame() {
     for (unsigned j = 0; j < D; ++j) {
       double mean = 0;
@@ -273,7 +279,8 @@ class ConeWalk {
     solve(f, v, mu);
   }
 
-  /// The inverse of the matrix whose columns are the facet's vertices; returns its determinant.
+  /// Computes the inverse of the matrix whose columns are the facet's vertices; returns its
+  /// determinant.
   double invert(std::uint32_t f, double* inverse) const {
     if constexpr (D == 3) {
       const double *a = point(facet(f)[0]), *b = point(facet(f)[1]), *c = point(facet(f)[2]);
@@ -312,7 +319,7 @@ class ConeWalk {
     return eliminate(a, mu);
   }
 
-  /// L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
+  /// Computes L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
   bool bound_axes() {
     double weight = 0;
     double residual = 0;
@@ -339,8 +346,8 @@ class ConeWalk {
   double centre_[D] = {};
   double scale_[D] = {};
   std::vector<double> q_;         ///< vertices in the frame
-  std::vector<double> inverses_;  ///< empty, or of each facet's matrix of vertices
-  std::vector<Cone> cones_;       ///< likewise
+  std::vector<double> inverses_;  ///< empty, or for each facet the inverse of its vertices' matrix
+  std::vector<Cone> cones_;       ///< empty, or the cones of all facets
   double lipschitz_ = 0;
 };
 

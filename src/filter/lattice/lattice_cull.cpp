@@ -12,7 +12,7 @@
 namespace cullhull::internal::inline filter {
 namespace {
 
-/// Points a chunk: some 50 microseconds of work, as light_grain, whose steps are half as long.
+/// Points per chunk: about 50 us of work, as with light_grain, whose steps are half as long.
 constexpr std::uint64_t chunk_size = 1 << 14;
 
 std::uint64_t hash_of(std::uint64_t seed, double v) {
@@ -20,8 +20,8 @@ std::uint64_t hash_of(std::uint64_t seed, double v) {
   return mix64(seed + 0x9E3779B97F4A7C15ULL + std::bit_cast<std::uint64_t>(v + 0.0));
 }
 
-/// A sample of the points at pseudo-random positions, as input often has a period of its own; a
-/// point may be drawn twice.
+/// Returns a sample of the points at pseudo-random positions, because input often has a period of
+/// its own; a point may be drawn twice.
 std::vector<std::uint32_t> sample_of(std::uint32_t count) {
   const auto root = static_cast<std::uint32_t>(4 * std::sqrt(static_cast<double>(count)));
   const std::uint32_t size = std::max(root, 1024U);
@@ -36,7 +36,7 @@ void sort_sample(std::vector<std::uint32_t>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-/// How many points of the sample share their value on an axis with an earlier one.
+/// Counts the points of the sample that share their value on an axis with an earlier one.
 std::uint64_t repeated_values(const Array<double>& rows, unsigned d, unsigned axis,
                               const std::vector<std::uint32_t>& sample) {
   const auto bits = static_cast<unsigned>(std::bit_width(sample.size())) + 1;
@@ -57,13 +57,13 @@ std::uint64_t repeated_values(const Array<double>& rows, unsigned d, unsigned ax
   return repeated;
 }
 
-/// How many shared lines in the sample make a lattice.
+/// Returns how many shared lines in the sample indicate a lattice.
 std::uint64_t enough_shared(std::uint64_t size, std::uint32_t count) {
   return std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
 }
 
-/// Points on a line along one axis agree on every other axis, so where values on two axes seldom
-/// repeat, no axis has many shared lines. This is the usual case, and quick to find.
+/// Excludes lattices quickly. Points on a line along one axis agree on every other axis, so if
+/// values on two axes seldom repeat, no axis has many shared lines. This is the usual case.
 bool surely_no_lattice(const Array<double>& rows, unsigned d,
                        const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   const auto seldom = [&](unsigned axis) {
@@ -73,13 +73,13 @@ bool surely_no_lattice(const Array<double>& rows, unsigned d,
   return d > 1 && seldom(0) && seldom(1);
 }
 
-/// A set of hashes that may confuse different ones (a Bloom filter with one hash): 256 bits for
-/// each hash it is to hold.
+/// A set of hashes that may confuse different ones (a Bloom filter with one hash function): 256
+/// bits per hash of its capacity.
 class HashBits {
  public:
   explicit HashBits(std::uint64_t most) : words_(std::bit_ceil(most) * 4) {}
   void clear() { std::fill(words_.begin(), words_.end(), 0); }
-  /// 1 if it, or another with the same bit, was inserted before.
+  /// Returns 1 if this hash, or another with the same bit, was inserted before.
   unsigned insert(std::uint64_t hash) {
     const std::uint64_t bit = hash & 63;
     std::uint64_t& word = words_[hash >> 6 & (words_.size() - 1)];
@@ -92,10 +92,10 @@ class HashBits {
   std::vector<std::uint64_t> words_;
 };
 
-/// Whether thinning along some axis will drop many points. With m points on the line of an average
-/// point, a sample of s of n points has about s^2 m / 2 n pairs on common lines; m = 2 is required.
-/// Lines are counted, not pairs, because a full line or a pair of equal points is no lattice; but
-/// if most of the sample lies on few lines, or at few places, that is enough.
+/// Decides whether thinning along some axis will drop many points. With m points on the line of an
+/// average point, a sample of s of n points has about s^2 m / 2 n pairs on common lines; m = 2 is
+/// required. Lines are counted, not pairs, because a single full line or pair of equal points is no
+/// lattice; but if most of the sample is on few lines, or at few places, that is enough.
 bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
                           const std::vector<std::uint32_t>& sample, std::uint32_t count) {
   if (d == 1) return true;
@@ -139,12 +139,13 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
 
 // ------------------------------------------------------------------------ numbers for coordinates
 
-/// Numbers for the values of one axis, in the same order: being between two points of a line
-/// depends on the order alone. Where values are nearly evenly spaced the number is computed; a
-/// table then proves that no two values got the same number.
+/// Numbers for the values of one axis, in the same order: whether a point is between two others on
+/// a line depends on the order alone. Where values are nearly evenly spaced, the number is
+/// computed; a table then proves that no two values have the same number.
 class Spacing {
  public:
-  /// Guesses the spacing from a sample's values; false if that does not give a few even steps.
+  /// Estimates the spacing from a sample's values; returns false if that does not give a moderate
+  /// number of even steps.
   bool guess(double low, double high, std::vector<double>&& values, std::uint64_t most) {
     low_ = low;
     if (low == high) return cells_ = 1, true;
@@ -161,12 +162,12 @@ class Spacing {
     return true;
   }
   unsigned bits() const { return static_cast<unsigned>(std::bit_width(cells_ - 1)); }
-  /// Monotone in v, as each operation is.
+  /// Returns the number of v. Monotone in v, because each operation is.
   std::uint64_t of(double v) const {
     return std::min(static_cast<std::uint64_t>((v - low_) * per_unit_ + 0.5), cells_ - 1);
   }
-  /// All values are noted; if each value is then found under its number, no two different values
-  /// have the same number, whichever was noted last.
+  /// Stores v under its number. If, after all values are stored, each is found under its number, no
+  /// two different values have the same number, whichever was stored last.
   void note(double v) {
     if (cells_ > 1) std::atomic_ref(values_[of(v)]).store(v, std::memory_order_relaxed);
   }
@@ -181,7 +182,7 @@ class Spacing {
 /// Ranks among the distinct values of one axis, for any spacing.
 class Ranks {
  public:
-  /// False, early, if there are more than `most` distinct values.
+  /// Returns false, early, if there are more than `most` distinct values.
   bool collect(const Array<double>& rows, std::uint32_t count, unsigned d, unsigned axis,
                std::size_t most, const Control& control) {
     slots_.assign(1024, Slot{});
@@ -230,13 +231,13 @@ struct Keyed {
   std::uint32_t id;
 };
 
-/// Where an axis's number lies in the keys.
+/// The position of an axis's number in the keys.
 struct Field {
   unsigned bits = 0, shift = 0;
 };
 
-/// The two ends of each line along one axis: in a table indexed by line where lines are few, else
-/// in a hash table. Which points are kept does not depend on the order of work.
+/// The two ends of each line along one axis: in a table indexed by line if lines are few, else in a
+/// hash table. Which points are kept does not depend on the order of work.
 class Lines {
  public:
   Lines(Field axis, unsigned total_bits, std::uint64_t points) : axis_(axis) {
@@ -254,7 +255,7 @@ class Lines {
     std::fill(high_.get() + begin, high_.get() + end, std::uint64_t{0});
     if (hashed_) std::fill(names_.get() + begin, names_.get() + end, nobody);
   }
-  /// May be called by several threads.
+  /// May be called by several threads concurrently.
   void offer(const Keyed& p) {
     const std::uint64_t s = slot(p.key), low = as_low(p), high = as_high(p);
     const std::atomic_ref lowest(low_[s]), highest(high_[s]);
@@ -265,7 +266,7 @@ class Lines {
     while (high > now && !highest.compare_exchange_weak(now, high, std::memory_order_relaxed)) {
     }
   }
-  /// After all were offered.
+  /// Valid after all points were offered.
   bool is_end(const Keyed& p) {
     const std::uint64_t s = slot(p.key);
     return low_[s] == as_low(p) || high_[s] == as_high(p);
@@ -324,8 +325,8 @@ class Thinner {
         [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) { body(c, begin, end); });
   }
 
-  /// Packs fields of b_0, b_1, ... bits, the last lowest; false if they need more than 64 bits, or
-  /// one more than 32.
+  /// Packs fields of b_0, b_1, ... bits, the last lowest; returns false if they need more than 64
+  /// bits, or a field more than 32.
   bool lay_out(const std::vector<unsigned>& bits) {
     fields_.assign(d_, {});
     total_ = 0;
@@ -423,7 +424,7 @@ class Thinner {
     each_chunk(left_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) lines.offer(points_[i]);
     });
-    // Every chunk moves its own to its beginning; then the parts are joined.
+    // Every chunk moves its kept points to its beginning; then the parts are joined.
     std::vector<std::uint64_t> sizes(chunk_count(left_, chunk_size));
     each_chunk(left_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint64_t out = begin;

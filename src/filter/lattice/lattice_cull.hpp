@@ -1,5 +1,5 @@
 // A filter for points on small integer lattices, where equal coordinates are common and planes full
-// of points slow every other filter and engine down.
+// of points slow down every other filter and engine.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace cullhull::internal::inline filter {
 
-/// Of all points on one line parallel to an axis only the two ends can be extreme; of equal points
-/// only the first is kept. Applied along each axis in turn. Coordinates are replaced by numbers in
-/// the same order, so any grid will do, not only integers. Returns false where a sample shows that
-/// few points share lines, or where the numbers do not pack into 64 bits; `kept` is then
-/// unspecified. Else `kept` are ascending indices, the same for any number of threads.
+/// Keeps of all points on one line parallel to an axis only the two ends, because no other can be
+/// extreme; of equal points only the first. It thins along each axis in turn. Coordinates are
+/// replaced by numbers in the same order, so the grid may be any, not only integers. Returns false
+/// if a sample shows that few points share lines, or if the numbers do not pack into 64 bits;
+/// `kept` is then unspecified. Else `kept` receives ascending indices, the same for any number of
+/// threads.
 /// `rows`: count x d finite doubles. Time O(d count); memory 16 bytes a point, at most 96 a point
 /// for the lines of one axis.
 bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run,

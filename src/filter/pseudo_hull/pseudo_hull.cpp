@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t block_size = PseudoSubset::block;
 
-/// A point with a NaN or an infinity becomes NaN in every coordinate, so that no comparison holds.
+/// Sets every coordinate of a point with a NaN or an infinity to NaN, so that no comparison holds.
 template <unsigned D>
 void blot_out(double* rows, std::uint64_t count) {
   double sum = 0;  // x * 0 is NaN exactly for NaN and infinities
@@ -36,7 +36,7 @@ struct Worker {
   PseudoHullGrowth<D, Executor, StoredRows<D>> growth;
 };
 
-/// Records what culled the points of one subset; simplices are numbered within it.
+/// Records which simplex culled each point of one subset; simplices are numbered within the subset.
 struct SubsetRecord {
   std::vector<std::uint64_t> corners;
   std::vector<std::uint32_t>* simplex_of = nullptr;  ///< of all points, shared by all subsets
@@ -72,7 +72,7 @@ void join(std::vector<SubsetRecord>& parts, unsigned corners_each, std::uint64_t
   });
 }
 
-/// Loads the points of a subset, grows its pseudo-hull and lists the ids that are left, ascending.
+/// Loads the points of a subset, grows its pseudo-hull and lists the ids of survivors, ascending.
 template <unsigned D, class Executor>
 void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned max_rounds,
                    Worker<D, Executor>& worker, const Control& control,
@@ -100,7 +100,7 @@ void filter_subset(const PointView& view, const PseudoSubset& subset, unsigned m
     if (culled[i] == 0) kept.push_back(subset.point(i));
 }
 
-/// Scratch memory for as many subsets as are worked on at once.
+/// Scratch memory, one item per subset in progress.
 template <class T>
 class Pool {
  public:
@@ -144,7 +144,8 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
     for (SubsetRecord& p : parts) p.simplex_of = &record->simplex_of;
   }
   const auto part = [&](std::uint64_t s) { return record != nullptr ? &parts[s] : nullptr; };
-  // Waking threads takes longer than one thread takes for a small set; 2^14 points are a guess.
+  // The least number of points for several threads: a small set takes one thread less time than
+  // waking the others. Untested value.
   constexpr std::uint64_t least_parallel = 1 << 14;
   if (subsets == 1 && run.threads > 1 && points.count >= least_parallel) {
     Worker<D, ThreadExecutor> worker{ThreadExecutor(run.threads)};
@@ -168,8 +169,8 @@ std::vector<std::uint64_t> survivors_of(const PointView& points, unsigned subset
   return merge_subsets(std::move(kept));
 }
 
-/// The paper's 64 subsets for sets of the paper's sizes. A subset of more than 2^17 points (3 MB in
-/// 3D) does not fit L2; one of fewer than 2^12 keeps too many points.
+/// Returns the number of subsets: the paper's 64 for sets of the paper's sizes. A subset of more
+/// than 2^17 points (3 MB in 3D) does not fit L2; one of fewer than 2^12 keeps too many points.
 unsigned subset_count(std::uint64_t points) {
   const std::uint64_t most = std::max<std::uint64_t>(1, points >> 12);
   return static_cast<unsigned>(

@@ -16,14 +16,14 @@
 
 namespace cullhull::internal::inline filter {
 
-/// Reusable: memory is kept from one subset to the next.
+/// Grows one pseudo-hull. Reusable: memory is kept from one subset to the next.
 template <unsigned D, class Executor, class Rows>
 class PseudoHullGrowth {
  public:
   explicit PseudoHullGrowth(Executor executor) : executor_(std::move(executor)) {}
 
-  /// Grows until no exterior set is left; afterwards culled()[i] is 1 where row i is strictly
-  /// inside, else 0. Adds to `rounds`, which is extended where needed.
+  /// Grows until no exterior set is left; afterwards culled()[i] is 1 if row i is strictly inside,
+  /// else 0. Adds to `rounds`, extending it if needed.
   void run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
            std::vector<PseudoHullRound>& rounds) {
     if (!start(rows, count, rounds)) {
@@ -35,13 +35,13 @@ class PseudoHullGrowth {
       round(at(rounds, r));
     }
   }
-  /// How many rows are not culled.
+  /// The number of rows that are not culled.
   std::uint32_t left() const { return left_; }
-  /// In the executor's memory.
+  /// One byte per row, in the executor's memory.
   const unsigned char* culled() const { return culled_.data(); }
   Executor& executor() { return executor_; }
 
-  /// From now on each run records which simplex culled a row: simplex_of()[row], no_item if none
+  /// Makes each later run record which simplex culled a row: simplex_of()[row], no_item if none
   /// did; simplex s has the rows corners()[s (D + 1) ... (s + 1) (D + 1)). Only for executors on
   /// the host.
   void record() { recording_ = true; }
@@ -53,8 +53,8 @@ class PseudoHullGrowth {
   std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
   std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), exterior_); }
 
-  /// Algorithm 1's first part: the simplex and the exterior sets of its facets. False if there is
-  /// no simplex; then nothing is culled.
+  /// Algorithm 1's first part: builds the simplex and the exterior sets of its facets. Returns
+  /// false if there is no simplex; then nothing is culled.
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
     count_ = left_ = count;
@@ -151,7 +151,7 @@ class PseudoHullGrowth {
     executor_.reserve(apex_, facets_);
     executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
                                            facet_.data(), apex_.data()});
-    // One more, as an executor may emit an item that is not kept.
+    // Room for one more, because an executor may emit an item that is not kept.
     executor_.reserve(next_points_, std::size_t{before} - culled + 1);
     exterior_ = executor_.select(
         before, HasFacet{place_.data()},

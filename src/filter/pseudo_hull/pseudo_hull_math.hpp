@@ -13,7 +13,7 @@
 
 namespace cullhull::internal::inline filter {
 
-/// A facet of the pseudo-hull: rows of the subset.
+/// A facet of the pseudo-hull: its vertices as rows of the subset.
 template <unsigned D>
 struct PseudoFacet {
   std::uint32_t vertex[D];
@@ -30,24 +30,24 @@ struct PseudoPlane {
   double error;
 };
 
-/// The planes of the D facets that replace one, with the apex as their common base: the data that a
-/// point of its exterior set is reassigned by, contiguous in memory (3D: 128 bytes).
+/// The planes of the D facets that replace one, with the apex as their common base: the data for
+/// reassigning a point of its exterior set, contiguous in memory (3D: 128 bytes).
 template <unsigned D>
 struct alignas(16) PseudoFan {
   double apex[D];
   PseudoPlane<D> plane[D];
 };
 
-/// The i-th of the D facets that replace facet j of K: the first takes its place, the others lie
-/// after the K facets. With k = K - 1, the address of the last facet, and D = 3 these are the
-/// paper's j, k + 2 j + 1, k + 2 j + 2.
+/// Returns the address of the i-th of the D facets that replace facet j of K: the first replaces it
+/// in place, the others are stored after the K facets. With k = K - 1, the address of the last
+/// facet, and D = 3 these are the paper's j, k + 2 j + 1, k + 2 j + 2.
 template <unsigned D>
 CULLHULL_HD constexpr std::uint32_t child_address(std::uint32_t facets, std::uint32_t j,
                                                   unsigned i) {
   return i == 0 ? j : facets + j * (D - 1) + (i - 1);
 }
 
-/// normal . (x - base), each operation rounded once.
+/// Returns normal . (x - base), each operation rounded once.
 template <unsigned D>
 CULLHULL_HD double pseudo_distance(const double* normal, const double* base, const double* x) {
   double sum = normal[0] * (x[0] - base[0]);
@@ -55,7 +55,7 @@ CULLHULL_HD double pseudo_distance(const double* normal, const double* base, con
   return sum;
 }
 
-/// Roundings along any path of expand_minors over `rows` rows of differences.
+/// Bounds the number of roundings along any path of expand_minors over `rows` rows of differences.
 CULLHULL_HD constexpr double minor_path(unsigned rows) {
   return static_cast<double>(rows + (rows - 1) + rows * (rows - 1) / 2);
 }
@@ -66,8 +66,8 @@ CULLHULL_HD void set_uncertain(PseudoPlane<D>& plane) {
   plane.error = std::numeric_limits<double>::infinity();
 }
 
-/// The plane through the D points corner[0 .. D), outward where `inner` is on the inner side.
-/// False, and the plane uncertain, where rounding could have reversed it.
+/// Computes the plane through the D points corner[0 .. D), outward if `inner` is on the inner side.
+/// Returns false, and an uncertain plane, if rounding could have reversed it.
 template <unsigned D>
 CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
                             PseudoPlane<D>& plane) {
@@ -109,13 +109,14 @@ CULLHULL_HD bool make_plane(const double* const* corner, const double* inner,
 
 /// The position of a point relative to some facets.
 struct Place {
-  /// Of the facets it is outside of, the nearest (the first on ties), or one of the two values
-  /// below.
+  /// The nearest of the facets that the point is outside of (the first on ties), or one of the two
+  /// values below.
   std::uint32_t facet;
   double distance;
 };
 inline constexpr std::uint32_t place_inside = 0xFFFFFFFF;     ///< strictly inside all: culled
-inline constexpr std::uint32_t place_uncertain = 0xFFFFFFFE;  ///< neither is proved: it survives
+inline constexpr std::uint32_t place_uncertain = 0xFFFFFFFE;  ///< neither inside nor outside is
+                                                              ///< proved: it survives
 
 /// Finds a point's Place; facets are offered one after another.
 struct PlaceSearch {
@@ -123,9 +124,8 @@ struct PlaceSearch {
   std::uint64_t distance = std::bit_cast<std::uint64_t>(std::numeric_limits<double>::infinity());
   std::uint64_t inside = 1;
 
-  // Masks instead of branches: a point's position cannot be predicted, and other forms were
-  // compiled to branches (a quarter of the whole filter's time). A NaN is neither outside nor
-  // inside.
+  // Masks instead of branches: a point's position cannot be predicted, and compilers turned other
+  // forms into branches, a quarter of the filter's time. A NaN is neither outside nor inside.
   CULLHULL_HD void offer(std::uint32_t candidate, double at, double error) {
     const bool nearer = (at > error) & (at < std::bit_cast<double>(distance));
     const std::uint64_t mask = ~(static_cast<std::uint64_t>(nearer) - 1);
@@ -133,7 +133,8 @@ struct PlaceSearch {
     distance ^= (distance ^ std::bit_cast<std::uint64_t>(at)) & mask;
     inside &= static_cast<std::uint64_t>(at < -error);
   }
-  // A point inside is outside of none: its facet is place_uncertain, one less than place_inside.
+  // A point inside is outside of no facet: `facet` is then place_uncertain, one less than
+  // place_inside.
   CULLHULL_HD Place result() const {
     return {static_cast<std::uint32_t>(facet + inside), std::bit_cast<double>(distance)};
   }

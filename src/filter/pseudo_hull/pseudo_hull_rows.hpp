@@ -13,8 +13,8 @@
 
 namespace cullhull::internal::inline filter {
 
-/// Subset s of M holds the blocks s, s + M, s + 2 M, ... of the points: a uniform sample even where
-/// neighbours in memory are neighbours in space.
+/// A subset of the points: subset s of M has the blocks s, s + M, s + 2 M, ..., a uniform sample
+/// even where neighbours in memory are neighbours in space.
 struct PseudoSubset {
   static constexpr std::uint64_t block = 512;
   std::uint64_t total, index, subsets;
@@ -31,11 +31,11 @@ struct PseudoSubset {
   }
 };
 
-/// Ids of the points of all subsets, one ascending list each, as one ascending list.
+/// Merges the subsets' ascending lists of ids into one ascending list.
 std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept);
 
-/// Rows of doubles one after another, which are scaled once, in place. A row that must survive is
-/// NaN in every coordinate.
+/// Packed rows of doubles, which are scaled once, in place. A row that must survive is NaN in every
+/// coordinate.
 template <unsigned D>
 struct StoredRows {
   double* data;
@@ -59,8 +59,8 @@ struct StoredRows {
   }
 };
 
-/// The points of a subset in the caller's memory, converted and scaled at each access: a device is
-/// short of bandwidth, not of operations. Coordinates are aligned to their type.
+/// The points of a subset in the caller's memory, converted and scaled at each access: a device's
+/// limit is bandwidth, not operations. Coordinates are aligned to their type.
 template <unsigned D, class T>
 struct RowsInPlace {
   const std::byte* data;

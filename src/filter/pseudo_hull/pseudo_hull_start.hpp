@@ -1,4 +1,4 @@
-// From the points of a subset to the simplex its pseudo-hull grows from.
+// From the points of a subset to the simplex that its pseudo-hull grows from.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline filter {
 
-/// The lowest and the highest points along each axis, the first of equal ones; no_item where there
-/// are no points.
+/// The lowest and the highest points along each axis, the first of equal ones; no_item if there are
+/// no points.
 template <unsigned D>
 struct AxisExtremes {
   double low[D], high[D];
@@ -25,7 +25,7 @@ struct AxisExtremes {
       lowest[k] = highest[k] = no_item;
     }
   }
-  /// Merges two, in any order. Comparisons with NaN are false, so such points are skipped.
+  /// Merges two results, in any order. Comparisons with NaN are false, so such points are skipped.
   CULLHULL_HD void take(const AxisExtremes& b) {
     for (unsigned k = 0; k < D; ++k) {
       if (b.low[k] < low[k] || (b.low[k] == low[k] && b.lowest[k] < lowest[k])) {
@@ -48,7 +48,7 @@ struct TakeExtremes {
   }
 };
 
-/// The extremes of the rows [step * grain, (step + 1) * grain).
+/// Finds the extremes of the rows [step * grain, (step + 1) * grain).
 template <unsigned D, class Rows>
 struct ExtremesOfStep {
   Rows rows;
@@ -85,8 +85,8 @@ struct ExtremesOfStep {
   }
 };
 
-/// Powers of two that scale the extent of every axis into [1/2, 1], or below that where it is less
-/// than 2^-1000. False if an axis has no extent: the points lie in a flat.
+/// Computes powers of two that scale the extent of every axis into [1/2, 1], or below if the extent
+/// is less than 2^-1000. Returns false if an axis has no extent: the points lie in a flat.
 template <unsigned D>
 bool axis_scales(const AxisExtremes<D>& e, double* scale) {
   for (unsigned k = 0; k < D; ++k) {
@@ -135,7 +135,8 @@ class Flat {
   unsigned rank_ = 0;
 };
 
-/// A point and its distance from a flat; of two the farther one, the first of equal ones.
+/// A point and its squared distance from a flat. Farther keeps the farther of two, the first of
+/// equal ones.
 struct FarPoint {
   double square = -1;
   std::uint32_t point = no_item;
@@ -170,7 +171,7 @@ struct CopyRows {
 template <unsigned D, class Rows, class Executor>
 class RowReader {
  public:
-  /// Coordinates of `count` rows, one after another.
+  /// Reads the coordinates of `count` rows, one after another.
   void read(Executor& executor, const Rows& rows, const std::uint32_t* row, std::uint32_t count,
             double* out) {
     CopyRows<D, Rows, 2 * D> body{rows, {}, executor.reserve(buffer_, 2 * D * D)};
@@ -190,15 +191,17 @@ struct StartSimplex {
   double corner[D + 1][D];
 };
 
-/// The two of the axes' extreme points that are farthest from one another, then each time the one
-/// farthest from the flat of those before; where the extreme points lie in that flat, the farthest
-/// of all points. False if the points lie in a flat, or too near to one for doubles to tell.
+/// Chooses the two of the axes' extreme points that are farthest from each other, then repeatedly
+/// the one farthest from the flat of those chosen; if the extreme points are in that flat, the
+/// farthest of all points. Returns false if the points lie in a flat, or too near to one for
+/// doubles to decide.
 template <unsigned D, class Rows, class Executor>
 bool choose_simplex(Executor& executor, RowReader<D, Rows, Executor>& reader, const Rows& rows,
                     std::uint32_t count, const AxisExtremes<D>& e, StartSimplex<D>& simplex) {
-  // Distances in the frame, where the points' extent is about 1. Below `thin` all points are
-  // searched for a farther one, below `flat`, some ulps of the distance, there is no simplex.
-  // Guesses: a wrong choice costs culled points, never correctness.
+  // Distances in the frame, where the points' extent is about 1. If the farthest extreme point is
+  // within `thin`, all points are searched for a farther one, which takes a pass; within `flat`, 16
+  // ulps of 1, there is no simplex. A bad value would cost time or culled points, never
+  // correctness; other values are untested.
   constexpr double thin = 0x1p-12, flat = 0x1p-48;
   std::uint32_t candidates[2 * D];
   std::copy_n(e.lowest, D, candidates);

@@ -61,9 +61,9 @@ struct AssignFirst {
   }
 };
 
-/// Replaces facet j by the D facets through its apex: their planes go to its fan, their vertices to
-/// the cells of the facet stream. In facet i of them the apex replaces vertex i, which is on the
-/// inner side.
+/// Replaces facet j by the D facets through its apex: stores their planes in the facet's fan, their
+/// vertices in the cells of the facet stream. In facet i of them the apex replaces vertex i, which
+/// is on the inner side.
 template <unsigned D, class Rows>
 struct ReplaceFacet {
   Rows rows;
@@ -73,7 +73,7 @@ struct ReplaceFacet {
   PseudoFan<D>* fan;
   PseudoFacet<D>* cell;
 
-  /// All D facets of facet j, where there are few threads: each row is read once.
+  /// Computes all D facets of facet j, for few threads: each row is read once.
   CULLHULL_HD void operator()(std::uint32_t j) const {
     const PseudoFacet<D> parent = facet[j];
     double tip[D], at[D][D];
@@ -94,7 +94,7 @@ struct ReplaceFacet {
     }
   }
 
-  /// Only facet i of them, where there are many threads: no local array is indexed, so that all fit
+  /// Computes only facet i of them, for many threads: no local array is indexed, so that all fit
   /// into registers.
   CULLHULL_HD void one(std::uint32_t j, unsigned i) const {
     const PseudoFacet<D>& parent = facet[j];
@@ -113,11 +113,11 @@ struct ReplaceFacet {
   }
 
  private:
-  /// Which of the parent's vertices is vertex k > 0 of facet i.
+  /// Returns which of the parent's vertices is vertex k > 0 of facet i.
   CULLHULL_HD static unsigned before(unsigned i, unsigned k) { return k <= i ? k - 1 : k; }
 };
 
-/// The same, item D j + i being facet i of facet j.
+/// Replaces facets in smaller steps: item D j + i computes facet i of facet j.
 template <unsigned D, class Rows>
 struct ReplaceFacetInParts {
   ReplaceFacet<D, Rows> facet;
