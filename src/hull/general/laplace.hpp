@@ -8,8 +8,8 @@
 
 namespace cullhull::internal::inline hull {
 
-/// Sets of columns of a D-column matrix, numbered among those of their size in the order of their
-/// masks.
+/// Sets of columns of a D-column matrix. A set's rank is its number among the sets of its size, in
+/// ascending order of bit masks.
 template <unsigned D>
 struct Subsets {
   static constexpr unsigned count(unsigned size) {

@@ -25,7 +25,7 @@ void insertion_sort(Entry* begin, Entry* end) {
   }
 }
 
-/// All have the same x: replaces them by copies of the lowest, then the highest.
+/// Sorts entries of equal x: the last becomes the highest, all others copies of the lowest.
 void sort_column(Entry* begin, Entry* end) {
   const auto [low, high] = std::minmax_element(begin, end, before);
   const Entry lowest = *low;
@@ -36,8 +36,8 @@ void sort_column(Entry* begin, Entry* end) {
   end[-1] = highest;
 }
 
-/// `depth`: how many more levels may compute new keys for their range; some inputs can only be
-/// sorted by comparisons.
+/// Sorts by keys over the entries' own range of x, and recurses into crowded cells. `depth`: the
+/// number of further levels; inputs that crowd at every level are left to comparisons.
 void sort_many(Entry* begin, Entry* end, unsigned depth, const Control& control) {
   const auto n = static_cast<std::uint32_t>(end - begin);
   control.check();
@@ -93,8 +93,8 @@ void sort_entries(Entry* begin, Entry* end, const Control& control) {
 }
 
 /// Distributes the points by the next bits of their keys to about two cells a point, first those
-/// below the chord. A point too near the chord to decide is put on both sides, which is always
-/// correct.
+/// below the chord, then those above. A point too near the chord to decide is put on both sides,
+/// which is always correct.
 void ChainBuilder::divide(const Entry* points, std::uint32_t count, unsigned low_bits) {
   const unsigned cell_bits =
       std::min({low_bits, 16U, static_cast<unsigned>(std::bit_width(count))});

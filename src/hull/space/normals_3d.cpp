@@ -1,4 +1,4 @@
-// The 3D engine's second insertion order, for slivers.
+// The 3D engine's second insertion order, for bodies whose facets are slivers.
 #include <algorithm>
 #include <bit>
 
@@ -98,8 +98,9 @@ void Engine3D::sort_by_normals(std::size_t round) {
   permute(begin, keyed);
 }
 
-/// Compares both orders on parts of the round's points. Where normals are noise, as on a rotated
-/// plane, ordering by them scatters points that were in order.
+/// Whether walks take fewer steps in `order` than in the present order, on parts of the round's
+/// points. Where normals are noise, as on a rotated plane, ordering by them scatters points that
+/// were in order.
 bool Engine3D::shorter_walks(Id begin, Id end, const KeyedId* order) const {
   // 16 times 32 walks for each order: where orders differ at all, walks differ by factors.
   constexpr Id stretches = 16, length = 32;
