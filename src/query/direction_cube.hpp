@@ -60,8 +60,8 @@ class DirectionCube {
     }
   }
 
-  /// For each cell the result of search(result for the cell before, centre), a search that is
-  /// short where it starts nearby.
+  /// Returns for each cell the result of search(the previous cell's result, the cell's centre).
+  /// Such a search is short, because it starts nearby.
   template <class Search>
   std::vector<std::uint32_t> answers(const Control& control, const Search& search) const {
     std::vector<std::uint32_t> found(size());

@@ -170,8 +170,8 @@ void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   plane[k_] = 3.03 * (reach / b);
 }
 
-/// True where every facet with a finite bound has the centre beneath it; the others are tested
-/// exactly.
+/// Whether the centre is beneath every facet. A facet's finite error bound proves it; the other
+/// facets are tested exactly.
 bool FacetSearch::centre_inside() const {
   std::vector<const double*> rows(k_ + 1);
   for (std::uint32_t f = 0; f < count(); ++f) {
@@ -237,8 +237,8 @@ std::uint32_t FacetSearch::climb(std::uint32_t start, const double* x) const {
                                  [&](auto k) { return climb_as<decltype(k)::value>(start, x); });
 }
 
-/// Collects the facets that may have the largest value and may not be certainly above x. False if
-/// some facet is certainly below x (then it is doubt.certain).
+/// Collects the facets that may have the largest value at x and are not certainly above x. Returns
+/// false if some facet is certainly below x; doubt.certain is then that facet.
 template <unsigned K>
 bool FacetSearch::explore(const double* x, Doubt& doubt) const {
   const unsigned k = K ? K : k_;
@@ -267,7 +267,8 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
     if (next == f) break;
     f = next;
   }
-  // The largest is connected to f through facets whose values may be at least that of f.
+  // The facet with the largest value is connected to f through facets whose values may be at least
+  // that of f.
   const double floor = best - error(f, best);
   if (rival < floor) {
     if (!(best + error(f, best) < 1)) doubt.facets.push_back(f);

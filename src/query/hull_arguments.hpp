@@ -13,9 +13,9 @@ namespace cullhull::internal::inline query {
 /// that do not include every vertex of the hull.
 void check_hull_arguments(const PointView& points, const Hull& hull, double distance);
 
-/// The position of an id among them.
+/// The position of `id` among the ascending `ids`.
 std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id);
-/// Their coordinates, a row each.
+/// The coordinates of these points, a row each.
 std::vector<double> rows_of(const PointView& points, const std::vector<std::uint64_t>& ids);
 
 /// The same hull over its vertices alone, numbered by their positions among `ids`.

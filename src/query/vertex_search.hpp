@@ -1,5 +1,5 @@
-// Finds the vertex extreme in a direction, and the point of the hull nearest to a point outside or
-// its distance from the hull of a few others.
+// Finds the extreme vertex in a direction, the point of the hull nearest to an outside point, and a
+// bound of a point's distance from the hull of a few others.
 #pragma once
 
 #include <cstddef>
@@ -52,8 +52,9 @@ struct NearCombination {
   std::vector<double> weights;        ///< positive, of sum 1 up to rounding
 };
 
-/// Finds it by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976) in doubles; only
-/// bound() is guaranteed. Deterministic. Keeps its memory: use one object a thread.
+/// Finds a NearCombination by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976)
+/// in doubles; only bound() is guaranteed. Deterministic. Reuses its memory: use one object per
+/// thread.
 class NearestInHull {
  public:
   explicit NearestInHull(unsigned dimension);
