@@ -177,7 +177,7 @@ class Joiner {
   const std::vector<HullBatch>& parts_;
   const Run& run_;
   const double still_;
-  std::vector<std::function<void(std::uint64_t)>> copies_;  // of part p into a list
+  std::vector<std::function<void(std::uint64_t)>> copies_;  // each copies part p into a list
 };
 
 }  // namespace

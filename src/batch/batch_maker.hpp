@@ -63,7 +63,7 @@ class SetHuller {
 
  private:
   Options options_;
-  bool plain_;  ///< with other options the fast paths' errors would differ
+  bool plain_;  ///< whether the options permit the fast paths
   PlanarSets planar_;
 };
 

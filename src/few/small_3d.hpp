@@ -22,13 +22,13 @@ struct SmallHull {
   unsigned facet_count = 0;
   unsigned vertex_count = 0;
   Number ids[max_points];  ///< of the vertices, ascending
-  Number vertices[room];   ///< three ids a simplex
+  Number vertices[room];   ///< three ids per simplex
   Number opposite[room];   ///< the simplices opposite to each of them
   Number beside[room];     ///< the facets across the edge from each corner to the next
 
   bool simplicial() const { return facet_count == count; }
-  /// Where facets are not one simplex each: the facets' numbers of corners, their corners and
-  /// neighbours (as in `beside`), and the facet of each simplex.
+  /// Valid only where some facet has several simplices: each facet's number of corners, all facets'
+  /// corners (`beside` then has an entry for each of these), and the facet of each simplex.
   Number facet_size[max_facets];
   Number corners[room];
   Number facet_of[room];

@@ -45,7 +45,8 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// finite or span too many powers of two, and where many signs or a measure need more than doubles.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
 
-// The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison a point.
+// The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison per
+// point.
 
 /// An ellipse inside a polygon. The affine map u = (x - cx) sx, v = (y - cy) sy makes it a disc
 /// about the origin.

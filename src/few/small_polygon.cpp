@@ -78,7 +78,7 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
     const std::uint32_t end = std::min(count, begin + block * step), before = k;
     if (step == 1) {
       k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
-      // The disc counts from the block's first row.
+      // The disc numbers rows from the block's first one.
       for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
       continue;
     }

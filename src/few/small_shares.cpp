@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline few::HWY_NAMESPACE {
 using namespace result::HWY_NAMESPACE;
-using result::HWY_NAMESPACE::cofactors;  // not the one for numbers
+using result::HWY_NAMESPACE::cofactors;  // for vectors, not for numbers
 namespace {
 
 constexpr unsigned block = 8;  // facets whose corners are gathered at once: a vector of doubles

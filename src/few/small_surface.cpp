@@ -6,7 +6,7 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// Merges the simplices of a facet, and traces its border.
+/// Merges coplanar simplices into facets, and traces their borders.
 template <class Surface>
 class Merger {
   using Number = typename Surface::Number;

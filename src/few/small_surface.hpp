@@ -32,7 +32,7 @@ struct TableSurface {
 
   unsigned top = 0;                        ///< number of slots in use
   std::uint32_t facets[capacity];          ///< a << 16 | b << 8 | c, counter-clockwise, or none
-  Number owner[most_points][most_points];  ///< by edge, valid for existing edges
+  Number owner[most_points][most_points];  ///< on the left of edge (a, b), if it exists
 };
 
 /// Simplices with links to their neighbours: for more points than a table in the cache can hold.

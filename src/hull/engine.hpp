@@ -33,7 +33,7 @@ struct Boundary {
 
   std::size_t facet_count() const { return dimension ? vertices.size() / dimension : 0; }
   const std::uint32_t* simplex(std::size_t f) const { return vertices.data() + f * dimension; }
-  /// Id j of the outward oriented simplex, sorted.
+  /// Id j of simplex f as a result stores it: ascending, with the last two swapped where odd[f].
   std::uint32_t stored(std::size_t f, unsigned j) const { return simplex(f)[stored_slot(f, j)]; }
   unsigned stored_slot(std::size_t f, unsigned j) const {
     return odd[f] && j + 2 >= dimension ? 2 * dimension - 3 - j : j;

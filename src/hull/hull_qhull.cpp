@@ -1,8 +1,8 @@
 // Qhull (libqhull_r) as a second engine behind the same interface.
 //
 // Qhull merges facets within its own tolerance, so its answer is not the exact hull where points
-// are nearly coplanar. What it returns is therefore checked with exact orientations: a closed
-// surface of simplices, none degenerate, convex at every ridge.
+// are nearly coplanar. Exact orientations therefore check that its result is a closed surface of
+// non-degenerate simplices that is convex at every ridge.
 #include "hull/engine.hpp"
 
 #if defined(CULLHULL_HAVE_QHULL)
@@ -184,8 +184,8 @@ class Orienter {
     hull_.rung_counts.count(rung);
     return s;
   }
-  /// The vertex of `other` that is not on its ridge with `facet`. Two facets with the same vertices
-  /// have none; any vertex of the facet itself is then returned, which is coplanar, too.
+  /// The vertex of `other` that is not on its ridge with `facet`. Where both facets have the same
+  /// vertices, returns a vertex of the facet itself, which is coplanar, too.
   std::uint32_t opposite(std::uint32_t other, std::size_t facet) const {
     const unsigned d = hull_.dimension;
     const std::uint32_t* a = &hull_.vertices[facet * d];

@@ -151,9 +151,9 @@ void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
 }
 
 /// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive
-/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding a product, so
-/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most
-/// 3.03 e (max|x| + |value|) + value_tiny.
+/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding per product, so
+/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most 3.03 e
+/// (max|x| + |value|) + value_tiny.
 void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   double* plane = planes_.data() + f * stride();
   std::fill(plane, plane + k_, 0.0);

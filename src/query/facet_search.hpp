@@ -62,8 +62,8 @@ class FacetSearch {
   Side side(const double* q) const;
   /// All facets that q is strictly above, ascending. `q`: k coordinates on the axes, anywhere.
   std::vector<std::uint32_t> visible(const double* q) const;
-  /// True where doubles found no centre inside: every facet is tested exactly, and values are
-  /// undefined.
+  /// True for k > 8 and where doubles found no centre inside: every facet is tested exactly, and
+  /// values are undefined.
   bool exhaustive() const { return exhaustive_; }
 
   std::size_t count() const { return neighbour_start_.size() - 1; }
@@ -71,7 +71,7 @@ class FacetSearch {
   /// Scales q and subtracts the centre. False where that overflows.
   bool localise(const double* q, double* x) const;
   void localise_direction(const double* direction, double* x) const;
-  /// The function of facet f on localised points.
+  /// The value of facet f's function at a localised point.
   template <unsigned K>
   double value(std::uint32_t f, const double* x) const;
   /// The error bound of a value computed at x, max|x| = reach.
@@ -95,7 +95,7 @@ class FacetSearch {
 
  private:
   struct Doubt {
-    std::vector<std::uint32_t> facets;  // that may be above or through the point
+    std::vector<std::uint32_t> facets;  // those not certainly above the point
     std::uint32_t certain = no_index;   // one that is certainly below it
   };
 

@@ -21,7 +21,8 @@ std::vector<double> rows_of(const PointView& points, const std::vector<std::uint
 /// The same hull over its vertices alone, numbered by their positions among `ids`.
 Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids);
 
-/// The power of two that scales the largest of these to [1, 2), as far as doubles can represent it.
+/// The power of two that scales the largest magnitude to [1, 2), as far as doubles can represent
+/// it.
 double power_to_unit(const std::vector<double>& values);
 
 }  // namespace cullhull::internal::inline query

@@ -160,14 +160,14 @@ struct HullQuery::State {
     });
     return gauge_map.get();
   }
-  /// The same for the facets by cells of directions.
+  /// The facet cells, built at the first call; null where there are none.
   const FacetCells* facet_cells(const Run& run) const {
     std::call_once(cells_once, [&] {
       if (points.k == points.dimension && facets) cells = FacetCells::build(*facets, points, run);
     });
     return cells.get();
   }
-  /// The same for a device's tables.
+  /// The tables for a device, built at the first call; null where it does not support the hull.
   const cuda::HullTables* tables() const {
     std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
@@ -358,7 +358,7 @@ double HullQuery::State::end_of_line(const std::vector<double>& x, const std::ve
   }
 }
 
-/// body(i, coordinates) for every point, in parallel; they are finite.
+/// Calls body(i, coordinates) for every point, in parallel, once all are known to be finite.
 template <class Body>
 void HullQuery::State::each(const PointView& view, const Options& options, Body&& body) const {
   check_dimension(view);

@@ -51,8 +51,8 @@ bool NearestInHull::search(const double* rows, std::size_t count, double enough)
   return true;
 }
 
-/// Wolfe's minor cycle: the point nearest to the origin in the hull of the rows in use and another
-/// one.
+/// Wolfe's minor cycle: moves to the point nearest to the origin in the hull of the rows in use and
+/// `row`. False where that makes no progress.
 bool NearestInHull::enter(const double* rows, std::uint32_t row) {
   if (std::find(now_.places.begin(), now_.places.end(), row) != now_.places.end()) return false;
   now_.places.push_back(row);

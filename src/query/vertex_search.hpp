@@ -18,7 +18,7 @@ class VertexSearch {
  public:
   VertexSearch(const QueryPoints& points, const Control& control);
 
-  /// The index of the vertex with the exactly largest product; of several the lowest.
+  /// The index of the vertex with the largest product, decided exactly; of several the lowest.
   std::uint32_t support(const double* direction) const;
 
   struct Nearest {
@@ -39,7 +39,7 @@ class VertexSearch {
   const QueryPoints* points_;
   std::vector<double> factor_;  // powers of two that scale each axis into [-1, 1]
   std::vector<double> scaled_;  // vertices x dimension
-  Adjacency<std::uint32_t, std::uint32_t> neighbours_;  // vertices at edges of each vertex
+  Adjacency<std::uint32_t, std::uint32_t> neighbours_;  // the vertices that share an edge with each
   DirectionCube cube_;
   std::vector<std::uint32_t> hints_;
 };

@@ -17,7 +17,7 @@ namespace cullhull::internal::inline hull {
 struct HorizonRidge {
   std::uint32_t facet, outside;
   std::uint8_t apex;  ///< index in `facet` of the vertex opposite to the ridge
-  std::uint8_t back;  ///< the same in facet `outside`
+  std::uint8_t back;  ///< index in `outside` of the vertex opposite to the ridge
 };
 
 /// A range of the insertion order, of points near one another, and the cavity of its next point.

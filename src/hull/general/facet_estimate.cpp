@@ -57,7 +57,7 @@ double facets_per_vertex(double vertices, unsigned d) {
   return limit / (1 + distance);
 }
 
-/// `size` distinct points, in pseudo-random order.
+/// The ids of `size` distinct points, in pseudo-random order.
 std::vector<std::uint32_t> random_points(std::uint32_t count, std::uint32_t size) {
   std::vector<std::uint32_t> ids(count);
   for (std::uint32_t i = 0; i < count; ++i) ids[i] = i;
@@ -204,7 +204,7 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
   if (std::min(smooth_facets(points.count, d), most_facets(points.count, d)) <= affordable) return;
   const FacetEstimate e = estimate_facets(points, run);
   if (e.facets <= affordable) return;
-  const auto rounded = [](double v) {  // two digits, as it is an estimate
+  const auto rounded = [](double v) {  // two digits suffice for an estimate
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
     std::string digits =
         std::to_string(static_cast<std::uint64_t>(std::min(std::round(v / unit) * unit, 1e18)));

@@ -312,7 +312,7 @@ template <unsigned D>
 void InsertionNd<D>::reserve(std::size_t facets) {
   if (facets <= facet_capacity_) return;
   const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
-  // Besides the records and the claims the result takes about as much again.
+  // The result takes about as much memory as the records and the claims.
   const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
   if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than ", live_, " facets in dimension ",

@@ -247,7 +247,7 @@ class JoinedChain {
       // Usually nothing is removed.
       if (piece.size() > (alone ? 1 : 0) && keeps(piece.end - 1)) return;
       std::size_t low = piece.begin + (alone ? 1 : 0), high = piece.end;
-      if (low >= high) return;  // one vertex, the first of all
+      if (low >= high) return;  // only the chain's first vertex is left
       --high;                   // known to be wrong
       while (low < high) {
         const std::size_t middle = low + (high - low) / 2;

@@ -11,7 +11,7 @@ namespace {
 /// (a circle of 200,000 points).
 constexpr std::uint32_t few = 24;
 
-/// Stable, and linear where little is out of order.
+/// A stable sort, in linear time where few entries are out of order.
 void insertion_sort(Entry* begin, Entry* end) {
   for (Entry* i = begin + 1; i < end; ++i) {
     if (!before(*i, i[-1])) continue;
@@ -30,7 +30,7 @@ void sort_column(Entry* begin, Entry* end) {
   const auto [low, high] = std::minmax_element(begin, end, before);
   const Entry lowest = *low;
   Entry highest = *high;
-  for (const Entry* i = begin; i < end; ++i)  // of equal points the lowest row
+  for (const Entry* i = begin; i < end; ++i)  // of equal points takes the lowest row
     if (equal(*i, highest) && i->row < highest.row) highest = *i;
   std::fill(begin, end - 1, lowest);
   end[-1] = highest;

@@ -22,8 +22,8 @@ struct Polygon {
 };
 
 /// points.dimension == 2, 0 < count < 2^32 - 1. `lattice`: doubles compute every turn exactly.
-/// Reads the points in place, twice; memory: 24 bytes a point that is not discarded early, and 8 a
-/// corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
+/// Reads the points in place, twice; memory: 24 bytes per point that is not discarded early, and 8
+/// per corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
 Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
 
 /// Polygons of many small sets, one after another on one thread, in reused memory.

@@ -152,7 +152,8 @@ class Inserter {
                                  point(p), piece_.rungs);
   }
 
-  /// A facet visible from p, or `inside`, or `foreign`.
+  /// Climbs from the hint to a facet visible from p. Returns that facet, or `inside` if there is
+  /// none, or `foreign` if the way leads into another piece.
   Id locate(Id p) {
     Id f = piece_.hint;
     double g = gauge(f, y_);
@@ -229,7 +230,8 @@ class Inserter {
     return true;
   }
 
-  /// False if the point involves facets of other pieces; then nothing has changed.
+  /// Inserts p. Returns false, having changed nothing, if p involves facets of other pieces.
+  /// `next`: the point after p, whose walk starts at the new facet that is best for it.
   bool insert(Id p, Id next) {
     offset(s_.row(p), y_);
     Id seed = locate(p);

@@ -89,8 +89,8 @@ struct alignas(256) Piece3D {
 };
 
 /// Inserts the points at the given ascending positions, or [begin, end) where `positions` is null.
-/// Appends points that involve facets of other pieces to `deferred`. `progress`: called now and
-/// then with the share done; may be null.
+/// Appends points that involve facets of other pieces to `deferred`. `progress`: called every
+/// 65,536 points with the share done; may be null.
 void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);

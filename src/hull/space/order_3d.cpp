@@ -17,7 +17,7 @@ namespace {
 constexpr unsigned round_bits = 4;
 constexpr std::uint32_t first_round = 64;
 
-/// Few chunks, as each has its own counts.
+/// Few, large chunks, because each has its own counts.
 std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 14, n / 64); }
 
 /// Sorts the points of crowded cells by finer keys: points along curves crowd into few cells, and
@@ -27,8 +27,8 @@ std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 
 void refine_cells(const LocalPoints& points, const DirectionKey& key, KeyedId* keyed,
                   std::uint32_t first, std::uint32_t n, const Run& run) {
   constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
-  // Crowded: a quarter of the points share a cell with 4 others. Of fewer than 2^16 points the
-  // walks stay in the cache, and reordering costs more than it saves.
+  // Crowded: a quarter of the points share a cell with 4 others. With fewer than 2^16 points walks
+  // stay in the cache, and reordering costs more than it saves.
   constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
   if (n < first + fewest) return;
   const std::uint64_t count = n - first;
