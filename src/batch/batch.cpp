@@ -1,4 +1,4 @@
-// Many small hulls: the pipeline once a set, sets spread over the cores, results end to end.
+// Many small hulls: runs the pipeline once per set, on all threads, and concatenates the results.
 #include "cullhull/batch.hpp"
 
 #include <stdexcept>

@@ -47,7 +47,7 @@ void append(HullBatch& b, const Hull& h) {
   append_list(b.simplex_facets, h.simplex_facets);
 }
 
-/// Empties it, keeping its memory.
+/// Empties a batch but keeps its memory.
 void clear(HullBatch& b) {
   const auto clear_lists = [](auto& lists) {
     lists.offsets = {0};
@@ -72,8 +72,8 @@ void clear(HullBatch& b) {
 /// one parallel loop.
 class Joiner {
  public:
-  /// `still`: the number of all sets over the number joined after this call, by which memory is
-  /// reserved.
+  /// `still`: the number of all sets divided by the number joined after this call. Lists that grow
+  /// reserve memory for this multiple of their size.
   Joiner(const std::vector<HullBatch>& parts, const Run& run, double still)
       : parts_(parts), run_(run), still_(still) {}
 
@@ -177,7 +177,7 @@ class Joiner {
   const std::vector<HullBatch>& parts_;
   const Run& run_;
   const double still_;
-  std::vector<std::function<void(std::uint64_t)>> copies_;  // of part p into a list
+  std::vector<std::function<void(std::uint64_t)>> copies_;  // each copies part p into a list
 };
 
 }  // namespace
@@ -189,7 +189,7 @@ SetHuller::SetHuller(const Run& run)
       planar_(run.control) {
   options_.threads = 1;
   options_.progress = nullptr;
-  options_.poll = nullptr;  // this may run on another thread
+  options_.poll = nullptr;  // only for the calling thread; this may run on another
 }
 
 void SetHuller::append(const PointView& set, HullBatch& to) {
@@ -212,11 +212,12 @@ void SetHuller::append(const FoundHull& found, HullBatch& to) {
 
 namespace {
 
-/// Chunks of 32 sets: large enough to be worth a task, small enough to be shared evenly (a guess).
+/// Sets per task: trades the cost of starting a task (about a microsecond) against an even division
+/// among threads. At some microseconds a set, 32 sets make that cost small. Untested.
 constexpr std::uint64_t chunk = 32;
 
-/// Sets of a block. The parts of a block of chunks are joined while they are in the cache, and
-/// their memory is reused by the next block: about 65,000 points, and 16,000 for one thread in
+/// The number of sets in a block. A block's parts are joined while they are in the cache, and the
+/// next block reuses their memory. A block has about 65,000 points, and 16,000 for one thread in
 /// space, whose larger hulls then fit its own L2 cache.
 std::uint64_t block_of(std::uint32_t dimension, std::uint64_t sets, std::uint64_t points,
                        unsigned threads) {

@@ -1,5 +1,5 @@
-// How a batch is made: sets hulled on all threads, small ones straight from points to the lists of
-// the batch, and their results joined end to end.
+// How a batch is made: all threads compute hulls of sets, small sets go straight from points to the
+// lists of the batch, and the results are concatenated.
 #pragma once
 
 #include <cstdint>
@@ -31,30 +31,29 @@ class PlanarSets {
   SmallPolygon polygon_;
 };
 
-/// A hull of which vertices are known, from a device.
+/// A hull whose vertices a device has found.
 struct FoundHull {
   PointView rows;             ///< of the vertices, by ascending ids
-  const std::uint64_t* ids;   ///< theirs within the set
+  const std::uint64_t* ids;   ///< the vertices' ids within the set
   std::uint64_t point_count;  ///< of the set
-  /// In space, where every facet is a simplex: places among `rows`, three each, in the order of a
-  /// result. Null: not known.
+  /// In space, where every facet is a simplex: three positions in `rows` per simplex, in the order
+  /// of a result; null if unknown.
   const std::uint8_t* simplices = nullptr;
   unsigned simplex_count = 0;
 };
 
-// The fast path of a batch: small sets in general position go straight from points to the lists of
-// the batch.
+// The fast path of a batch in space: small sets go straight from points to the lists of the batch.
 
 /// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
-/// False, with `to` unchanged, for sets that are not small, not in general position (see
-/// small_hull_3d), not finite, or where a measure needs more than doubles.
+/// False, with `to` unchanged, for sets that are not small or that small_hull_3d refuses, and where
+/// a measure needs more than doubles.
 bool append_small_3d(const PointView& set, HullBatch& to);
 
-/// The same for a set of which the simplices are known; with the places among its vertices in the
-/// stead of ids.
+/// The same for a set whose simplices are known; writes positions among its vertices instead of
+/// ids.
 bool append_simplices_3d(const FoundHull& found, HullBatch& to);
 
-/// Hulls one set at a time on the calling thread, by the first way that takes it.
+/// Computes the hull of one set at a time on the calling thread, by the first path that accepts it.
 class SetHuller {
  public:
   explicit SetHuller(const Run& run);
@@ -64,7 +63,7 @@ class SetHuller {
 
  private:
   Options options_;
-  bool plain_;  ///< with other options the fast paths' errors would differ
+  bool plain_;  ///< whether the options permit the fast paths
   PlanarSets planar_;
 };
 
@@ -75,11 +74,11 @@ class BatchMaker {
   /// The number by which an error names set i.
   using Number = std::function<std::uint64_t(std::uint64_t i)>;
 
-  /// For so many sets of so many points in all; `run` must stay.
+  /// For `sets` sets with `points` points in all; `run` must outlive this object.
   BatchMaker(std::uint32_t dimension, ScalarType scalar, std::uint64_t sets, std::uint64_t points,
              const Run& run);
-  /// Adds `count` sets, on all threads. Throws the error of the first set that has one, by
-  /// number(i), or i.
+  /// Adds `count` sets, on all threads. If sets fail, throws the error of the first one, which
+  /// names it number(i), or i without `number`.
   void add(std::uint64_t count, const Append& append, const Number& number = nullptr);
   HullBatch finish() &&;
 
@@ -95,7 +94,7 @@ class BatchMaker {
   std::vector<std::optional<Error>> errors_;
 };
 
-/// Throws Error{invalid_argument} unless they ascend and none exceeds the number of points.
+/// Throws Error{invalid_argument} unless the offsets ascend and none exceeds the number of points.
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets);
 
 }  // namespace cullhull::internal::inline batch

@@ -1,5 +1,5 @@
-// Many small hulls of points in a device's memory: what is found there is completed here, what is
-// not is hulled here.
+// Many small hulls of points in a device's memory: the host completes the hulls that the device
+// finds, and computes all others itself.
 #include "cullhull/device_batch.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using cuda::SetsOnDevice;
 
-/// Sets of one call.
+/// The sets of one call.
 class DeviceBatch {
  public:
   DeviceBatch(const DevicePointView& points, const std::uint64_t* offsets, std::uint64_t sets,
@@ -55,7 +55,7 @@ class DeviceBatch {
     return std::move(maker).finish();
   }
 
-  /// Of all sets' vertices.
+  /// The coordinates of all sets' vertices.
   Array<double> vertex_rows(const HullBatch& batch) const {
     std::vector<std::uint64_t> ids;
     ids.reserve(batch.vertices.items.size());
@@ -88,9 +88,10 @@ class DeviceBatch {
 
  private:
   static constexpr std::uint64_t most_sets = std::numeric_limits<std::int32_t>::max();
-  /// A piece of so few sets is not halved where memory is short (a guess).
+  /// Where memory is short, a piece of at most this many sets goes to the host instead of being
+  /// halved: with a warp a set, smaller pieces would leave most of a device idle. Untested.
   static constexpr std::uint32_t least_sets = 64;
-  static constexpr unsigned most_vertices = 128;  ///< of what a warp finds
+  static constexpr unsigned most_vertices = 128;  ///< of a hull that a warp finds
 
   static const DevicePointView& checked(const DevicePointView& points) {
     check_arguments(points);
@@ -109,14 +110,14 @@ class DeviceBatch {
     return {points_.dimension, points_.scalar, sets, points, run_};
   }
 
-  /// Enough sets to fill any device some times over, as far as the budget permits: a point takes
-  /// its row and its share of the lists.
+  /// Points per piece: enough to fill any device some times over, within a quarter of the budget. A
+  /// point takes its row and 8 bytes of lists.
   std::uint64_t piece_points() const {
     constexpr std::uint64_t wanted = std::uint64_t{1} << 21;
     const std::uint64_t bytes = points_.dimension * sizeof(double) + 8;
     return std::clamp<std::uint64_t>(run_.budget / (4 * bytes), 1, wanted);
   }
-  /// As many sets from `first` on as have so many points in all; at least one.
+  /// The number of sets from `first` on that have at most `points` points in all; at least one.
   std::uint32_t sets_within(std::uint64_t first, std::uint64_t points) const {
     const auto begin = starts_.begin() + static_cast<std::ptrdiff_t>(first);
     const auto end = std::upper_bound(begin + 1, starts_.end(), *begin + points);

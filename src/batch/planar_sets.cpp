@@ -3,7 +3,7 @@
 namespace cullhull::internal::inline batch {
 namespace {
 
-/// Moves the new items [from, size).
+/// Appends `count` items; returns the first of them.
 template <class Vector>
 auto* extend(Vector& to, std::size_t count) {
   const std::size_t size = to.size();

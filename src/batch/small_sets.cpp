@@ -11,7 +11,7 @@
 namespace cullhull::internal::inline batch {
 namespace {
 
-/// Makes room for `count` more items; the size is set later.
+/// Appends `count` items, of which the caller removes those it does not need; returns the first.
 template <class T>
 T* extend(Array<T>& to, std::size_t count) {
   const std::size_t size = to.size();

@@ -84,7 +84,7 @@ bool write_hull(const PointView& view, const std::uint64_t* ids, unsigned count,
   load(view, ids, count, points);
   if (!small_hull_3d(points, count, small)) return false;
   SmallMeasures measures;
-  // At most a facet a triangle, in eights for the measurer; a plane is four numbers.
+  // Room for a plane (four numbers) per triangle, up to a multiple of eight for the measurer.
   Array<double> planes(std::size_t{4} * ((small.count + 7) / 8 * 8));
   if (!SmallMeasurer(view, ids, points, small, shares).run(planes.data(), measures)) return false;
   planes.resize(std::size_t{4} * small.facet_count);

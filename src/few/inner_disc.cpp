@@ -29,11 +29,11 @@ InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corne
   }
   if (!(area > 0x1p-40)) return;
   for (unsigned j = 0; j < 2; ++j) centre[j] = at(0, j) + moment[j] / (3 * area) / scale[j];
-  // A difference and a product, each off by the factor 1 + 2^-53 at most: u and v are computed with
-  // a relative error below 2^-51, as |u|, |v| < 8 where they matter, and what underflows is far
-  // below all bounds. So with l = ua vb, r = va ub computed, the determinant ua vb - va ub is
-  // within 2^-49 (|l| + |r|) + 2^-900 of l - r, the length of the edge within 2^-46 of its computed
-  // value, and the origin's distance from the edge's line at least `distance`.
+  // u and v are a difference and a product, each off by the factor 1 + 2^-53 at most: their
+  // relative error is below 2^-51, |u|, |v| < 8 where they matter, and underflow is far below all
+  // bounds. So with l = ua vb, r = va ub as computed, the determinant ua vb - va ub is within 2^-49
+  // (|l| + |r|) + 2^-900 of l - r, the length of the edge within 2^-46 of its computed value, and
+  // the origin's distance from the edge's line at least `distance`.
   double least = 8;
   const auto image = [&](std::size_t i, unsigned j) { return (at(i, j) - centre[j]) * scale[j]; };
   for (std::size_t i = 0; i < corners.size(); ++i) {

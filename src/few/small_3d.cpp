@@ -1,7 +1,7 @@
 // Incremental hull of few points: each point is tested against all facets at once, in f32 with an
 // error bound; signs that this leaves open are decided in doubles, then exactly. Sets are so small
-// that nothing is searched: the facets' planes are kept in vectors, and an edge's facet is found in
-// a table.
+// that no search pays: planes are stored in arrays for SIMD, and a table (small sets) or links
+// (medium sets) give the facet across an edge.
 #include "few/small_3d.hpp"
 
 #include "parallel/simd_targets.hpp"
@@ -83,7 +83,8 @@ class Builder {
 
   // ------------------------------------------------------------------------------------ the points
 
-  /// Finds the points' bounding box and scale; f32 copies in units that make |x - O| < 1. Within
+  /// Finds the points' bounding box and scale, and makes f32 copies in units with |x - O| < 1.
+  /// False where coordinates are not finite or the extent is outside of (2^-100, 2^100); within
   /// this range underflow and overflow are far away: all differences are at most the extent e <=
   /// 2^100, so each of the six products of a determinant loses at most 3 * 2^-1074 * 2^200 through
   /// underflow, far below `tiny`, which is far below the bound of any facet that counts.
@@ -217,8 +218,8 @@ class Builder {
     return true;
   }
 
-  /// The other points, roughly by descending distance from the middle, so that few inner points
-  /// become vertices for a time.
+  /// Lists the other points, roughly by descending distance from the middle, so that few inner
+  /// points become temporary vertices.
   HWY_INLINE unsigned outer_first(Number* order) {
     float most = 0;
     farthest([&](V x, V y, V z)
@@ -285,8 +286,8 @@ class Builder {
     for (unsigned i = 0; i < 3; ++i)
       if (std::equal(rows[i], rows[i] + 3, rows[3])) return sign;
     if (side_in_double_doubles(rows[0], rows[1], rows[2], rows[3], tiny, sign)) return sign;
-    // After 16 signs of about a microsecond each, more than such a hull takes, the engine is
-    // faster.
+    // Gives up after 16 exact signs of about a microsecond each, more than a whole hull takes here:
+    // the general engine is then faster.
     given_up_ |= ++exact_signs_ > most_exact_signs;
     const double* at[4] = {rows[0], rows[1], rows[2], rows[3]};
     return given_up_ ? Sign::zero : orientation_exact(3, at);
@@ -320,7 +321,7 @@ class Builder {
     }
   }
 
-  /// The direction from p to v, divided by a power of two so that it is at most 1.
+  /// Stores the direction from the point `at` to point v, scaled by a power of two to at most 1.
   HWY_INLINE void look_from(const double* at, unsigned v) {
     double d[3], reach = 0;
     for (unsigned c = 0; c < 3; ++c) {
@@ -403,8 +404,8 @@ class Builder {
     }
   }
 
-  /// p is in the plane of a facet. If it is equal to a corner, the lowest id of equal points
-  /// represents all of them.
+  /// Records that p is in the plane of the facet with corners v. If it is equal to a corner, the
+  /// lowest id of equal points represents all of them.
   void touch(unsigned p, const unsigned* v) {
     if (!touched_)
       for (unsigned i = 0; i < count_; ++i) lowest_[i] = static_cast<Number>(i);
@@ -420,7 +421,7 @@ class Builder {
   HWY_INLINE void insert(unsigned p) {
     std::uint64_t seen[capacity / 64];
     find_visible(p, seen);
-    if (given_up_) return;  // a sign is missing, so what is visible may not be a disc
+    if (given_up_) return;  // a sign is missing, so the visible facets may be no disc
     Number slot[capacity], from[capacity + 1], to[capacity + 1];
     // For linked surfaces: the facet beyond each edge, and the number of the edge in that facet.
     constexpr unsigned linked_room = Surface::linked ? capacity + 1 : 1;
@@ -445,7 +446,7 @@ class Builder {
         }
       }
     if (edges == 0) return;
-    // As many new facets as edges, first in the old slots.
+    // One new facet per edge, first in the slots of the visible facets.
     for (unsigned i = edges; i < visible; ++i) remove(slot[i]);
     for (unsigned i = visible; i < edges; ++i)
       slot[i] = free_count_ > 0 ? free_[--free_count_] : static_cast<Number>(surface_.top++);

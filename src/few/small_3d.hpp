@@ -8,8 +8,8 @@
 namespace cullhull::internal::inline few {
 
 /// Simplices and facets in canonical order: each simplex from its lowest vertex, counter-clockwise
-/// seen from outside; the simplices ascending. Lists are read a vector at a time, so there is room
-/// behind them; the last simplex is repeated up to a multiple of eight.
+/// seen from outside; the simplices ascending. Lists are read one SIMD vector at a time, so arrays
+/// have room beyond their ends; copies of the last simplex pad their number to a multiple of eight.
 template <unsigned most>
 struct SmallHull {
   static constexpr unsigned max_points = most, max_facets = 2 * max_points;
@@ -22,21 +22,21 @@ struct SmallHull {
   unsigned facet_count = 0;
   unsigned vertex_count = 0;
   Number ids[max_points];  ///< of the vertices, ascending
-  Number vertices[room];   ///< three ids a simplex
+  Number vertices[room];   ///< three ids per simplex
   Number opposite[room];   ///< the simplices opposite to each of them
   Number beside[room];     ///< the facets across the edge from each corner to the next
 
   bool simplicial() const { return facet_count == count; }
-  /// Where facets are not one simplex each: the facets' numbers of corners, their corners and
-  /// neighbours (as in `beside`), and the facet of each simplex.
+  /// Valid only where some facet has several simplices: each facet's number of corners, all facets'
+  /// corners (`beside` then has an entry for each of these), and the facet of each simplex.
   Number facet_size[max_facets];
   Number corners[room];
   Number facet_of[room];
 };
 /// All its arrays fit the L1 cache.
 using SmallHull3D = SmallHull<128>;
-/// For filtered points, of which few are vertices for long: up to this size, testing each against
-/// all facets was faster than searching a visible one.
+/// For filtered points, few of which stay vertices: up to 2048 points, testing each against all
+/// facets was measured to be faster than searching for a visible facet.
 using MediumHull3D = SmallHull<2048>;
 
 /// Coordinates of up to `most` points. Rows are read up to the next multiple of sixteen: pad them

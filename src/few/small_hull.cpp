@@ -11,7 +11,7 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// Kept from call to call. Cannot be cancelled, as it takes microseconds.
+/// Memory reused from call to call. Calls cannot be cancelled: they take microseconds.
 struct KeptPolygon {
   SmallPolygon polygon{short_run().control};
 };
@@ -52,15 +52,15 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   return true;
 }
 
-/// Whether there are so few points that no filter pays.
+/// Whether there are so few points that the general filters do not pay.
 bool few_enough(const PointView& points) {
   return points.dimension == 2   ? points.count <= SmallPolygon::most_points
          : points.dimension == 3 ? points.count <= most_unfiltered_in_space
                                  : false;
 }
 
-/// Calls find() where this way is permitted, and describes the call in `statistics`. False where
-/// find() is.
+/// Calls find() if size and options permit it, and fills `statistics`. False where find() is not
+/// called or returns false.
 template <class Find>
 bool find_small(const PointView& points, const Options& options, Statistics& statistics,
                 const Find& find) {

@@ -14,11 +14,12 @@
 
 namespace cullhull::internal::inline few {
 
-/// Whether the options permit it: a chosen filter, engine or device is respected.
+/// Whether the options permit these direct paths: not where the caller chose a filter, another
+/// engine, a device or a memory budget below 4 MiB.
 bool takes_small_sets(const Options& options);
 
-/// Fills all of `hull`, the same bits as the general flow gives. False, and nothing done, where the
-/// general flow is needed. `points` and `options` have been checked.
+/// Fills all of `hull` with the same bits as the general flow. Returns false, having done nothing,
+/// where the general flow is needed. `points` and `options` have been checked.
 bool small_hull(const PointView& points, const Options& options, Hull& hull);
 
 /// The same for the extreme points alone: in the plane nothing else is computed.
@@ -33,9 +34,9 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
 void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
                 MediumPoints3D& points);
 
-/// Limit for sets where no filter is used, so that all points may be extreme: each point is tested
-/// against all of up to twice as many facets. With more points the engine's search for a visible
-/// facet is faster.
+/// The largest set in space that is hulled without a filter. All its points may be extreme: each is
+/// tested against all of up to twice as many facets. With more points the engine's search for a
+/// visible facet is faster.
 inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 
 /// The hull of the points with the given ids, which ascend (nullptr: of all points), where they are
@@ -44,10 +45,11 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// finite or span too many powers of two, and where many signs or a measure need more than doubles.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
 
-// The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison a point.
+// The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison per
+// point.
 
-/// Points are mapped to u = (x - cx) sx, v = (y - cy) sy: in this affine image a disc about the
-/// origin lies inside the image of a polygon.
+/// An ellipse inside a polygon. The affine map u = (x - cx) sx, v = (y - cy) sy makes it a disc
+/// about the origin.
 class InnerDisc {
  public:
   struct Test {
@@ -61,14 +63,14 @@ class InnerDisc {
   };
 
   InnerDisc() = default;  ///< contains nothing
-  /// `corners` of `rows` (packed pairs), counter-clockwise, and their bounding box. May contain
-  /// nothing.
+  /// Inside the polygon whose counter-clockwise corners are the given `corners` of `rows` (packed
+  /// pairs). `box`: its bounding box. The ellipse may be empty.
   InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners, const Box& box);
 
-  /// True only for points strictly inside the polygon. False for what is not finite.
+  /// True only for points strictly inside the polygon. False for coordinates that are not finite.
   bool contains(double x, double y) const { return test_.contains(x, y); }
-  /// The positions, ascending, of those of `count` packed pairs that it does not contain. `out` has
-  /// room for all.
+  /// Writes to `out` the positions, ascending, of those of `count` packed pairs that the ellipse
+  /// does not contain; returns their number. `out` needs room for `count`.
   std::uint32_t outside(const double* rows, std::uint32_t count, std::uint32_t* out) const;
 
  private:

@@ -31,7 +31,7 @@ class SmallMeasurer {
                 const Hull& hull, SmallShares<Hull::max_facets>& shares)
       : view_(view), names_(names), points_(points), hull_(hull), shares_(shares) {}
 
-  /// Planes are written for a multiple of eight facets. False where doubles do not suffice.
+  /// Writes planes for a multiple of eight facets. False where doubles do not suffice.
   bool run(double* planes, SmallMeasures& out) {
     if (!find_exponent()) return false;
     small_shares(points_, hull_, exponent_, shares_, planes);
@@ -51,7 +51,7 @@ class SmallMeasurer {
   }
 
  private:
-  /// As make_frame finds it; false for frames where that sets `wild`.
+  /// Finds the frame's exponent as make_frame does; false where that would set `wild`.
   bool find_exponent() {
     double largest = 0;
     for (unsigned c = 0; c < 3; ++c)
@@ -97,8 +97,7 @@ class SmallMeasurer {
     shares_.set(i, share);
   }
 
-  /// Of the planes of a facet's simplices, takes the one with the longest normal, the first of
-  /// equal ones.
+  /// Gives each facet the plane of its simplex with the longest normal, the first of equal ones.
   void choose_planes(double* planes) const {
     Number best[Hull::max_facets];
     unsigned facets = 0;

@@ -6,9 +6,9 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// With fewer points a sample costs more than it saves: at 130 and 160 points in a disc 12 %; at
-/// 200 and 250 it saves 12 to 16 % there and 10 to 13 % of Gaussian sets, and costs circles 7 to 8
-/// %.
+/// With fewer points a sample costs more than it saves: 12 % more time at 130 and 160 points in a
+/// disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in Gaussian sets, and
+/// costs 7 to 8 % on circles.
 constexpr std::uint32_t smallest_worth_thinning = 192;
 
 bool finite(const double* values, std::uint32_t count) {
@@ -37,9 +37,9 @@ bool SmallPolygon::find(const PointView& set) {
   return true;
 }
 
-/// Thins by samples of every 8th, 64th, ... row: the hull of the smallest thins the next larger
-/// one, and so on, so that all but the last take little of the time. False, and all rows are kept,
-/// where that does not pay.
+/// Discards inner rows by samples of every 8th, 64th, ... row: the hull of the smallest sample
+/// thins the next larger one, and so on, so that all samples but the largest take little time.
+/// Returns false and keeps all rows where this does not pay.
 bool SmallPolygon::thin(std::uint32_t count) {
   // Each sample takes an eighth of the time of the next; the hull of the first has some twenty
   // corners.
@@ -64,7 +64,7 @@ bool SmallPolygon::thin(std::uint32_t count) {
 }
 
 /// Keeps every `step`th row that the disc does not contain; stops after the block of rows in which
-/// more than `most_kept` are reached.
+/// their number exceeds `most_kept`.
 void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc) {
   constexpr std::uint32_t block = 2048;
   if (kept_.empty()) {
@@ -78,7 +78,7 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
     const std::uint32_t end = std::min(count, begin + block * step), before = k;
     if (step == 1) {
       k += disc.outside(rows + 2 * std::size_t{begin}, end - begin, kept + k);
-      // The disc counts from the block's first row.
+      // The disc numbers rows from the block's first one.
       for (std::uint32_t i = before; i < k; ++i) kept[i] += begin;
       continue;
     }
@@ -95,7 +95,7 @@ void SmallPolygon::keep_rows(std::uint32_t count, std::uint32_t step, const Inne
   kept_count_ = k;
 }
 
-/// Packed coordinates as given, negative zeros included.
+/// The set's coordinates as packed doubles, unchanged: negative zeros included.
 const double* SmallPolygon::load(const PointView& set) {
   const auto address = reinterpret_cast<std::uintptr_t>(set.data);
   if (set.scalar == ScalarType::f64 && set.packed_rows() && address % alignof(double) == 0)

@@ -1,5 +1,5 @@
-// Small sets of points of the plane, from coordinates to all that a result holds, on one thread, in
-// memory that is kept from set to set.
+// Hulls of small sets in the plane, from coordinates to every part of a result, on one thread, in
+// memory that is reused from set to set.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,27 @@ namespace cullhull::internal::inline few {
 class SmallPolygon {
  public:
   static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
-  /// The most points left after thinning; the sums then fit one chunk.
+  /// The most points that may be left after thinning, so that their sums fit one chunk.
   static constexpr std::uint64_t most_kept = 4096;
 
-  /// Keeps some 500 KB at most, and 1 MB for points that are not packed doubles.
+  /// Holds at most about 500 KB, and 1 MB more for points that are not packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
-  /// Finds the corners of a set. False where the general flow must do it: other dimensions, too few
-  /// or too many points, points on a line, extreme aspect ratios, points that are not finite.
+  /// Finds the corners of a set. False where the general flow must be used: other dimensions, too
+  /// few or too many points, points on a line, extreme aspect ratios, points that are not finite.
   bool find(const PointView& set);
 
   /// Number of corners, and so of edges.
   std::size_t size() const { return by_rank_.size(); }
   const RungCounts& rung_counts() const { return series_.rung_counts(); }
 
-  /// size() planes, and the measures; the same bits as write_polygon's. False where doubles do not
-  /// suffice: then the result of find must not be used.
+  /// Computes size() planes and the measures, with the same bits as write_polygon. False where
+  /// doubles do not suffice: then the result of find must not be used.
   bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
 
-  /// size() ids.
+  /// Writes size() ids.
   void write_vertices(std::uint64_t* vertices) const;
-  /// 2 size() items in each.
+  /// Writes 2 size() items to each list.
   void write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
                    std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
 
@@ -48,8 +48,9 @@ class SmallPolygon {
 
   PolygonSeries series_;
   std::vector<double> loaded_;
-  const double* rows_ = nullptr;  // of the set
-  // Rows that may be corners, ascending, and their coordinates; `all_`: all rows of the set.
+  const double* rows_ = nullptr;  // all rows of the set
+  // Rows that may be corners, ascending, and their coordinates; `all_`: every row of the set may be
+  // one, and the lists are not used.
   bool all_ = true;
   std::uint32_t kept_count_ = 0;
   std::vector<std::uint32_t> kept_;

@@ -18,7 +18,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline few::HWY_NAMESPACE {
 using namespace result::HWY_NAMESPACE;
-using result::HWY_NAMESPACE::cofactors;  // not the one for numbers
+using result::HWY_NAMESPACE::cofactors;  // for vectors, not for numbers
 namespace {
 
 constexpr unsigned block = 8;  // facets whose corners are gathered at once: a vector of doubles
@@ -27,8 +27,8 @@ struct Corners {
   alignas(64) double at[3][3][block];  // corner, coordinate
 };
 
-/// A vector of facets, from lane `lane` of the corners on. The operations of facet_block and
-/// facet_share, in the same order.
+/// Computes one vector of facets, from lane `lane` of the corners on, by the operations of
+/// facet_block and facet_share in the same order.
 template <class Shares>
 HWY_INLINE void share(const Corners& corners, unsigned lane, const double* from, double scale,
                       double unit, unsigned i, Shares& out, double* planes) {
@@ -42,8 +42,9 @@ HWY_INLINE void share(const Corners& corners, unsigned lane, const double* from,
   sum_of_corners<3>(corner, origin, sum);
   const Lanes square = square_of<3>(normal);
   write_shares(normal, root(square), corner[0], origin, sum, unit, i, out, planes);
-  // Well conditioned by a factor of two more than facet_share requires, so that it agrees whatever
-  // the rounding; and components between 2^-351 and 8, as coordinates are at most 1.
+  // Closed facets are well conditioned by a factor of two more than facet_share requires, so that
+  // both agree whatever the rounding; their normals' components are between 2^-351 and 8, as
+  // coordinates are at most 1.
   const Lanes shortest =
       4 * conditioned * conditioned * (square_of<3>(edge[0]) * square_of<3>(edge[1]));
   const M closed = hn::And(square > shortest, square > 0x1p-700);

@@ -6,7 +6,7 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// Merges the simplices of a facet, and traces its border.
+/// Merges coplanar simplices into facets, and traces their borders.
 template <class Surface>
 class Merger {
   using Number = typename Surface::Number;
@@ -70,8 +70,8 @@ class Merger {
     out_.across[end_++] = static_cast<Number>(across);
   }
 
-  /// A vertex of the border is extreme exactly if it is on a third facet, that is, if the facets
-  /// across its two edges differ.
+  /// Traces the border of a facet. A vertex of it is extreme exactly if it is on a third facet,
+  /// that is, if the facets across its two edges differ.
   void trace(unsigned first) {
     unsigned at = 0, f = first;
     do {
@@ -119,7 +119,8 @@ class Merger {
   }
 
   unsigned size(unsigned polygon) const { return out_.start[polygon + 1] - out_.start[polygon]; }
-  /// A simplex at an edge of a polygon, and the edge's number in it. first: of each fan.
+  /// A simplex at an edge of a polygon, and the edge's number in it. `first`: the first simplex of
+  /// each fan.
   struct Place {
     unsigned simplex, edge;
   };
@@ -129,8 +130,8 @@ class Merger {
     return {first[polygon] + e - 1, 1};
   }
 
-  /// Links fans across the edge of two polygons: searches the one with fewer edges; two large ones
-  /// share a single edge only.
+  /// Links fans across the edges between polygons. An edge is searched in the polygon with fewer
+  /// edges, which is cheap: two large polygons share only one edge.
   void link_fans(const Number* first) {
     for (unsigned i = 0; i < out_.count; ++i) {
       const unsigned begin = out_.start[i], edges = size(i);
@@ -219,8 +220,8 @@ void sort_simplices(TableSurface& surface, unsigned point_count, TableSurface::N
   out.count = n;
 }
 
-/// A counting sort by lowest vertex; the few with the same one are inserted in the order of their
-/// second.
+/// A counting sort by lowest vertex; the few simplices with the same one are inserted in the order
+/// of their second vertex.
 void sort_simplices(LinkedSurface& surface, unsigned point_count, LinkedSurface::Number* order,
                     MediumHull3D& out) {
   using Number = LinkedSurface::Number;

@@ -32,10 +32,10 @@ struct TableSurface {
 
   unsigned top = 0;                        ///< number of slots in use
   std::uint32_t facets[capacity];          ///< a << 16 | b << 8 | c, counter-clockwise, or none
-  Number owner[most_points][most_points];  ///< by edge, valid for existing edges
+  Number owner[most_points][most_points];  ///< on the left of edge (a, b), if it exists
 };
 
-/// Simplices with links to their neighbours: for more points than a table that fits the cache.
+/// Simplices with links to their neighbours: for more points than a table in the cache can hold.
 struct LinkedSurface {
   using Hull = MediumHull3D;
   using Number = Hull::Number;
@@ -87,14 +87,14 @@ struct SmallPolygons {
 };
 
 /// Merges coplanar simplices and triangulates the facets as fans from their lowest corner: the
-/// surface becomes that of the fans. Vertices that are not extreme are dropped; `names` maps the
+/// surface becomes that of the fans. Vertices that are not extreme are removed; `names` maps the
 /// others to ids.
 template <class Surface>
 void merge_small(Surface& surface, const CoplanarPair<Surface>* pairs, unsigned pair_count,
                  const typename Surface::Number* names, SmallPolygons<Surface>& polygons);
 
-/// Writes in canonical order, without comparisons. `polygons`: as merge_small gives them, or
-/// nullptr where every simplex is a facet. Rotates the surface's simplices.
+/// Writes the surface in canonical order, without comparison sorts. `polygons`: as merge_small
+/// gives them, or nullptr where every simplex is a facet. Rotates the surface's simplices.
 template <class Surface>
 void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Surface>* polygons,
                  typename Surface::Hull& out);

@@ -1,5 +1,6 @@
-// The interface of hull engines. Engines get full-dimensional points only (the pipeline reduces
-// flats first) and know nothing of files, filters or canonical order.
+// The interface of hull engines. Engines get full-dimensional points only (the pipeline first
+// reduces flat inputs to their own dimension) and know nothing of files, filters or canonical
+// order.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +13,9 @@
 
 namespace cullhull::internal::inline hull {
 
-/// The boundary as simplices, d local ids each, every ridge shared by two. Coplanar neighbours and
-/// vertices that are not extreme (inside a face) may occur: result/ merges and drops them.
+/// The hull's boundary as simplices of d local ids each; every ridge is shared by two. Simplices
+/// may be coplanar with their neighbours, and vertices may lie inside a face: result/ merges the
+/// former and removes the latter.
 struct Boundary {
   unsigned dimension = 0;
   /// facets x d ids; orientation(v0, ..., v(d-1), x) is negative for x inside (the hull lies
@@ -31,15 +33,15 @@ struct Boundary {
 
   std::size_t facet_count() const { return dimension ? vertices.size() / dimension : 0; }
   const std::uint32_t* simplex(std::size_t f) const { return vertices.data() + f * dimension; }
-  /// Id j of the outward oriented simplex, sorted.
+  /// Id j of simplex f as a result stores it: ascending, with the last two swapped where odd[f].
   std::uint32_t stored(std::size_t f, unsigned j) const { return simplex(f)[stored_slot(f, j)]; }
   unsigned stored_slot(std::size_t f, unsigned j) const {
     return odd[f] && j + 2 >= dimension ? 2 * dimension - 3 - j : j;
   }
 };
 
-/// Bytes a facet that building the result takes, for a hull of dimension k in d-space: counted from
-/// its arrays; in 6D 304, measured 313 with all of the process.
+/// Bytes per facet needed to build the result, for a hull of dimension k in d-space, summed over
+/// its arrays. In 6D: 304 bytes; measured for the whole process: 313.
 constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d) {
   return k < 4 ? 48 * k + 8 * d + 44 : 36 * k + 8 * d + 40;
 }
@@ -48,12 +50,13 @@ constexpr std::uint64_t result_bytes_per_facet(std::uint64_t k, std::uint64_t d)
 /// Error{out_of_budget} where they would exceed run.budget.
 Boundary hull_2d(const LocalPoints& points, const Run& run);
 Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
-/// `same_facets`: the same simplices in the same order for any number of threads, at some cost in
-/// time; without it coplanar pieces and the order may differ, but not the surface.
+/// `same_facets`: return the same simplices in the same order for every number of threads, which
+/// costs some time. Otherwise their order and the division of coplanar facets may differ, but never
+/// the surface.
 Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
                  bool same_facets = false);
-/// Qhull's hull. Throws Error{backend_unavailable} when built without libqhull_r, Error{not_exact}
-/// when Qhull fails or its facets are no closed simplicial surface.
+/// The hull as Qhull computes it. Throws Error{backend_unavailable} when built without libqhull_r,
+/// Error{not_exact} when Qhull fails or its facets are not a closed convex surface of simplices.
 Boundary hull_qhull(const LocalPoints& points, const Control& control);
 bool qhull_available();
 

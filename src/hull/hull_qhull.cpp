@@ -1,8 +1,8 @@
 // Qhull (libqhull_r) as a second engine behind the same interface.
 //
 // Qhull merges facets within its own tolerance, so its answer is not the exact hull where points
-// are nearly coplanar. What it returns is therefore checked with exact orientations: a closed
-// surface of simplices, none degenerate, convex at every ridge.
+// are nearly coplanar. Exact orientations therefore check that its result is a closed surface of
+// non-degenerate simplices that is convex at every ridge.
 #include "hull/engine.hpp"
 
 #if defined(CULLHULL_HAVE_QHULL)
@@ -28,8 +28,9 @@ namespace {
 
 /// A run of Qhull: its state and its output, both released by the destructor.
 ///
-/// Qhull cannot be cancelled, but writes reports of its progress to a stream. The stream is ours:
-/// what is written calls `hear`, which can make Qhull add no further point.
+/// Qhull has no cancellation, but writes progress reports to a stream. This class supplies the
+/// stream: every write calls `hear`, which makes Qhull add no further point once the caller asks to
+/// stop.
 class QhullRun {
  public:
   explicit QhullRun(const Control& control) : control_(control), state_(std::make_unique<qhT>()) {
@@ -51,7 +52,7 @@ class QhullRun {
   void build(const LocalPoints& points) {
     // Qhull takes a pointer to non-const, but changes points only where options ask it to.
     auto* coordinates = const_cast<coordT*>(points.coordinates);
-    // The options that SciPy uses; a report every 200 new facets, which take about a millisecond.
+    // The options that SciPy uses; TF: the interval of progress reports, in new facets.
     const std::string dimension_options = points.dimension < 5 ? "qhull Qt" : "qhull Qt Qx";
     std::string command = dimension_options + " TF" + std::to_string(facets_a_report);
     const int code = qh_new_qhull(state_.get(), static_cast<int>(points.dimension),
@@ -64,7 +65,7 @@ class QhullRun {
   qhT* get() { return state_.get(); }
 
  private:
-  static constexpr int facets_a_report = 200;  // some ms between two checks for a stop; a guess
+  static constexpr int facets_a_report = 200;  // latency of a stop against reporting; untested
 
   /// Called by the C library inside Qhull: must not throw.
   static ssize_t hear(void* self, const char* text, std::size_t size) noexcept {
@@ -140,7 +141,7 @@ void match_ridges(Boundary& hull) {
   }
 }
 
-/// Turns every facet outward and checks that the surface is convex at every ridge.
+/// Orients every facet outward and checks that the surface is convex at every ridge.
 class Orienter {
  public:
   Orienter(const LocalPoints& points, Boundary& hull)
@@ -183,8 +184,8 @@ class Orienter {
     hull_.rung_counts.count(rung);
     return s;
   }
-  /// The vertex of `other` that is not on its ridge with `facet`. Two facets with the same vertices
-  /// have none; any vertex of the facet itself is then returned, which is coplanar, too.
+  /// The vertex of `other` that is not on its ridge with `facet`. Where both facets have the same
+  /// vertices, returns a vertex of the facet itself, which is coplanar, too.
   std::uint32_t opposite(std::uint32_t other, std::size_t facet) const {
     const unsigned d = hull_.dimension;
     const std::uint32_t* a = &hull_.vertices[facet * d];
@@ -200,8 +201,8 @@ class Orienter {
   std::vector<std::uint32_t> vertices_;
 };
 
-/// Lists pairs (point, vertex) for all points equal to a vertex: Qhull keeps any one of equal
-/// points.
+/// Lists pairs (point, vertex) for all points equal to a vertex: of equal points Qhull keeps an
+/// arbitrary one.
 void find_duplicates(const LocalPoints& points, const std::vector<std::uint32_t>& vertices,
                      const Control& control, Boundary& hull) {
   const unsigned d = points.dimension;

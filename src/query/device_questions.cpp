@@ -12,11 +12,12 @@
 namespace cullhull::internal::inline query {
 namespace {
 
-/// Points of a piece: the answers about them lie in the device's memory (a guess).
+/// Points per piece: bounds the device memory for answers (at most 9 bytes a point, 38 MB) at the
+/// cost of a launch and a copy per piece. Untested.
 constexpr std::uint64_t piece = std::uint64_t{1} << 22;
 
-/// A corner of each simplex, its normal as it leads away from the centre, and the factor of its
-/// error; infinite where the centre's side is not certain.
+/// Appends for each simplex a corner, the normal that points away from the centre, and the normal's
+/// error factor, which is infinite where the centre's side is not certain.
 template <unsigned D>
 void add_simplices(const InnerPolytope& hull, const double* centre, cuda::HullTables& tables) {
   const auto corner = [&](std::size_t f, unsigned j) {
@@ -62,7 +63,7 @@ std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
     centre[j] = tables.low[j] + (tables.high[j] - tables.low[j]) / 2;
   }
   if (!(extent > 0x1p-100) || !(extent < 0x1p100)) return std::nullopt;
-  // The middle of the box may be outside: the mean of the vertices is not, but for rounding.
+  // The middle of the box may be outside of the hull; the vertices' mean is inside, up to rounding.
   std::vector<double> mean(d);
   const double count = static_cast<double>(hull.vertices.size() / d);
   tables.vertices.resize(hull.vertices.size());
@@ -117,8 +118,8 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::Hull
     device_.emplace(points, tables_);
 }
 
-/// there(first, count, out, open): answers about a piece, and appends the ids of the points to be
-/// asked about here.
+/// there(first, count, open): gets the device's answers about a piece, and appends to `open` the
+/// ids of the points that it left undecided, about which the host is asked.
 template <class Out, class There>
 void DeviceQuestions::answer(Out* out, const There& there, const Here<Out>& here) {
   if (points_.count == 0) return;
@@ -149,7 +150,7 @@ void DeviceQuestions::ask_rest(const std::vector<std::uint64_t>& open, Out* out,
   for (std::size_t k = 0; k < open.size(); ++k) out[open[k]] = answers[k];
 }
 
-/// Throws the error that names a point that is not finite.
+/// Throws the error that names point `id`, which is not finite.
 void DeviceQuestions::refuse(std::uint64_t id) const {
   const Array<double> row = device_->rows({id}, run_);
   check_rows_finite(row.data(), 1, points_.dimension, &id, run_);

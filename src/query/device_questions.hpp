@@ -1,4 +1,5 @@
-// Questions about points in a device's memory: what doubles decide there, the rest here.
+// Queries about points in a device's memory: the device answers what doubles decide, the host
+// answers the rest.
 #pragma once
 
 #include <cstdint>
@@ -13,23 +14,25 @@
 
 namespace cullhull::internal::inline query {
 
-/// What kernels test points against; nothing for hulls that they do not take.
+/// The tables that kernels test points against; nullopt for hulls that kernels do not support.
 std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
                                             const std::vector<double>& planes);
 
-/// One call about points of a device. Every function is given one that answers about points here.
+/// One query call about points on a device. Every function takes `here`, which answers the same
+/// query about points on the host.
 class DeviceQuestions {
  public:
   template <class Out>
   using Here = std::function<void(const PointView&, Out*, const Options&)>;
 
-  /// `tables`: null where the device does not take the hull. All must stay.
+  /// `tables`: null where kernels do not support the hull. Points and tables must outlive this
+  /// object.
   DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
                   const Options& options);
 
-  /// `inner`: a map of the hull, tested first; may be null.
+  /// `inner`: a gauge map of the hull, tested first; may be null.
   void sides(const GaugeTable* inner, Side* out, const Here<Side>& here);
-  /// `ids`: of the vertices, by their places.
+  /// `ids`: the vertices' ids, by their positions in the tables.
   void supports(const std::vector<std::uint64_t>& ids, std::uint64_t* out,
                 const Here<std::uint64_t>& here);
   void distances(double* out, const Here<double>& here);
@@ -43,7 +46,7 @@ class DeviceQuestions {
 
   const DevicePointView& points_;
   const cuda::HullTables* tables_;
-  const Options options_;  // for what is asked here
+  const Options options_;  // for queries on the host
   const Run run_;
   const bool must_;
   std::optional<cuda::QuestionsOnDevice> device_;

@@ -30,8 +30,8 @@ class DirectionCube {
   /// The axis of the face that holds the cell.
   unsigned axis(std::size_t cell) const { return static_cast<unsigned>(cell / per_face_ / 2); }
 
-  /// Face 2 j + (x_j < 0), then row-major on the other axes. For any x; the zero vector is in some
-  /// cell.
+  /// Face 2 j + (x_j < 0), then row-major on the other axes. For any x; the zero vector gets an
+  /// arbitrary cell.
   std::size_t cell(const double* x) const {
     unsigned axis = 0;
     for (unsigned j = 1; j < k_; ++j)
@@ -60,8 +60,8 @@ class DirectionCube {
     }
   }
 
-  /// For each cell the result of search(result for the cell before, centre), a search that is
-  /// short where it starts nearby.
+  /// Returns for each cell the result of search(the previous cell's result, the cell's centre).
+  /// Such a search is short, because it starts nearby.
   template <class Search>
   std::vector<std::uint32_t> answers(const Control& control, const Search& search) const {
     std::vector<std::uint32_t> found(size());

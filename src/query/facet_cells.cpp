@@ -58,7 +58,7 @@ HWY_INLINE bool find_cells(const FacetCellTable& t, const double* HWY_RESTRICT c
   }
   // With the first dominant axis a: grid axis j is axis j below a, j + 1 from a on.
   V other[K - 1], dominant = y[K - 1], face = hn::Set(d, 2.0 * (K - 1));
-  auto at_or_after = hn::Lt(largest, hn::Zero(d));  // none
+  auto at_or_after = hn::Lt(largest, hn::Zero(d));  // false in every lane
   for (unsigned j = 0; j + 1 < K; ++j) {
     const auto here = hn::AndNot(at_or_after, hn::Eq(hn::Abs(y[j]), largest));
     dominant = hn::IfThenElse(here, y[j], dominant);
@@ -177,19 +177,21 @@ HWY_EXPORT(cell_sides);
 
 namespace {
 
-/// Facets whose error factor is larger are not listed: they would leave many points undecided.
+/// A cell with a facet of a larger error factor gets an empty list: that facet would leave many
+/// points undecided.
 constexpr double worst_factor = 0x1p-24;
 
 /// Computes the list of one cell.
 class CellLister {
  public:
-  static constexpr std::size_t most = 64;  // a longer list would save nothing (a guess)
+  static constexpr std::size_t most = 64;  // longer lists save little over climbing; untested
 
   explicit CellLister(const FacetSearch& search) : search_(search), k_(search.k()) {
     corners_.resize((std::size_t{1} << (k_ - 1)) * k_);
   }
 
-  /// Facets that may have the largest value somewhere in the cell; empty where they are too many.
+  /// Facets that may have the largest value somewhere in the cell; empty where they are too many or
+  /// one has too large an error.
   const std::vector<std::uint32_t>& list(const DirectionCube& cube, std::size_t cell) {
     found_.clear();
     double centre[FacetCellTable::max_k];
@@ -282,8 +284,8 @@ class CellLister {
   std::vector<std::uint32_t> found_, kept_, ring_, seen_;
 };
 
-/// Some cells a facet, so that most lists are short; at most half a megabyte of offsets, which fit
-/// L2. Eight a facet and the least are guesses.
+/// The number of cells: more cells make lists shorter but take longer to build. At most 2^17, whose
+/// offsets take half a megabyte and fit L2. Eight per facet and at least 2048 are untested.
 double cell_count(const FacetSearch& search) {
   constexpr double least = 2048, most = 1 << 17, a_facet = 8;
   return std::clamp(a_facet * static_cast<double>(search.count()), least, most);

@@ -159,9 +159,9 @@ void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
 }
 
 /// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive
-/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding a product, so
-/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most
-/// 3.03 e (max|x| + |value|) + value_tiny.
+/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding per product, so
+/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most 3.03 e
+/// (max|x| + |value|) + value_tiny.
 void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   double* plane = planes_.data() + f * stride();
   std::fill(plane, plane + k_, 0.0);
@@ -178,8 +178,8 @@ void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   plane[k_] = 3.03 * (reach / b);
 }
 
-/// True where every facet with a finite bound has the centre beneath it; the others are tested
-/// exactly.
+/// Whether the centre is beneath every facet. A facet's finite error bound proves it; the other
+/// facets are tested exactly.
 bool FacetSearch::centre_inside() const {
   std::vector<const double*> rows(k_ + 1);
   for (std::uint32_t f = 0; f < count(); ++f) {
@@ -245,8 +245,8 @@ std::uint32_t FacetSearch::climb(std::uint32_t start, const double* x) const {
                                  [&](auto k) { return climb_as<decltype(k)::value>(start, x); });
 }
 
-/// Collects the facets that may have the largest value and may not be certainly above x. False if
-/// some facet is certainly below x (then it is doubt.certain).
+/// Collects the facets that may have the largest value at x and are not certainly above x. Returns
+/// false if some facet is certainly below x; doubt.certain is then that facet.
 template <unsigned K>
 bool FacetSearch::explore(const double* x, Doubt& doubt) const {
   const unsigned k = K ? K : k_;
@@ -275,7 +275,8 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
     if (next == f) break;
     f = next;
   }
-  // The largest is connected to f through facets whose values may be at least that of f.
+  // The facet with the largest value is connected to f through facets whose values may be at least
+  // that of f.
   const double floor = best - error(f, best);
   if (rival < floor) {
     if (!(best + error(f, best) < 1)) doubt.facets.push_back(f);

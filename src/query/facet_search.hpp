@@ -1,5 +1,6 @@
-// Finds the facet that a ray from the centre leaves by and the side of it that a point is on, alone
-// or by cells of directions, and the plane with the largest value at a point.
+// Finds the facet through which the ray from the centre to a point leaves, and the point's side of
+// it, for single points and, by cells of directions, for many; and the plane with the largest value
+// at a point.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@
 
 namespace cullhull::internal::inline query {
 
-/// The hull's vertices on k axes on which its flat projects one to one.
+/// The hull's vertices, and their projections to k axes, which map its flat one to one.
 struct QueryPoints {
   unsigned dimension = 0, k = 0;
   std::vector<unsigned> axes;
@@ -60,10 +61,10 @@ class FacetSearch {
 
   /// `q`: k coordinates on the axes, within the box of the vertices.
   Side side(const double* q) const;
-  /// All facets strictly below q, ascending; q anywhere (on the axes).
+  /// All facets that q is strictly above, ascending. `q`: k coordinates on the axes, anywhere.
   std::vector<std::uint32_t> visible(const double* q) const;
-  /// True where doubles found no centre inside: every facet is tested exactly, and values are
-  /// undefined.
+  /// True for k > 8 and where doubles found no centre inside: every facet is tested exactly, and
+  /// values are undefined.
   bool exhaustive() const { return exhaustive_; }
 
   std::size_t count() const { return neighbour_start_.size() - 1; }
@@ -71,7 +72,7 @@ class FacetSearch {
   /// Scales q and subtracts the centre. False where that overflows.
   bool localise(const double* q, double* x) const;
   void localise_direction(const double* direction, double* x) const;
-  /// The function of facet f on localised points.
+  /// The value of facet f's function at a localised point.
   template <unsigned K>
   double value(std::uint32_t f, const double* x) const;
   /// The error bound of a value computed at x, max|x| = reach.
@@ -95,7 +96,7 @@ class FacetSearch {
 
  private:
   struct Doubt {
-    std::vector<std::uint32_t> facets;  // that may be above or through the point
+    std::vector<std::uint32_t> facets;  // those not certainly above the point
     std::uint32_t certain = no_index;   // one that is certainly below it
   };
 
@@ -140,8 +141,8 @@ inline double FacetSearch::value(std::uint32_t f, const double* x) const {
 // The plane with the largest value at a point: for distances from inside.
 
 /// Planes n . x + o in a tree of bounding boxes of their coefficients; a box bounds the value from
-/// above. Finding the nearest facet from inside is no linear program (the cells are those of the
-/// medial axis), hence branch and bound.
+/// above. Finding the nearest facet from inside is not a linear program (its cells are those of the
+/// medial axis), so the tree is searched by branch and bound.
 class PlaneTree {
  public:
   /// `planes`: count x (d + 1), as in Hull::facet_planes; copied.
@@ -151,7 +152,7 @@ class PlaneTree {
   std::uint32_t largest(const double* x, std::uint32_t start, double& value) const;
 
  private:
-  static constexpr std::uint32_t leaf = 8;  // planes: one SIMD register or two; a guess
+  static constexpr std::uint32_t leaf = 8;  // planes: fewer nodes against more tests; untested
   struct Node {
     std::uint32_t begin, end, right;  // right child, 0 for a leaf; the left child is the next node
   };
@@ -167,7 +168,7 @@ class PlaneTree {
   std::vector<double> boxes_;  // nodes x 2 x (d + 1): low, high
 };
 
-// For each cell of directions, the facets that a ray through it may leave by: in batches, points
+// For each cell of directions, the facets through which a ray in it may leave: in batches, points
 // are tested against these few facets instead of climbing.
 
 /// The data of the kernel.
@@ -193,7 +194,8 @@ class FacetCells {
   /// Null where it would gain nothing: k above 4, or no centre inside (exhaustive()).
   static std::unique_ptr<FacetCells> build(const FacetSearch& search, const QueryPoints& points,
                                            const Run& run);
-  /// With fewer points building the cells takes longer than it saves: four points a cell.
+  /// The least number of points for which the cells save more time than building them takes: four
+  /// per cell.
   static std::uint64_t worthwhile(const FacetSearch& search);
 
   /// For `count` <= block points, coordinate j of point i at columns[j * block + i]: -1 for

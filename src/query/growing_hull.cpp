@@ -51,7 +51,7 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   if (points.count == 0) return 0;
   const std::uint64_t before = s.hull.point_count;
 
-  // Candidates: the vertices so far, and the new points outside of them.
+  // Candidates: the vertices so far, and the new points outside of their hull.
   std::vector<std::uint64_t> ids = s.hull.vertices;
   std::sort(ids.begin(), ids.end());
   std::vector<double> rows = s.rows;

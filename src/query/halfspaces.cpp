@@ -12,7 +12,7 @@
 namespace cullhull::internal::inline query {
 namespace {
 
-/// Rows scaled to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
+/// Scales rows to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
 /// scale.
 std::vector<double> normalised(const std::vector<double>& rows, unsigned d, double& unit) {
   const std::size_t width = std::size_t{d} + 1;
@@ -46,8 +46,8 @@ std::vector<double> find_interior(const std::vector<double>& rows, unsigned d,
   return ball.centre;
 }
 
-/// The dual points. a . x + b is summed with a rounding error bound: a point within it of a plane
-/// is refused, as its dual point would have no correct digit.
+/// The dual points. a . x + b is summed with a rounding error bound: a point x nearer to a plane
+/// than that is refused, as the dual point would have no correct digit.
 std::vector<double> dualise(const std::vector<double>& rows, unsigned d, const double* x) {
   const std::size_t width = std::size_t{d} + 1;
   std::vector<double> out;
@@ -71,7 +71,8 @@ std::vector<double> dualise(const std::vector<double>& rows, unsigned d, const d
   return out;
 }
 
-/// x0 + n / -o for every facet n . y + o = 0 that the origin is strictly below.
+/// Writes x0 - n / o for every dual facet n . y + o = 0 that the origin is strictly below, else
+/// NaN.
 void write_vertices(HalfspaceIntersection& h) {
   const unsigned d = h.dimension;
   const std::size_t width = std::size_t{d} + 1;

@@ -13,15 +13,16 @@ namespace cullhull::internal::inline query {
 /// that do not include every vertex of the hull.
 void check_hull_arguments(const PointView& points, const Hull& hull, double distance);
 
-/// The position of an id among them.
+/// The position of `id` among the ascending `ids`.
 std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id);
-/// Their coordinates, a row each.
+/// The coordinates of these points, a row each.
 std::vector<double> rows_of(const PointView& points, const std::vector<std::uint64_t>& ids);
 
 /// The same hull over its vertices alone, numbered by their positions among `ids`.
 Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids);
 
-/// The power of two that scales the largest of these to [1, 2), as far as doubles can represent it.
+/// The power of two that scales the largest magnitude to [1, 2), as far as doubles can represent
+/// it.
 double power_to_unit(const std::vector<double>& values);
 
 }  // namespace cullhull::internal::inline query

@@ -23,10 +23,11 @@
 namespace cullhull::internal::inline query {
 namespace {
 
-/// Points a chunk: some 20 to 100 microseconds of single queries.
+/// Points per chunk: some 20 to 100 microseconds of single queries.
 constexpr std::uint64_t chunk = std::uint64_t{1} << 12;
 static_assert(chunk <= gauge_chunk);
-/// A batch of so many points pays for building a gauge map (a guess).
+/// The least batch for which a gauge map is built: the map decides most inner points without a
+/// climb, but costs its construction once. Untested.
 constexpr std::uint64_t worth_a_map = 2048;
 
 /// Whether points lie in the flat of a flat hull: on the flat's axes and any other one, the simplex
@@ -76,7 +77,7 @@ InnerPolytope polytope_of(QueryPoints& points, const Hull& hull) {
   return p;
 }
 
-/// Coordinate j of the points begin + ids[i] to columns[j * FacetCells::block + i].
+/// Copies coordinate j of point begin + ids[i] to columns[j * FacetCells::block + i].
 void load_columns(const PointView& view, std::uint64_t begin, const std::uint32_t* ids,
                   std::uint32_t count, double* columns) {
   if (view.scalar == ScalarType::f64) {
@@ -160,14 +161,14 @@ struct HullQuery::State {
     });
     return gauge_map.get();
   }
-  /// The same for the facets by cells of directions.
+  /// The facet cells, built at the first call; null where there are none.
   const FacetCells* facet_cells(const Run& run) const {
     std::call_once(cells_once, [&] {
       if (points.k == points.dimension && facets) cells = FacetCells::build(*facets, points, run);
     });
     return cells.get();
   }
-  /// The same for a device's tables.
+  /// The tables for a device, built at the first call; null where it does not support the hull.
   const cuda::HullTables* tables() const {
     std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
@@ -256,7 +257,7 @@ NearestFacet HullQuery::State::nearest(const double* p) const {
       out.facet = f;
       return out;
     }
-    // Rounding chose corners that no facet has in common: the facet that p is farthest above.
+    // Rounding chose corners that no facet has in common: takes the facet that p is farthest above.
     double value = 0;
     out.facet = tree->largest(p, 0, value);
     return out;
@@ -333,9 +334,10 @@ RayHit HullQuery::State::ray_by_climbs(const double* origin, const double* direc
   return hit;
 }
 
-// G(t) = max over facets of value(f, x + t u) - 1 is convex and piecewise linear. Newton's steps
-// from beyond the last zero come down to it; if they cross a piece that rises the other way first,
-// the line misses, which a NaN says. Exact planes are not needed: parameters are doubles.
+// Finds the last zero of G(t) = max over facets of value(f, x + t u) - 1, which is convex and
+// piecewise linear, by Newton's method from beyond that zero. If the method meets a piece of slope
+// <= 0 first, the line misses the hull, and the result is a NaN. Exact planes are not needed:
+// parameters are doubles.
 double HullQuery::State::end_of_line(const std::vector<double>& x, const std::vector<double>& u,
                                      std::uint32_t& facet) const {
   const auto zero_of = [&](std::uint32_t f) {
@@ -357,7 +359,7 @@ double HullQuery::State::end_of_line(const std::vector<double>& x, const std::ve
   }
 }
 
-/// body(i, coordinates) for every point, in parallel; they are finite.
+/// Calls body(i, coordinates) for every point, in parallel, once all are known to be finite.
 template <class Body>
 void HullQuery::State::each(const PointView& view, const Options& options, Body&& body) const {
   check_dimension(view);

@@ -1,6 +1,6 @@
-// max r subject to a_i . x + r <= -b_i and |x_j| <= box, r <= cap, by the dual simplex method. A
-// basis is d + 1 constraints that hold with equality at z = (x, r); the most violated of the others
-// enters, and the one whose multiplier would first become negative leaves.
+// Maximises r subject to a_i . x + r <= -b_i, |x_j| <= box and r <= box, by the dual simplex
+// method. A basis is d + 1 constraints that hold with equality at z = (x, r); the most violated of
+// the others enters, and the one whose multiplier would first become negative leaves.
 #include "query/inscribed_ball.hpp"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ class DualSimplex {
  public:
   DualSimplex(const std::vector<double>& rows, unsigned d, double box)
       : rows_(rows), d_(d), n_(d + 1), count_(rows.size() / (d + 1)), box_(box) {
-    // The far corner of the box; all multipliers but the cap's are 0.
+    // Starts at the far corner of the box; all multipliers but that of r <= box are 0.
     for (unsigned j = 0; j < n_; ++j) basis_.push_back(count_ + 2 * j);
     inverse_.assign(std::size_t{n_} * n_, 0);
     y_.assign(n_, 0);
@@ -22,7 +22,7 @@ class DualSimplex {
   }
 
   Ball run(const Control& control) {
-    constexpr unsigned patience = 50;  // steps without progress before Bland's rule; a guess
+    constexpr unsigned patience = 50;  // stuck steps before Bland's slower rule; untested
     unsigned stuck = 0;
     double before = std::numeric_limits<double>::infinity();
     for (unsigned step = 0; step < 100000 && invert(); ++step) {

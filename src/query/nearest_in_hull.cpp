@@ -51,15 +51,15 @@ bool NearestInHull::search(const double* rows, std::size_t count, double enough)
   return true;
 }
 
-/// Wolfe's minor cycle: the point nearest to the origin in the hull of the rows in use and another
-/// one.
+/// Wolfe's minor cycle: moves to the point nearest to the origin in the hull of the rows in use and
+/// `row`. False where that makes no progress.
 bool NearestInHull::enter(const double* rows, std::uint32_t row) {
   if (std::find(now_.places.begin(), now_.places.end(), row) != now_.places.end()) return false;
   now_.places.push_back(row);
   now_.weights.push_back(0.0);
   for (;;) {
     if (!affine_minimum(rows)) return false;
-    // As far towards it as all weights stay positive.
+    // Moves towards it as far as all weights stay positive.
     double step = 1;
     std::size_t leaving = now_.places.size();
     for (std::size_t i = 0; i < now_.places.size(); ++i) {
@@ -97,7 +97,7 @@ bool NearestInHull::affine_minimum(const double* rows) {
   basis_.assign(n * d_, 0);
   triangle_.assign(n * n, 0);
   projections_.assign(n, 0);
-  std::vector<double>& rest = affine_;  // first: the part of -origin outside of the span so far
+  std::vector<double>& rest = affine_;  // used first for the part of -origin outside of the span
   rest.assign(d_, 0);
   for (unsigned j = 0; j < d_; ++j) rest[j] = -origin[j];
   for (std::size_t i = 0; i < n; ++i) {

@@ -1,4 +1,5 @@
-// Facets within a distance of a common plane: grown from the largest facet over neighbours.
+// Groups facets within a distance of a common plane: each group grows from its largest facet over
+// neighbours.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

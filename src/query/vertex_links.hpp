@@ -12,8 +12,8 @@
 
 namespace cullhull::internal::inline query {
 
-/// Over a hull whose `count` vertices are numbered 0, 1, ...; it must outlive this. Time and memory
-/// O(simplices).
+/// `hull`: its `count` vertices are numbered 0, 1, ...; it must outlive this object. Time and
+/// memory: O(simplices).
 class VertexLinks {
  public:
   VertexLinks(const Hull& hull, std::size_t count)
@@ -23,7 +23,7 @@ class VertexLinks {
 
   std::span<const std::uint32_t> simplices(std::uint32_t v) const { return simplices_[v]; }
 
-  /// The other vertices of these simplices, ascending.
+  /// The other vertices of the simplices around v, ascending.
   void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
     out.clear();
     for (const std::uint32_t s : simplices(v))

@@ -88,7 +88,8 @@ int VertexSearch::compare(std::uint32_t a, std::uint32_t b, const double* direct
 std::uint32_t VertexSearch::support(const double* direction) const {
   const unsigned d = points_->dimension;
   std::vector<double> u(d);
-  // In units of the scaled coordinates, then by a power of two to a largest component near 1.
+  // Converts the direction to scaled coordinates, then by a power of two to a largest component
+  // near 1.
   int top = std::numeric_limits<int>::min();
   for (unsigned j = 0; j < d; ++j) {
     if (direction[j] == 0) continue;

@@ -1,5 +1,5 @@
-// Finds the vertex extreme in a direction, and the point of the hull nearest to a point outside or
-// its distance from the hull of a few others.
+// Finds the extreme vertex in a direction, the point of the hull nearest to an outside point, and a
+// bound of a point's distance from the hull of a few others.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@ class VertexSearch {
  public:
   VertexSearch(const QueryPoints& points, const Control& control);
 
-  /// The index of the vertex with the exactly largest product; of several the lowest.
+  /// The index of the vertex with the largest product, decided exactly; of several the lowest.
   std::uint32_t support(const double* direction) const;
 
   struct Nearest {
@@ -39,7 +39,7 @@ class VertexSearch {
   const QueryPoints* points_;
   std::vector<double> factor_;  // powers of two that scale each axis into [-1, 1]
   std::vector<double> scaled_;  // vertices x dimension
-  Adjacency<std::uint32_t, std::uint32_t> neighbours_;  // vertices at edges of each vertex
+  Adjacency<std::uint32_t, std::uint32_t> neighbours_;  // the vertices that share an edge with each
   DirectionCube cube_;
   std::vector<std::uint32_t> hints_;
 };
@@ -52,8 +52,9 @@ struct NearCombination {
   std::vector<double> weights;        ///< positive, of sum 1 up to rounding
 };
 
-/// Finds it by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976) in doubles; only
-/// bound() is guaranteed. Deterministic. Keeps its memory: use one object a thread.
+/// Finds a NearCombination by Wolfe's algorithm ("Finding the nearest point in a polytope", 1976)
+/// in doubles; only bound() is guaranteed. Deterministic. Reuses its memory: use one object per
+/// thread.
 class NearestInHull {
  public:
   explicit NearestInHull(unsigned dimension);

@@ -17,28 +17,29 @@ namespace cullhull::internal::inline hull {
 struct HorizonRidge {
   std::uint32_t facet, outside;
   std::uint8_t apex;  ///< index in `facet` of the vertex opposite to the ridge
-  std::uint8_t back;  ///< the same in facet `outside`
+  std::uint8_t back;  ///< index in `outside` of the vertex opposite to the ridge
 };
 
-/// A part of the insertion order, of points near one another, and the cavity of its next point.
+/// A range of the insertion order, of points near one another, and the cavity of its next point.
 struct Stream {
   std::uint32_t next = 0, end = 0;
   std::uint32_t hint = 0;  ///< a facet near the last point
   bool found = false;      ///< visible and horizon are those of point `next`
   bool accepted = false;
-  /// The `seen` visible facets; once accepted also further slots, if new facets need more.
+  /// The `seen` visible facets; after acceptance also extra slots, if there are more new facets
+  /// than visible ones.
   std::vector<std::uint32_t> visible;
   std::size_t seen = 0;
   std::vector<HorizonRidge> horizon;
 };
 
-/// A worker's part of a batch; workers that finish early take from others' parts.
+/// A worker's part of a batch; workers that finish early steal from the others.
 struct alignas(64) WorkShare {
   std::atomic<std::size_t> next{0};
   std::size_t end = 0;
 };
 
-/// A worker's own memory.
+/// The scratch memory of one worker.
 struct Lane {
   void cover(std::size_t facets) {
     if (visited_size >= facets) return;
@@ -50,20 +51,20 @@ struct Lane {
   explicit Lane(unsigned d) : candidates(d + 1), offset(d), rows(d + 1), simplex_rows(d + 1) {
     if (d <= 8) minors.resize(std::size_t{1} << d);
   }
-  RawArray<std::uint8_t> visited;  ///< of every facet slot; all zero between searches
+  RawArray<std::uint8_t> visited;  ///< a flag per facet slot; all zero between searches
   std::size_t visited_size = 0;
   std::vector<std::uint32_t> vertices, neighbours, ridges;  // of the new facets
-  std::vector<std::uint64_t> table;                         // of ridges
+  std::vector<std::uint64_t> table;                         // hash table of ridges
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> apex;
   std::vector<float> planes;
-  std::vector<double> wide;   // planes beyond 8D
+  std::vector<double> wide;   // planes in doubles, beyond 8D
   std::vector<float> offset;  // the point relative to O
   std::vector<const double*> rows, simplex_rows;
   std::vector<double> minors;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rung_counts;
-  std::uint64_t streams_done = 0;  ///< in phases that were shared
+  std::uint64_t streams_done = 0;  ///< in phases that several workers shared
 };
 
 }  // namespace cullhull::internal::inline hull

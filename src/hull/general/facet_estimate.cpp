@@ -1,10 +1,10 @@
 // Facets = vertices x facets per vertex, each extrapolated separately.
 //
-// Facets per vertex: for random points on a sphere in R^d these tend to a limit as the number V of
-// points grows and their squared spacing, V^(-2 / (d - 1)), goes to 0. Other bodies are compared
-// with the sphere at the size of a sample. Beyond 8D hulls that can be built have few vertices,
-// whatever the body, and are compared with the most facets that as many vertices can have.
-// Vertices: linear programs decide for a few points whether each is extreme among all.
+// Facets per vertex: for V random points on a sphere in R^d this number tends to a limit as their
+// squared spacing, V^(-2 / (d - 1)), tends to 0. For other bodies the sphere's numbers are scaled
+// to fit the hull of a sample. Beyond 8D only hulls of few vertices fit in memory; their facets are
+// estimated as a part of the most that this number of vertices can have. Vertices: linear programs
+// decide for a few points whether each is extreme among all.
 #include "hull/general/facet_estimate.hpp"
 
 #include <algorithm>
@@ -38,9 +38,9 @@ constexpr Sphere spheres[] = {
     {10262, {177, 37.2, 15, 7.4, 4.08, 2.59}},       // 8D
 };
 
-/// Between the measured sizes along a power law; beyond them with the exponent -2.4 / (d - 1), a
-/// little steeper than the theory's. Beyond 8D limits grow by the factor d - 0.1 for each
-/// dimension, distances by about 2.5.
+/// Facets per vertex of random points on a sphere: a power law between the measured sizes, and
+/// beyond them one of exponent -2.4 / (d - 1), a little steeper than the theory's -2 / (d - 1). For
+/// each dimension beyond 8D the limit grows by the factor d - 0.1, the distance by 2.5.
 double facets_per_vertex(double vertices, unsigned d) {
   const Sphere& s = spheres[std::clamp(d, 4U, 8U) - 4];
   const double at = std::clamp(std::log2(std::max(vertices, 20.0) / 20), 0.0, table_size - 1.0);
@@ -57,7 +57,7 @@ double facets_per_vertex(double vertices, unsigned d) {
   return limit / (1 + distance);
 }
 
-/// `size` distinct points, in pseudo-random order.
+/// The ids of `size` distinct points, in pseudo-random order.
 std::vector<std::uint32_t> random_points(std::uint32_t count, std::uint32_t size) {
   std::vector<std::uint32_t> ids(count);
   for (std::uint32_t i = 0; i < count; ++i) ids[i] = i;
@@ -93,7 +93,8 @@ SampleHull hull_of(const LocalPoints& points, const std::uint32_t* ids, std::uin
 /// them.
 double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>& ids,
                      std::uint32_t size, const Run& run) {
-  // With 24 extreme points found the estimate has a standard deviation of a fifth (1 / sqrt(24)).
+  // With 24 extreme points found, the estimate's relative standard deviation is 20 % (1 /
+  // sqrt(24)).
   constexpr std::uint32_t block = 64, most_tests = 1024, enough = 24;
   const PointColumns others(points, {ids.begin(), ids.begin() + size}, run.control);
   PointColumns working(
@@ -119,10 +120,11 @@ double extreme_among(const LocalPoints& points, const std::vector<std::uint32_t>
   return static_cast<double>(size) * std::max(found, 1U) / tested;
 }
 
-/// The ratio to most_facets(V, d) is about (1 + m / b)^(1 - d/2), m = V - d - 1: 1 for a simplex by
-/// definition, and such that the number of facets becomes linear in V, as on a sphere. Measured for
-/// random points in balls, on spheres and in cubes, from 9D to 16D: b is 50 to 160 and falls slowly
-/// with m, so that b of a small sample predicts ten times its points within a factor of 2.
+/// Facets beyond 8D, by a model: facets / most_facets(V, d) = (1 + m / b)^(1 - floor(d/2)) with m =
+/// V - d - 1. The ratio is 1 for a simplex and makes facets linear in V for large V, as on a
+/// sphere. Measured for random points in balls, on spheres and in cubes, from 9D to 16D: b is 50 to
+/// 160 and falls slowly with m, so b of a small sample predicts ten times its points within a
+/// factor of 2.
 double extrapolate(const SampleHull& sample, double vertices, unsigned d) {
   const double power = d / 2 - 1.0;
   const double most = most_facets(static_cast<std::uint64_t>(sample.vertices), d);
@@ -133,8 +135,8 @@ double extrapolate(const SampleHull& sample, double vertices, unsigned d) {
          std::pow(1 + rise * (vertices - d - 1) / m, -power);
 }
 
-/// Beyond 8D: the largest sample that cannot have more facets than take some hundredths of a
-/// second.
+/// For dimensions beyond 8: the size of the largest sample whose hull takes at most some hundredths
+/// of a second even with the most facets possible (a facet takes O(d^3)).
 std::uint32_t affordable_sample(std::uint32_t count, unsigned d) {
   const double most = std::max(1000.0, 2e7 / std::pow(d, 3));
   std::uint32_t size = std::min(count, d + 3);
@@ -172,7 +174,7 @@ double smooth_facets(double vertices, unsigned d) {
 FacetEstimate estimate_facets(const LocalPoints& points, const Run& run) {
   const unsigned d = points.dimension;
   constexpr std::uint32_t largest_set = 20000;
-  constexpr double enough_facets = 40000;  // the last sample has up to 3 times as many: 0.1 s
+  constexpr double enough_facets = 40000;  // the last sample: up to 3 times as many, 0.1 s
   const std::uint32_t n = points.count, set = std::min(n, largest_set);
   const std::vector<std::uint32_t> ids = random_points(n, set);
 
@@ -185,7 +187,7 @@ FacetEstimate estimate_facets(const LocalPoints& points, const Run& run) {
     size = std::min(set, size + size / 2);
   }
   double vertices = extreme_among(points, ids, set, run);
-  if (set < n) {  // extrapolates from a quarter of the set and the set
+  if (set < n) {  // a power law through a quarter of the set and all of it
     const double quarter = extreme_among(points, ids, set / 4, run);
     const double exponent = std::clamp(std::log(vertices / quarter) / std::log(4.0), 0.0, 1.0);
     vertices *= std::pow(static_cast<double>(n) / set, exponent);
@@ -202,7 +204,7 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
   if (std::min(smooth_facets(points.count, d), most_facets(points.count, d)) <= affordable) return;
   const FacetEstimate e = estimate_facets(points, run);
   if (e.facets <= affordable) return;
-  const auto rounded = [](double v) {  // two digits, as it is an estimate
+  const auto rounded = [](double v) {  // two digits suffice for an estimate
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
     std::string digits =
         std::to_string(static_cast<std::uint64_t>(std::min(std::round(v / unit) * unit, 1e18)));

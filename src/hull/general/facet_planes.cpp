@@ -1,9 +1,9 @@
-// Planes of new facets: a vector of facets at a time, compiled once per instruction set.
+// Planes of new facets: one SIMD vector of facets at a time, compiled once per instruction set.
 //
 // The facets share the apex p, so the rows of the matrix are v - p. Cofactors come from
 // complementary minors: minors of the first half of the rows, minors of the second half, and one
-// Laplace expansion over both. The bound uses products of the rows' 1-norms in place of
-// permanents: docs/exactness.md, "Cached planes".
+// Laplace expansion over both. The bound uses products of the rows' 1-norms in place of permanents:
+// docs/exactness.md, "Cached planes".
 
 #include "hull/general/facet_planes.hpp"
 
@@ -30,7 +30,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// At most 8 doubles: wider vectors would be larger than the horizons of 4D.
+// At most 8 doubles: horizons in 4D have too few facets to fill wider vectors.
 using F = hn::CappedTag<double, 8>;
 using VF = hn::Vec<F>;
 
@@ -134,8 +134,9 @@ void planes_of_group(const PlaneFrame& frame, const double* apex, const double* 
   for (unsigned j = 0; j < D; ++j)
     hn::Store(hn::DemoteTo(narrow, hn::IfThenElseZero(good, hn::Mul(normal[j], scale))), narrow,
               out + j * lanes);
-  // Rounding to nearest may round down; multiplied by 1 + two units of f32 it rounds up. Infinity
-  // is set as a float: emulated vectors convert that of doubles to the largest float.
+  // Conversion rounds to nearest; multiplying by 1 + 2^-22 (two units of f32) first makes it round
+  // up. Infinity is set as a float: emulated vectors convert an infinite double to the largest
+  // float.
   const VF wider = hn::IfThenElse(good, hn::Mul(error, hn::Set(f, 1 + 0x1p-22)), hn::Set(f, 2.0));
   const auto narrowed = hn::DemoteTo(narrow, wider);
   hn::Store(hn::IfThenElse(hn::Gt(narrowed, hn::Set(narrow, 1.0F)),

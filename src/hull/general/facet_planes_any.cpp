@@ -10,12 +10,12 @@
 namespace cullhull::internal::inline hull {
 namespace {
 
-/// Planes between two others are made anew if their error exceeds this. Then one test of a random
-/// point in some thousand is left to an exact sign, which takes as long as some hundred tests. (In
-/// 9D to 20D: 2^-14 gains a tenth less, 2^-7 nothing more.)
+/// The largest error of a plane from plane_between(); beyond it the plane is computed from its
+/// points. At this limit one test in some thousand needs an exact sign, which takes as long as some
+/// hundred tests. (Measured in 9D to 20D: 2^-14 saves a tenth less time, 2^-7 no more.)
 constexpr double widest = 0x1p-10;
 
-/// Planes of larger normals are not used.
+/// Planes whose normals have a larger 1-norm are rejected.
 constexpr double largest_size = 0x1p100;
 
 /// What rounding a plane and a point to floats adds to the error of their dot product. `reached`:
@@ -31,8 +31,8 @@ class AnyPlanes {
 
   void plane(const std::uint32_t* v, float* out, double* wide) {
     for (unsigned i = 0; i < d_; ++i) rows_[i] = frame_.rows + std::size_t{v[i]} * d_;
-    // Rows that are off by 2^-1074 are covered by the terms for underflow, unless scaled up by
-    // much.
+    // Rows that are not exact are off by at most 2^-1074. The terms for underflow cover that,
+    // unless elimination scaled rows up by 2^50 or more.
     const bool known =
         plane_.set(d_, rows_.data()) && (frame_.exact_rows || plane_.largest_scale() < 0x1p50);
     if (known && scaled(out, wide)) return;
@@ -43,7 +43,7 @@ class AnyPlanes {
   }
 
  private:
-  /// Scales the plane, with the bounds of the vector code.
+  /// Scales the plane and bounds its error as the vector code does; false where it cannot.
   bool scaled(float* out, double* wide) {
     double size = 0, reached = 0, level = 0, total_error = 0;
     for (unsigned j = 0; j < d_; ++j) {
@@ -99,10 +99,10 @@ bool plane_between(const PlaneFrame& frame, const double* seen, const double* un
     const double difference = seen[j] - unseen[j];
     spread += difference * difference;
   }
-  spread = std::sqrt(spread) * frame.radius;  // at least the difference at any point
+  spread = std::sqrt(spread) * frame.radius;  // bounds the planes' difference at any point
   const double doubt = largest + (4.0 * d + 16) * unit_roundoff * size;
   const double sum = above - beneath, shift = doubt / sum;
-  if (!(shift < 0x1p-4)) return false;  // NaN and infinity, too
+  if (!(shift < 0x1p-4)) return false;  // rejects NaN and infinity, too
   const double error =
       ((1 + 2 * shift) * largest + shift * (spread + 2 * largest) + 16 * unit_roundoff * size) *
       (1 + 0x1p-20);

@@ -19,7 +19,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<float, 16>;
 using V = hn::Vec<F>;
 
-/// Two vectors of points. The largest n . y - level decides: the sign of a difference is exact.
+/// Tests two vectors of points. A point's largest n . y - level over all facets decides; rounding
+/// cannot change the sign of a difference.
 template <unsigned D>
 void two_vectors(const float* planes, std::size_t count, const float* y, std::uint8_t* beneath) {
   const F f;
@@ -29,8 +30,7 @@ void two_vectors(const float* planes, std::size_t count, const float* y, std::ui
     a[j] = hn::LoadU(f, y + j * sieve_block);
     b[j] = hn::LoadU(f, y + j * sieve_block + lanes);
   }
-  // After every 64 facets: where no point of the block is beneath them all, the rest can be
-  // skipped.
+  // Every 64 facets: stop if no point of the two vectors is beneath all facets so far.
   constexpr std::size_t at_once = 64;
   V highest_a = hn::Set(f, -1.0F), highest_b = highest_a;
   for (std::size_t first = 0; first < count; first += at_once) {

@@ -10,14 +10,14 @@
 namespace cullhull::internal::inline hull {
 
 /// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
-/// ridge opposite to vertex j. In 4D and 5D both are one cache line; in 6D and 7D the hot part is
-/// half a line. D: the dimension, or 0 for one known at run time only; then planes are kept in
+/// ridge opposite to vertex j. In 4D and 5D both share one cache line; in 6D and 7D the hot part is
+/// half a line. D: the dimension, or 0 if it is known at run time only; then planes are stored in
 /// doubles as well.
 template <unsigned D>
 class FacetStore {
  public:
   using Id = std::uint32_t;
-  static constexpr Id dead = 0xFFFFFFFF;  ///< as vertex 0 of a slot that is not in use
+  static constexpr Id dead = 0xFFFFFFFF;  ///< vertex 0 of an unused slot
 
   explicit FacetStore(unsigned dimension) : dimension_(dimension) {}
 

@@ -2,15 +2,16 @@
 //
 // There are no conflict lists: a facet visible from a point is found by climbing n . p over
 // neighbouring facets, with planes scaled to n . (x - O) = 1 (linear programming on the dual
-// polytope). Where the error bounds leave the climb's end undecided, an exact walk decides.
+// polytope). Where the error bounds leave the climb's end undecided, an exact visibility walk
+// decides.
 //
 // Points are taken in batches from streams whose points are far apart: every stream finds the
 // cavity of its next point while the hull is only read; cavities that do not touch one another are
-// then replaced all at once. A point whose cavity touches that of an earlier stream waits for the
+// then replaced in parallel. A point whose cavity touches that of an earlier stream waits for the
 // next batch.
 //
 // The outermost points are inserted first; facet tests against their hull (insertion_nd_start.hpp)
-// drop the points strictly inside it before those are sorted into the insertion order.
+// discard the points strictly inside it before the rest are sorted into the insertion order.
 #pragma once
 
 #include <algorithm>
@@ -50,11 +51,11 @@ class InsertionNd {
  private:
   using Id = std::uint32_t;
   static constexpr Id dead = FacetStore<D>::dead;
-  /// How many iterations ahead records are prefetched in loops over scattered ones (a tenth of
-  /// `replace`).
+  /// Prefetch distance, in iterations, of loops over scattered records. Prefetching saves a tenth
+  /// of the time of replace().
   static constexpr std::size_t ahead = 8;
-  /// In a visible facet's neighbour slot at a horizon ridge: tags the number of the new facet
-  /// there.
+  /// Set in a visible facet's neighbour entry at a horizon ridge; the other bits then number the
+  /// new facet at that ridge.
   static constexpr Id horizon_tag = 0x80000000;
 
   unsigned dim() const {
@@ -71,7 +72,7 @@ class InsertionNd {
     return sum;
   }
   float gauge(const Lane& lane, Id f) const { return gauge(lane.offset.data(), f); }
-  /// The index of x in items[0, dim()), which contain it. Without branches, which would be
+  /// The index of x in items[0, dim()), which contain it. Branchless, as branches would be
   /// mispredicted; as a sum, because compilers turn selections into branches.
   unsigned index_of(const Id* items, Id x) const {
     unsigned at = 0;
@@ -129,27 +130,27 @@ class InsertionNd {
   unsigned dimension_;
   std::vector<double> centre_, reach_;
   double radius_ = 0;  ///< for D = 0
-  /// Whether O is centre_, a double; else it is the exact centroid of the simplex.
+  /// Whether O is exactly centre_; otherwise O is the exact centroid of the simplex.
   bool centre_exact_ = false;
   PlaneFrame frame_;
   FacetStore<D> store_;
   /// Points in insertion order: an id in this class is a position in `order_`. The simplex is
   /// first.
   std::vector<Id> order_;
-  std::vector<Id> starts_;  ///< of the rounds in `order_` so far, and the last one's end
+  std::vector<Id> starts_;  ///< of the rounds in `order_` so far; then the last one's end
   std::size_t rounds_done_ = 0;
   RawArray<double> ordered_;
-  std::size_t expected_ = 0;  ///< number of points in all, as far as is known
+  std::size_t expected_ = 0;  ///< number of points to insert, as far as known
   std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
   std::vector<Id> free_;
   Id recent_ = 0;  ///< some live facet
 
   Crew crew_;
-  bool shared_ = false;                         ///< whether the crew runs
-  unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; in a row
+  bool shared_ = false;                         ///< whether helpers share the work
+  unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; consecutive
   std::deque<Lane> lanes_;
   std::vector<WorkShare> shares_;
-  bool same_facets_;  ///< whatever the number of workers
+  bool same_facets_;  ///< for every number of workers
   std::vector<Stream> streams_;
   std::vector<Id> batch_;  ///< streams with points left
   /// For every facet slot: twice the number of the last batch that claimed it, plus 1 where the
@@ -188,9 +189,9 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
             reach_.data(), radius_,         points_.exact == points_.coordinates};
 }
 
-/// O: the simplex's centroid, rounded to as few bits as keep it strictly inside, so that exact
-/// arithmetic on lattices stays short. Where even the nearest double is not inside, or the engine's
-/// frame is not exact, O is the exact centroid.
+/// Chooses O: the simplex's centroid, rounded to the fewest bits that keep it strictly inside, so
+/// that exact arithmetic on lattices stays short. Where even the centroid rounded to doubles is not
+/// inside, or the coordinates are scaled copies of the exact ones, O is the exact centroid.
 template <unsigned D>
 void InsertionNd<D>::choose_centre() {
   const unsigned d = dim();
@@ -269,9 +270,10 @@ Boundary InsertionNd<D>::run() {
   return collect();
 }
 
-/// Whether inserting so many points takes at least some ten milliseconds: with fewer facets the two
-/// synchronisations a batch cost more than threads save. The numbers by dimension are estimates
-/// from the engine's time a point.
+/// Whether inserting this many points takes at least some ten milliseconds: in less time, the two
+/// synchronisations per batch cost more than threads save. `fewest`, for 4D to 8D: 10 ms divided by
+/// the estimated time per point (1 us in 4D, 10, 70, 200 and 500 us in 8D); the limits themselves
+/// are untested.
 template <unsigned D>
 bool InsertionNd<D>::worth_sharing(std::size_t points) const {
   constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
@@ -310,7 +312,7 @@ template <unsigned D>
 void InsertionNd<D>::reserve(std::size_t facets) {
   if (facets <= facet_capacity_) return;
   const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
-  // Besides the records and the claims the result takes about as much again.
+  // The result takes about as much memory as the records and the claims.
   const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
   if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than ", live_, " facets in dimension ",
@@ -331,7 +333,7 @@ void InsertionNd<D>::aim(Lane& lane, Id point) const {
   for (unsigned j = 0; j < dim(); ++j) lane.offset[j] = static_cast<float>(p[j] - centre_[j]);
 }
 
-/// Sign of a determinant on a small lattice: every operation is exact, so is the value.
+/// Sign of a determinant of points on a small lattice: every operation in doubles is exact.
 template <unsigned D>
 template <class Entry>
 Sign InsertionNd<D>::lattice_sign(Lane& lane, const Entry& entry) const {
@@ -343,7 +345,7 @@ Sign InsertionNd<D>::lattice_sign(Lane& lane, const Entry& entry) const {
   return sign_of(lane.minors[(1U << D) - 1]);
 }
 
-/// Exact side of the point against a facet: positive if it sees it.
+/// The exact side of the point relative to facet f: positive if the point sees f.
 template <unsigned D>
 Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   const unsigned d = dim();
@@ -364,9 +366,9 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   return s;
 }
 
-/// Bit mask of the facets that are visible from the point: of dim() facets, or 32 at most from
-/// `first`. About every second is, unpredictably: comparisons are signs of differences, so that
-/// they compile to no branch.
+/// Bit mask of the facets that the point sees: of all dim() facets, or, for D = 0, of at most 32
+/// from `first` on. About every second is visible, unpredictably: comparisons are signs of
+/// differences, so that they compile to no branch.
 template <unsigned D>
 [[gnu::always_inline]] inline std::uint32_t InsertionNd<D>::seen_among(Lane& lane, const float* y,
                                                                        const Id* facets,
@@ -440,7 +442,8 @@ bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
   return false;
 }
 
-/// A facet visible from the point, or no_index. `end`: the facet where the search ended.
+/// Finds a facet visible from the point; no_index where the point sees none. `end`: the facet where
+/// the search ended.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
   Id f = start;
@@ -463,8 +466,9 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
     if (best == f) {
       end = f;
       const float e = error(f);
-      // A strict maximum beyond the bounds: the ray from O to the point leaves through f, and the
-      // point is beneath f. The sums here are rounded, by less than 2^-22.
+      // A maximum that is strict by more than the error bounds: the ray from O to the point leaves
+      // through f, and the point is beneath f. 2^-20 covers the rounding of the sums here, less
+      // than 2^-22.
       if (g > e && g + e < 1 - 0x1p-20F && highest < g - e - 0x1p-20F) {
         lane.rung_counts.count(Rung::plane);
         return no_index;

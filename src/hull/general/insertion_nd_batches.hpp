@@ -1,5 +1,5 @@
-// A part of insertion_nd.hpp: rounds as batches of streams, and which cavities of a batch are
-// replaced at once.
+// A part of insertion_nd.hpp: processes rounds as batches of streams, and chooses the cavities of a
+// batch that are replaced in parallel.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ void InsertionNd<D>::in_parallel(const Body& body) {
     for (const Id s : batch_) body(streams_[s], lanes_[0]);
     return;
   }
-  // Each worker has its own streams, whose facets are in its cache; one that is done takes others'.
+  // Each worker has its own streams, whose facets are in its cache; one that is done steals from
+  // others.
   for (std::size_t k = 0; k < lanes; ++k) {
     shares_[k].next.store(count * k / lanes, std::memory_order_relaxed);
     shares_[k].end = count * (k + 1) / lanes;
@@ -36,8 +37,9 @@ void InsertionNd<D>::in_parallel(const Body& body) {
   ++batches_shared_;
 }
 
-/// Every 64 batches: where the helpers did less than an eighth of the work, they are not asked for
-/// a while (crowding.hpp), and after the third time in a row no more in this session.
+/// Checks every 64 shared batches whether helpers do their part. Where they did less than an eighth
+/// of the work, none is asked for a while (crowding.hpp); after the third time in a row, never
+/// again in this session.
 template <unsigned D>
 void InsertionNd<D>::review_sharing() {
   constexpr unsigned batches = 64, most_absences = 3;
@@ -121,7 +123,8 @@ void InsertionNd<D>::advance(Stream& s, Lane& lane) {
   }
 }
 
-/// Decides in the order of streams which cavities are replaced now, and assigns their slots.
+/// Decides, in the order of streams, which cavities are replaced in this batch, and assigns slots
+/// to their new facets.
 template <unsigned D>
 void InsertionNd<D>::settle() {
   if (++batch_number_ >= 0x7FFFFFFF) {
@@ -167,8 +170,7 @@ void InsertionNd<D>::settle() {
 
 /// Two cavities can be replaced together if no facet visible from one point is visible from the
 /// other or beyond a horizon ridge of the other: a new facet's plane lies between those of the two
-/// facets at its ridge, so from a point that both are invisible from, the new one is invisible,
-/// too.
+/// facets at its ridge, so a point that sees neither of them does not see the new facet either.
 template <unsigned D>
 bool InsertionNd<D>::clear_of_others(const Stream& s) const {
   const std::uint32_t border = 2 * batch_number_, visible = border + 1;

@@ -1,5 +1,5 @@
-// A part of insertion_nd.hpp: the cavity of a point, the facets that replace it, how these find
-// their neighbours, and the final surface.
+// A part of insertion_nd.hpp: finds the cavity of a point, replaces it by new facets, links these
+// to their neighbours, and collects the final surface.
 #pragma once
 
 #include <cstring>
@@ -21,7 +21,7 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   float copy[D > 0 ? D : 1];
   const float* y = lane.offset.data();
   if constexpr (D > 0) y = std::copy_n(y, D, copy) - D;
-  // Facets ahead to prefetch: more where cavities have hundreds of facets.
+  // Prefetch distance in facets: larger where cavities have hundreds of facets.
   constexpr std::size_t early = D == 4 || D == 5 ? 2 : 6;
   std::size_t visible = 1, ridges = 0;
   s.visible.resize(std::max<std::size_t>(s.visible.size(), 64));
@@ -36,8 +36,8 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
     HorizonRidge* const horizon = s.horizon.data();
     const Id f = list[k];
     const Id* n = store_.neighbours(f);
-    // Which neighbours are visible is unpredictable: no branch depends on it. A facet beyond the
-    // horizon is tested once for each of its ridges, which costs less than remembering it.
+    // Which neighbours are visible is unpredictable, so no branch depends on it. A facet beyond the
+    // horizon is tested once for each of its horizon ridges, which costs less than remembering it.
     for (unsigned first = 0; first < d; first += 32) {
       std::uint32_t all = seen_among(lane, y, n, first, s.next);
       for (unsigned j = first; j < std::min(d, first + 32); ++j, all >>= 1) {
@@ -67,8 +67,8 @@ void InsertionNd<D>::find_cavity(Stream& s, Lane& lane, Id seed) const {
   }
 }
 
-/// Makes a new facet on every horizon ridge, first in the slots of the visible ones: so neighbours
-/// stay near in memory, and hints stay valid.
+/// Makes a new facet on every horizon ridge. New facets first reuse the slots of the visible ones,
+/// so neighbours stay near in memory and hints stay valid.
 template <unsigned D>
 void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   const unsigned d = dim();
@@ -125,10 +125,10 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
   s.hint = s.visible[0];
 }
 
-/// Finds the other new facets around the new facets, into lane.neighbours (0 across the horizon).
+/// Writes the neighbours of new facets among themselves to lane.neighbours (0 across the horizon).
 ///
-/// Every ridge through the point belongs to two of them, which RidgeSums pairs. Where ridges share
-/// a hash, the neighbour is found by turning.
+/// Every ridge through the point belongs to two new facets, which RidgeSums pairs by the ridge's
+/// hash. Where several ridges share a hash, turn() finds the neighbours.
 template <unsigned D>
 void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   const unsigned d = dim();
@@ -178,8 +178,8 @@ void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
   }
 }
 
-/// The new facet beyond the ridge of new facet k opposite to vertex i: found by turning, through
-/// visible facets, about the horizon ridge of facet k without vertex i.
+/// The new facet across the ridge of new facet k opposite to vertex i. Found by rotating, through
+/// visible facets, about the face spanned by the horizon ridge of facet k without vertex i.
 template <unsigned D>
 typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k, unsigned i) const {
   Id at = s.horizon[k].facet, kept_vertex = store_.vertices(at)[s.horizon[k].apex];
@@ -200,7 +200,7 @@ Boundary InsertionNd<D>::collect() {
   ordered_.release();
   store_.release_planes();
   claims_.release();
-  // A facet's number: the live facets in earlier chunks, plus those before it in its own.
+  // A facet's number: the count of live facets in earlier chunks, plus those before it in its own.
   constexpr unsigned chunk_bits = 14;
   constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
   RawArray<Id> number;

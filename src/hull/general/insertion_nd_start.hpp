@@ -1,4 +1,4 @@
-// A part of insertion_nd.hpp: inserts the outermost points, and thins the others by their hull.
+// A part of insertion_nd.hpp: inserts the outermost points, and discards others inside their hull.
 #pragma once
 
 #include <algorithm>
@@ -20,13 +20,13 @@ void InsertionNd<D>::append_round(NormOrder& order) {
   });
 }
 
-/// Inserts round by round, until testing the remaining points against all facets costs more than it
-/// saves.
+/// Inserts the outermost points round by round and discards those inside, until testing the
+/// remaining points against all facets costs more than it saves.
 template <unsigned D>
 void InsertionNd<D>::insert_outermost(NormOrder& order) {
   if (dim() < sieve_min_dimension || dim() > sieve_max_dimension) return;
-  // So many facet tests take as long as sorting a point and searching its facet: measured on balls,
-  // by dimension from 4D on.
+  // The number of facet tests that take as long as sorting a point and locating its facet, for 4D
+  // to 8D. Measured on balls.
   constexpr std::size_t worth[] = {3000, 4500, 8000, 14000, 25000};
   const std::size_t most = worth[dim() - sieve_min_dimension];
   std::vector<float> planes;
@@ -54,8 +54,8 @@ void InsertionNd<D>::list_planes(std::vector<float>& planes) const {
   }
 }
 
-/// inside[k] = 1 for those of the points at(0), ..., at(count - 1), count <= sieve_block, that are
-/// certainly strictly inside.
+/// Sets inside[k] to 1 for each of the points at(0), ..., at(count - 1), count <= sieve_block, that
+/// is provably strictly inside, else to 0.
 template <unsigned D>
 template <class At>
 void InsertionNd<D>::test_block(const std::vector<float>& planes, const At& at, std::uint32_t count,
@@ -69,7 +69,8 @@ void InsertionNd<D>::test_block(const std::vector<float>& planes, const At& at, 
   beneath_facets(d, planes.data(), planes.size() / (d + 1), y, inside);
 }
 
-/// Whether enough of one block of points, spread over the remaining ones, are inside.
+/// Whether a sieve pays, decided on one block of points spread over the remaining ones: it must
+/// save more searches than its facet tests cost.
 template <unsigned D>
 bool InsertionNd<D>::sieve_pays(const NormOrder& order, const std::vector<float>& planes,
                                 std::size_t worth) const {

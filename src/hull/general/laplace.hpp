@@ -8,8 +8,8 @@
 
 namespace cullhull::internal::inline hull {
 
-/// Sets of columns of a D-column matrix, numbered among those of their size in the order of their
-/// masks.
+/// Sets of columns of a D-column matrix. A set's rank is its number among the sets of its size, in
+/// ascending order of bit masks.
 template <unsigned D>
 struct Subsets {
   static constexpr unsigned count(unsigned size) {
@@ -66,7 +66,7 @@ struct Laplace {
     unsigned set = 0;
     for (;; ++set)
       if ((set & ~columns) == 0 && Subsets<D>::size_of(set) == top_rows && k-- == 0) break;
-    // Exchanges that move the columns of `set` before the others.
+    // The number of exchanges that move the columns of `set` before the others.
     unsigned exchanges = j;
     for (unsigned c = 0; c < D; ++c)
       if ((set >> c & 1U) != 0)
@@ -75,7 +75,7 @@ struct Laplace {
   }
 };
 
-/// docs/exactness.md, "Cached planes": constants of E.
+/// The constants of E: docs/exactness.md, "Cached planes".
 template <unsigned D>
 struct PlaneBounds {
   /// The most roundings that a product of D - 1 entries meets between the coordinates and a

@@ -2,7 +2,7 @@
 // built in the cache, and joined from left to right.
 //
 // All decisions are exact: comparisons of coordinates, and signs of exact determinants
-// (planar.hpp). How points are divided depends on their number alone.
+// (planar.hpp). How points are divided depends on their number alone, not on threads.
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -72,8 +72,8 @@ struct Extent {
   Chord chord() const { return {corners.first(), corners.last()}; }
 };
 
-/// A pass over all points for the bounding box; a second one over the chunks that reach its sides,
-/// for the corners.
+/// Finds the bounding box in a pass over all points, and the corners in a second pass over the
+/// chunks that reach its sides.
 Extent measure(const PlanarSource& source, const Run& run) {
   const std::uint64_t n = source.count();
   std::vector<Box> boxes(chunk_count(n, chunk));
@@ -119,12 +119,12 @@ Extent measure(const PlanarSource& source, const Run& run) {
 
 // -------------------------------------------------------------------------------- buckets
 
-/// All points as entries, those of a bucket together, buckets ascending by x. Within a bucket they
-/// keep their order, so rows ascend.
+/// All points as entries, distributed to buckets that ascend by x. Within a bucket entries keep
+/// their order, so rows ascend.
 class Buckets {
  public:
-  /// A thread writes to a cache line of every bucket: at most 2^11 of them, 128 KB. 512 points take
-  /// 12 KB, which fit L1 while they are sorted.
+  /// At most 2^11 buckets: a thread writes to one cache line of each, 128 KB in all. The 512 points
+  /// of a bucket take 12 KB, which fit L1 while they are sorted.
   static constexpr unsigned max_bits = 11;
   static constexpr std::uint32_t wanted_size = 512;
 
@@ -154,7 +154,7 @@ class Buckets {
       each(begin, end, [&](const Entry& e) {
         Entry* const to = entries_.get() + at[bucket(e.key)]++;
         *to = e;
-        // Stores queue up behind one that misses the cache: 30 % of this loop's time.
+        // Saves 30 % of this loop's time: stores queue up behind one that misses the cache.
         prefetch_line_to_write(to + 3);
       });
     });
@@ -230,9 +230,9 @@ class JoinedChain {
  private:
   Entry entry(std::uint32_t row) const { return source_.entry(row); }
 
-  /// Removes the end of the chain that is not on the hull with a point to the right: from the first
-  /// vertex on at which the turn towards the point is wrong. If the turn at a vertex is right, it
-  /// is right at all before.
+  /// Removes the end of the chain that is not on the hull of chain and p, a point to the right: all
+  /// from the first vertex on at which the turn towards p is wrong. Where the turn is right at a
+  /// vertex, it is right at all earlier ones, which a binary search uses.
   void cut(const Entry& p, Turn& turn) {
     while (!pieces_.empty()) {
       Piece& piece = pieces_.back();
@@ -247,7 +247,7 @@ class JoinedChain {
       // Usually nothing is removed.
       if (piece.size() > (alone ? 1 : 0) && keeps(piece.end - 1)) return;
       std::size_t low = piece.begin + (alone ? 1 : 0), high = piece.end;
-      if (low >= high) return;  // one vertex, the first of all
+      if (low >= high) return;  // only the chain's first vertex is left
       --high;                   // known to be wrong
       while (low < high) {
         const std::size_t middle = low + (high - low) / 2;
@@ -263,7 +263,7 @@ class JoinedChain {
   }
 
   /// The vertex of `next`, from `first` on, where the tangent from the chain's last vertex touches:
-  /// the last one at which the turn from the vertex before is wrong.
+  /// the last vertex at which the turn from its predecessor is wrong.
   std::size_t tangent(const Array<std::uint32_t>& next, std::size_t first, Turn& turn) const {
     if (pieces_.empty()) return first;
     const Piece& piece = pieces_.back();
@@ -324,8 +324,8 @@ Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, c
   return corners;
 }
 
-/// Consecutive buckets are grouped to at least so many points, except the last group: their entries
-/// take 400 KB, which fit L2.
+/// Consecutive buckets are grouped until they have at least this many points (the last group may
+/// have fewer): their entries take 400 KB, which fit L2.
 constexpr std::uint64_t run_size = std::uint64_t{1} << 14;
 
 std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
@@ -382,7 +382,7 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   const PlanarSource source(points);
   const Extent extent = measure(source, run);
   if (extent.box.low[0] == extent.box.high[0] || extent.box.low[1] == extent.box.high[1]) {
-    Polygon flat;  // along an axis: the ends, or one point
+    Polygon flat;  // on a line along an axis: its two ends, or one point
     flat.corners = {extent.corners.first().row};
     if (!equal(extent.corners.first(), extent.corners.last()))
       flat.corners.push_back(extent.corners.last().row);
@@ -434,7 +434,7 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   return hull;
 }
 
-/// Polygons of small sets: a single bucket each; inner points are dropped before sorting.
+/// Polygons of small sets: a single bucket each; inner points are discarded before sorting.
 PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
 const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {

@@ -32,7 +32,7 @@ inline bool equal(const Entry& a, const Entry& b) { return a.x == b.x && a.y == 
 /// the sign is decided exactly.
 inline constexpr double turn_bound = (3 + 32 * 0x1p-53) * 0x1p-53, turn_tiny = 0x1p-1060;
 
-/// Sign of the turn a, b, c by rungs 2 and 3 of the ladder.
+/// Sign of the turn a, b, c: by the filter in doubles, else exactly.
 class Turn {
  public:
   /// `lattice`: doubles compute the determinant without rounding.

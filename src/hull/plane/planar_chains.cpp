@@ -11,7 +11,7 @@ namespace {
 /// (a circle of 200,000 points).
 constexpr std::uint32_t few = 24;
 
-/// Stable, and linear where little is out of order.
+/// A stable sort, in linear time where few entries are out of order.
 void insertion_sort(Entry* begin, Entry* end) {
   for (Entry* i = begin + 1; i < end; ++i) {
     if (!before(*i, i[-1])) continue;
@@ -25,19 +25,19 @@ void insertion_sort(Entry* begin, Entry* end) {
   }
 }
 
-/// All have the same x: replaces them by copies of the lowest, then the highest.
+/// Sorts entries of equal x: the last becomes the highest, all others copies of the lowest.
 void sort_column(Entry* begin, Entry* end) {
   const auto [low, high] = std::minmax_element(begin, end, before);
   const Entry lowest = *low;
   Entry highest = *high;
-  for (const Entry* i = begin; i < end; ++i)  // of equal points the lowest row
+  for (const Entry* i = begin; i < end; ++i)  // of equal points takes the lowest row
     if (equal(*i, highest) && i->row < highest.row) highest = *i;
   std::fill(begin, end - 1, lowest);
   end[-1] = highest;
 }
 
-/// `depth`: how many more levels may compute new keys for their range; some inputs can only be
-/// sorted by comparisons.
+/// Sorts by keys over the entries' own range of x, and recurses into crowded cells. `depth`: the
+/// number of further levels; inputs that crowd at every level are left to comparisons.
 void sort_many(Entry* begin, Entry* end, unsigned depth, const Control& control) {
   const auto n = static_cast<std::uint32_t>(end - begin);
   control.check();
@@ -93,8 +93,8 @@ void sort_entries(Entry* begin, Entry* end, const Control& control) {
 }
 
 /// Distributes the points by the next bits of their keys to about two cells a point, first those
-/// below the chord. A point too near the chord to decide is put on both sides, which is always
-/// correct.
+/// below the chord, then those above. A point too near the chord to decide is put on both sides,
+/// which is always correct.
 void ChainBuilder::divide(const Entry* points, std::uint32_t count, unsigned low_bits) {
   const unsigned cell_bits =
       std::min({low_bits, 16U, static_cast<unsigned>(std::bit_width(count))});

@@ -35,13 +35,13 @@ class KeyMap {
   double half_ = 1, low_ = 0, scale_ = 0;
 };
 
-/// Strictly convex chains of all points added so far, each from left to right. Keeps its memory.
+/// Strictly convex chains of all points added so far, each from left to right. Reuses its memory.
 class ChainBuilder {
  public:
   ChainBuilder(const Chord& chord, const Turn& turn, const Control& control)
       : chord_(chord), turn_(turn), control_(&control) {}
 
-  /// Starts with empty chains for other points.
+  /// Starts anew with empty chains, for other points.
   void restart(const Chord& chord) {
     chord_ = chord;
     turn_.restart();

@@ -48,7 +48,7 @@ bool copies_corner(double x, double y, std::uint32_t row, const Corners& corners
 
 /// Rows that are outside of the strip and of the quadrilateral of the four corners (points may
 /// crowd at the ends of the strip) and are no copies of the corners. With a third of a million
-/// points clamped to a square's corners, the latter two tests take a hull from 114 to 77 ms.
+/// points clamped to a square's corners, the last two tests reduce a hull's time from 114 to 77 ms.
 std::vector<std::uint32_t> outside(const PlanarSource& source, const Strip& strip,
                                    const Corners& corners, const Quadrilateral& middle,
                                    const Run& run) {
@@ -87,8 +87,8 @@ std::vector<Strip::Corner> Strip::gather(const std::vector<Entry>& chain) const 
   std::vector<Corner> out;
   for (const Entry& e : chain) {
     const Corner c{(e.x - low_[0]) * scale_[0], (e.y - low_[1]) * scale_[1]};
-    // Without vertical pieces: of points with equal u the inner one counts, which is the later at
-    // the left end and the earlier at the right end. Between the ends vertical pieces arise only
+    // Leaves out vertical pieces: of points with equal u the inner one counts, which is the later
+    // at the left end and the earlier at the right end. Between the ends vertical pieces arise only
     // from rounding.
     if (!out.empty() && out.back().u == c.u) {
       if (out.size() == 1) out.back().v = c.v;
@@ -124,8 +124,8 @@ bool Strip::build(const Box& box, const std::vector<Entry>& lower,
     const double u1 = std::min(right_, left_ + (i + 1 + 0x1p-10) * width);
     // A chain's height at u is off by 12 * 2^-53 at most (five roundings of a term below 2, one of
     // a sum below 2), and the rounded chain's height at u is within 2^-53 of the true chain's
-    // within 2^-53 of u. The true lower chain is convex, the upper concave: over what is between
-    // two such places extremes are at them.
+    // within 2^-53 of u. The true lower chain is convex, the upper concave, so between two such
+    // places each has its extreme height at one of them.
     constexpr double margin = 0x1p-48;
     cells_[i].floor = std::max(height(below, l, u0), height(below, l, u1)) + margin;
     cells_[i].ceiling = std::min(height(over, u, u0), height(over, u, u1)) - margin;
@@ -133,7 +133,8 @@ bool Strip::build(const Box& box, const std::vector<Entry>& lower,
   return true;
 }
 
-/// Moves `from` to the piece that contains u; u decreases by at most a bucket between calls.
+/// The chain's height at u. Moves `from` to the piece that contains u; u decreases by at most a
+/// bucket between calls.
 double Strip::height(const std::vector<Corner>& chain, std::size_t& from, double u) {
   while (from > 0 && chain[from].u > u) --from;
   while (from + 2 < chain.size() && chain[from + 1].u < u) ++from;
@@ -145,8 +146,8 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
                                          const Corners& corners, const Run& run) {
   const std::uint32_t n = source.count();
   if (n < discard_from) return {};
-  // Efron 1965: the share of points outside a sample's hull is about its vertices' share of it. A
-  // sample of 512 shows at little cost where most points are extreme.
+  // Efron 1965: the share of points outside a sample's hull is about the share of the sample that
+  // are its vertices. A sample of 512 shows at little cost where most points are extreme.
   SampleChains chains;
   for (const std::uint32_t m : {probe_size, std::min(sample_size, n / 32)}) {
     chains = chains_of_sample(source, box, m, run.control);

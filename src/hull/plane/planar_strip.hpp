@@ -91,8 +91,8 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
 // Discards points inside the quadrilateral of four corners of the hull.
 
 /// The quadrilateral of four outermost points (Akl and Toussaint 1978) as linear functions of (x,
-/// y) - origin, which exceed their limits inside. Not all four may be equal. Used where the strip
-/// is not: of 100 points it saves a sixth of a hull's time, of 1000 a twentieth.
+/// y) - origin, which exceed their limits inside. Not all four may be equal. In small sets, which
+/// use no strip, it saves a sixth of a hull's time (100 points) or a twentieth (1000 points).
 class Quadrilateral {
  public:
   Quadrilateral(const Entry* const (&corners)[4], const Box& box)
@@ -105,8 +105,8 @@ class Quadrilateral {
       ny_[i] = b.x - a.x;
       // With u = 2^-53 and S = |nx| width + |ny| height, which bounds all terms' sums: f and the
       // offset have four roundings a term, the comparison's right side one, so 10 u S covers their
-      // errors and 16 u S those of S too. What underflows is below the second term; what overflows
-      // makes the limit infinite or a NaN, and nothing is inside.
+      // errors and 16 u S those of S too. Underflow is below the second term; overflow makes the
+      // limit infinite or a NaN, and no point counts as inside.
       const double sum = std::fabs(nx_[i]) * width + std::fabs(ny_[i]) * height;
       limit_[i] = nx_[i] * (a.x - x_) + ny_[i] * (a.y - y_) + (0x1p-49 * sum + 0x1p-1060);
     }

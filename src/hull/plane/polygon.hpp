@@ -16,24 +16,24 @@ struct Polygon {
   /// Rows of the extreme points (of equal points the lowest row), counter-clockwise from the
   /// lexicographically lowest. Two if all points lie on a line, one if all are equal.
   Array<std::uint32_t> corners;
-  std::uint32_t rows = 0;  ///< number of rows there were
+  std::uint32_t rows = 0;  ///< number of input rows
   Box box{};               ///< of all points
   RungCounts rung_counts;
 };
 
 /// points.dimension == 2, 0 < count < 2^32 - 1. `lattice`: doubles compute every turn exactly.
-/// Reads the points in place, twice; memory: 24 bytes a point that is not discarded early, and 8 a
-/// corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
+/// Reads the points in place, twice; memory: 24 bytes per point that is not discarded early, and 8
+/// per corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
 Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
 
-/// The same for many small sets one after another, on one thread, in memory that is kept.
+/// Polygons of many small sets, one after another on one thread, in reused memory.
 class PolygonSeries {
  public:
   explicit PolygonSeries(const Control& control);
   /// `rows`: count > 0 packed pairs of finite doubles. The corners are overwritten by the next
   /// call.
   const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count);
-  /// Of the points of the last call.
+  /// The bounding box of the last call's points.
   const Box& box() const { return box_; }
   const RungCounts& rung_counts() const { return chains_.turn().counts(); }
 

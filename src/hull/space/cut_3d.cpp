@@ -54,7 +54,7 @@ void Engine3D::middle(const Facet3D& f, double* out) const {
              3;
 }
 
-/// Along the curve of directions or of normals: a piece begins at the key of its first point.
+/// Cuts along the curve of directions or of normals: a piece begins at the key of its first point.
 Cut3D Engine3D::cut_along_curve(const std::vector<Work>& work) const {
   Cut3D cut;
   for (std::size_t t = 1; t < work.size(); ++t) {
@@ -118,8 +118,8 @@ std::vector<Engine3D::Id> Engine3D::sample_facets() const {
   return sample;
 }
 
-/// Planes across `axis` that divide the points of [begin, end) into equal parts; none where too
-/// many points lie on one plane.
+/// Planes orthogonal to `axis` that divide the points of [begin, end) into equal parts; no planes
+/// where a part would get over 5/4 of its share because many points lie on one plane.
 Cut3D Engine3D::cut_by_planes(const double* axis, Id begin, Id end, std::size_t count) const {
   Cut3D cut;
   std::copy_n(axis, 3, cut.axis);
@@ -144,15 +144,16 @@ Cut3D Engine3D::cut_by_planes(const double* axis, Id begin, Id end, std::size_t 
   return cut;
 }
 
-/// Facets as long as the body, on cylinders say, or between two polygons, should lie along the cut,
-/// not across it. Tries planes across the main axes of the facets' edges (in the frame where the
-/// points are round) and across the coordinate axes; takes the cut that divides fewest facets.
+/// Chooses the cut that divides the fewest facets. Facets as long as the body, as on cylinders or
+/// between two polygons, should lie along the cut, not across it. So, besides the curve, tries
+/// planes orthogonal to the main axes of the facets' edges (after the map that makes the points
+/// round) and to the coordinate axes.
 Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
   Cut3D best = cut_along_curve(work);
   const std::vector<Id> sample = sample_facets();
   double least = share_cut(best, sample);
-  // A round piece has a multiple of sqrt(F / pieces) of all F facets at its border: where the curve
-  // cuts no more than that, planes would not do better, and trying them takes two milliseconds.
+  // A round piece has about 6 sqrt(F / pieces) of all F facets at its border: where the curve
+  // divides no more, planes would not do better, and trying them takes two milliseconds.
   const double round =
       6 * std::sqrt(static_cast<double>(work.size()) / static_cast<double>(slots_));
   if (least <= std::max(1.0 / 32, round)) return best;
@@ -174,7 +175,7 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
         for (unsigned j = 0; j < 3; ++j) moments[i][j] += e[i] * e[j] / std::sqrt(square);
     }
   eigenvectors(moments, main_axes);
-  least /= 2;  // halved: pieces along the curve need no reordering of points
+  least /= 2;  // halved, because planes require reordering the points
   for (unsigned k = 0; k < 6; ++k) {
     double axis[3] = {};
     for (unsigned j = 0; j < 3; ++j)

@@ -1,4 +1,4 @@
-// Compiled once per instruction set and chosen at run time.
+// Keys of directions, compiled once per instruction set and chosen at run time.
 
 #include "hull/space/order_3d.hpp"
 #include "parallel/simd_targets.hpp"
@@ -147,7 +147,7 @@ bool cholesky(const double (&a)[3][3], double (&l)[3][3]) {
   return true;
 }
 
-/// Inverse of the matrix with the given columns; false where it has none in doubles.
+/// Inverse of the matrix with the given columns; false where doubles cannot hold it.
 bool invert(const double (&c)[3][3], double (&out)[3][3]) {
   double det = 0;
   for (unsigned i = 0; i < 3; ++i) {

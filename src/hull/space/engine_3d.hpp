@@ -18,7 +18,7 @@ namespace cullhull::internal::inline hull {
 struct Cut3D {
   double axis[3] = {0, 0, 0};
   std::vector<double> levels;       // of the planes, ascending
-  std::vector<std::uint32_t> keys;  // of the first point of each piece but the first
+  std::vector<std::uint32_t> keys;  // of the first point of every piece except the first
   bool planes() const { return !levels.empty(); }
   /// For planes: the piece that contains p.
   std::uint32_t piece_of(const double* p) const;
@@ -26,7 +26,7 @@ struct Cut3D {
 
 class Engine3D {
  public:
-  /// `simplex`: four independent points, whose centroid should be deep inside the hull.
+  /// `simplex`: four affinely independent points, whose centroid should be deep inside the hull.
   Engine3D(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
   TriangleMesh run();
 
@@ -45,13 +45,13 @@ class Engine3D {
   void take_back_slots();
   /// The slots in use (their facets may be dead), in ranges of at most `length`.
   std::vector<std::pair<Id, Id>> used_slots(Id length) const;
-  /// Whether a slot was ever used; others have no contents.
+  /// Whether a slot was ever used; others are uninitialised.
   bool in_use(Id slot) const;
   Id live_facet() const;
   TriangleMesh surface();
 
   // pieces_3d.cpp
-  struct Work {  // a piece's: positions, or a range of them
+  struct Work {  // the points of a piece: positions, or a range of them
     std::vector<Id> positions;
     Id begin = 0, end = 0;
   };

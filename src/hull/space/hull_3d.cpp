@@ -11,11 +11,11 @@ namespace {
 
 using Id = std::uint32_t;
 
-/// The records, and the result, which takes about twice as much.
+/// A facet's record, and the result, which takes about twice as much.
 constexpr std::uint64_t bytes_per_facet = 3 * sizeof(Facet3D);
 
-/// Four independent start points, as far apart as a sample of 128 offers, because O, their
-/// centroid, should be deep inside. `given` are independent but may all lie near a face.
+/// Four affinely independent start points, chosen far apart from a sample of 128, because O, their
+/// centroid, should be deep inside. The `given` ones are independent but may all lie near one face.
 struct Start {
   Id simplex[4];
 
@@ -25,7 +25,7 @@ struct Start {
     XorShift random;
     for (unsigned k = 0; k < 124 && points.count > 256; ++k)
       sample.push_back(random.below(points.count));
-    // Farthest from the first, from the line, from the plane.
+    // In turn: farthest from the first point, from the line, from the plane so far.
     Id best[4] = {given[0], given[0], given[0], given[0]};
     double axis[3][3] = {};
     for (unsigned k = 1; k < 4; ++k) {
@@ -126,9 +126,9 @@ TriangleMesh Engine3D::run() {
     const std::uint64_t steps = pieces_[0].steps, inserted = pieces_[0].inserted;
     if (by_normals_) sort_by_normals(r);
     insert_round(ends[r], ends[r + 1]);
-    // More than 3 steps a point, as on slivers, along which directions do not order points: 1024
-    // points tell. Walks take few steps on a sphere, 6 to 7 by normals on a cylinder, where
-    // directions need 80.
+    // More than 3 steps per point show slivers, along which directions do not order points; 1024
+    // points suffice to decide. Walks take fewer steps on a sphere; on a cylinder they take 6 to 7
+    // by normals and 80 by directions.
     const Id size = ends[r + 1] - ends[r];
     few_seen_ = pieces_[0].inserted - inserted < size / 8;
     if (size >= 1024 && !few_seen_ && normals_help_ &&
@@ -167,7 +167,7 @@ void Engine3D::give_slots(Id points) {
   const std::uint64_t slots = std::max<std::uint64_t>(slots_, std::min(bound, allowed));
   reserve(slots);
   // Spare ranges are never empty: where the budget allows no more slots, the next facet must find
-  // none.
+  // no range.
   if (slots > slots_) pieces_[0].spare.emplace_back(slots_, static_cast<Id>(slots));
   slots_ = static_cast<Id>(slots);
 }

@@ -48,7 +48,7 @@ HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RE
             bz = hn::LoadU(d, z + i + 1);
     const V zy = hn::Mul(az, by), xz = hn::Mul(ax, bz), yx = hn::Mul(ay, bx);
     const V n0 = hn::MulSub(ay, bz, zy), n1 = hn::MulSub(az, bx, xz), n2 = hn::MulSub(ax, by, yx);
-    // |second product| twice and |n| bound the magnitudes of both products.
+    // |n| + 2 |second product| bounds the magnitudes of both products.
     const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
     const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
     const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
@@ -89,7 +89,7 @@ class Inserter {
       }
       const Id p = positions != nullptr ? positions[k] : k;
       const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
-      // Selected points may be far apart in memory.
+      // Listed points may be far apart: a new block of them starts at its own entry.
       if (positions != nullptr &&
           (k == begin || p / Entries3D::block != positions[k - 1] / Entries3D::block))
         enter(p);
@@ -152,7 +152,8 @@ class Inserter {
                                  point(p), piece_.rungs);
   }
 
-  /// A facet visible from p, or `inside`, or `foreign`.
+  /// Climbs from the hint to a facet visible from p. Returns that facet, or `inside` if there is
+  /// none, or `foreign` if the way leads into another piece.
   Id locate(Id p) {
     Id f = piece_.hint;
     double g = gauge(f, y_);
@@ -177,7 +178,7 @@ class Inserter {
     }
   }
 
-  /// At a local maximum of the gauge: where it is strict beyond the bounds, p is inside.
+  /// Decides at a local maximum of the gauge: where it is strict beyond the bounds, p is inside.
   Id judge(Id f, double g, Id p) {
     piece_.hint = f;
     const double e = facets_[f].error;
@@ -217,8 +218,8 @@ class Inserter {
     return inside;
   }
 
-  /// Starts the walk to p at the facet that was nearest to it when the surface was cut; false where
-  /// that may not belong to this piece any more.
+  /// Starts the walk to p at the entry of its block; false where that facet no longer certainly
+  /// belongs to this piece.
   bool enter(Id p) {
     if (piece_.entries.entries == nullptr) return false;
     const Entries3D::Entry& e =
@@ -229,12 +230,13 @@ class Inserter {
     return true;
   }
 
-  /// False if the point involves facets of other pieces; then nothing has changed.
+  /// Inserts p. Returns false, having changed nothing, if p involves facets of other pieces.
+  /// `next`: the point after p, whose walk starts at the new facet that is best for it.
   bool insert(Id p, Id next) {
     offset(s_.row(p), y_);
     Id seed = locate(p);
     if (HWY_UNLIKELY(seed == foreign)) {
-      // Another piece may be in the way although the goal is this one's.
+      // The walk met another piece, but its goal may belong to this one: retry from p's entry.
       if (!enter(p)) return false;
       seed = locate(p);
       if (seed == foreign) return false;
@@ -252,7 +254,7 @@ class Inserter {
 
   HWY_NOINLINE void grow_ring() {
     piece_.ring_capacity = std::max<Id>(64, 2 * piece_.ring_capacity);
-    // A sentinel, and the padding of a vector.
+    // Room for a sentinel and for the padding of one vector.
     const std::size_t room = piece_.ring_capacity + std::size_t{16};
     for (auto* ids : {&piece_.ring_start, &piece_.ring_outside, &piece_.ring_back, &piece_.created})
       ids->resize(room);
@@ -280,8 +282,8 @@ class Inserter {
     stack_ = piece_.stack.data();
   }
 
-  /// Depth first over the visible facets, edges counter-clockwise: horizon edges come in cyclic
-  /// order.
+  /// Visits the visible facets depth first, edges counter-clockwise, so that horizon edges come in
+  /// cyclic order. False if it meets another piece's facet.
   bool find_cavity(Id p, Id seed) {
     const Id epoch = ++piece_.epoch, first_owner = piece_.first_owner, owners = piece_.owner_count;
     const double* point = s_.row(p);

@@ -19,8 +19,9 @@
 
 namespace cullhull::internal::inline hull {
 
-/// A cache line. The plane is scaled to normal . (x - O) = 1, see docs/exactness.md, "Cached
-/// planes". Vertices are counter-clockwise seen from outside; neighbour j is opposite to vertex j.
+/// A facet, one cache line. The plane is scaled to normal . (x - O) = 1, see docs/exactness.md,
+/// "Cached planes". Vertices are counter-clockwise seen from outside; neighbour j is opposite to
+/// vertex j.
 struct alignas(64) Facet3D {
   static constexpr std::uint32_t none = 0xFFFFFFFF;
 
@@ -28,7 +29,7 @@ struct alignas(64) Facet3D {
   double error;
   std::uint32_t vertices[3];
   std::uint32_t neighbours[3];
-  std::uint32_t mark;   // of the last insertion that saw this facet
+  std::uint32_t mark;   // epoch of the last insertion that saw this facet
   std::uint32_t owner;  // `none`: the slot is free
 
   bool live() const { return owner != none; }
@@ -88,19 +89,20 @@ struct alignas(256) Piece3D {
 };
 
 /// Inserts the points at the given ascending positions, or [begin, end) where `positions` is null.
-/// Appends points that involve facets of other pieces to `deferred`. `progress`: called now and
-/// then with the share done; may be null.
+/// Appends points that involve facets of other pieces to `deferred`. `progress`: called every
+/// 65,536 points with the share done; may be null.
 void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
 
 /// Appends those of the points (as for insert_points) that are outside of the surface to
-/// piece.deferred; the others stay inside. Only reads the surface, all of which the piece must own.
+/// piece.deferred; as surfaces only grow, the others never matter again. Only reads the surface,
+/// all of which the piece must own.
 void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end);
 
-/// The facet that the ray from O through p leaves by, up to rounding, or one visible from p; climbs
-/// from `start`, and only reads.
+/// The facet through which the ray from O through p leaves, up to rounding, or a facet visible from
+/// p. Climbs from `start`; only reads.
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p);
 
 /// Fills normal and error of a facet from its vertices.

@@ -11,19 +11,20 @@ namespace {
 using Id = std::uint32_t;
 constexpr std::uint64_t grain = 8192;
 
-/// 1 or -1: the certain sign of det [a; b; c], rows of differences that were rounded once or are
-/// exact; 0 where it is in doubt. The filter of Orientation3D::side.
+/// The sign (1 or -1) of det [a; b; c] where the error bound proves it, else 0. Rows are
+/// differences, exact or rounded once. The filter of Orientation3D::side.
 int certain_sign(const double* a, const double* b, const double* c) {
   const double det = determinant_3(a, b, c);
   const double bound = (minor_roundings(3) + 2) * unit_roundoff * permanent_3(a, b, c) + 0x1p-1000;
   return std::abs(det) > bound ? (det > 0 ? 1 : -1) : 0;
 }
 
-/// Whether the surface winds once around `centre`, certainly. Where every triangle is seen from
-/// beneath, central projection maps the surface onto the sphere, triangle by triangle and across
-/// each edge; a ray that meets one triangle alone, in its interior, shows that it does so once.
+/// Whether the surface provably winds once around `centre`. Where `centre` is beneath every
+/// triangle, central projection makes the surface a covering of the sphere, one-to-one near each
+/// triangle and edge; a ray that meets only one triangle, in its interior, proves that it covers
+/// once.
 bool winds_once(const TriangleMesh& surface, const double* centre, const Run& run) {
-  // No direction of a lattice or of a symmetric body.
+  // Not a direction of lattices or symmetric bodies: it should miss their edges.
   static constexpr double ray[3] = {0.6180339887498949, 0.3247179572447461, 0.7161203842163911};
   std::atomic<std::uint64_t> met{0};
   std::atomic<bool> doubtful{false};
@@ -48,7 +49,7 @@ bool winds_once(const TriangleMesh& surface, const double* centre, const Run& ru
   return !doubtful && met == 1;
 }
 
-/// The position among the hull's vertices of each of its ids, which ascend.
+/// Maps a vertex id of a hull to its position among the hull's vertices, whose ids ascend.
 class Positions {
  public:
   explicit Positions(const std::vector<std::uint64_t>& ids)

@@ -1,4 +1,4 @@
-// The 3D engine's second insertion order, for slivers.
+// The 3D engine's second insertion order, for bodies whose facets are slivers.
 #include <algorithm>
 #include <bit>
 
@@ -98,10 +98,12 @@ void Engine3D::sort_by_normals(std::size_t round) {
   permute(begin, keyed);
 }
 
-/// Compares both orders on parts of the round's points. Where normals are noise, as on a rotated
-/// plane, ordering by them scatters points that were in order.
+/// Whether walks take fewer steps in `order` than in the present order, on parts of the round's
+/// points. Where normals are noise, as on a rotated plane, ordering by them scatters points that
+/// were in order.
 bool Engine3D::shorter_walks(Id begin, Id end, const KeyedId* order) const {
-  // 16 times 32 walks for each order: where orders differ at all, walks differ by factors.
+  // 16 times 32 walks for each order suffice: where orders differ at all, the numbers of steps
+  // differ severalfold.
   constexpr Id stretches = 16, length = 32;
   if (end - begin < stretches * length) return false;
   std::uint64_t steps[2] = {0, 0};
@@ -114,7 +116,7 @@ bool Engine3D::shorter_walks(Id begin, Id end, const KeyedId* order) const {
       Id positions[length];
       for (Id i = 0; i < length; ++i)
         positions[i] = way == 0 ? begin + first + i : order[first + i].id;
-      screen_points(shared_, reader, positions, 0, 1);  // this walk does not count
+      screen_points(shared_, reader, positions, 0, 1);  // this walk starts far away: not counted
       const std::uint64_t before = reader.steps;
       screen_points(shared_, reader, positions, 1, length);
       steps[way] += reader.steps - before;

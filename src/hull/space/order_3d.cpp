@@ -12,22 +12,23 @@
 namespace cullhull::internal::inline hull {
 namespace {
 
-/// A round has 15 times as many points as all rounds before it (7 to 31 measured alike).
+/// A round has 15 times as many points as all rounds before it (measured: 7 to 31 take the same
+/// time).
 constexpr unsigned round_bits = 4;
 constexpr std::uint32_t first_round = 64;
 
-/// Few chunks, as each has its own counts.
+/// Few, large chunks, because each has its own counts.
 std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 14, n / 64); }
 
-/// Reorders the points within cells that many share: points along curves crowd, and walks through a
-/// cell's unordered points are long. `keyed` is sorted from `first` on; cells of more than
-/// `longest` points (many near-copies, which no order helps) are left as they are. On two circles,
-/// 200,000 points, 848 ms instead of 1015.
+/// Sorts the points of crowded cells by finer keys: points along curves crowd into few cells, and
+/// walks through a cell's unordered points are long. `keyed` is sorted from `first` on; cells of
+/// more than `longest` points (near-copies, which no order helps) stay unchanged. Saves 167 of 1015
+/// ms on two circles (200,000 points).
 void refine_cells(const LocalPoints& points, const DirectionKey& key, KeyedId* keyed,
                   std::uint32_t first, std::uint32_t n, const Run& run) {
   constexpr std::uint64_t chunk_size = 1 << 14, longest = 1 << 17;
-  // Crowded: a quarter of the points share a cell with 4 others. Of fewer than 2^16 points the
-  // walks stay in the cache, and reordering costs more than it saves.
+  // Crowded: a quarter of the points share a cell with 4 others. With fewer than 2^16 points walks
+  // stay in the cache, and reordering costs more than it saves.
   constexpr std::uint32_t crowd = 4, fewest = 1U << 16;
   if (n < first + fewest) return;
   const std::uint64_t count = n - first;

@@ -27,7 +27,7 @@ class DirectionKey {
   /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.
   void keys(const double* x, const double* y, const double* z, unsigned bits,
             std::uint32_t* keys) const;
-  /// The same with 24 bits an axis.
+  /// The same with 24 bits per axis.
   static constexpr unsigned fine_bits = 2 * 24 + 3;
   void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
 

@@ -7,7 +7,7 @@
 
 namespace cullhull::internal::inline hull {
 
-/// Where few points are outside: all threads search for those, one inserts them.
+/// For rounds with few points outside: all threads search for these, one inserts them.
 void Engine3D::screen_and_insert(Id begin, Id end) {
   constexpr std::uint64_t chunk = 1 << 13;
   std::vector<Piece3D> readers(chunk_count(end - begin, chunk));

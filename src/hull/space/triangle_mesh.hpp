@@ -25,9 +25,9 @@ struct TriangleMesh {
   /// Ranges of slots, ascending and not adjoining, that were ever used: facets in them may be live
   /// or dead.
   std::vector<Run> used;
-  std::uint64_t live = 0;                   ///< facets
+  std::uint64_t live = 0;                   ///< number of live facets
   BigArray<std::uint32_t> order;            ///< local id of each vertex number
-  BigArray<double> rows;                    ///< row of each, Shared3D::row_stride apart
+  BigArray<double> rows;                    ///< coordinates of each, Shared3D::row_stride apart
   std::uint32_t count = 0;                  ///< number of vertex numbers; some may not be in use
   std::optional<Orientation3D> predicates;  ///< for the local points, which it refers to
   /// As in Boundary.
@@ -38,7 +38,7 @@ struct TriangleMesh {
   std::vector<Run> runs(std::uint32_t length) const;
 };
 
-/// As hull_3d.
+/// Arguments as for hull_3d.
 TriangleMesh triangle_mesh(const LocalPoints& points, const std::uint32_t* simplex, const Run& run);
 
 /// The facets numbered by ascending slot, with local ids.
@@ -46,21 +46,20 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run);
 
 // The surface of a hull in space whose vertices have moved.
 
-/// The triangles and vertices of a hull, numbered so that neighbours are near in memory, as ids
-/// alone need not be: breadth first.
+/// The triangles and vertices of a hull, numbered breadth first so that neighbours are near in
+/// memory.
 struct NearbyNumbers {
   explicit NearbyNumbers(const Hull& hull);
-  std::vector<std::uint32_t> order;       ///< the position among the hull's vertices of each
+  std::vector<std::uint32_t> order;       ///< each vertex's position among the hull's vertices
   std::vector<std::uint32_t> vertices;    ///< of each triangle, by these numbers
-  std::vector<std::uint32_t> neighbours;  ///< triangles, likewise
+  std::vector<std::uint32_t> neighbours;  ///< of each triangle: triangles, by these numbers
 };
 
-/// The triangles of `last`, a hull in 3D with a triangle for each facet, between the points of
-/// which local point i is vertex i of `last`, where they are now. Empty unless they are certainly
-/// star-shaped: each is seen from one point within from beneath, and every ray from there meets one
-/// of them. Such a surface is the points' hull where all its ridges are convex, which
-/// write_triangles checks. `numbers`: of `last`, or null. docs/moving-points.md, "The last hull's
-/// triangles".
+/// The triangles of `last`, a 3D hull whose facets are all triangles, with its vertices moved:
+/// vertex i of `last` is now local point i. Empty unless they are provably star-shaped: one inner
+/// point is beneath every triangle, and every ray from it meets exactly one. Such a surface is the
+/// points' hull if all its ridges are convex, which write_triangles checks. `numbers`: those of
+/// `last`, or null. docs/moving-points.md, "The last hull's triangles".
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
