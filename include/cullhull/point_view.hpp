@@ -8,7 +8,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// Scalar types that can be read in place. Every value of each is exactly a double.
+/// Scalar types that are read in place. A double represents every value of each exactly.
 enum class ScalarType : std::uint8_t { f32, f64, i8, u8, i16, u16, i32, u32 };
 
 constexpr std::size_t scalar_size(ScalarType t) noexcept {
@@ -42,10 +42,10 @@ constexpr ScalarType scalar_type_of() noexcept {
   if constexpr (std::is_same_v<T, std::uint32_t>) return ScalarType::u32;
 }
 
-/// Non-owning, trivially copyable; the memory must outlive every call it is passed to and must not
-/// change meanwhile. Coordinate j of point i lies at
-/// `data + i * point_stride + j * coordinate_stride` (bytes, any sign, any alignment), so
-/// row-major, column-major and strided records (a PLY vertex, say) are all read where they are.
+/// Non-owning, trivially copyable; the memory must outlive every call that uses the view and must
+/// not change during it. Coordinate j of point i is at `data + i * point_stride + j *
+/// coordinate_stride` (bytes, any sign, any alignment), so row-major, column-major and strided
+/// records (a PLY vertex, say) are all read in place.
 struct PointView {
   const std::byte* data = nullptr;
   ScalarType scalar = ScalarType::f64;
@@ -54,7 +54,7 @@ struct PointView {
   std::ptrdiff_t point_stride = 0;
   std::ptrdiff_t coordinate_stride = 0;
 
-  /// Points one after another: x0 y0 z0 x1 y1 z1 ...
+  /// Point by point: x0 y0 z0 x1 y1 z1 ...
   template <class T>
   static PointView row_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
     return {reinterpret_cast<const std::byte*>(p),
@@ -64,7 +64,7 @@ struct PointView {
             static_cast<std::ptrdiff_t>(d * sizeof(T)),
             static_cast<std::ptrdiff_t>(sizeof(T))};
   }
-  /// Coordinates one after another: x0 x1 ... y0 y1 ...
+  /// Coordinate by coordinate: x0 x1 ... y0 y1 ...
   template <class T>
   static PointView column_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
     return {reinterpret_cast<const std::byte*>(p),
@@ -79,7 +79,7 @@ struct PointView {
     return data + static_cast<std::ptrdiff_t>(point) * point_stride +
            static_cast<std::ptrdiff_t>(coordinate) * coordinate_stride;
   }
-  /// The exact value; O(1), meant for single points rather than loops over all of them.
+  /// The exact value. O(1), for single points; too slow for loops over all points.
   double at(std::uint64_t point, std::uint32_t coordinate) const noexcept;
 
   /// True where points are packed rows of scalars without gaps.
