@@ -25,8 +25,7 @@ struct HullStream::Impl {
   std::uint64_t budget = 0;
 
   mutable std::mutex mutex;  ///< guards the members below; held briefly
-  NumberedPoints extreme;    ///< extreme points of the points reduced so far; others, too, after a
-                             ///< failure
+  NumberedPoints extreme;    ///< of the points reduced so far; others, too, after a failure
   NumberedPoints waiting;    ///< survivors since the last reduction
   std::uint64_t known = 0;   ///< number of extreme points that the last reduction found
   std::uint64_t away = 0;    ///< points that a running reduction has taken
@@ -211,8 +210,7 @@ struct HullStream::Impl {
       extreme = {kept.dimension, kept.scalar, {}, {}};
       waiting = extreme;
     }
-    check_block(kept.view(), 0, waiting.dimension);  // another push may have set the dimension
-                                                     // meanwhile
+    check_block(kept.view(), 0, waiting.dimension);  // another push may have set it
     const ScalarType scalar = common_scalar(waiting.scalar, seen, kept.scalar, count);
     if (seen == 0) {
       waiting.scalar = extreme.scalar = scalar;
