@@ -1,5 +1,5 @@
 // Alpha shapes (the cells of a triangulation whose circumspheres are small) and concave hulls by
-// edge length.
+// edge length. All functions are thread safe. k: Triangulation::affine_dimension.
 #pragma once
 
 #include <cstdint>
@@ -81,8 +81,8 @@ struct CellPolygons {
 
 /// The union of some cells of a 2D triangulation (k = 2): one polygon for each set of cells that
 /// are connected through edges. Rings touch each other, and themselves, in single points at most,
-/// so the polygons are valid in GeoJSON and WKT. `cells`: ascending. Errors: invalid_argument for k
-/// > 2 and for points that are not those of the triangulation.
+/// so the polygons are valid in GeoJSON and WKT. `cells`: ascending. Errors: invalid_argument if
+/// the dimension k is above 2 or the points are not those of the triangulation.
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options = {});
 

@@ -45,8 +45,8 @@ struct ConstrainedTriangulation {
 /// depend on the order or direction of the edges.
 ///
 /// `edges`: edges x 2 ids. A point exactly on an edge splits it. Equal points count as one: an edge
-/// between them, or from a point to itself, is no constraint. Overlapping edges count once. Edges
-/// that cross in their interiors are an error that names both.
+/// between them, or from a point to itself, has no effect. Overlapping edges count once. Edges that
+/// cross in their interiors are an error that names both.
 ///
 /// Errors: those of delaunay(); invalid_argument for a dimension other than 2, an odd number of
 /// ids, an id out of range, and edges that cross. Time: that of delaunay(), plus for each edge the

@@ -78,8 +78,8 @@ struct CudaStatus {
   std::uint64_t memory_bytes = 0;
 };
 
-/// Queries driver and device; the first call may take some tenths of a second. A missing device is
-/// reported in the status; it is no exception.
+/// Queries driver and device; the first call may take some tenths of a second. Reports a missing
+/// device in the status and does not throw.
 CudaStatus cuda_status();
 
 /// The calling thread's current CUDA device; -1: no usable device, or no CUDA backend.

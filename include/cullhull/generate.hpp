@@ -39,7 +39,7 @@ class PointGenerator {
   static constexpr std::uint64_t run_length = 4096;
 
   /// Writes the points [first, first + count), row-major, to `out`: the rows of generate(), in any
-  /// order of calls. Throws Error{invalid_argument} if `first` is no multiple of run_length or
+  /// order of calls. Throws Error{invalid_argument} if `first` is not a multiple of run_length or
   /// there are fewer points, Error{cancelled} soon after `stop` is requested.
   void rows(std::uint64_t first, std::uint64_t count, double* out,
             const std::stop_token& stop = {}) const;

@@ -79,7 +79,7 @@ struct ReadOptions {
   /// For Numbers::grid: the grid, from common_grid of all inputs; not set: the file's own grid;
   /// empty grid: world coordinates.
   std::optional<Grid> grid;
-  /// Threads that parse text; 0: all processors.
+  /// Threads that parse text; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
   /// Checked while text is parsed.
   std::stop_token stop;

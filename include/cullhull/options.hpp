@@ -26,7 +26,7 @@ using Poll = std::function<void()>;
 
 /// Options of every call: threads, memory, cancellation.
 struct RunOptions {
-  /// Threads to use; 0: all processors.
+  /// Threads to use, at most 1024; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
   /// Limit in bytes for memory beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;

@@ -93,7 +93,8 @@ void to_world(HullState& state, const Grid& grid);
 void to_world(std::vector<double>& numbers, const Grid& grid);
 
 /// The common grid (as above) of these inputs, from their headers; hull states have the grid on
-/// which they were computed. Empty if an input is no regular file. Throws what open_points throws.
+/// which they were computed. Empty if an input is not a regular file. Throws what open_points
+/// throws.
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options);
 
 }  // namespace cullhull

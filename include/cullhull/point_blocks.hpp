@@ -92,7 +92,7 @@ std::vector<std::string> input_files(const std::vector<std::string>& words);
 /// The file that such a word names: FILE.npz for FILE.npz:NAME, else the word itself.
 std::string file_of_input(const std::string& word);
 
-/// The sum of the files' sizes in bytes; 0 if one is no regular file, so that the size is unknown.
+/// The sum of the files' sizes in bytes; 0 (unknown) if one of them is not a regular file.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
 /// Whether the files should be read in blocks: they are larger than half of the memory budget

@@ -220,7 +220,7 @@ class ConstrainedSubject {
     return edges_of_cells_.find(std::minmax(a, b))->second != 0;
   }
 
-  /// Checks the circles of every edge between cells that is no piece.
+  /// Checks the circles of every edge between cells that is not a piece.
   std::uint64_t check_circles() const {
     std::uint64_t count = 0;
     for (const auto& [edge, place] : left_.items()) {

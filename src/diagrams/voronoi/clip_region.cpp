@@ -113,8 +113,8 @@ Outline outline_of(const PolygonRings& rings) {
   return out;
 }
 
-/// Edges that occur an even number of times are shared by polygons, so they are no boundary:
-/// removes them.
+/// Removes edges that occur an even number of times: polygons share them, so they are not part of
+/// the boundary.
 void drop_shared_edges(Outline& outline) {
   std::vector<std::uint32_t> order(outline.size()), place(outline.size());
   std::iota(order.begin(), order.end(), 0U);
