@@ -1,4 +1,5 @@
-// Many small hulls in one call, beside Qhull in a loop on one core: million points/s.
+// Many small hulls in one call, compared with Qhull in a loop on one core: millions of points per
+// second.
 //   bench/batch_bench [SETS]
 #include <libqhull_r/qhull_ra.h>
 
@@ -17,7 +18,7 @@ using namespace cullhull;
 
 using bench::median_seconds;
 
-/// Number of vertices that Qhull finds in all sets.
+/// Returns the number of vertices that Qhull finds in all sets.
 std::uint64_t qhull_loop(std::vector<double>& points, unsigned d,
                          const std::vector<std::uint64_t>& offsets) {
   std::uint64_t vertices = 0;

@@ -1,4 +1,4 @@
-// The certificate's time, by phase, beside the hull's.
+// The time of the certificate, by phase, compared with that of the hull.
 //
 //     certify_bench [--repeat N] [--threads N] [SHAPE DIMENSION COUNT]...
 #include <algorithm>

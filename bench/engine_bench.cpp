@@ -1,10 +1,11 @@
-// The 3D engine alone on the inputs that are hard for it: all points extreme, slivers, plateaus,
+// The 3D engine alone on inputs that are hard for it: all points extreme, slivers, plateaus,
 // lattices, thin bodies, duplicates.
 //
 //     engine_bench [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 //
-// Prints the least and the median time in ms, the least processor time, simplices, decisions of
-// each rung. Whether results are certified and the same for all threads says identity_bench.
+// Prints the least and the median time in ms, the least processor time in ms, simplices, and the
+// number of decisions of each stage. identity_bench checks whether results are certified and the
+// same for all threads.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

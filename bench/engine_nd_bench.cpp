@@ -1,9 +1,9 @@
-// Where the time goes in dimensions 4 and up: engine_nd_bench [--threads N] [--repeat K]
+// Times of the stages in dimensions 4 and up: engine_nd_bench [--threads N] [--repeat K]
 // [SHAPE-Dd-N...]
 //
-// A workload is named by a shape of `cullhull generate`, a dimension and a count: ball-5d-1000000.
-// For each it prints the survivors, the facets, and milliseconds (minimum of K runs): the filter,
-// the engine alone, the whole convex_hull call. The rest is the result stage.
+// A workload is a shape of `cullhull generate`, a dimension and a count: ball-5d-1000000. For each
+// it prints the survivors, the facets, and milliseconds (minimum of K runs) for the filter, the
+// engine alone and the whole convex_hull call. The rest is the result stage.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -35,7 +35,7 @@ constexpr const char* standard[] = {
     "sphere-4d-100000", "sphere-5d-10000",  "gauss-5d-1000000", "ball-7d-3000",
     "ball-8d-500",      "cube-4d-1000000",  "grid-4d-200000",   "cube_surface-4d-50000"};
 
-/// Processor time of all threads, which other programs disturb least.
+/// Processor time of all threads; other programs disturb it least.
 double processor_milliseconds() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double milliseconds(Clock::time_point start) {
@@ -54,7 +54,7 @@ Workload parse(const std::string& name) {
           std::stoull(name.substr(dash + 1))};
 }
 
-/// Random doubles on the surface of the cube: coplanar points that are no lattice.
+/// Random doubles on the surface of the cube: many coplanar points that are not on a lattice.
 std::vector<double> cube_surface(std::uint64_t n, unsigned d) {
   std::vector<double> x(n * d);
   std::uint64_t random = 0x9E3779B97F4A7C15ULL;

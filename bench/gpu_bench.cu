@@ -1,9 +1,9 @@
-// The GPU beside its limits and beside Qhull, in one run: gpu_bench [--json FILE] [--scale S]
+// The GPU compared with its limits and with Qhull, in one run: gpu_bench [--json FILE] [--scale S]
 // [--repeat K] [--no-qhull]
 //
-// Points are made on the device and stay there: single precision, packed rows. Times are the
-// caller's, from the call to its result on the host; the first call, which loads code and fills
-// memory pools, is not counted; medians. Qhull gets the same points as doubles and one core.
+// Points are generated on the device and stay there: single precision, packed rows. Times are
+// medians on the host's clock, from the call to its result on the host; the first call, which loads
+// code and fills memory pools, is not counted. Qhull gets the same points as doubles, and one core.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -48,7 +48,7 @@ struct Workload {
   std::uint64_t count;
 };
 
-// The paper's sets.
+// The sets of the paper.
 constexpr Workload end_to_end[] = {
     {"ball-3d-8M", Shape::ball, 3, 8'000'000},
     {"octahedron-3d-15M", Shape::octahedron, 3, 15'000'000},
@@ -58,7 +58,7 @@ constexpr Workload end_to_end[] = {
     {"ball-4d-8M", Shape::ball, 4, 8'000'000},
 };
 
-/// A hash of a counter: every point has a random stream of its own (Steele, Lea, Flood 2014,
+/// A hash of a counter, which gives every point its own random stream (Steele, Lea, Flood 2014,
 /// SplitMix64).
 struct Random {
   std::uint64_t state;
@@ -68,11 +68,11 @@ struct Random {
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
     return z ^ (z >> 31);
   }
-  /// In (0, 1).
+  /// Uniform in (0, 1).
   __device__ double unit() { return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52; }
 };
 
-/// Uniform in the ball or in the octahedron (the ball of the sum norm).
+/// Uniform in the ball, or in the octahedron (the unit ball of the sum norm).
 __global__ void make_points(Shape shape, unsigned d, std::uint64_t n, std::uint64_t seed,
                             float* out) {
   const std::uint64_t stride = std::uint64_t{gridDim.x} * blockDim.x;
@@ -147,7 +147,7 @@ ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vecto
   return json;
 }
 
-/// The gauge map's pass over the points alone, without building the map.
+/// The gauge map's pass over the points, without building the map.
 ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
                         const DevicePointView& view, const cullhull::internal::Run& run,
                         double copy_rate) {
@@ -176,8 +176,8 @@ ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, un
   return json;
 }
 
-/// Both filters alone. For the gauge map also its reading, 12 bytes a point, as a share of the copy
-/// bandwidth.
+/// Both filters. For the gauge map also the rate at which it reads, 12 bytes per point, as a share
+/// of the copy bandwidth.
 ordered_json filters(const Settings& s, double copy_rate) {
   ordered_json rows = ordered_json::array();
   struct Case {
@@ -228,7 +228,7 @@ ordered_json filters(const Settings& s, double copy_rate) {
   return rows;
 }
 
-/// From points on the device to the exact hull, beside Qhull; both must find the same hull.
+/// From points on the device to the exact hull, compared with Qhull; both must find the same hull.
 ordered_json hulls(const Settings& s, bool& agreed) {
   ordered_json rows = ordered_json::array();
   for (const Workload& w : end_to_end) {

@@ -1,10 +1,11 @@
-// What a device does with each kind of points, part by part: gpu_passes [--out FILE] [--scale S]
-// [--seconds T]
+// Times of a device's steps for each kind of points: gpu_passes [--out FILE] [--scale S] [--seconds
+// T]
 //
-// One JSON object a line, written as soon as it is known, so that an interrupted run has reported
-// the rest. Kernels are timed by events of their stream, all else by the caller's clock; medians of
-// five after a first run that is not counted. Parts that do not fit into the device's memory, or
-// would begin after T seconds, are skipped and reported so. Exit status 5: no device.
+// Prints one JSON object per line as soon as it is measured, so that an interrupted run reports
+// what it has done. Kernels are timed by events of their stream, everything else by the host's
+// clock; medians of five after a first run that is not counted. Parts that do not fit into the
+// device's memory, or would start after T seconds, are skipped and reported as skipped. Exit status
+// 5: no device.
 #include <cuda_runtime_api.h>
 
 #include <algorithm>
@@ -62,7 +63,7 @@ double wall(const std::function<void()>& work) {
   return median(times);
 }
 
-/// Of what `work` puts on the stream.
+/// Time of the work that `work` queues on the stream, by events.
 double by_events(cudaStream_t stream, const std::function<void()>& work) {
   cudaEvent_t begin = nullptr, end = nullptr;
   cuda::check(cudaEventCreate(&begin), "making an event");
@@ -82,7 +83,7 @@ double by_events(cudaStream_t stream, const std::function<void()>& work) {
   return median(times);
 }
 
-/// Uniform in the ball; a million points, repeated as often as needed.
+/// Points uniform in the ball; at most a million different ones, repeated as needed.
 template <class T>
 std::vector<T> ball(unsigned d, std::uint64_t n) {
   std::mt19937_64 random(1);
@@ -161,7 +162,7 @@ class Passes {
             {"memory", status.memory_bytes},   {"processors", cuda::device().multiprocessors}};
   }
 
-  /// Bytes read and bytes written, together, a second.
+  /// Bytes read plus bytes written, per second.
   ordered_json copy_rate() {
     const std::uint64_t bytes = scaled(1 << 30);
     const cuda::Stream stream;
@@ -196,7 +197,7 @@ class Passes {
     return {{"to_device_bytes_per_second", b / to}, {"from_device_bytes_per_second", b / from}};
   }
 
-  /// `n` values on the device: the given ones, repeated.
+  /// `n` values on the device: the given values, repeated.
   template <class T>
   cuda::DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
                                 cudaStream_t stream) const {
@@ -229,7 +230,7 @@ class Passes {
     return std::move(sampled.map);
   }
 
-  /// The kernel alone, by events; and with counting and listing, by the caller's clock.
+  /// The kernel alone, by events; and including counting and listing, by the host's clock.
   ordered_json time_pass(const internal::GaugeMap& map, const DevicePointView& view) const {
     const auto stream = static_cast<cudaStream_t>(view.stream);
     const internal::GaugeTable& table = map.table();
@@ -260,8 +261,7 @@ class Passes {
     const cuda::Stream stream;
     const bool shifted = layout == Layout::misaligned;
     const cuda::DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
-    // Read as columns, this memory holds other points of the same ball's box: the pass takes as
-    // long.
+    // Read as columns, this memory holds other points in the same box; the pass takes as long.
     DevicePointView view =
         layout == Layout::columns
             ? DevicePointView::column_major(there.data(), n, d, stream.get())
@@ -289,7 +289,7 @@ class Passes {
       throw std::runtime_error("the device's hull is not the CPU's");
   }
 
-  /// Beside the CPU's, of the same points in its own memory.
+  /// The hull of points on the device, compared with the CPU's from host memory.
   ordered_json hull_there() const {
     const std::uint64_t n = scaled(8e6);
     const std::vector<float> rows = ball<float>(3, n);
@@ -375,7 +375,7 @@ class Passes {
     return json;
   }
 
-  /// A rotating ball, on the device and in host memory.
+  /// A rotating ball, in device and in host memory.
   ordered_json tracker() const {
     const std::uint64_t n = scaled(1e6);
     constexpr unsigned frames = 12;
@@ -406,7 +406,7 @@ class Passes {
             {"cpu_seconds", median({on_host.begin() + 2, on_host.end()})}};
   }
 
-  /// 100,000 sets of 50 points of a ball: the kernel by events, both results, and the CPU's.
+  /// 100,000 sets of 50 points of a ball: the kernel by events, both kinds of results, and the CPU.
   ordered_json batch(unsigned d) const {
     constexpr std::uint64_t size = 50;
     const auto sets = std::max<std::uint64_t>(200, static_cast<std::uint64_t>(1e5 * scale_));
@@ -447,7 +447,7 @@ class Passes {
             {"cpu_seconds", cpu}};
   }
 
-  /// Points in and about a ball to the hull of some of it.
+  /// Queries for points in and around a ball to the hull of some of its points.
   ordered_json questions() const {
     const std::uint64_t n = scaled(1e6);
     std::vector<float> rows = ball<float>(3, n);

@@ -1,5 +1,5 @@
-// Whether a result is the same, bit for bit, for any number of threads and any filter, at full
-// size.
+// Checks at full size that a result is the same, bit for bit, for any number of threads and any
+// filter.
 //
 //     identity_bench [--threads 1,2,3,4,8] [--cull auto,none,gauge,pseudo-hull] [--no-certify]
 //                    [WORKLOAD ...]
@@ -7,9 +7,9 @@
 //
 // Workloads are named as in `cullhull-bench rivals`: cone-3d-1M, ball-4d-8M-f32. For each run it
 // prints the seconds and a hash of every list and number of the hull; the first hull of a workload
-// is certified. --small takes that many random sets of up to 200 points in 1D to 6D, many of them
-// degenerate, and prints a hash for each thousand, to be compared with another version's; each hull
-// is certified. Ends with status 1 where a hash differs or a hull is not certified.
+// is certified. --small uses COUNT random sets of up to 200 points in 1D to 6D, many of them
+// degenerate, certifies each hull and prints a hash per thousand sets, for comparison with another
+// version. Exit status 1 if a hash differs or a hull is not certified.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -114,8 +114,8 @@ bool holds(const Settings& settings, const std::string& name) {
   return good;
 }
 
-/// Random points in d dimensions: general position, lattices, a sphere, wild axes, flats, equal
-/// points, corners that differ in their last bits.
+/// Random points in d dimensions: general position, lattices, a sphere, axes of very different
+/// extents, flats, equal points, corners that differ in their last bits.
 class SmallSets {
  public:
   explicit SmallSets(std::uint64_t seed) : random_(seed) {}
@@ -143,7 +143,7 @@ class SmallSets {
  private:
   unsigned below(unsigned end) { return static_cast<unsigned>(random_() % end); }
   double integer(unsigned most) { return static_cast<double>(below(2 * most + 1)) - most; }
-  /// The sum of four uniform ones: no function of the standard library, whose results vary.
+  /// The sum of four uniform numbers, because the standard library's distributions vary.
   double normal() {
     double sum = -2;
     for (int i = 0; i < 4; ++i) sum += static_cast<double>(random_() >> 11) * 0x1p-53;
@@ -162,7 +162,7 @@ class SmallSets {
       for (std::size_t i = k; i < v.size(); i += d) v[i] = std::ldexp(v[i], exponent);
     }
   }
-  /// Whole combinations of the first few coordinates.
+  /// Replaces further coordinates by integer combinations of the first few.
   void flatten(std::vector<double>& v, unsigned d) {
     const unsigned kept = below(d + 1);
     for (double& x : v) x = integer(9);

@@ -76,8 +76,8 @@ def main():
             if result is None:
                 continue
             seconds, status = result
-            # 0 and 4: the end came while the signal was on its way; -2: it was sent before the program
-            # had begun to listen, which takes some milliseconds.
+            # 0 and 4: the program ended before the signal arrived; -2: it had not installed its
+            # handler yet, which takes some milliseconds.
             if status not in (0, 4, 130) and (status != -2 or after > 0.02):
                 bad += 1
                 print(f"{name}: exit status {status} when interrupted after {after:.3f} s")

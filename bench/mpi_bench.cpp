@@ -1,8 +1,8 @@
-// The cost of points on several ranks beside that of all points in one process: work and bytes.
+// The cost of points on several ranks compared with all points in one process: work and bytes.
 //   mpirun -n 4 mpi_bench COUNT [SHAPE [DIMENSION [REPEAT]]]
-// Each rank makes its share; rank 0 also makes all of them, for convex_hull alone. Both are run
-// REPEAT times by turns, and medians printed. Work is processor seconds; that of ranks leaves out
-// the waiting for messages. Exit status 1 where the two results differ.
+// Each rank generates its share; rank 0 also generates all points, for convex_hull. Both run REPEAT
+// times in turn; medians are printed. Work is processor seconds, for ranks without waiting for
+// messages. Exit status 1 if the two results differ.
 #include <time.h>
 
 #include <cstdio>
@@ -22,7 +22,7 @@ using cullhull::PointView;
 using cullhull::bench::median;
 
 struct Set {
-  std::uint64_t count = 1000000;  ///< of all ranks
+  std::uint64_t count = 1000000;  ///< on all ranks together
   std::string shape = "ball";
   std::uint32_t dimension = 3;
 };
@@ -37,7 +37,7 @@ PointView view(const Set& set, const std::vector<double>& rows) {
   return PointView::row_major(rows.data(), rows.size() / set.dimension, set.dimension);
 }
 
-/// A barrier at which ranks sleep, so that they take no processor from the one being measured.
+/// A barrier at which ranks sleep, so that they do not disturb the rank that is measured.
 void wait_for_all() {
   MPI_Request request;
   MPI_Ibarrier(MPI_COMM_WORLD, &request);

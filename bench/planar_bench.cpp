@@ -1,4 +1,4 @@
-// Points of the plane: the engine alone, the extreme points, the complete result.
+// 2D points: the engine alone, the extreme points, the complete result.
 //
 //     planar_bench [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
 //
@@ -24,7 +24,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Coordinates, and a view of them, which is not always of packed doubles.
+/// Coordinates and a view of them, which is not always of packed doubles.
 struct Input {
   std::vector<double> doubles;
   std::vector<float> floats;

@@ -1,4 +1,4 @@
-// Rates of batched queries to a hull, beside testing every facet.
+// Rates of batched queries to a hull, compared with testing every facet.
 #include <algorithm>
 #include <cstdio>
 #include <string>
@@ -58,7 +58,7 @@ void run(const std::string& hull_of, std::uint64_t n, std::uint64_t asked) {
                inside += !out;
              }
            }));
-    if (inside > 3 * slow) std::puts("");  // keeps the loop
+    if (inside > 3 * slow) std::puts("");  // keeps the loop from being removed
   }
 }
 

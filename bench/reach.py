@@ -15,9 +15,9 @@ import re
 import subprocess
 import sys
 
-# How the number of extreme points grows with that of points, in space: its exponent.
+# Exponent with which the number of extreme points grows with the number of points, in 3D.
 GROWTH = {"ball": 0.5, "gauss": 0.0, "sphere": 1.0}
-ROW, DOWN = 32, 24  # bytes of a point with its id, and without
+ROW, DOWN = 32, 24  # bytes per point with its id, and without
 KEYS = {
     "bytes": r"bytes sent\s+(\d+)",
     "messages": r"in (\d+) messages",
@@ -70,7 +70,7 @@ class Model:
         """Up the tree: twice what left the ranks, reduced to what is extreme from four parts on."""
         up, level, parts = 0.0, 0, ranks / 2
         while parts >= 0.5:
-            share = count / parts / 2  # of the points, behind each message of this level
+            share = count / parts / 2  # points behind each message of this level
             each = self.contributed(count, ranks) / parts / 2
             if level >= 2:
                 each = min(each, self.extreme(share))

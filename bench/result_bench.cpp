@@ -1,10 +1,10 @@
-// The stages after the engine: an engine runs once (in 3D as often), build_hull many times, certify
-// once.
+// The stages after the engine: runs an engine once (in 3D once per repeat), build_hull many times,
+// and certify once.
 //
 //   bench/result_bench [repeats] [shape dimension count]...
 //
 // Shapes: those of generate(). Prints the best time of build_hull in ms with one and two threads,
-// the least CPU time, the time by phase for the best run, nanoseconds per facet, bytes of the
+// the least CPU time in ms, the time by phase for the best run, nanoseconds per facet, bytes of the
 // result per facet and a hash of it.
 #include <sys/resource.h>
 
@@ -75,7 +75,7 @@ void run(const char* shape, unsigned d, std::uint64_t n, unsigned repeats) {
     std::string phases;
     Hull last;
     for (unsigned r = 0; r < repeats; ++r) {
-      // The 3D result consumes the engine's own facets, which cannot be copied.
+      // Building the 3D result consumes the engine's facets, which cannot be copied.
       Boundary copy;
       TriangleMesh surface;
       if (d == 3)

@@ -1,9 +1,9 @@
-// CGAL's convex_hull_2 and convex_hull_3 (exact predicates, inexact constructions) on a .npy of
-// doubles: writes the seconds and then the extreme points, all as doubles in binary. With a number
-// of sets to divide the points into, the seconds of each instead. With the word `delaunay` or, in
-// 3D with TBB, `delaunay-parallel` the seconds of the triangulation and its number of simplices. A
-// separate program because CGAL is GPL: nothing of ours links it, `cullhull-bench` runs it where it
-// is installed.
+// Runs CGAL's convex_hull_2 or convex_hull_3 (exact predicates, inexact constructions) on a .npy
+// file of doubles. Writes the seconds and then the extreme points, as doubles in binary; with a
+// number of sets into which to divide the points, the seconds of each set instead; with the word
+// `delaunay` or (3D with TBB) `delaunay-parallel`, the seconds of the triangulation and its number
+// of simplices. It is a separate program because CGAL is GPL: no part of cullhull links it,
+// `cullhull-bench` runs it where it is installed.
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -67,7 +67,7 @@ std::vector<double> seconds_of_sets(const PointView& points, std::uint64_t sets)
   return seconds;
 }
 
-/// The seconds, then the number of simplices.
+/// Returns the seconds, then the number of simplices.
 std::vector<double> delaunay_2(const PointView& p) {
   std::vector<Kernel::Point_2> points;
   for (std::uint64_t i = 0; i < p.count; ++i) points.emplace_back(p.at(i, 0), p.at(i, 1));
@@ -77,7 +77,7 @@ std::vector<double> delaunay_2(const PointView& p) {
   return {seconds, t.dimension() < 2 ? 0.0 : static_cast<double>(t.number_of_faces())};
 }
 
-/// `lock`: nothing, or where threads lock what they work on.
+/// `lock`: empty, or the lock data structure for several threads.
 template <class Triangulation, class... Lock>
 std::vector<double> delaunay_3(const PointView& p, Lock*... lock) {
   std::vector<Kernel::Point_3> points;
@@ -89,7 +89,7 @@ std::vector<double> delaunay_3(const PointView& p, Lock*... lock) {
   return {seconds, t.dimension() < 3 ? 0.0 : static_cast<double>(t.number_of_finite_cells())};
 }
 
-/// Nothing where there is no such triangulation.
+/// Empty if there is no such triangulation.
 std::vector<double> delaunay(const PointView& p, bool parallel) {
   if (!parallel && p.dimension == 2) return delaunay_2(p);
   if (!parallel && p.dimension == 3) return delaunay_3<CGAL::Delaunay_triangulation_3<Kernel>>(p);

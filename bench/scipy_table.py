@@ -124,7 +124,7 @@ def row(
         if turn < count:
             assert agree(what, a, b)
         del a, b
-        if turn > 0:  # the first call of a size finds no warm pages
+        if turn > 0:  # the first call of a size has no warm pages
             ours.append(mine)
             theirs.append(other)
         turn += 1

@@ -1,10 +1,10 @@
-// Moving points, frame by frame: our tracker, our static run and Qhull on the same frames in one
-// run: track_bench [--threads N] [--qhull-every K] [--repeat R] SEQUENCE.npy...
+// Moving points, frame by frame: the tracker, convex_hull for each frame, and Qhull on the same
+// frames in one run: track_bench [--threads N] [--qhull-every K] [--repeat R] SEQUENCE.npy...
 //
-// Each frame is in memory with its pages warm before it is timed. Ours ends with the complete
-// result; Qhull (options Qt, as SciPy calls it) is timed for its hull alone, on every K-th frame.
-// Each time is the least of R; given are means over the frames. A ratio above 1 means we are
-// faster.
+// Each frame is in memory with warm pages before it is timed. Cullhull's times end with the
+// complete result; Qhull (option Qt, as SciPy calls it) is timed for its hull alone, on every K-th
+// frame. Each time is the least of R runs; means over the frames are printed. A ratio above 1 means
+// that cullhull is faster.
 #include <libqhull_r/qhull_ra.h>
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 namespace cullhull::viewer {
 namespace {
 
-/// A page's points in the order of ids, a fair sample of which is triangulated.
+/// A page's points in the order of ids; triangulates a uniform sample of them.
 class Sampled {
  public:
   Sampled(const std::vector<double>& ids, const std::vector<double>& coordinates,
@@ -48,8 +48,8 @@ DrawnCells drawn_cells(const std::vector<double>& ids, const std::vector<double>
                        std::uint32_t dimension, std::uint64_t most_corners,
                        const TriangulationOptions& options) {
   const Sampled points(ids, coordinates, dimension, options);
-  // Cells may be as many as the points squared: from a few points on, and never many more cells
-  // than there is room for.
+  // The number of cells may grow as the square of the number of points. Therefore starts with few
+  // points and adds more as long as the cells fit.
   std::uint64_t count = std::min<std::uint64_t>(points.size(), 256);
   DrawnCells cells = points.cells(count);
   while (count < points.size()) {

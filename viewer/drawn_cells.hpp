@@ -10,12 +10,12 @@ namespace cullhull::viewer {
 
 struct DrawnCells {
   std::uint32_t corners = 0;        ///< of each cell: one more than the dimension of the points
-  std::uint64_t points = 0;         ///< that were triangulated, repeated ones among them
+  std::uint64_t points = 0;         ///< number of points triangulated, including duplicates
   std::vector<std::uint32_t> rows;  ///< cells x corners
 };
 
-/// The Delaunay triangulation of rows: those of ids[i] with `dimension` coordinates each, which
-/// ties prefer by id. Beyond `most_corners` numbers that of a fair sample of the rows.
+/// The Delaunay triangulation of rows, which have ids[i] and `dimension` coordinates each; ties are
+/// broken by id. If it exceeds `most_corners` numbers, that of a uniform sample of the rows.
 DrawnCells drawn_cells(const std::vector<double>& ids, const std::vector<double>& coordinates,
                        std::uint32_t dimension, std::uint64_t most_corners,
                        const TriangulationOptions& options);

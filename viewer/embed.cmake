@@ -1,4 +1,4 @@
-# cmake -DNAME=... -DINPUT=... -DOUTPUT=... -P embed.cmake: a text file as a C++ constant.
+# Writes a text file as a C++ constant: cmake -DNAME=... -DINPUT=... -DOUTPUT=... -P embed.cmake
 file(READ "${INPUT}" text)
 set(delimiter "cullhull-asset")
 string(FIND "${text}" ")${delimiter}\"" clash)

@@ -15,7 +15,7 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
 constexpr std::uint32_t absent = UINT32_MAX;
 
-/// Point id -> position among some of the hull's vertices.
+/// Maps point ids to positions among the chosen vertices of the hull.
 class Positions {
  public:
   Positions(const Hull& hull, const std::vector<std::uint64_t>& chosen) {
@@ -32,7 +32,8 @@ class Positions {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
 };
 
-/// The position of each vertex, where all were chosen; a file may name ids that are not vertices.
+/// The position of a vertex if all vertices were chosen. Throws for other ids, which a file may
+/// contain.
 std::uint32_t position(const Positions& positions, std::uint64_t id) {
   const std::uint32_t p = positions.of(id);
   if (p == absent)
@@ -41,7 +42,7 @@ std::uint32_t position(const Positions& positions, std::uint64_t id) {
   return p;
 }
 
-/// Dimension 2: hull.vertices is the boundary, in order.
+/// Dimension 2: hull.vertices is the boundary in cyclic order.
 void draw_polygon(HullShape& shape) {
   const auto n = static_cast<std::uint32_t>(shape.vertices.size());
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -79,7 +80,7 @@ class EdgeTest {
         incidences_.push_back({facets_.items[i], f});
     std::sort(incidences_.begin(), incidences_.end());
   }
-  /// Where all facets are simplices, every pair of a simplex's vertices is an edge.
+  /// If all facets are simplices, every pair of a simplex's vertices is an edge.
   bool operator()(std::uint64_t a, std::uint64_t b) const {
     if (simplicial_) return true;
     std::vector<std::uint64_t> common, rest;
@@ -119,9 +120,9 @@ class EdgeTest {
 
 std::uint64_t pair_hash(Pair e) { return mix64(std::uint64_t{e.first} << 32 | e.second); }
 
-/// Pairs of chosen vertices that share a simplex, each once. Of more than about `most` pairs, those
-/// with the lowest hashes: a uniform sample, independent of order and of how many simplices share a
-/// pair.
+/// Pairs of chosen vertices that share a simplex, each once. If there are more than about `most`,
+/// those with the lowest hashes: a uniform sample, independent of order and of how many simplices
+/// share a pair.
 std::vector<Pair> simplex_pairs(const Hull& hull, const Positions& positions, std::uint64_t most,
                                 bool& sampled) {
   const auto k = static_cast<std::size_t>(hull.affine_dimension);
@@ -152,8 +153,8 @@ std::vector<Pair> simplex_pairs(const Hull& hull, const Positions& positions, st
   return pairs;
 }
 
-/// Dimension 4 and up. An edge is in every triangulation without additional vertices, so only the
-/// pairs in simplices are candidates.
+/// Dimension 4 and up. Every triangulation without additional vertices contains all edges, so only
+/// pairs of vertices that share a simplex are candidates.
 void draw_graph(const Hull& hull, const Positions& positions, std::uint64_t most,
                 HullShape& shape) {
   std::vector<Pair> pairs = simplex_pairs(hull, positions, most, shape.edges_sampled);
@@ -173,7 +174,7 @@ void draw_graph(const Hull& hull, const Positions& positions, std::uint64_t most
   for (const Pair& e : pairs) shape.edges.insert(shape.edges.end(), {e.first, e.second});
 }
 
-/// The hull of the chosen vertices alone: at this number the difference is not visible.
+/// The hull of the chosen vertices alone; with this many the difference is not visible.
 HullShape simplified_shape(const Hull& hull, const std::vector<double>& rows,
                            const std::vector<std::uint64_t>& chosen) {
   const std::size_t d = hull.dimension;
@@ -185,7 +186,7 @@ HullShape simplified_shape(const Hull& hull, const std::vector<double>& rows,
   const Hull small = convex_hull(PointView::row_major(some.data(), chosen.size(), hull.dimension));
   HullShape shape = hull_shape(small, {}, {small.vertices.size(), 0});
   for (std::uint64_t& v : shape.vertices) v = chosen[small.vertices[v]];
-  shape.facets.clear();  // of another hull
+  shape.facets.clear();  // they refer to the other hull
   shape.simplified = true;
   return shape;
 }

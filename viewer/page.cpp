@@ -8,7 +8,7 @@
 namespace cullhull::viewer {
 namespace {
 
-/// Bytes of the UTF-8 sequence at the front of `text` (RFC 3629), 0 if there is none.
+/// Length in bytes of the UTF-8 sequence that `text` begins with (RFC 3629); 0 if there is none.
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(0);
@@ -23,7 +23,7 @@ std::size_t utf8_length(std::string_view text) {
   return overlong || beyond ? 0 : length;
 }
 
-/// In JSON "<" occurs only within strings, where it can be escaped.
+/// Escapes "<", which occurs in JSON only within strings.
 std::string json_for_html(const std::string& text) {
   std::string out;
   out.reserve(text.size());
@@ -35,7 +35,7 @@ std::string json_for_html(const std::string& text) {
   return out;
 }
 
-/// Replaces {{name}} by what `value(name)` appends; one pass, so values may hold braces.
+/// Replaces each {{name}} by what append(name) appends. One pass, so values may contain braces.
 template <class Append>
 std::string filled(std::string_view frame, const Append& append) {
   std::string out;

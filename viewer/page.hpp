@@ -1,5 +1,5 @@
-// Self-contained HTML pages: one file, no network, no other files. Callers provide a body, styles,
-// scripts and data.
+// Self-contained HTML pages: one file that needs no network and no other files. Callers provide a
+// body, styles, scripts and data.
 #pragma once
 
 #include <string>
@@ -11,22 +11,23 @@ namespace cullhull::viewer {
 struct Page {
   std::string title;
   std::string_view body;  ///< HTML
-  /// In this order, after assets::base_css. CSS must not contain "</style", scripts not "</script".
+  /// Inserted in this order, after assets::base_css. CSS must not contain "</style", scripts not
+  /// "</script".
   std::vector<std::string_view> styles;
   std::vector<std::string_view> scripts;
   /// A comment at the top: the licence of the scripts' sources.
   std::string_view notice;
 
-  /// Scripts read it as document.getElementById(id).textContent.
+  /// Data that scripts read by document.getElementById(id).textContent.
   struct Data {
     std::string_view id;
-    std::string_view type;  ///< a MIME type that is no script, "application/json" say
-    std::string text;  ///< of JSON "<" is escaped here; other types must not contain "</script"
+    std::string_view type;  ///< a MIME type that is not a script, such as "application/json"
+    std::string text;  ///< "<" in JSON is escaped here; other types must not contain "</script"
   };
   std::vector<Data> data;
 };
 
-/// The whole file. A content security policy in its head forbids every request.
+/// The text of the page. Its content security policy forbids all requests.
 std::string page_text(const Page& page);
 
 /// `text` (any bytes) as HTML text: invalid UTF-8 becomes U+FFFD.

@@ -15,20 +15,20 @@
 namespace cullhull::viewer {
 namespace {
 
-/// Bytes of arrays in a page. Base64 makes 4/3 of them: with three.js (0.9 MB) and the rest the
-/// page stays under 12 MB.
+/// Limit for the bytes of arrays in a page. Base64 makes them 4/3 as long; with three.js (0.9 MB)
+/// and the rest, the page stays below 12 MB.
 constexpr std::uint64_t page_bytes = 8'000'000;
-/// More dots are neither distinguished nor drawn quickly on a phone.
+/// More dots could not be distinguished, and phones would draw them slowly.
 constexpr std::uint64_t most_points = 100'000, most_survivors = 50'000;
-/// A list of more axes would be too long to choose three from, and one row must not fill the page.
+/// From a list of more axes users could hardly choose three, and one row must not fill the page.
 constexpr std::uint32_t most_axes = 64;
-/// Up to so many axes, all projections on three of them are stored in the page (20 of 6 axes).
+/// Up to this number of axes, the page stores all projections on three axes (20 for 6 axes).
 constexpr std::uint32_t most_shadow_axes = 6;
 
-/// Ids are written as 32-bit numbers where they fit, else as doubles, exact to 2^53.
+/// Ids are written as 32-bit numbers if they fit, else as doubles, which are exact up to 2^53.
 bool wide_ids(std::uint64_t count) { return count > UINT64_C(1) << 32; }
 
-/// Scalars that a float represents exactly take half the space.
+/// Scalars that a float represents exactly need half the space.
 bool narrow_scalar(ScalarType t) {
   return t != ScalarType::f64 && t != ScalarType::i32 && t != ScalarType::u32;
 }
@@ -37,9 +37,9 @@ std::string member(const char* name, std::uint64_t value) {
   return fmt::format("\"{}\":{},", name, value);
 }
 
-/// Bytes of a shape of dimension k for each vertex, besides its row: a polyhedron has up to twice
-/// as many triangles (each with its facet) and three times as many edges as vertices. Numbers below
-/// 2^16 take two bytes, so this is the bound for large shapes.
+/// Bytes per vertex of a shape of dimension k, without the vertex's row. A polyhedron has up to
+/// twice as many triangles (each with its facet) and three times as many edges as vertices. Numbers
+/// below 2^16 use two bytes, so this bounds large shapes only.
 std::uint64_t shape_bytes(int k) { return k == 3 ? 56 : k == 2 ? 20 : 0; }
 
 ShapeLimits shape_limits(int k, std::uint64_t bytes, std::uint64_t row_bytes) {
@@ -54,12 +54,12 @@ bool contains(const std::vector<std::uint64_t>& sorted, std::uint64_t id) {
 
 }  // namespace
 
-/// Ids in the order of the page, and the shape that refers to the first of them.
+/// Ids in the order of the page, and the shape, which refers to the first of them.
 struct Scene::Rows {
   HullShape shape;
   std::vector<Shadow> shadows;
   std::vector<std::uint64_t> survivors, points;
-  std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, besides the vertices
+  std::uint64_t all_survivors = 0, all_points = 0;  ///< in the input, without vertices
 };
 
 bool available() { return !assets::three_js.empty(); }
@@ -100,7 +100,7 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes,
     std::uint64_t bytes = 0;
     for (const Shadow& s : rows.shadows) bytes += 4 * (s.edges.size() + s.triangles.size());
     if (bytes > frame_bytes / 4)
-      rows.shadows.clear();  // draws edges instead
+      rows.shadows.clear();  // edges are drawn instead
     else
       used += bytes;
   }
@@ -114,8 +114,8 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes,
   rows.all_survivors = survivors.size(n) - vertices.size();
   rows.all_points = n - survivors.size(n);
 
-  // The same ids in every frame, so that points can be followed; those that survive in this frame
-  // or are vertices of it are drawn as such.
+  // The same ids in every frame, so that a viewer can follow points. Each is drawn by its role in
+  // this frame: vertex, survivor or discarded point.
   for (const std::uint64_t id : fair_sample(n, std::min(most_points, room / 2 + 1))) {
     if (contains(vertices, id)) continue;
     const bool survived = survivors.all || contains(survivors.ids, id);
@@ -156,7 +156,7 @@ void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& j
   if (frame.triangulate != nullptr) write_cells(frame, ids, coordinates, json);
 }
 
-/// Of all rows, or a fair sample of them.
+/// Writes the cells of all rows, or of a uniform sample of them.
 void Scene::write_cells(const SceneFrame& frame, const std::vector<double>& ids,
                         const std::vector<double>& coordinates, std::string& json) {
   const DrawnCells cells =
@@ -175,7 +175,7 @@ void Scene::write_colours(const PointView& colours, const std::vector<double>& i
   json += array("colours", "u8", bytes);
 }
 
-/// Hulls of four to six dimensions: their projections on three axes.
+/// Writes the projections on three axes of hulls of four to six dimensions.
 void Scene::write_shadows(const Rows& rows, std::string& json) {
   std::string list;
   for (const Shadow& s : rows.shadows) {

@@ -1,5 +1,5 @@
 // The page of `cullhull view`: points, hull and figures of one set, or of each frame of a moving
-// set, of a size that browsers load at once.
+// set, small enough for browsers to load at once.
 #pragma once
 
 #include <cstdint>
@@ -11,22 +11,22 @@
 
 namespace cullhull::viewer {
 
-/// False in a build without three.js.
+/// False in builds without three.js.
 bool available();
 
-/// The contents of a page at one time.
+/// The contents of a page for one frame.
 struct SceneFrame {
-  std::uint64_t index = 0;  ///< of the frame in its sequence
+  std::uint64_t index = 0;  ///< index of the frame in its sequence
   const Hull* hull = nullptr;
   /// Rows of hull->dimension in the order of hull->vertices.
   std::vector<double> vertex_rows;
-  /// The whole input; no points if the hull alone is known.
+  /// The whole input; empty if only the hull is known.
   PointView points;
-  /// Their colours (u8 red, green, blue), or no points.
+  /// The points' colours (u8 red, green, blue), or empty.
   PointView colours;
   /// Used only if there are points.
   const Survivors* survivors = nullptr;
-  /// How to triangulate what is drawn; null: no cells. Of points of dimension 2 and 3.
+  /// How to triangulate the points that are drawn, in 2D and 3D; null: no cells.
   const TriangulationOptions* triangulate = nullptr;
   /// A JSON object: the figures to show (hull_to_json without lists).
   std::string report;
@@ -34,19 +34,19 @@ struct SceneFrame {
 
 /// Collects frames, then writes the page.
 ///
-/// Everything drawn is a row: id, and exact coordinates. Rows are, in this order, vertices,
-/// survivors that are not vertices, points the filter dropped; the latter two (and a hull too
-/// large) are uniform samples. The page holds one JSON object (id "scene"; it refers to arrays by
+/// Each point drawn is a row: id and exact coordinates. The rows are, in this order: vertices,
+/// survivors that are not vertices, discarded points; the latter two (and a hull that is too large)
+/// are uniform samples. The page holds one JSON object (id "scene", which refers to arrays by
 /// [offset in bytes, length, type]) and one block of bytes in base64 (id "bytes"), little-endian.
 class Scene {
  public:
-  /// `shown_frames` of `frames` will be added: they share the bytes that a page may take.
+  /// `shown_frames` of `frames` will be added; they share the bytes of the page.
   Scene(std::string title, std::uint64_t frames, std::uint64_t shown_frames);
   void add(const SceneFrame& frame);
   /// Throws Error{backend_unavailable} unless available().
   std::string page() const;
 
-  /// With more frames none would have a useful number of points.
+  /// With more frames, each would have too few points to be useful.
   static constexpr std::uint64_t most_frames = 120;
 
  private:
@@ -62,19 +62,19 @@ class Scene {
   void write_colours(const PointView& colours, const std::vector<double>& ids, std::string& json);
   void write_shadows(const Rows& rows, std::string& json);
 
-  /// Of a frame's bytes: those for its cells.
+  /// Bytes of a frame that are reserved for its cells.
   std::uint64_t cell_bytes() const { return frame_bytes_ / 2; }
 
   std::string title_;
   std::uint64_t frames_;
   std::uint64_t frame_bytes_;
   std::uint32_t dimension_ = 0;
-  std::uint32_t axes_ = 0;  ///< coordinates of a row, at most most_axes
+  std::uint32_t axes_ = 0;  ///< coordinates per row, at most most_axes
   std::string frames_json_;
   std::string bytes_;
 };
 
-/// vertex_rows of a hull from its points.
+/// The vertex_rows of a hull, from its points.
 std::vector<double> vertex_rows(const PointView& points, const Hull& hull);
 
 }  // namespace cullhull::viewer

@@ -1,5 +1,5 @@
-// The gauge map: a look-up (per point, on one thread, from arrays that fit the cache and from
-// larger ones), the time of reading alone, and building the map. Argument: the dimension.
+// The gauge map: look-ups (per point, on one thread, for arrays that fit the cache and for larger
+// ones), reading alone, and building the map. Argument: the dimension.
 #include "filter/gauge/gauge_map.hpp"
 
 #include <map>

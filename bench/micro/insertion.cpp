@@ -1,5 +1,5 @@
-// One insertion in the engines: the time of a whole hull on one thread, by point and by facet of
-// the result. Arguments: dimension, points.
+// Insertion in the engines: the time of a whole hull on one thread, per point and per facet of the
+// result. Arguments: dimension, points.
 #include "sets.hpp"
 
 namespace cullhull::micro {
@@ -22,7 +22,7 @@ void insert(benchmark::State& state, const char* shape) {
 void insert_sphere(benchmark::State& state) { insert(state, "sphere"); }
 /// Most points are inside.
 void insert_ball(benchmark::State& state) { insert(state, "ball"); }
-/// Ties everywhere: decided by exact arithmetic.
+/// Ties everywhere, decided by exact arithmetic.
 void insert_grid(benchmark::State& state) { insert(state, "grid:32"); }
 
 BENCHMARK(insert_sphere)

@@ -1,4 +1,4 @@
-// One orientation by each rung of the ladder. Argument: the dimension.
+// One orientation test by each stage. Argument: the dimension.
 #include <cmath>
 
 #include "exact/orientation/orientation.hpp"
@@ -11,7 +11,7 @@ using internal::orientation;
 using internal::Rung;
 using internal::Sign;
 
-/// Many orientations, so that branch predictors cannot learn them: d + 1 points each.
+/// Many orientation tests of d + 1 points each, so that branch predictors cannot learn them.
 struct Questions {
   static constexpr std::size_t count = 512;
   unsigned dimension;
@@ -31,7 +31,7 @@ Questions random_questions(unsigned d) {
   return {d, generate("cube", Questions::count * (d + 1), d)};
 }
 
-/// The last point lies on the hyperplane of the others, up to rounding.
+/// The last point is on the hyperplane of the others, up to rounding.
 Questions nearly_flat(unsigned d) {
   Questions q = random_questions(d);
   for (std::size_t i = 0; i < Questions::count; ++i)
@@ -39,7 +39,7 @@ Questions nearly_flat(unsigned d) {
   return q;
 }
 
-/// The same with integers of 16 bits, where the last point lies exactly on it.
+/// The same with 16-bit integers, where the last point is exactly on the hyperplane.
 Questions flat_integers(unsigned d) {
   Questions q = random_questions(d);
   for (double& x : q.rows) x = 2 * std::nearbyint(x * 0x1p14);
@@ -48,7 +48,7 @@ Questions flat_integers(unsigned d) {
   return q;
 }
 
-/// Evaluates all of them repeatedly; most must be decided by `wanted`.
+/// Evaluates all tests repeatedly; stage `wanted` must decide most of them.
 void ask(benchmark::State& state, const Questions& q, Rung wanted) {
   std::size_t there = 0;
   for (std::size_t i = 0; i < Questions::count; ++i) {
@@ -69,7 +69,7 @@ void orientation_filter(benchmark::State& state) {
 void orientation_doubles_exact(benchmark::State& state) {
   ask(state, nearly_flat(static_cast<unsigned>(state.range(0))), Rung::exact);
 }
-/// By any rung: a filter may prove a zero for integers.
+/// By any stage: a filter may prove a zero for integers.
 void orientation_integers(benchmark::State& state) {
   const Questions q = flat_integers(static_cast<unsigned>(state.range(0)));
   for (std::size_t i = 0; i < Questions::count; ++i)

@@ -1,4 +1,4 @@
-// A query of one point to a finished hull, in a batch on one thread. Argument: the dimension.
+// Queries of single points to a finished hull, in a batch on one thread. Argument: the dimension.
 #include <algorithm>
 
 #include "cullhull/hull.hpp"

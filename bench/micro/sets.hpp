@@ -1,4 +1,4 @@
-// Shared by micro-benchmarks: points, an engine's input, a polytope for a map.
+// Shared by the micro-benchmarks: points, an engine's input, a polytope for a map.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -25,17 +25,17 @@ inline internal::Boundary engine_hull(const internal::LocalFrame& frame, const i
                                                      run.with_budget(budget).with_threads(1));
 }
 
-/// Reports the time of one of the items that every iteration processes.
+/// Reports the time per item; every iteration processes `items` of them.
 inline void count_items(benchmark::State& state, std::uint64_t items, const char* name = "time") {
   state.counters[name] =
       benchmark::Counter(static_cast<double>(items), benchmark::Counter::kIsIterationInvariantRate |
                                                          benchmark::Counter::kInvert);
 }
 
-/// Where points lie relative to the unit ball: well inside, near its surface, well outside.
+/// The position of points relative to the unit ball: well inside, near its surface, well outside.
 enum class Place { inside, near, outside };
 
-/// `count` rows with uniform directions.
+/// `count` rows in uniformly distributed directions.
 inline std::vector<double> placed(Place place, std::uint64_t count, unsigned d) {
   std::vector<double> rows = generate("sphere", count, d, 2);
   const std::vector<double> at = generate("cube", count, 1, 3);  // in [-1, 1)

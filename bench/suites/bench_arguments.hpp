@@ -1,4 +1,4 @@
-// Command line arguments and clocks shared by the programs bench/*_bench.
+// Command line arguments and clocks for the programs bench/*_bench.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace cullhull::bench {
 
-/// [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...]
+/// The arguments [--n N] [--threads 1,2] [--repeat K] [WORKLOAD ...].
 struct BenchArguments {
   std::uint64_t n = 1'000'000;  ///< points
   unsigned repeat = 3;
@@ -20,8 +20,8 @@ struct BenchArguments {
   std::vector<std::string> workloads{};
 };
 
-/// Parses them over `given`, the defaults. With no workload named, all of them are taken. A word
-/// that is not in `known` ends the program with status 2, listing `all`.
+/// Parses arguments; `given` are the defaults. Without a workload, all are selected. A word that is
+/// not in `known` ends the program with status 2, after listing `all`.
 template <class Known>
 BenchArguments parse_arguments(int argc, char** argv, BenchArguments given, const Known& known,
                                const std::vector<std::string>& all) {
@@ -54,8 +54,8 @@ BenchArguments parse_arguments(int argc, char** argv, BenchArguments given, cons
   return given;
 }
 
-/// Processor time of all threads of this process, in user and kernel mode, in ms: less disturbed by
-/// other programs than the clock.
+/// Processor time in ms of all threads of this process, in user and kernel mode; other programs
+/// disturb it less than elapsed time.
 inline double processor_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace cullhull::bench

@@ -41,7 +41,7 @@ double seconds_since(Clock::time_point start) {
 
 // ------------------------------------------------------------------------------------ the sets
 
-/// `count` sets of n points, one after the other.
+/// `count` sets of n points, concatenated.
 struct Sets {
   std::uint64_t n = 0, count = 0;
   Points points;
@@ -58,7 +58,7 @@ struct Sets {
   }
 };
 
-/// So many that they exceed the last cache, at least three.
+/// At least three sets, and enough to exceed the last-level cache.
 Sets make_sets(const Workload& w, std::uint64_t seed) {
   constexpr std::uint64_t coordinates = std::uint64_t{1} << 21;
   Sets sets;
@@ -76,24 +76,24 @@ Sets make_sets(const Workload& w, std::uint64_t seed) {
 
 // ------------------------------------------------------------------------------- who is timed
 
-/// A kind of call on sets of `Sets`; `times` gets the seconds of each.
+/// A kind of call on sets of `Sets`; `times` receives the seconds of each call.
 struct Contestant {
   std::string name;
   unsigned callers = 1;
-  std::function<double(std::uint64_t)> call{};         ///< with set i; thread safe for ours
-  std::function<std::vector<double>()> all_at_once{};  ///< instead, for a program
+  std::function<double(std::uint64_t)> call{};         ///< with set i; thread safe for cullhull
+  std::function<std::vector<double>()> all_at_once{};  ///< used instead of `call` for programs
   std::vector<double> times{};
   std::uint64_t next = 0;
 };
 
-/// Reads an item of every list, so that lists that are made on access are made.
+/// Reads the size of every list, so that lists created on access are created.
 std::uint64_t ask_for_all(const Hull& h) {
   return h.vertices.size() + h.simplices.size() + h.simplex_neighbours.size() +
          h.simplex_facets.size() + h.facets.items.size() + h.facet_neighbours.items.size() +
          h.facet_planes.size() + (h.volume > 0 ? 1 : 0);
 }
 
-std::atomic<std::uint64_t> sink{0};  // so that the compiler keeps every call
+std::atomic<std::uint64_t> sink{0};  // keeps the compiler from removing calls
 
 double time_ours(const PointView& set, const Options& options) {
   const Clock::time_point start = Clock::now();
@@ -101,7 +101,7 @@ double time_ours(const PointView& set, const Options& options) {
   return seconds_since(start);
 }
 
-/// Every set once, by a separate program.
+/// Times a separate program, on every set once.
 std::vector<double> time_program(const Sets& sets, const RivalProgram& rival,
                                  const ChildLimits& limits) {
   const Scratch file;
@@ -118,7 +118,7 @@ std::vector<double> time_program(const Sets& sets, const RivalProgram& rival,
   return times;
 }
 
-/// Processes that compute until this is destroyed.
+/// Processes that keep cores busy until this object is destroyed.
 class Busy {
  public:
   explicit Busy(unsigned count) {
@@ -336,7 +336,7 @@ class Suite {
     return row;
   }
 
-  /// Set 0 in a new process, whose first call is reported separately from later ones.
+  /// Times set 0 in a new process; reports its first call separately from later ones.
   Row first_call(const Workload& w, const Sets& sets, Row row) const {
     step(w.name() + ", first call");
     const Scratch file;

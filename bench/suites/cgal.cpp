@@ -9,7 +9,7 @@
 namespace cullhull::bench {
 namespace {
 
-/// Offsets of the rows in lexicographic order; -0 is 0.
+/// Pointers to the rows in lexicographic order; -0 equals 0.
 std::vector<const double*> sorted_rows(const std::vector<double>& rows, unsigned d) {
   std::vector<const double*> order;
   for (std::size_t i = 0; i + d <= rows.size(); i += d) order.push_back(rows.data() + i);
@@ -31,7 +31,7 @@ std::optional<CgalRun> run_cgal(const std::string& program, const std::vector<do
   const std::optional<ChildRun> child = run_program({program, file.path}, limits);
   if (!child) return std::nullopt;
   if (child->timed_out) return CgalRun{limits.seconds, false, {}};
-  // The seconds, then rows, all as doubles.
+  // The seconds, then rows, as doubles.
   const std::size_t bytes = child->output.size();
   if (bytes < sizeof(double) || (bytes - sizeof(double)) % (d * sizeof(double)) != 0)
     return std::nullopt;

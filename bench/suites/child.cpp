@@ -30,17 +30,17 @@ void write_all(int to, const std::string& text) {
   }
 }
 
-/// A running child, killed unless it was waited for.
+/// A running child process; the destructor kills it unless it was waited for.
 class Child {
  public:
-  /// `body(fd)` runs in the child and never returns.
+  /// The child runs `body(fd)`, which must not return.
   template <class Body>
   explicit Child(const Body& body) {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) refuse("a pipe");
     pid_ = ::fork();
     if (pid_ == 0) {
-      // Ctrl-C reaches the terminal's whole process group: only the parent handles it.
+      // Ctrl-C reaches the terminal's whole process group; only the parent handles it.
       std::signal(SIGINT, SIG_DFL);
       std::signal(SIGTERM, SIG_DFL);
       body(ends[1]);

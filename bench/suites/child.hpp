@@ -1,5 +1,5 @@
 // Work in a separate process: a rival that takes too long, runs out of memory or crashes ends only
-// itself, and Ctrl-C ends it at once.
+// that process, and Ctrl-C ends it at once.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ struct ChildRun {
   bool timed_out = false;
 };
 
-/// The name of a .npy for a rival; the destructor removes the file. One at a time.
+/// The name of a .npy file for a rival; the destructor removes the file. Use one at a time.
 struct Scratch {
   Scratch();
   ~Scratch();
@@ -29,16 +29,16 @@ struct Scratch {
   std::string path;
 };
 
-/// What `work` returns, computed in a fork of this process: it sees all memory as it is now and
-/// changes none of it. `work` must not use threads of this process, which do not exist in a fork.
-/// Empty if the child failed. Throws Error{cancelled}; Error{io} where no process can be created.
+/// Runs `work` in a fork of this process, which sees all memory as it is now and changes none of
+/// it. `work` must not use this process's threads, which do not exist in a fork. Empty if the child
+/// failed. Throws Error{cancelled}; Error{io} if no process can be created.
 std::optional<ChildRun> run_forked(const std::function<std::string()>& work,
                                    const ChildLimits& limits);
 
-/// The path of a program in the folder of the running one; empty if it is not there.
+/// The path of a program in the folder of the running program; empty if absent.
 std::string program_beside(const char* name);
 
-/// What a program wrote on its standard output; words[0] is its path.
+/// Runs a program and returns its standard output; words[0] is its path.
 std::optional<ChildRun> run_program(const std::vector<std::string>& words,
                                     const ChildLimits& limits);
 

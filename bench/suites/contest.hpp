@@ -1,4 +1,4 @@
-// Ours beside rivals: what the suites share that time both.
+// Shared by the suites that compare cullhull with rivals.
 #pragma once
 
 #include <stop_token>
@@ -12,63 +12,66 @@
 
 namespace cullhull::bench {
 
-/// Which values have names and seconds, in order.
+/// Names of values and their seconds, in order.
 using NamedSeconds = std::vector<std::pair<std::string, double>>;
 
-/// One run follows another as long as all together have taken less.
+/// Runs are repeated until all runs together have taken this long.
 inline constexpr double most_seconds_of_runs = 10;
 
-/// What such suites are told.
+/// Settings of these suites.
 struct ContestSettings {
-  std::vector<Workload> workloads;  ///< empty: the suite's usual ones
-  double scale = 1;                 ///< of every size
-  unsigned repeat = 5;              ///< medians of so many runs, of fewer where they are long
-  std::vector<unsigned> threads;    ///< for ours, ascending; 0: all; empty: one, and all
-  double limit = 30;                ///< seconds for one run of a rival; 0: as long as it takes
+  std::vector<Workload> workloads;  ///< empty: the suite's default workloads
+  double scale = 1;                 ///< factor for every size
+  unsigned repeat = 5;              ///< medians of this many runs, of fewer if they are long
+  std::vector<unsigned> threads;    ///< for cullhull, ascending; 0: all; empty: one, and all
+  double limit = 30;                ///< seconds for one run of a rival; 0: no limit
   bool with_qhull = true, with_cgal = true;
-  /// Program that times CGAL (bench/rival_cgal.cpp); empty: beside this one, if it is there.
+  /// Program that times CGAL (bench/rival_cgal.cpp); empty: the one in this program's folder, if
+  /// any.
   std::string cgal;
 };
 
-/// The program that times CGAL; empty where it is left out or not there.
+/// The program that times CGAL; empty if it is excluded or absent.
 std::string cgal_of(const ContestSettings& settings);
 
-/// A report without figures; its command is that of the settings.
+/// A report without figures; its command is derived from the settings.
 Report begin_report(const char* suite, const ContestSettings& settings,
                     const std::vector<unsigned>& threads);
 
 /// A row without values.
 Row begin_row(const Workload& w);
 
-/// As they are measured: ascending, each once, 0 as what the machine has. Empty: one, and all.
+/// The numbers of threads to measure: ascending, without repeats, 0 replaced by the number of
+/// processors. Empty: one, and all.
 std::vector<unsigned> thread_counts(std::vector<unsigned> wanted);
 
-/// The name of our value: "cullhull, 2 threads".
+/// The name of a cullhull value: "cullhull, 2 threads".
 std::string our_column(unsigned threads);
 
-/// Every count of points times `scale`, but d + 2 at least.
+/// A number of points times `scale`, but at least d + 2.
 std::uint64_t scaled_count(std::uint64_t count, double scale, unsigned dimension);
 
-/// A rival's value; not a number where it was not there, and a limit it ran into if unfinished.
+/// Adds a rival's value: NaN if the rival is absent; if it did not finish, its limit.
 void add_rival(Row& row, const std::string& name, double seconds, bool there, bool finished);
 
-/// Adds ours behind the rivals' values: the ratio is the fastest rival's time over the last of
-/// ours, and `slower` says which of ours took longer.
+/// Adds the cullhull values after the rivals': the ratio is the fastest rival's time over the last
+/// of these, and `slower` names those that took longer than a rival.
 void add_ours(Row& row, const NamedSeconds& ours);
 
-/// Rows that differ, rows where a rival is faster, and all: figures without rows are left out.
+/// Figures of the rows that differ, of those where a rival is faster, and of all; empty ones are
+/// omitted.
 std::vector<Figure> judged_figures(Figure all, const char* title_of_different);
 
-/// Progress of a suite from row to row, and where it is cancelled.
+/// Reports a suite's progress row by row, and checks for cancellation.
 class Steps {
  public:
   Steps(const Progress& progress, std::stop_token stop)
       : progress_(progress), stop_(std::move(stop)) {}
-  /// Row `i` of `count` begins.
+  /// Starts row `i` of `count`.
   void row(std::size_t i, std::size_t count) {
     at_ = static_cast<double>(i) / static_cast<double>(count);
   }
-  /// Throws Error{cancelled}.
+  /// Reports progress. Throws Error{cancelled}.
   void step(const std::string& what) const;
   const std::stop_token& stop() const { return stop_; }
 

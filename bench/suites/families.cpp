@@ -80,7 +80,7 @@ Rows thin_plane(std::uint64_t n) {
 
 // ------------------------------------------------------------ of any dimension, for triangulations
 
-/// Numbers of [0, 1), the same on every machine.
+/// Random numbers in [0, 1), the same on every machine.
 class Units {
  public:
   double unit() { return std::ldexp(static_cast<double>(random_() >> 11), -53); }
@@ -90,7 +90,7 @@ class Units {
   std::mt19937_64 random_{1};
 };
 
-/// Densities from 1 to 2^(20 d).
+/// Clusters whose densities range from 1 to 2^(20 d).
 Rows clustered(std::uint64_t n, unsigned d) {
   Units random;
   Rows rows;
@@ -113,7 +113,7 @@ Rows lattice(std::uint64_t n, unsigned d) {
   return rows;
 }
 
-/// On sixteen parallel lines.
+/// Points on sixteen parallel lines.
 Rows lines(std::uint64_t n, unsigned d) {
   Units random;
   Rows rows;
@@ -164,7 +164,7 @@ constexpr Family families[] = {
     {{"duplicates", "a sphere's surface, every point eight times"}, duplicates},
 };
 
-/// The family of a table that has the name, or null.
+/// The family of that name in a table, or null.
 template <class Table>
 auto find(const Table& table, std::string_view name) -> decltype(std::begin(table)) {
   for (const auto& f : table)

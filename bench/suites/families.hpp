@@ -1,5 +1,5 @@
-// Sets of points for measurements: the shapes of generate(), families that are hard for a hull code
-// in 3D, and families that a triangulation depends on.
+// Point sets for measurements: the shapes of generate(), 3D families that are hard for hull codes,
+// and families that are hard for triangulations.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,18 @@
 
 namespace cullhull::bench {
 
-/// The hard ones, by name, with what they are; all in 3D.
+/// Names and descriptions of the hard families, all in 3D.
 const std::vector<Shape>& hard_families();
 
-/// Those that triangulations are measured on beside the shapes of generate(), of any dimension.
+/// Families on which triangulations are measured in addition to the shapes of generate(), in any
+/// dimension.
 const std::vector<Shape>& spread_families();
 
-/// Every name make_family takes: hard ones, spread ones, and shapes of generate() ("grid:K" too).
+/// Whether make_family accepts the name: hard and spread families, and shapes of generate()
+/// (including "grid:K").
 bool is_family(std::string_view name, unsigned d);
 
-/// About `count` points (lattices have the nearest number they can), row-major. Reproducible.
+/// About `count` points (lattices: the nearest possible number), row-major. Reproducible.
 std::vector<double> make_family(std::string_view name, std::uint64_t count, unsigned d);
 
 }  // namespace cullhull::bench

@@ -1,4 +1,4 @@
-// LAS files of made points, for the stream suite and for tests.
+// LAS files of generated points, for the stream suite and for tests.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace cullhull::bench {
 
-/// LAS 1.2 of point format 0, three numbers a point; point i is of class i % classes. Without a
-/// placement scales and offsets are 0.
+/// A LAS 1.2 file of point format 0, three numbers per point; point i has class i % classes.
+/// Without a placement, scales and offsets are 0.
 inline std::string las_bytes(const std::vector<std::int32_t>& numbers,
                              const Placement& placement = {}, std::size_t classes = 1) {
   constexpr std::size_t header = 227, record = 20;

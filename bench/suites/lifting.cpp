@@ -23,12 +23,12 @@ namespace {
 
 constexpr const char* scan = "scan";
 
-/// Somebody who triangulates, and what they took.
+/// A rival and its time.
 struct Rival {
   std::string name;
   std::function<std::optional<LiftedRun>()> run;
-  bool exact = false;     ///< as many cells as ours, but for ties
-  bool required = false;  ///< no answer is an error
+  bool exact = false;     ///< must have as many cells as cullhull, except for ties
+  bool required = false;  ///< no result is an error
   std::vector<double> seconds{};
   std::optional<LiftedRun> last{};
 
@@ -85,7 +85,7 @@ class Suite {
           fmt::format("bench lifting knows no points '{}' of dimension {}", w.family, w.dimension));
   }
 
-  /// The first coordinates of the file's first points.
+  /// The first coordinates of the first points of the scan file.
   std::vector<double> scanned(const Workload& w) const {
     const PointFile file = open_points(settings_.scan);
     const PointView& view = file.points();
@@ -139,8 +139,8 @@ class Suite {
     return all;
   }
 
-  /// Rivals first, then ours with the most threads, so that this finds nothing of its own in the
-  /// caches. The last of ours.
+  /// Runs rivals first, then cullhull with the most threads, which so finds none of its own data in
+  /// the caches. Returns the last triangulation by cullhull.
   Triangulation take_turns(const Workload& w, const PointView& points, std::vector<Ours>& ours,
                            std::vector<Rival>& rivals, Row& row) const {
     Triangulation first, cells;
@@ -171,7 +171,8 @@ class Suite {
     return cells;
   }
 
-  /// Others must have as many cells, but for ties beyond the plane; else ours are certified.
+  /// Exact rivals must have as many cells, except for ties beyond 2D; otherwise the result is
+  /// certified.
   void judge(const Workload& w, const PointView& points, const Triangulation& cells,
              const std::vector<Rival>& rivals, Row& row) const {
     row.check += fmt::format("{} cells", cells.size());

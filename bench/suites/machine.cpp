@@ -20,10 +20,10 @@ namespace cullhull::bench {
 namespace {
 
 constexpr std::uint64_t mebibyte = 1U << 20;
-/// Read or copied by one core at a time.
+/// The unit of work that one core reads or copies at a time.
 constexpr std::uint64_t piece = 4 * mebibyte / sizeof(std::uint64_t);
 
-/// Eight sums, so that additions do not wait for one another.
+/// Uses eight sums, so that additions do not wait for each other.
 std::uint64_t sum_of(const std::uint64_t* p, std::uint64_t count) {
   std::uint64_t sum[8] = {};
   std::uint64_t i = 0;
@@ -55,12 +55,12 @@ std::uint64_t default_bytes() {
   return std::clamp(memory / 16, 16 * mebibyte, 512 * mebibyte);
 }
 
-/// Arrays that are read, or copied.
+/// Arrays to be read or copied.
 class HostMemory {
  public:
   HostMemory(std::uint64_t bytes, bool two, unsigned cores)
       : words_(bytes / sizeof(std::uint64_t)), from_(words_), to_(two ? words_ : 0) {
-    // The pages are first written by the threads that use them later, approximately.
+    // First touch by the threads that use the pages later, approximately.
     internal::for_each_chunk(words_, piece, cores,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       std::fill(from_.get() + begin, from_.get() + end, begin);
@@ -69,7 +69,7 @@ class HostMemory {
   }
   double bytes() const { return static_cast<double>(words_ * sizeof(std::uint64_t)); }
   void read(unsigned threads) const {
-    static std::atomic<std::uint64_t> sink;  // so that the sums are not optimised away
+    static std::atomic<std::uint64_t> sink;  // keeps the compiler from removing the sums
     internal::for_each_chunk(words_, piece, threads,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       sink.store(sum_of(from_.get() + begin, end - begin), std::memory_order_relaxed);

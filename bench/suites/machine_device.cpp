@@ -1,4 +1,4 @@
-// The bandwidth of the link to the device, and of the device's memory.
+// The bandwidth of the link to the device and of the device's memory.
 #include "machine.hpp"
 
 #if defined(CULLHULL_HAVE_CUDA)
@@ -37,8 +37,8 @@ std::unique_ptr<void, FreeDevice> device_memory(std::uint64_t bytes) {
   return std::unique_ptr<void, FreeDevice>(p);
 }
 
-/// Best of the passes, on the host's clock from the call to the device's answer: the time that a
-/// caller waits.
+/// The best of the passes, on the host's clock from the call until the device is done: the time
+/// that a caller waits.
 double copy_rate(void* to, const void* from, std::uint64_t bytes, cudaMemcpyKind kind,
                  unsigned passes, const std::stop_token& stop) {
   double best = 0;
@@ -48,7 +48,7 @@ double copy_rate(void* to, const void* from, std::uint64_t bytes, cudaMemcpyKind
     check(cudaMemcpyAsync(to, from, bytes, kind, nullptr), "copying");
     check(cudaStreamSynchronize(nullptr), "copying");
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (pass > 0)  // the first one touches everything
+    if (pass > 0)  // the first pass touches all memory
       best = std::max(best, static_cast<double>(bytes) / std::max(took.count(), 1e-9));
   }
   return best;

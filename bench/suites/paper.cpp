@@ -36,7 +36,7 @@ struct Set {
   std::string paper;
 };
 
-/// A set of points, for several figures.
+/// A set of points, used by several figures.
 struct Points {
   std::vector<double> rows;
   PointView view;
@@ -98,7 +98,7 @@ class Suite {
     return std::max<std::uint64_t>(
         1000, static_cast<std::uint64_t>(std::llround(static_cast<double>(n) * settings_.scale)));
   }
-  /// One, two, four, ... and all.
+  /// 1, 2, 4, ... and all threads.
   std::vector<unsigned> thread_counts() const {
     const unsigned cores = internal::resolve_threads(settings_.threads);
     std::vector<unsigned> counts;
@@ -114,7 +114,7 @@ class Suite {
     return {fmt::format("{} {}", what, short_count(count)), shape, d, count, paper};
   }
   /// The sets of Figures 12, 14 and 15. The paper's Dragon, a scanned statue, is not public at its
-  /// size; a closed bumpy surface stands in.
+  /// size; a closed bumpy surface replaces it.
   std::vector<Set> paper_sets() const {
     return {set("Dragon (bumpy) 3D", "bumpy", 3, 3'600'000),
             set("3D-Sphere (ball)", "ball", 3, 8'000'000),
@@ -145,7 +145,7 @@ class Suite {
     return row;
   }
 
-  /// The run whose time is the median.
+  /// Returns the run whose time is the median.
   Hull ours(const PointView& points, const Options& o) const {
     std::vector<Hull> runs;
     for (unsigned k = 0; k < settings_.repeat; ++k) {
@@ -165,7 +165,7 @@ class Suite {
     row.check = fmt::format("{} vertices", hull.vertices.size());
   }
 
-  /// Where Qhull's hull differs the certificate decides.
+  /// If Qhull's hull differs, the certificate decides.
   void compare(Row& row, const PointView& points, const Hull& hull,
                const std::optional<QhullRun>& qhull) const {
     describe(row, points, hull);
@@ -196,7 +196,7 @@ class Suite {
     row.ratio_is_bound = !rival->finished;
   }
 
-  /// Qhull alone, Qhull behind the paper's filter, ours.
+  /// Compares Qhull alone, Qhull behind the paper's filter, and cullhull.
   Row three_ways(const Set& s) {
     const Points p = make(s);
     Row row = row_of(s);
@@ -287,7 +287,7 @@ class Suite {
     return f;
   }
 
-  /// From a file to a file: .npy in, .ply or (4D) .json out, both in the page cache.
+  /// From file to file: .npy in, .ply or (4D) .json out, both in the page cache.
   Figure shares() {
     Figure f{"",
              "Where the time goes, from file to file",
@@ -305,7 +305,7 @@ class Suite {
   }
 
   Row shares_of(const Set& s) const {
-    // A folder of our own, gone with its files whatever happens.
+    // A temporary folder, removed with its files in any case.
     struct Folder {
       std::filesystem::path path =
           std::filesystem::temp_directory_path() / ("cullhull-bench-" + std::to_string(::getpid()));
@@ -348,7 +348,7 @@ class Suite {
     return row;
   }
 
-  /// The paper's section 5.2: where every point is extreme its filter lost a tenth.
+  /// The paper's section 5.2: its filter lost a tenth if every point is extreme.
   Figure all_extreme() {
     Figure f{"",    "Every point extreme: the filter must stay away",
              "s",   "The paper's filter cost a tenth here. Ours sees on a sample that none pays.",
@@ -357,7 +357,7 @@ class Suite {
     step(s.name, 0, 1);
     const Points p = make(s);
     Row row = row_of(s);
-    // Alternating, so that disturbances affect both.
+    // Alternates, so that disturbances affect both.
     std::vector<double> without, with;
     Hull hull;
     for (unsigned k = 0; k < settings_.repeat; ++k) {
@@ -375,7 +375,7 @@ class Suite {
     return f;
   }
 
-  /// The paper's remark on OpenMP: how far cores alone go.
+  /// The paper's remark on OpenMP: the speed-up by cores alone.
   Figure scaling() {
     Figure f{"", "Threads", "s", "Ratio: against one thread.", true, {}};
     const Set s = set("3D-Sphere (ball)", "ball", 3, 8'000'000);
@@ -399,14 +399,14 @@ class Suite {
     return f;
   }
 
-  /// A moving set, tracked once: means over its frames, and each frame's shares.
+  /// A moving set, tracked once: means over its frames, and the shares of each frame.
   struct Tracked {
     Row times;
     std::vector<Row> shares;
   };
 
-  /// Frames are made one by one; each is tracked, hulled afresh and given to Qhull in turn, so that
-  /// disturbances affect all three.
+  /// Frames are generated one by one; each is tracked, computed afresh and passed to Qhull in turn,
+  /// so that disturbances affect all three.
   Tracked track(const char* what, const char* motion, std::uint64_t n, std::uint64_t frames,
                 const char* kept) {
     const std::uint64_t count = scaled(n);

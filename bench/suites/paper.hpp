@@ -12,19 +12,19 @@
 namespace cullhull::bench {
 
 struct PaperSettings {
-  double scale = 1;                  ///< of every size; at least 1000 points a set are left
-  unsigned repeat = 5;               ///< ours: the median of so many runs; Qhull runs once
+  double scale = 1;                  ///< factor for every size; sets keep at least 1000 points
+  unsigned repeat = 5;               ///< cullhull: median of this many runs; Qhull runs once
   unsigned threads = 0;              ///< 0: all
   std::vector<std::string> figures;  ///< ids; empty: all
-  double limit = 300;                ///< seconds for one run of Qhull; 0: as long as it takes
+  double limit = 300;                ///< seconds for one run of Qhull; 0: no limit
 };
 
-/// The ids run_paper knows, in its order.
+/// The ids that run_paper knows, in its order.
 const std::vector<std::string>& paper_figures();
 
-/// Minutes at scale 1. Qhull runs on one core on the same points in the same run; every row says
-/// whether both found the same vertices, and where they did not, whether ours is certified. Throws
-/// Error{cancelled}, and Error{invalid_argument} for an unknown figure.
+/// Takes minutes at scale 1. Qhull runs on one core on the same points in the same run; every row
+/// reports whether both found the same vertices and, if not, whether cullhull's hull is certified.
+/// Throws Error{cancelled}, and Error{invalid_argument} for an unknown figure.
 Report run_paper(const PaperSettings& settings, const Progress& progress,
                  const std::stop_token& stop);
 

@@ -30,8 +30,8 @@ std::string bytes_of(const T& figures) {
   return bytes;
 }
 
-/// The bytes of the seconds and the number of simplices, both as doubles. In a process that ends
-/// afterwards. Qz and Qbb change the points, which in a fork are nobody else's.
+/// The seconds and the number of simplices, as the bytes of doubles. For a process that ends
+/// afterwards, so nothing is freed. Qz and Qbb change the points, but only in the forked process.
 std::string triangulate_once(const PointView& points) {
   std::FILE* nowhere = std::fopen("/dev/null", "w");
   if (nowhere == nullptr) throw std::runtime_error("/dev/null");
@@ -53,14 +53,14 @@ std::string triangulate_once(const PointView& points) {
   return bytes_of(figures);
 }
 
-/// The bytes of Figures. In a process that ends afterwards, so nothing is given back.
+/// The bytes of Figures. For a process that ends afterwards, so nothing is freed.
 std::string hull_once(const PointView& points) {
   std::FILE* nowhere = std::fopen("/dev/null", "w");
   if (nowhere == nullptr) throw std::runtime_error("/dev/null");
   auto q = std::make_unique<qhT>();
   qh_zero(q.get(), nowhere);
   char command[] = "qhull Qt";
-  // Qhull reads the points where they are and does not change them without QJ or Qz.
+  // Qhull reads the points in place and does not change them without QJ or Qz.
   auto* data = reinterpret_cast<coordT*>(const_cast<std::byte*>(points.data));
   int code = 0;
   Figures figures{};

@@ -1,4 +1,4 @@
-// A report as text: on a terminal, and in Markdown.
+// A report as text, for terminals and in Markdown.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr const char* bandwidth_note =
 constexpr const char* reads_note =
     "Reads: the whole hull's time over that of reading its points once, by as many threads";
 
-/// With its unit, so that lines of one column may differ.
+/// A value with its unit, which may differ within a column.
 std::string amount(double v, const std::string& unit) {
   if (std::isnan(v)) return "-";
   if (unit == "s")
@@ -30,7 +30,7 @@ std::string amount(double v, const std::string& unit) {
   return fmt::format("{:.3g} {}", v, unit);
 }
 
-/// At least three digits that count: 0.0123, 1.23, 12.3, 123, 1234.
+/// At least three significant digits: 0.0123, 1.23, 12.3, 123, 1234.
 std::string three_digits(double v) {
   if (v >= 99.95) return grouped(static_cast<std::uint64_t>(std::llround(v)));
   const int decimals =
@@ -38,13 +38,13 @@ std::string three_digits(double v) {
   return fmt::format("{:.{}f}", v, std::min(decimals, 9));
 }
 
-/// Under a heading that says ms or %.
+/// A value without its unit, below a heading that says ms or %.
 std::string bare(double v, const std::string& unit) {
   if (std::isnan(v)) return "";
   return three_digits(unit == "s" ? v * 1e3 : v);
 }
 
-/// The names of values, in the order in which they first appear.
+/// The names of values, in order of first appearance.
 Line columns(const Figure& figure) {
   Line names;
   for (const Row& row : figure.rows)
@@ -62,7 +62,7 @@ bool any_row(const Figure& figure, const Test& test) {
   return std::any_of(figure.rows.begin(), figure.rows.end(), test);
 }
 
-/// Which columns a figure has beside its values.
+/// The columns that a figure has in addition to its values.
 struct Extras {
   bool ratio, paper, bandwidth, reads, vertices;
   explicit Extras(const Figure& f)
@@ -132,7 +132,7 @@ std::string figure_table(const Figure& figure) {
   return text;
 }
 
-/// Footnotes, each text once.
+/// Footnotes, without repeated texts.
 class Footnotes {
  public:
   std::string mark(const std::string& text) {
@@ -230,7 +230,7 @@ std::string report_markdown(const Report& report) {
   text.back() = '.';
   Footnotes notes;
   text += '\n';
-  constexpr std::size_t most_steps = 12;  // what is lost is marked in the table of all
+  constexpr std::size_t most_steps = 12;  // lost rows are marked in the table of all rows
   for (const Figure& figure : report.figures)
     if (figure.id != "lost" && (!figure.series || figure.rows.size() <= most_steps))
       text += '\n' + figure_markdown(figure, notes);

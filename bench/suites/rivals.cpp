@@ -66,7 +66,7 @@ class Suite {
     return row;
   }
 
-  /// The hull with all threads; a value for each number of threads.
+  /// Adds a value for each number of threads; returns the hull for all threads.
   Hull ours(const Workload& w, const PointView& points, Row& row) const {
     Hull hull;
     row.agrees = true;
@@ -97,7 +97,7 @@ class Suite {
     return hull;
   }
 
-  /// Bytes that as many threads could have read meanwhile, over those there are to read.
+  /// Number of times that as many threads could have read the points in these seconds.
   double reads_of(const PointView& points, double seconds, unsigned threads) const {
     for (const auto& [count, rate] : report_.read_bandwidth)
       if (count == threads)
@@ -130,8 +130,8 @@ class Suite {
     }
   }
 
-  /// CGAL decides exactly, so its extreme points have to be ours; of equal points we name the one
-  /// with the lowest id, so equal coordinates are equal ids.
+  /// CGAL is exact, so its extreme points must be cullhull's. Compares coordinates, because
+  /// cullhull names the lowest id of equal points.
   static bool compare_with_cgal(const Points& points, const Hull& hull, const CgalRun& cgal,
                                 Row& row) {
     const unsigned d = points.doubles.dimension;
@@ -149,7 +149,7 @@ class Suite {
     return true;
   }
 
-  /// Where there is nobody exact to ask.
+  /// Certifies the hull; for rows without an exact rival.
   void prove(const Workload& w, const Points& points, const Hull& hull, Row& row) const {
     steps_.step(w.name() + ", certificate");
     const Certificate certificate = certify(points.view, hull);

@@ -1,5 +1,5 @@
-// Suite `rivals`: ours beside Qhull, and CGAL where its program is installed, over size, dimension,
-// distribution, scalar type and threads.
+// Suite `rivals`: cullhull compared with Qhull, and with CGAL if its program is installed, for
+// various sizes, dimensions, distributions, scalar types and threads.
 #pragma once
 
 #include <stop_token>
@@ -11,14 +11,14 @@
 
 namespace cullhull::bench {
 
-/// Those that are measured if nothing else is asked for.
+/// The default workloads.
 const std::vector<Workload>& rival_workloads();
 
-/// Rivals run once, on one core, in processes of their own, on the same values as doubles (floats
-/// and integers are made by rounding and given to all). Rows where extreme points differ from
-/// CGAL's, or cannot be proved where Qhull's differ, do not agree and come first in a figure of
-/// their own; then those where a rival is faster. Throws Error{cancelled}, and
-/// Error{invalid_argument} for a family that has no points of a dimension.
+/// Rivals run once, on one core, in separate processes, on the same values as doubles (floats and
+/// integers result from rounding, and all get them). Rows whose extreme points differ from CGAL's,
+/// or differ from Qhull's and cannot be certified, do not agree; they come first, in a figure of
+/// their own, followed by rows where a rival is faster. Throws Error{cancelled}, and
+/// Error{invalid_argument} for a family that does not support a dimension.
 Report run_rivals(const ContestSettings& settings, const Progress& progress,
                   const std::stop_token& stop);
 

@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Made empty, and gone in the end with all that is in it.
+/// A new, empty folder; removed with its contents in the end.
 class Folder {
  public:
   explicit Folder(const std::string& parent)
@@ -48,7 +48,7 @@ class Folder {
   fs::path path_;
 };
 
-/// As `dd bs=1M` reads. Bytes that were read.
+/// Reads a file as `dd bs=1M` does; returns the number of bytes.
 std::uint64_t read_plainly(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   std::vector<char> block(std::size_t{1} << 20);
@@ -124,7 +124,7 @@ class Suite {
     return run;
   }
 
-  /// Makes the file; how many points it holds.
+  /// Writes the file; returns the number of its points.
   std::uint64_t make(const std::string& format, const std::string& path) const {
     const bool text = format == "csv" || format.ends_with(".gz");
     const double wanted = (text ? 2e6 : 2e7) * settings_.scale;

@@ -1,4 +1,4 @@
-// Clock and median of everything that measures.
+// The clock and the median for all measurements.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@ double seconds_of(Work&& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The middle one; of an even number the mean of the two; 0 of none.
+/// The median; of an even number of values the mean of the middle two; 0 for no values.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -31,9 +31,9 @@ double median_seconds(unsigned repeat, Work&& work) {
   return median(std::move(times));
 }
 
-/// The median of calls that follow one another, each after prepare(), for 20 ms or a single one:
-/// the first call of a program takes several times as long for small inputs, of whatever library.
-/// (`calls` measures first calls.)
+/// The median of consecutive calls, each after prepare(), during 20 ms (at least one call). Single
+/// calls would mislead for small inputs: for any library, a program's first call takes several
+/// times as long. (The suite `calls` measures first calls.)
 template <class Prepare, class Work>
 double settled_seconds(Prepare&& prepare, Work&& work) {
   constexpr double enough = 0.02;

@@ -59,7 +59,7 @@ Points points_of(const Workload& w, std::vector<double> rows) {
     p.view = PointView::row_major(p.floats.data(), n, w.dimension);
   }
   if (w.scalar == ScalarType::i32) {
-    // Integers stay what they are; else a lattice fine enough to keep the shape.
+    // Integers do not change; other values are rounded to a lattice fine enough to keep the shape.
     const bool whole =
         std::all_of(p.rows.begin(), p.rows.end(), [](double x) { return x == std::floor(x); });
     for (double& x : p.rows) {

@@ -1,4 +1,4 @@
-// Sets of points that suites measure on, by name.
+// Point sets on which suites measure, by name.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace cullhull::bench {
 
-/// A set of points to measure on.
+/// A point set to measure on.
 struct Workload {
-  std::string family;  ///< as make_family knows it
+  std::string family;  ///< a name that make_family accepts
   unsigned dimension = 3;
   std::uint64_t count = 0;
   ScalarType scalar = ScalarType::f64;
@@ -20,10 +20,10 @@ struct Workload {
   std::string title() const;  ///< "3D ball 8M", "3D sphere surface 1M, f32"
 };
 
-/// The workload that has this name. Throws Error{invalid_argument}.
+/// The workload with this name. Throws Error{invalid_argument}.
 Workload workload_named(const std::string& name);
 
-/// The same values as ours sees them and, as doubles, the rivals. Movable: views stay valid.
+/// The same values for cullhull and, as doubles, for rivals. Movable: views stay valid.
 struct Points {
   std::vector<double> rows;
   std::vector<float> floats;
@@ -31,7 +31,7 @@ struct Points {
   PointView view, doubles;
 };
 
-/// `rows` are doubles, row-major; floats and integers of `w` are made of them by rounding. Throws
+/// `rows`: doubles, row-major; floats and integers of `w` are obtained by rounding. Throws
 /// Error{invalid_argument} beyond 32-bit integers.
 Points points_of(const Workload& w, std::vector<double> rows);
 

@@ -1,5 +1,5 @@
-// Alpha shapes, the part of a triangulation whose cells have small circumscribed spheres, and
-// concave hulls by the length of edges.
+// Alpha shapes (the cells of a triangulation whose circumspheres are small) and concave hulls by
+// edge length. All functions are thread safe. k: Triangulation::affine_dimension.
 #pragma once
 
 #include <cstdint>
@@ -15,64 +15,64 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// A regularised alpha shape or a concave hull: cells alone, without edges and faces that bound
-/// none.
+/// A regularised alpha shape or a concave hull: full-dimensional cells only, without edges and
+/// faces that bound no cell.
 struct AlphaShape {
-  /// Cells of the triangulation, ascending: of an alpha shape those whose circumscribed sphere (of
-  /// a flat: within the flat) has a radius of at most alpha, compared exactly.
+  /// Cells of the triangulation, ascending. Alpha shape: those whose circumsphere (of a flat:
+  /// within the flat) has a radius of at most alpha, compared exactly.
   Array<std::uint32_t> cells;
-  /// facets x k ids: those between a cell of the shape and none, oriented outward and ordered as
-  /// Triangulation::hull_facets. None for k < 1.
+  /// facets x k ids: the boundary facets, which belong to exactly one cell of the shape, oriented
+  /// outward and ordered as Triangulation::hull_facets. Empty for k < 1.
   Array<std::uint32_t> facets;
-  /// The cell of the shape that each of them belongs to.
+  /// For each facet, the cell of the shape that it belongs to.
   Array<std::uint32_t> facet_cells;
 };
 
-/// Of a triangulation made by delaunay() of `points`. `alpha` >= 0, infinite for all cells. Time
-/// O(cells k^3). Options used: threads, stop. Errors: invalid_argument for points that are not
-/// those of the triangulation, one of the furthest site, and an alpha that is negative or NaN.
-/// Source: docs/exactness.md, "Voronoi diagrams".
+/// The alpha shape of `points`, from their triangulation by delaunay(). `alpha` >= 0; infinity
+/// keeps all cells. Time O(cells k^3). Options used: threads, stop. Errors: invalid_argument if the
+/// points are not those of the triangulation, if it is a furthest-site triangulation, and if alpha
+/// is negative or NaN. Source: docs/exactness.md, "Voronoi diagrams".
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const RunOptions& options = {});
 
-/// For each cell the least double that is at least the radius of its circumscribed sphere, infinite
-/// beyond the range of doubles: the cell is in alpha_shape(alpha) if and only if this is at most
-/// alpha. Errors as above.
+/// For each cell the circumradius, rounded up to a double (infinity beyond the range of doubles):
+/// the cell is in alpha_shape(alpha) if and only if this number is at most alpha. Errors as above.
 Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
                           const RunOptions& options = {});
 
-/// What a shape is wanted to be: with a cell at every vertex, or besides all of one piece, cells
-/// being joined through facets.
+/// The condition that critical_alpha() meets. all_points: every vertex has a cell. one_region:
+/// besides, the cells are connected through facets.
 enum class AlphaGoal { all_points, one_region };
 
-/// The least alpha whose shape has every vertex of the triangulation, and for one_region the least
-/// of these whose shape is of one piece. 0 without cells, and for k = 0. Time O(cells (k^3 + log)).
-/// Errors as above.
+/// The least alpha whose shape meets `goal`. 0 if the triangulation has no cells, and for k = 0.
+/// Time O(cells (k^3 + log cells)). Errors as above.
 double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
                       const RunOptions& options = {});
 
-/// The concave hull by the length of edges (the chi-shape of Duckham and others, 2008) of points of
-/// a plane: from the convex hull on, the longest edge of the boundary that is longer than `length`
-/// is taken away with its triangle, as long as the boundary stays one ring that has no point twice.
-/// So it is of one piece without holes and leaves no point out. Lengths are compared exactly; of
-/// equal edges the one of the lowest ids is first. `length` >= 0, infinite for the convex hull.
-/// Points on one line (k < 2) keep all cells. Time O(cells log). Options used: stop. Errors:
-/// invalid_argument for k > 2, a length that is negative or NaN, points that are not those of the
-/// triangulation, weights that hide points and the furthest site.
+/// The concave hull by edge length (chi-shape: Duckham and others, 2008) of 2D points. Starts from
+/// the convex hull and repeatedly removes the longest boundary edge that is longer than `length`,
+/// together with its triangle, if the boundary stays one ring without repeated points. So the
+/// result is connected, has no holes and contains every point. Lengths are compared exactly; of
+/// equal edges the one with the lowest ids is removed first. `length` >= 0; infinity gives the
+/// convex hull. Collinear points (k < 2) keep all cells. Time O(cells log cells). Options used:
+/// stop. Errors: invalid_argument for k > 2, a length that is negative or NaN, points that are not
+/// those of the triangulation, hidden points, and furthest-site triangulations.
 AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
                         const RunOptions& options = {});
 
-/// The length that is `ratio` of the way from the shortest edge of the triangulation to the longest
-/// (0 to 1; 1 gives infinity, the convex hull), rounded. Errors as above, and for another ratio.
+/// The length at `ratio` between the shortest edge of the triangulation (0) and the longest (1),
+/// rounded; a ratio of 1 gives infinity, the convex hull. Errors as above, and for a ratio outside
+/// [0, 1].
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
                       const RunOptions& options = {});
 
-/// Regions of the plane bounded by rings of points.
+/// Regions of the plane, bounded by rings of points.
 struct CellPolygons {
-  /// The ids of each ring, none twice, beginning at the lowest.
+  /// The ids of each ring, without repeats, from the lowest id on.
   Lists<std::uint32_t> rings;
-  /// Polygon i has the rings [polygon_offsets[i], polygon_offsets[i + 1]): the outer one, counter-
-  /// clockwise, then holes, clockwise, by their ids. Polygons are sorted by their outer ring's ids.
+  /// Polygon i is the rings [polygon_offsets[i], polygon_offsets[i + 1]): the outer one, counter-
+  /// clockwise, then its holes, clockwise, sorted by their ids. Polygons are sorted by their outer
+  /// ring's ids.
   Array<std::uint64_t> polygon_offsets;
 
   std::uint64_t ring_count() const noexcept { return rings.size(); }
@@ -82,10 +82,10 @@ struct CellPolygons {
   CULLHULL_RENAMED(ring_offsets, "use rings.offsets, or rings[i]");
 };
 
-/// The union of some cells of a triangulation of the plane (k = 2), a polygon for all that hang
-/// together through edges. Rings touch each other, and themselves, in single points at most, so
-/// that polygons are valid as GeoJSON and WKT have it. `cells`: ascending. Errors: invalid_argument
-/// for k > 2 and for points that are not those of the triangulation.
+/// The union of some cells of a 2D triangulation (k = 2): one polygon for each set of cells that
+/// are connected through edges. Rings touch each other, and themselves, in single points at most,
+/// so the polygons are valid in GeoJSON and WKT. `cells`: ascending. Errors: invalid_argument if
+/// the dimension k is above 2 or the points are not those of the triangulation.
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options = {});
 

@@ -1,5 +1,5 @@
-// The vector that large results are kept in: std::vector, except that memory is not cleared before
-// it is written, and that large ones ask the system for huge pages.
+// Array, the vector that holds large results: a std::vector that does not clear new memory and asks
+// the system for huge pages for large blocks.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,26 @@
 #pragma GCC visibility push(default)
 
 namespace cullhull::internal::inline parallel {
-/// Memory for any trivial type; throws std::bad_alloc. Blocks of megabytes lie on huge pages where
-/// the system grants them.
+/// Memory for any trivial type; throws std::bad_alloc. Blocks of 2 MB and more use huge pages where
+/// the system provides them.
 void* allocate_block(std::size_t bytes);
-/// `bytes` as they were asked for.
+/// `bytes`: the number passed to allocate_block.
 void free_block(void* block, std::size_t bytes) noexcept;
 }  // namespace cullhull::internal::inline parallel
 
 namespace cullhull::inline v1 {
 
-/// The library keeps freed blocks, its own and those of Arrays, and reuses them: the system has to
-/// clear new memory, which takes longer than most steps of a hull. It keeps at most 16 MB of blocks
-/// of less than 2 MB, and larger ones up to a limit, which is at first a sixteenth of what this
-/// process may use, at most 1 GiB. Between calls the system may reclaim the large blocks whenever
-/// it is short of memory. keep_memory sets the limit; blocks beyond it are returned at once. 0:
-/// nothing is kept between calls.
+/// Sets how much freed memory the library keeps for reuse. It keeps freed blocks, its own and those
+/// of Arrays, because the system clears new memory, which takes longer than most steps of a hull.
+/// It keeps at most 16 MB of blocks smaller than 2 MB, and at most `limit` bytes of larger blocks;
+/// the default limit is a sixteenth of the memory that this process may use, at most 1 GiB. Blocks
+/// beyond the limit are returned to the system at once. Between calls the system may reclaim the
+/// large blocks if it is short of memory. 0: nothing is kept between calls.
 void keep_memory(std::size_t limit) noexcept;
-/// Bytes that are kept now.
+/// Bytes kept now.
 std::size_t kept_memory() noexcept;
 
-/// Leaves new items of trivial types indeterminate where std::allocator would clear them.
+/// An allocator that leaves new items of trivial types uninitialised; std::allocator clears them.
 template <class T>
 class ArrayAllocator {
   static_assert(std::is_trivially_copyable_v<T>);
@@ -61,8 +61,8 @@ class ArrayAllocator {
   friend bool operator==(const ArrayAllocator&, const ArrayAllocator&) noexcept { return true; }
 };
 
-/// A std::vector in everything but one thing: `Array<T> a(n)` and `a.resize(n)` leave new items
-/// indeterminate; `a.resize(n, T())` and `a.assign(n, T())` set them.
+/// A std::vector with one difference: `Array<T> a(n)` and `a.resize(n)` leave new items
+/// uninitialised; `a.resize(n, T())` and `a.assign(n, T())` set them.
 template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
 

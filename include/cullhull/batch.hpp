@@ -12,9 +12,9 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// The hulls of many sets, end to end. Every list holds what the member of the same name in Hull
-/// holds, for one set after another; ids count from the set's first point, facet and simplex
-/// numbers from the set's first facet and simplex.
+/// The hulls of many sets, concatenated. Every list holds what the member of the same name in Hull
+/// holds, set after set; ids count from the set's first point, facet and simplex numbers from the
+/// set's first facet and simplex.
 struct HullBatch {
   std::uint32_t dimension = 0;
   ScalarType scalar = ScalarType::f64;
@@ -23,27 +23,28 @@ struct HullBatch {
   std::vector<double> volumes, areas;
   std::vector<double> centroids;  ///< sets x dimension; zeros for an empty set
 
-  Lists<std::uint64_t> vertices;               ///< one list a set
+  Lists<std::uint64_t> vertices;               ///< one list per set
   std::vector<std::uint64_t> facet_starts{0};  ///< set i: facets [facet_starts[i], ...[i + 1])
-  Lists<std::uint64_t> facets;                 ///< one list a facet
-  Lists<std::uint32_t> facet_neighbours;       ///< one list a facet
+  Lists<std::uint64_t> facets;                 ///< one list per facet
+  Lists<std::uint32_t> facet_neighbours;       ///< one list per facet
   Array<double> facet_planes;                  ///< facets x (dimension + 1)
-  Lists<std::uint64_t> simplices;              ///< one list a set, affine dimension ids a simplex
+  Lists<std::uint64_t> simplices;              ///< one list per set, k ids per simplex
   Lists<std::uint32_t> simplex_neighbours;     ///< as `simplices`
-  Lists<std::uint32_t> simplex_facets;         ///< one list a set
+  Lists<std::uint32_t> simplex_facets;         ///< one list per set
 
   std::size_t size() const noexcept { return point_counts.size(); }
-  /// Set i alone, as convex_hull gives it but for `statistics`. Throws std::out_of_range.
+  /// Set i alone: equal to the result of convex_hull, except for `statistics`. Throws
+  /// std::out_of_range.
   Hull hull(std::size_t i) const;
 };
 
 /// The exact hulls of the sets [offsets[i], offsets[i + 1]) of `points`: the same results as one
-/// convex_hull a set, whatever the number of threads. `offsets` has an entry more than there are
-/// sets, ascending, at most points.count; else Error{invalid_argument}. Errors of a set name it
-/// (the first set with one) and the point within it. options.cull and options.backend apply to
-/// large sets; small ones are not filtered. Each set is hulled by one thread, so this is for many
-/// small sets: for a few large ones, convex_hull on each uses the cores better. Thread safe; memory
-/// O(results + points of the sets being hulled at a time).
+/// convex_hull call per set, for any number of threads. `offsets`: an entry more than there are
+/// sets, ascending, at most points.count; else Error{invalid_argument}. The error of the first set
+/// that has one is thrown, and names the set and the point within it. options.cull and
+/// options.backend apply to large sets; small ones are not filtered. One thread computes each set,
+/// so this is for many small sets; for a few large ones, convex_hull on each uses the cores better.
+/// Thread safe; memory O(results + points of the sets computed at the same time).
 HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> offsets,
                        const Options& options = {});
 [[deprecated("pass the offsets as a span")]] inline HullBatch convex_hulls(

@@ -1,4 +1,4 @@
-// Independent, exact check of a hull.
+// Independent, exact verification of a hull.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace cullhull::inline v1 {
 
 struct Certificate {
   bool valid = false;
-  /// Empty when valid, else one line: the first thing found wrong, with ids.
+  /// Empty when valid, else one line: the first fault found, with ids.
   std::string reason;
   std::uint64_t ridges_checked = 0;
   std::uint64_t points_checked = 0;
@@ -30,12 +30,13 @@ struct Certificate {
 /// "Checking geometric programs or verification of geometric structures", 1999), every input point
 /// is on or beneath the facet its ray meets. So a valid certificate proves that `hull` is the hull
 /// of `points`, that `vertices` are exactly the extreme points (lowest id of equal ones), and that
-/// `facets` are the maximal ones. Planes, measures and centroid are held against the accuracy that
-/// docs/exactness.md ("Numbers") states. What is wrong with hull or points makes the certificate
-/// invalid, whatever it is: lists of wrong lengths and points that are not finite, too.
+/// `facets` are the maximal ones. Planes, measures and centroid are checked against the accuracy
+/// that docs/exactness.md ("Numbers") states. Any fault of the hull or the points makes the
+/// certificate invalid, including lists of wrong lengths and points that are not finite.
 ///
-/// Time O(n * walk + simplices * d^3), memory O(simplices). Thread safe. Options used: threads,
-/// stop, progress. Errors: cancelled; invalid_argument for null data or no dimension.
+/// Time O(n * walk + simplices * d^3), where a walk is the number of simplices visited for a point;
+/// memory O(simplices). Thread safe. Options used: threads, stop, progress. Errors: cancelled;
+/// invalid_argument for null data or dimension 0.
 Certificate certify(const PointView& points, const Hull& hull, const Options& options = {});
 
 /// The same proof for the hull of its own vertices, by the coordinates that it carries
@@ -43,32 +44,34 @@ Certificate certify(const PointView& points, const Hull& hull, const Options& op
 /// checked. Error{invalid_argument} if the hull has no coordinates.
 Certificate certify(const Hull& hull, const Options& options = {});
 
-/// What one of several streams has found of the points that were pushed to it.
+/// The partial result of one CertifyStream, to be added to another stream of the same hull.
 struct CertifiedPart {
-  std::uint64_t points = 0, vertices = 0;  ///< checked, and of these vertices of the hull
+  std::uint64_t points = 0, vertices = 0;  ///< points checked, and how many of them are vertices
   std::uint64_t exact_decisions = 0;
   std::string reason;    ///< as in Certificate
-  std::uint64_t at = 0;  ///< the first id of the block that `reason` was found in
+  std::uint64_t at = 0;  ///< first id of the block in which `reason` was found
 };
 
-/// certify() of points that come in pieces: the same proof, in memory O(simplices).
+/// certify() for points that arrive in blocks: the same proof, in memory O(simplices).
 class CertifyStream {
  public:
-  /// Checks the hull by itself. `vertex_coordinates`: a row for each of hull.vertices, in that
-  /// order; each is held against its point when that comes. The hull has to outlive the object.
+  /// Checks the hull on its own. `vertex_coordinates`: a row for each of hull.vertices, in that
+  /// order; each row is compared with its point when that is pushed. The hull must outlive this
+  /// object.
   CertifyStream(const Hull& hull, std::vector<double> vertex_coordinates,
                 const Options& options = {});
   CertifyStream(CertifyStream&&) noexcept;
   CertifyStream& operator=(CertifyStream&&) noexcept;
   ~CertifyStream();
 
-  /// Points first_id, first_id + 1, ... of all; any order of blocks, any threads. Each point is to
-  /// come once.
+  /// Checks the points first_id, first_id + 1, ... Blocks may be pushed in any order, from any
+  /// threads. Each point must be pushed exactly once.
   void push(const PointView& block, std::uint64_t first_id);
-  /// What came so far, for a stream of the same hull elsewhere; and taking it in there.
+  /// part(): what this stream has checked so far. add(): counts another stream's part in this one.
   CertifiedPart part() const;
   void add(const CertifiedPart& part);
-  /// Call after the last block. Of several faults the one in the lowest block is reported.
+  /// Call after the last block. Of several faults, the one in the block with the lowest id is
+  /// reported.
   Certificate finish();
 
  private:

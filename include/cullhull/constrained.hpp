@@ -12,7 +12,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// Only the Delaunay triangulation, the first step, uses threads.
+/// Only the first step, the Delaunay triangulation, uses threads.
 struct ConstrainedOptions : RunOptions {
   ConstrainedOptions() = default;
   explicit ConstrainedOptions(const RunOptions& run) : RunOptions(run) {}
@@ -21,7 +21,7 @@ struct ConstrainedOptions : RunOptions {
   bool inside_only = false;
 };
 
-/// A triangulation that contains given edges, and is Delaunay elsewhere.
+/// A triangulation that contains given edges and is locally Delaunay at all others.
 struct ConstrainedTriangulation {
   /// In the format of delaunay(). `cell_groups` is empty, and `statistics` are those of the
   /// triangulation without constraints. With inside_only the hull is the boundary of the kept
@@ -33,10 +33,10 @@ struct ConstrainedTriangulation {
   Array<std::uint32_t> pieces;
   /// For each piece the lowest number of a constraint that contains it.
   Array<std::uint32_t> piece_sources;
-  /// For each cell of the whole triangulation the least number of constraints on a way from it to
-  /// the outside. Cells of odd depth are inside (even-odd rule): polygons may have holes, islands
-  /// in holes and so on. Rings need no orientation; edges that bound no region have no effect.
-  /// Empty for k < 2.
+  /// For each cell of the whole triangulation the least number of constraints that a path from it
+  /// to the outside crosses. Cells of odd depth are inside (even-odd rule): polygons may have
+  /// holes, islands in holes and so on. Rings need no orientation; edges that bound no region have
+  /// no effect. Empty for k < 2.
   Array<std::uint32_t> depths;
 };
 
@@ -45,8 +45,8 @@ struct ConstrainedTriangulation {
 /// depend on the order or direction of the edges.
 ///
 /// `edges`: edges x 2 ids. A point exactly on an edge splits it. Equal points count as one: an edge
-/// between them, or from a point to itself, is no constraint. Overlapping edges count once. Edges
-/// that cross in their interiors are an error that names both.
+/// between them, or from a point to itself, has no effect. Overlapping edges count once. Edges that
+/// cross in their interiors are an error that names both.
 ///
 /// Errors: those of delaunay(); invalid_argument for a dimension other than 2, an odd number of
 /// ids, an id out of range, and edges that cross. Time: that of delaunay(), plus for each edge the

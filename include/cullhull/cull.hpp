@@ -20,16 +20,17 @@ enum class UsedFilter { none, gauge, gauge_twice, pseudo_hull, gauge_pseudo_hull
 /// them. Static storage.
 const char* filter_name(UsedFilter filter) noexcept;
 
-/// What a filter kept. `ids` are ascending. Every extreme point of the input, and every duplicate
-/// of one, is among them; a dropped point lies strictly inside the hull.
+/// The points a filter kept. `ids` are ascending. They include every extreme point of the input and
+/// every duplicate of one; each discarded point is strictly inside the hull.
 struct Survivors {
   std::vector<std::uint64_t> ids;
-  /// True when nothing was dropped; `ids` is then empty and stands for 0 ... count-1.
+  /// True when nothing was discarded; `ids` is then empty and stands for 0 ... count - 1.
   bool all = false;
+  /// The filter that ran.
   UsedFilter filter = UsedFilter::none;
-  /// Where the points were culled: cpu or cuda.
+  /// Where the filter ran: cpu or cuda.
   Backend backend = Backend::cpu;
-  /// One line: why there and why by this method.
+  /// One line: the reason for that backend and that filter.
   std::string reason;
   double seconds = 0;
 
@@ -38,10 +39,10 @@ struct Survivors {
   CULLHULL_RENAMED(method, "use filter, and filter_name() for its text");
 };
 
-/// Drops points that provably lie strictly inside the hull.
-/// Time O(n), one or two passes over the input; memory O(survivors). Thread safe.
-/// Throws Error{not_finite} naming the first bad point if any coordinate is not finite; else what
-/// convex_hull throws: out_of_budget, cancelled, backend_unavailable, invalid_argument.
+/// Discards points that are provably strictly inside the hull. Time O(n), one or two passes over
+/// the input; memory O(survivors). Thread safe. Throws Error{not_finite}, which names the first bad
+/// point, if a coordinate is not finite; and what convex_hull throws: out_of_budget, cancelled,
+/// backend_unavailable, invalid_argument.
 /// Source: docs/algorithm.md, "GaugeMap" and "PseudoHull".
 Survivors cull(const PointView& points, const Options& options = {});
 

@@ -1,5 +1,5 @@
-// Everything of cullhull::cullhull: include this one, or the header of the one idea you need. Files
-// are read and written by cullhull/io.hpp, which needs cullhull::io.
+// All of the library cullhull::cullhull. Include this header, or only those you need. Files are
+// read and written by cullhull/io.hpp, which needs the library cullhull::io.
 #pragma once
 
 #include "cullhull/alpha_shape.hpp"

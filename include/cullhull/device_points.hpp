@@ -1,5 +1,5 @@
-// Points in a CUDA device's memory, and whether there is a device. No CUDA header is needed: a
-// build without the CUDA backend has the same functions, which then say that it is not there.
+// Points in a CUDA device's memory, and whether there is a device. Needs no CUDA header: builds
+// without the CUDA backend have the same functions, which then report that it is not available.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@
 namespace cullhull::inline v1 {
 
 /// Non-owning view of points that a device can read (device or managed memory), like PointView:
-/// coordinate j of point i lies at `data + i * point_stride + j * coordinate_stride` (bytes, any
-/// sign), aligned to the scalar. The memory must not change during a call. The work is ordered
-/// after what `stream` (a cudaStream_t; null: the default stream) holds when the call begins, so a
-/// kernel queued there may still be writing the points; the call returns when all its work is done.
+/// coordinate j of point i is at `data + i * point_stride + j * coordinate_stride` (bytes, any
+/// sign), aligned to the scalar. The memory must not change during a call. A call's work starts
+/// after all work already queued on `stream` (a cudaStream_t; null: the default stream), so a
+/// kernel queued there may still be writing the points; the call returns when its own work is done.
 struct DevicePointView {
   const void* data = nullptr;
   ScalarType scalar = ScalarType::f32;  ///< f32 or f64
@@ -32,7 +32,7 @@ struct DevicePointView {
   std::ptrdiff_t coordinate_stride = 0;
   void* stream = nullptr;
 
-  /// Points one after another: x0 y0 z0 x1 y1 z1 ...
+  /// Point by point: x0 y0 z0 x1 y1 z1 ...
   template <class T>
   static DevicePointView row_major(const T* p, std::uint64_t n, std::uint32_t d,
                                    void* stream = nullptr) noexcept {
@@ -45,7 +45,7 @@ struct DevicePointView {
             static_cast<std::ptrdiff_t>(sizeof(T)),
             stream};
   }
-  /// Coordinates one after another: x0 x1 ... y0 y1 ...
+  /// Coordinate by coordinate: x0 x1 ... y0 y1 ...
   template <class T>
   static DevicePointView column_major(const T* p, std::uint64_t n, std::uint32_t d,
                                       void* stream = nullptr) noexcept {
@@ -66,50 +66,50 @@ struct DevicePointView {
   }
 };
 
-/// What the CUDA backend can do here.
+/// State of the CUDA backend in this process.
 struct CudaStatus {
-  bool compiled = false;       ///< the library was built with it
+  bool compiled = false;       ///< the library was built with the CUDA backend
   bool available = false;      ///< `Backend::cuda` will work
   std::string reason;          ///< one line: why it is not available; empty if it is
   std::string device;          ///< name of the current device
   int compute_capability = 0;  ///< 90 for 9.0
   int driver_version = 0;      ///< newest CUDA the driver knows, 12040 for 12.4; 0: no driver
-  int runtime_version = 0;     ///< the CUDA this library was built with
+  int runtime_version = 0;     ///< CUDA version this library was built with
   std::uint64_t memory_bytes = 0;
 };
 
-/// Queries driver and device; the first call may take some tenths of a second. Having no device is
-/// a status, not an exception.
+/// Queries driver and device; the first call may take some tenths of a second. Reports a missing
+/// device in the status and does not throw.
 CudaStatus cuda_status();
 
 /// The calling thread's current CUDA device; -1: no usable device, or no CUDA backend.
 int current_cuda_device() noexcept;
 
-/// Waits for all work queued on `stream` (a cudaStream_t). Needed where a call will run on another
-/// thread than the one that names the stream: the per-thread default stream is a different one for
-/// each thread. Throws Error{backend_unavailable}.
+/// Waits for all work queued on `stream` (a cudaStream_t). Needed if another thread than the one
+/// that names the stream makes the call: each thread has its own per-thread default stream. Throws
+/// Error{backend_unavailable}.
 void wait_for_cuda_stream(void* stream);
 
 /// Waits for all work of the device that holds this memory, for arrays whose producer does not name
-/// its stream. Throws Error{backend_unavailable}, and Error{invalid_argument} for memory that
-/// belongs to no device.
+/// its stream. Throws Error{backend_unavailable}, and Error{invalid_argument} for memory of no
+/// device.
 void wait_for_cuda_device_of(const void* memory);
 
-/// Coordinates of the points with these ids, in this order, a row each; bit for bit, not checked
-/// for finiteness. Throws Error{backend_unavailable}, Error{invalid_argument} for an id that is not
-/// there and for memory or scalars it does not take.
+/// Coordinates of the points with these ids, in this order, one row each; bit for bit, not checked
+/// for finiteness. Throws Error{backend_unavailable}; Error{invalid_argument} for an id out of
+/// range and for unsupported memory or scalar types.
 Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids);
 
-/// As cull(PointView): drops points that provably lie strictly inside the hull. They are tested
-/// where they lie; only samples and survivors are transferred. `Backend::cpu` copies all points to
-/// the host. Extra device memory: a bit a point and the survivors; where that is not available,
-/// half a megabyte. Throws what cull(PointView) throws, and Error{backend_unavailable} without a
-/// device, Error{invalid_argument} for memory or scalars it does not take, Error{out_of_budget}
-/// where the device's memory is full.
+/// cull(PointView) for points in device memory: discards points that are provably strictly inside
+/// the hull. The device tests them; only samples and survivors are transferred. `Backend::cpu`
+/// copies all points to the host. Extra device memory: one bit per point and the survivors, or half
+/// a megabyte if that is not available. Throws what cull(PointView) throws,
+/// Error{backend_unavailable} without a device, Error{invalid_argument} for unsupported memory or
+/// scalar types, and Error{out_of_budget} if the device's memory is full.
 Survivors cull(const DevicePointView& points, const Options& options = {});
 
-/// The exact convex hull, the same bit for bit as convex_hull(PointView) of the same points.
-/// `vertex_coordinates`, where given, receives those of Hull::vertices, a row each, in their order.
+/// The exact convex hull: the same, bit for bit, as convex_hull(PointView) of the same points.
+/// `vertex_coordinates`, if given, receives those of Hull::vertices, one row each, in that order.
 Hull convex_hull(const DevicePointView& points, const Options& options = {},
                  std::vector<double>* vertex_coordinates = nullptr);
 

@@ -11,23 +11,23 @@ namespace cullhull::inline v1 {
 
 /// What went wrong; the command line maps each code to one exit status (docs/formats.md).
 enum class ErrorCode {
-  invalid_argument,     ///< a caller's mistake: null data, zero dimension, an impossible option
+  invalid_argument,     ///< a caller's mistake: null data, dimension 0, an impossible option
   not_finite,           ///< a NaN or an infinity among the coordinates; the message names the first
-  bad_file,             ///< a file that cannot be read as what it claims to be
+  bad_file,             ///< a file is not a valid file of its format
   io,                   ///< the operating system refused: missing file, no permission, disk full
   out_of_budget,        ///< the result would exceed the memory budget or the engine's id range
-  backend_unavailable,  ///< the backend or engine asked for is not there
+  backend_unavailable,  ///< the requested backend or engine is not available
   cancelled,            ///< the caller's stop token was triggered
-  not_exact,            ///< a foreign engine returned something that is not the exact hull
-  internal,             ///< a broken invariant of ours: always a bug, please report
+  not_exact,            ///< a foreign engine returned a result that is not the exact hull
+  internal,             ///< a broken invariant of the library: always a bug, please report it
 };
 
-/// The only exception type thrown on purpose (std::bad_alloc may pass through).
-/// `what()` is one line without a trailing full stop that says what to do where that is known.
+/// The only exception type that the library throws itself (std::bad_alloc may pass through).
+/// `what()` is one line without a final full stop; it says what to do where that is known.
 class Error : public std::runtime_error {
  public:
   Error(ErrorCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
-  /// The message in parts: text, and integers, which are written in decimal.
+  /// Joins the message from parts: text, and integers, which are written in decimal.
   template <class First, class Second, class... More>
   Error(ErrorCode code, const First& first, const Second& second, const More&... more)
       : Error(code, joined(first, second, more...)) {}

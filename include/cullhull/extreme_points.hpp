@@ -1,4 +1,4 @@
-// Which points are extreme, without the facets: in high dimension these are far too many to build.
+// The extreme points without the facets, which in high dimensions are too many to build.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ struct ExtremePoints {
   Statistics statistics;
 };
 
-/// The extreme points, exactly, by linear programs instead of a hull: each point is tested against
+/// The extreme points, exactly. Instead of a hull, a linear program for each point tests it against
 /// the others, in floating point with exactly checked certificates, else in rational arithmetic.
-/// Meant for dimension 7 and up. For n points of which h are extreme, O(n h) steps of small linear
-/// programs, in parallel; memory O(survivors). Points in a flat of dimension 3 or less go through
-/// the hull engine, but no facets are written: in the plane that takes half of convex_hull's time
-/// at most. `Options::engine` is ignored. Errors as convex_hull's.
+/// Meant for dimension 7 and up. For n points of which h are extreme: O(n h) steps of small linear
+/// programs, in parallel; memory O(survivors). Points in a flat of dimension 3 or less use the hull
+/// engine without writing facets, in 2D in at most half of convex_hull's time. Options::engine is
+/// ignored. Errors as convex_hull's.
 ExtremePoints extreme_points(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull::inline v1

@@ -26,7 +26,7 @@ const std::vector<Shape>& shapes();
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
                              std::uint64_t seed = 1, const stop_token& stop = {});
 
-/// The points of generate() piece by piece, for sets that memory does not hold.
+/// The points of generate() in pieces, for sets larger than memory.
 class PointGenerator {
  public:
   /// Throws Error{invalid_argument} as generate() does, and for 2^60 coordinates or more.
@@ -36,12 +36,12 @@ class PointGenerator {
   PointGenerator& operator=(PointGenerator&&) noexcept;
   ~PointGenerator();
 
-  /// Points are drawn in runs of this length, by several threads.
+  /// Points are generated in runs of this length, by several threads.
   static constexpr std::uint64_t run_length = 4096;
 
-  /// Writes the points [first, first + count), row-major, to `out`: the rows of generate(), in
-  /// whatever order they are asked for. Throws Error{invalid_argument} where `first` is no multiple
-  /// of run_length or there are fewer points, Error{cancelled} soon after `stop` is requested.
+  /// Writes the points [first, first + count), row-major, to `out`: the rows of generate(), in any
+  /// order of calls. Throws Error{invalid_argument} if `first` is not a multiple of run_length or
+  /// there are fewer points, Error{cancelled} soon after `stop` is requested.
   void rows(std::uint64_t first, std::uint64_t count, double* out,
             const stop_token& stop = {}) const;
 
@@ -50,12 +50,12 @@ class PointGenerator {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The motions MovingPoints knows, in the order a help text should list them.
+/// The motions that MovingPoints knows, in the order a help text should list them.
 const std::vector<Shape>& motions();
 
-/// A shape that moves, frame by frame: frame 0 is the shape itself (with the motion "teleport" in
-/// another order), and point i of every frame is the same point. One buffer serves all frames, so a
-/// sequence of any length can be written frame after frame.
+/// A shape that moves, frame by frame: frame 0 is the shape itself (for the motion "teleport" in
+/// another order), and point i of every frame is the same point. All frames are computed in one
+/// buffer, so the memory does not depend on the number of frames.
 class MovingPoints {
  public:
   /// Throws Error{invalid_argument} for an unknown shape or motion, or a dimension that either
@@ -67,8 +67,8 @@ class MovingPoints {
   ~MovingPoints();
 
   /// Writes frame `index` < frames, row-major, to `out` (count x dimension). The same arguments
-  /// give the same bits on every machine and thread count, in whatever order frames are asked for.
-  /// Throws Error{cancelled} soon after `stop` is requested.
+  /// give the same bits on every machine and thread count, in any order of calls. Throws
+  /// Error{cancelled} soon after `stop` is requested.
   void frame(std::uint64_t index, double* out, const stop_token& stop = {}) const;
 
  private:

@@ -1,5 +1,5 @@
-// The hull of a point set: exact, canonical (the same bits for every backend, filter and thread
-// count).
+// The convex hull of a point set: exact and canonical (the same bits for every backend, filter and
+// thread count).
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 namespace cullhull::inline v1 {
 
 struct Statistics {
-  std::uint64_t survivors = 0;  ///< points the filter kept (lattices are thinned once more)
+  std::uint64_t survivors = 0;           ///< points the filter kept (before lattices are thinned)
   UsedFilter filter = UsedFilter::none;  ///< as in Survivors
   std::string cull_reason;               ///< as in Survivors::reason
   Engine engine = Engine::native;
@@ -26,15 +26,16 @@ struct Statistics {
   unsigned threads = 1;
   double cull_seconds = 0;
   double hull_seconds = 0;     ///< engine and result together
-  double compute_seconds = 0;  ///< points in memory to complete result
-  /// Orientation decisions by rung of the ladder (docs/exactness.md): cached plane, filter, exact.
+  double compute_seconds = 0;  ///< from points in memory to the complete result
+  /// Orientation tests by the stage that decided them (docs/exactness.md): cached plane, filter,
+  /// exact.
   std::uint64_t rung_counts[3] = {0, 0, 0};
 
   CULLHULL_RENAMED(cull_method, "use filter, and filter_name() for its text");
 };
 
-/// k below is `affine_dimension`: the dimension of the flat the points span (-1: no points, 0: all
-/// equal, ..., `dimension`: full). The hull is that of the points inside their flat.
+/// k below is `affine_dimension`: the dimension of the flat that the points span (-1: no points, 0:
+/// all equal, ..., `dimension`: full). The hull is computed within that flat.
 struct Hull {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
@@ -45,31 +46,31 @@ struct Hull {
   /// the lowest id (in a flat: in the orientation described in docs/algorithm.md).
   std::vector<std::uint64_t> vertices;
 
-  /// Maximal facets, coplanar pieces merged; facet i's vertex ids. k = 3: in cyclic order,
+  /// Maximal facets (coplanar pieces merged), as vertex ids. k = 3: in cyclic order,
   /// counter-clockwise from outside, from the lowest id. k = 2: the two ends, counter-clockwise.
-  /// Otherwise ascending. Facets are ordered by their first simplex.
-  /// Shares the memory of `simplices` where each facet is one and lists its vertices alike.
+  /// Otherwise ascending. Facets are ordered by their first simplex. Shares memory with `simplices`
+  /// if every facet is one simplex and lists its vertices in the same order.
   Lists<std::uint64_t, SharedArray<std::uint64_t>> facets;
-  /// Facets sharing a ridge with facet i. k = 3: entry j lies across the edge from vertex j to
+  /// The facets that share a ridge with facet i. k = 3: entry j is across the edge from vertex j to
   /// vertex j + 1 (cyclic). k = 2: across vertex 1, across vertex 0, as for simplices. Otherwise
   /// ascending.
   Lists<std::uint32_t> facet_neighbours;
   /// facets x (dimension + 1): outward unit normal, then offset; normal . x + offset <= 0 for every
-  /// point up to rounding. For a flat hull the normal lies in the directions of the flat. How
-  /// accurate: docs/exactness.md, "Numbers", which certify() checks.
+  /// point, up to rounding. For a flat hull the normal is parallel to the flat. docs/exactness.md,
+  /// "Numbers", states the accuracy, which certify() checks.
   Array<double> facet_planes;
 
   /// simplices x k vertex ids: every facet triangulated by pulling from its lowest id
   /// (recursively), simplices sorted. Each simplex is ascending, except that its last two ids are
-  /// swapped where that is needed to orient it outward (k = 1: none is needed).
+  /// swapped if that is needed to orient it outward (never for k = 1).
   SharedArray<std::uint64_t> simplices;
   /// simplices x k: entry j is the simplex across the ridge opposite to vertex j.
   Array<std::uint32_t> simplex_neighbours;
-  /// The facet each simplex is part of; takes no memory where facet i is simplex i.
+  /// The facet that each simplex is part of; uses no memory if facet i is simplex i for all i.
   EvenArray<std::uint32_t> simplex_facets;
 
-  /// k-measure of the hull (length, area, volume, ...) and (k-1)-measure of its boundary (for
-  /// k = 1: 2, its end points), centroid in the units of the points. 0 and empty where undefined.
+  /// k-measure of the hull (length, area, volume, ...), (k-1)-measure of its boundary (for k = 1:
+  /// 2, the end points), and centroid, in the units of the points. 0 or empty where undefined.
   double volume = 0;
   double area = 0;
   std::vector<double> centroid;
@@ -102,8 +103,7 @@ struct Hull {
     return {vertex_coordinates.data() + i * dimension, dimension};
   }
 
-  /// Replaces every vertex id v by of(v). If `of` is increasing, every canonical order is
-  /// preserved.
+  /// Replaces every vertex id v by of(v). An increasing `of` preserves all canonical orders.
   template <class Of>
   void rename(Of&& of) {
     const bool shared = facets.items.shares(simplices);
@@ -117,12 +117,11 @@ struct Hull {
   }
 };
 
-/// The exact convex hull.
-/// Shapes: any count, any dimension d >= 1. Errors: not_finite (names the first bad index),
-/// out_of_budget (before the work where counts tell, else when growth exceeds the budget),
-/// cancelled, backend_unavailable, invalid_argument; with Engine::qhull also not_exact. Time O(n)
-/// for the filter; for the h points it leaves expected O(h log h + h^floor(d / 2)), for points in
-/// random order. Extra memory O(survivors + facets). Thread safe: calls share nothing.
+/// The exact convex hull of any number of points in any dimension d >= 1. Errors: not_finite (names
+/// the first bad index), out_of_budget (before the work if the counts show it, else when the hull
+/// outgrows the budget), cancelled, backend_unavailable, invalid_argument; with Engine::qhull also
+/// not_exact. Time O(n) for the filter, then expected O(h log h + h^floor(d / 2)) for its h
+/// survivors in random order. Extra memory O(survivors + facets). Thread safe: calls share nothing.
 /// Source: docs/algorithm.md; why it is exact: docs/exactness.md.
 Hull convex_hull(const PointView& points, const Options& options = {});
 

@@ -20,69 +20,72 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// What a point of a file that has a Placement is; other files' numbers are coordinates.
+/// What the coordinates of a file with a Placement (.las) mean; other files' numbers are
+/// coordinates.
 enum class Numbers {
-  /// Coordinates in the world, as doubles: on a decimal grid (common_grid) the nearest ones, else
-  /// number * scale + offset as laspy computes it.
+  /// World coordinates, as doubles: on a decimal grid (common_grid) the nearest ones, else number *
+  /// scale + offset, as laspy computes them.
   world,
-  grid,  ///< integers on a common grid, exact, for computing; world coordinates without a grid
-  file,  ///< the file's own numbers, in place
+  grid,  ///< exact integers on a common grid, for computing; world coordinates if there is no grid
+  file,  ///< the file's own integers, read in place
 };
 
-/// A choice that a reader made, or data it skipped, without having been asked to.
+/// A choice that a reader made by itself, or data that it skipped.
 struct Remark {
   enum class Kind {
-    columns,   ///< which columns of a text are the coordinates; ReadOptions::columns takes others
-    left_out,  ///< bytes or text behind the points, faces that are cut short, lines of no keyword
+    columns,   ///< which columns of a text are the coordinates; ReadOptions::columns selects others
+    left_out,  ///< bytes or text after the points, truncated faces, lines with unknown keywords
   };
   Kind kind;
-  std::string file;     ///< its name
-  std::string message;  ///< a part of one line, without the name
+  std::string file;     ///< name of the file
+  std::string message;  ///< part of a line, without the file's name
 
   std::string line() const { return file + ": " + message; }
   operator std::string() const { return line(); }
 };
 
 struct ReadOptions {
-  /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
-  /// empty: by extension, then by content.
+  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
+  /// empty: detected from the extension, then from the content.
   std::string format;
-  /// Needed for raw input only.
+  /// Dimension and scalar type of raw input; required for it.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
   /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b (b
-  /// excluded), separated by commas ("x,y,z", "0,2,5", "1:4"); a name may stand in double quotes.
-  /// Empty: for a text whose first line names columns x, y (and z) these, else all columns. Names
-  /// are those of a text's first line; mesh and scan formats have x, y, z. The other columns of a
-  /// text may hold anything.
+  /// excluded), separated by commas ("x,y,z", "0,2,5", "1:4"); a name may be in double quotes.
+  /// Empty: if the first line of a text names columns x, y (and z), these, else all columns. A
+  /// text's names are those in its first line; mesh and scan formats have x, y, z. Other columns of
+  /// a text may hold anything.
   std::string columns;
-  /// A column of one more number a point, named as in `columns`; it is no coordinate unless
-  /// `columns` names it, too (PointFile::weights). Of open_points alone, and not beside `key`.
+  /// A column that holds a weight for each point (PointFile::weights), named as in `columns`. It is
+  /// a coordinate only if `columns` names it, too. For open_points only, and not together with
+  /// `key`.
   std::string weights;
-  /// The column that holds the group of each point, named as in `columns`; it is no coordinate
-  /// unless `columns` names it, too. BlockVisitor::keyed receives its values as they are written in
-  /// the file.
+  /// The column that holds the group of each point, named as in `columns`. It is a coordinate only
+  /// if `columns` names it, too. BlockVisitor::keyed receives its values as written in the file.
   std::string key;
-  /// Called for each remark, from any thread. A function of a std::string gets Remark::line().
+  /// Called for each remark, from any thread. A function that takes std::string gets
+  /// Remark::line().
   std::function<void(const Remark&)> remark;
-  /// Compressed files (.gz, .zst, .npz) may unpack to at most this many bytes in memory; 0: half of
-  /// what the process may use. Read in blocks (visit_blocks) they take no more memory than others.
+  /// Limit in bytes for compressed files (.gz, .zst, .npz) unpacked in memory; 0: half of the
+  /// memory that the process may use. visit_blocks reads them in blocks and needs no more than for
+  /// other files.
   std::uint64_t memory_budget = 0;
-  /// Read only part `part` (from 0) of `parts` nearly equal ones, if the format gives access to any
-  /// point: .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other
-  /// files are read whole (PointFile::in_parts). Of open_points alone.
+  /// Read only part `part` (from 0) of `parts` nearly equal parts, if the format has random access:
+  /// .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other files are read whole
+  /// (PointFile::in_parts). For open_points only.
   std::uint64_t part = 0, parts = 1;
   Numbers numbers = Numbers::world;
-  /// For Numbers::grid: the grid, by common_grid of all inputs; without it the file's own. An empty
-  /// one: coordinates in the world.
+  /// For Numbers::grid: the grid, from common_grid of all inputs; not set: the file's own grid;
+  /// empty grid: world coordinates.
   std::optional<Grid> grid;
-  /// Threads that parse text; 0 means all the machine offers.
+  /// Threads that parse text; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
   /// Checked while text is parsed.
   stop_token stop;
 };
 
-/// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
+/// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` is a view of its
 /// memory.
 class PointFile {
  public:
@@ -92,13 +95,14 @@ class PointFile {
   ~PointFile();
 
   const PointView& points() const noexcept;
-  /// Red, green and blue of every point (u8, dimension 3), where a PLY has them; else no points.
+  /// Red, green and blue of every point (u8, dimension 3), if a PLY file has them; else no points.
   const PointView& colours() const noexcept;
-  /// Of the file's numbers, by axis of points().
+  /// Scale and offset of the file's numbers, for each axis of points().
   const Placement& placement() const noexcept;
-  /// The numbers of ReadOptions::weights, one for each point of points(); empty if not asked for.
+  /// The weights that ReadOptions::weights selects, one per point of points(); empty if not
+  /// requested.
   const std::vector<double>& weights() const noexcept;
-  /// The grid whose units the numbers of points() count; empty unless Numbers::grid was asked for.
+  /// The grid whose units points() are in; empty unless Numbers::grid was requested.
   const Grid& grid() const noexcept;
   /// Converts a file's own numbers to grid units, or to world coordinates if there is no grid, as
   /// ReadOptions with Numbers::grid reads them. Call once.
@@ -106,10 +110,10 @@ class PointFile {
   /// Converts grid units or a file's own numbers to world coordinates. Call once.
   void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
-  bool mapped() const noexcept;                ///< true when read in place
-  /// Whether points() is the part that ReadOptions::part names; else it is all of them.
+  bool mapped() const noexcept;                ///< true if the file is read in place
+  /// True if points() is the part that ReadOptions::part selects; false: all points.
   bool in_parts() const noexcept;
-  std::uint64_t first() const noexcept;  ///< number, in the file, of the first of points()
+  std::uint64_t first() const noexcept;  ///< index in the file of the first of points()
   std::uint64_t total() const noexcept;  ///< points in the file
   double read_seconds() const noexcept;
 
@@ -121,16 +125,16 @@ class PointFile {
 };
 
 /// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive; FILE.h5:/GROUP/NAME: a
-/// dataset of an HDF5 or NetCDF-4 file). What is compressed by gzip or zstd is unpacked. Throws
-/// Error{io} or Error{bad_file} with file and line or byte offset.
+/// dataset of an HDF5 or NetCDF-4 file). Unpacks gzip and zstd. Throws Error{io} or
+/// Error{bad_file}, which name the file and line or byte offset.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
 /// The line (from 1) of a point in an uncompressed text file, for messages; empty for other formats
-/// and on read errors. Counts lines, so the time is that of reading the file.
+/// and on read errors. Counts lines, so it takes as long as reading the file.
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
-/// Moving points, frame after frame: an array (frames, n, d) in an .npy file, of which only one
-/// frame is mapped at a time (so a sequence may exceed memory), or one file of points a frame.
+/// Moving points, frame by frame: an array (frames, n, d) in an .npy file, of which one frame at a
+/// time is mapped (so a sequence may exceed memory), or one file of points per frame.
 class PointSequence {
  public:
   PointSequence();
@@ -139,19 +143,19 @@ class PointSequence {
   ~PointSequence();
 
   std::uint64_t frames() const noexcept;
-  /// Makes the next frame the current one; false after the last. Invalidates the view of the frame
-  /// before. Throws as open_points does.
+  /// Moves to the next frame; false after the last one. Invalidates the view of the previous frame.
+  /// Throws as open_points does.
   bool next();
-  /// The current frame. Before next() it is empty.
+  /// The current frame; empty before next() is called.
   const PointView& points() const noexcept;
-  /// Its index from 0, and the file it comes from.
+  /// Index of the current frame, from 0, and the file that it comes from.
   std::uint64_t index() const noexcept;
   const std::string& name() const noexcept;
   const std::string& format() const noexcept;
   const Grid& grid() const noexcept;  ///< as PointFile::grid(), the same for all frames
-  /// As PointFile::placement(), of the current frame; before next() and of arrays it is empty.
+  /// As PointFile::placement(), of the current frame; empty before next() and for arrays.
   const Placement& placement() const noexcept;
-  double read_seconds() const noexcept;  ///< of the current frame
+  double read_seconds() const noexcept;  ///< for the current frame
 
  private:
   friend PointSequence open_sequence(const std::vector<std::string>& paths,
@@ -162,16 +166,16 @@ class PointSequence {
 };
 
 /// Each of `paths` is a file, a folder (its files, without hidden ones) or a pattern with * ? [ ].
-/// Files of folders and patterns are ordered by name, numbers in names by value (2 before 10). An
-/// .npy array (frames, n, d) has to be the only path. Throws Error{io}, Error{bad_file}.
+/// Files of folders and patterns are sorted by name, numbers in names by value (2 before 10). An
+/// .npy array (frames, n, d) must be the only path. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
-/// The files such paths stand for, in that order.
+/// The files that such paths stand for, in that order.
 std::vector<std::string> sequence_files(const std::vector<std::string>& paths);
 
 /// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
-/// PointFile whose mapping holds `address`, or nullptr. The kernel sends SIGBUS when a mapped file
-/// shrinks under its reader. The name stays readable as long as the PointFile is open.
+/// PointFile whose mapping contains `address`, or nullptr. The kernel sends SIGBUS when a mapped
+/// file shrinks while it is read. The name is valid as long as the PointFile is open.
 const char* describe_mapped_fault(const void* address) noexcept;
 
 /// For a handler of SIGSEGV, SIGBUS, SIGFPE or SIGABRT (async-signal-safe): the name of the HDF5
@@ -180,126 +184,125 @@ const char* describe_library_fault() noexcept;
 
 struct JsonExtras {
   double read_seconds = 0;
-  /// The times of all runs where there were several; the hull's statistics have the median run's.
+  /// Times of all runs if there were several; the hull's statistics describe the median run.
   std::vector<double> compute_seconds_all;
   std::uint64_t peak_bytes = 0;
-  /// Set when a certificate was asked for.
+  /// Set if a certificate was requested.
   std::optional<bool> certified;
 };
 
-/// The version of docs/cullhull.schema.json, which every document names in its member "schema". It
-/// is increased when a member is removed or changes its meaning; members may be added without.
+/// The version of docs/cullhull.schema.json, which every document states in its member "schema". It
+/// increases when a member is removed or changes its meaning, not when members are added.
 inline constexpr int json_schema_version = 2;
 
-/// How a mesh file (.ply .obj .off) holds facets of more than three corners.
+/// How a mesh file (.ply .obj .off) stores facets with more than three corners.
 enum class Faces {
   polygons,   ///< as polygons
-  triangles,  ///< as the hull's simplices, for programs that read no polygons
+  triangles,  ///< as the hull's simplices, for programs that do not read polygons
 };
 
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson
-/// .wkt .json .txt) or in `format`: one of those words, or of qhull_formats(). The bytes depend on
-/// points and hull alone, so .json holds the result and no times. The file appears whole or not at
-/// all (written beside, then renamed); "-" and what is no regular file (a pipe, a device) are
-/// written directly. Throws Error{invalid_argument} if the format cannot hold the hull's dimension,
-/// Error{io} with the system's reason.
+/// .wkt .json .txt) or in `format`: one of these names or of qhull_formats(). The bytes depend only
+/// on points and hull, so .json holds the result without times. The file appears complete or not at
+/// all (written under another name, then renamed); "-", pipes and devices are written directly.
+/// Throws Error{invalid_argument} if the format cannot hold the hull's dimension, Error{io} with
+/// the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
                 const std::string& format = "", Faces faces = Faces::polygons);
-/// The same by the coordinates that the hull carries (Options::with_coordinates). Formats that list
-/// every point are refused, and a hull without coordinates: Error{invalid_argument}.
+/// The same with the coordinates that the hull carries (Options::with_coordinates). Throws
+/// Error{invalid_argument} for formats that list every point and for a hull without coordinates.
 void write_hull(const std::string& path, const Hull& hull, const std::string& format = "",
                 Faces faces = Faces::polygons);
-/// The same bytes from the points' state and its hull(). Formats that list every point are refused:
-/// Error{invalid_argument}.
+/// The same bytes from the points' state and its hull(). Throws Error{invalid_argument} for formats
+/// that list every point.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
                 const std::string& format = "", Faces faces = Faces::polygons);
 
-/// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of writers
-/// that have not finished.
+/// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of
+/// unfinished writers.
 void remove_unfinished_files() noexcept;
 
-/// The run's report as JSON, with the lists of write_hull(".json") if `with_lists`; the keys are
-/// listed in docs/formats.md.
+/// The run's report as JSON, with the lists of write_hull(".json") if `with_lists`; docs/formats.md
+/// lists the keys.
 std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
 std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
                          bool with_lists);
-/// Reads what write_hull(".json") or hull_to_json with lists wrote, of this schema version or an
-/// earlier one. Every size, offset and index is checked, so that the result can be handed to
-/// certify(); its statistics are not in the file. `vertex_coordinates`, if given, takes the rows of
-/// that key, in the order of `vertices`; so does Hull::vertex_coordinates, if
-/// Options::with_coordinates is set. Options used: stop, poll, with_coordinates. `first_id`: the id
-/// of point 0 in the file; the result counts from 0. Throws Error{bad_file}, Error{io} or
-/// Error{cancelled}.
+/// Reads a document of write_hull(".json") or of hull_to_json with lists, of this schema version or
+/// an earlier one. Checks every size, offset and index, so the result can be passed to certify();
+/// statistics are not in the file. `vertex_coordinates`, if given, receives the rows of that key,
+/// in the order of `vertices`; with Options::with_coordinates the hull carries them. `first_id`:
+/// the id of point 0 in the file; the result counts from 0. Options used: stop, poll,
+/// with_coordinates. Throws Error{bad_file}, Error{io} or Error{cancelled}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
                     const Options& options = {}, std::uint64_t first_id = 0);
 
-/// certify() of the hull in such a file; its `vertex_coordinates`, which a Hull does not have, must
-/// be those of the points. Points on a grid are compared with what the file has in the world.
-/// `first_id`: the id of point 0 in the file. Throws what hull_from_json and certify throw.
+/// certify() of the hull in such a file; the file's `vertex_coordinates` must also equal those of
+/// the points. Points on a grid are compared with the file in world coordinates. `first_id`: the id
+/// of point 0 in the file. Throws what hull_from_json and certify throw.
 Certificate certify_file(const PointView& points, const std::string& path,
                          const Options& options = {}, const Grid& grid = {},
                          std::uint64_t first_id = 0);
 
-/// Throws Error{io} where a file of this name cannot be written; for a check before long work.
-/// Does not change an existing file.
+/// Throws Error{io} if a file of this name cannot be written; for a check before long work. Does
+/// not change an existing file.
 void check_writable(const std::string& path);
 
-/// Reads what `cullhull-bench machine` wrote: an object with the members of MachineConstants. The
-/// rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
+/// Reads the output of `cullhull-bench machine`: an object with the members of MachineConstants.
+/// The rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
 MachineConstants machine_from_json(const std::string& path);
 
-/// Text as Qhull's `qconvex` prints it; `what` is one of qhull_formats(). docs/formats.md says what
-/// each holds. Throws Error{invalid_argument} for other words, with the reason for words that only
-/// Qhull has, and for G, m and FM of a hull that is neither 2D nor 3D.
+/// Text as Qhull's `qconvex` prints it; `what` is one of qhull_formats(), described in
+/// docs/formats.md. Throws Error{invalid_argument} for other words, with the reason for words that
+/// only Qhull supports, and for G, m and FM if the hull is neither 2D nor 3D.
 std::string hull_to_qhull_text(const PointView& points, const Hull& hull, std::string_view what);
-/// The same from a state; o, f, FF, Ft and FN list every point and are refused.
+/// The same from a state; o, f, FF, Ft and FN, which list every point, are refused.
 std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::string_view what);
 
-/// The words hull_to_qhull_text knows.
+/// The words that hull_to_qhull_text accepts.
 const std::vector<std::string>& qhull_formats();
 
-/// Throws the error hull_to_qhull_text would throw for this word, whatever the hull.
+/// Throws the error that hull_to_qhull_text throws for this word, for any hull.
 void check_qhull_format(std::string_view what);
 
-/// Writes a text as write_hull writes its files: whole or not at all.
+/// Writes a text file as write_hull does: complete or not at all.
 void write_text(const std::string& path, std::string_view text);
 
-/// Point ids in the format of the extension of `path` or `format`: .npy (int64), .txt (one a line),
-/// .csv (likewise, below the line "id"); "-" and what is no regular file get .npy. Throws
-/// Error{invalid_argument} for another extension, Error{io}.
+/// Writes point ids in the format of the extension of `path` or `format`: .npy (int64), .txt (one
+/// per line), .csv (the same after a header line "id"); default for "-", pipes and devices: .npy.
+/// Throws Error{invalid_argument} for another extension, Error{io}.
 void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
                const std::string& format = "");
 
-/// Those of the points whose ids are given, in that order, likewise: .npy and .ply keep the scalar
-/// type (.ply: 2D and 3D), .xyz, .txt and .csv are decimals that read back as the same numbers,
-/// .csv below a line of column names. Throws as write_ids does.
+/// Writes the points with these ids, in that order: .npy and .ply keep the scalar type (.ply: 2D
+/// and 3D); .xyz, .txt and .csv are decimals that read back as the same numbers, .csv after a line
+/// of column names. Throws as write_ids does.
 void write_points(const std::string& path, const PointView& points,
                   const std::vector<std::uint64_t>& ids, const std::string& format = "");
-/// Likewise the extreme points that a state holds.
+/// The same for the extreme points that a state holds.
 void write_points(const std::string& path, const HullState& state, const std::string& format = "");
 
-/// Those records of the LAS file `las` (any name that open_points takes one by) whose ids are
-/// given, ascending, as a LAS file: every field of them, and its scale, offset, point format and
-/// other records, are the input's bytes; the header's counts and box are theirs. Throws
-/// Error{bad_file} unless `las` is LAS, Error{invalid_argument} for an id beyond its points or a
-/// name but .las.
+/// Writes the records of the LAS file `las` (any name that open_points accepts) with these ids,
+/// ascending, as a LAS file. All fields of these records, scale, offset, point format and other
+/// records are copied byte for byte; the header's counts and box describe the new file. Throws
+/// Error{bad_file} unless `las` is LAS, Error{invalid_argument} for an id out of range or another
+/// extension than .las.
 void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids);
 
-/// (n) int64, or (n, d) arrays in NumPy's format.
+/// Ids as (n) int64, points as (n, d), in NumPy's format.
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids);
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type);
 
-/// An array (count, dimension) written some points at a time; the file appears when the last one
-/// has been written. Throws as the other writers do.
+/// Writes an array (count, dimension) in pieces; the file appears once the last point is written.
+/// Throws as the other writers do.
 class NpyPointsWriter {
  public:
   NpyPointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
                   ScalarType type);
   ~NpyPointsWriter();
-  /// The next points: count x dimension doubles.
+  /// Writes the next points: count x dimension doubles.
   void write(const double* coordinates, std::uint64_t count);
 
  private:
@@ -307,14 +310,14 @@ class NpyPointsWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// An array (frames, count, dimension) written frame by frame; the file appears when the last one
-/// has been written. Throws as the other writers do.
+/// Writes an array (frames, count, dimension) frame by frame; the file appears once the last frame
+/// is written. Throws as the other writers do.
 class NpySequenceWriter {
  public:
   NpySequenceWriter(const std::string& path, std::uint64_t frames, std::uint64_t count,
                     std::uint32_t dimension, ScalarType type);
   ~NpySequenceWriter();
-  /// count x dimension doubles.
+  /// Writes the next frame: count x dimension doubles.
   void write(const double* coordinates);
 
  private:

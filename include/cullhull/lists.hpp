@@ -1,6 +1,6 @@
-// The lists of a result: arrays that share memory where their contents are the same, and arrays
-// that are not stored where their items are evenly spaced. Most hulls with millions of facets are
-// simplicial: their facets are their simplices, and all lists are of one length.
+// The lists of a result: arrays that share memory if their contents are equal, and arrays that are
+// not stored if their items are evenly spaced. Most hulls with millions of facets are simplicial:
+// their facets are their simplices, and all lists have the same length.
 #pragma once
 
 #include <algorithm>
@@ -19,9 +19,9 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// A read-only Array whose copies share memory. It behaves as a value: `edit` gives an array of its
-/// own. Thread safe as any value is: copies that share memory may be read, edited and destroyed on
-/// different threads at once.
+/// A read-only Array whose copies share memory. It behaves as a value: `edit` returns an array that
+/// no copy shares. Thread safe as other values are: different threads may read, edit and destroy
+/// copies that share memory.
 template <class T>
 class SharedArray {
  public:
@@ -46,8 +46,9 @@ class SharedArray {
     return {data(), size()};
   }  // NOLINT: as vectors do
 
-  /// The array, writable: no other SharedArray sees the changes. Copies first where memory is
-  /// shared. The reference holds until this object is copied, assigned to or destroyed.
+  /// The array, writable; other SharedArrays do not see the changes. Copies the items first if
+  /// other SharedArrays share them. The reference is valid until this object is copied, assigned to
+  /// or destroyed.
   Array<T>& edit() {
     if (!items_)
       items_ = std::make_shared<Array<T>>();
@@ -58,7 +59,7 @@ class SharedArray {
     return *items_;
   }
 
-  /// Whether both are the same memory (and so equal).
+  /// Whether both share memory (and so are equal).
   bool shares(const SharedArray& other) const noexcept { return items_ == other.items_; }
 
   friend bool operator==(const SharedArray& a, const SharedArray& b) {
@@ -69,8 +70,8 @@ class SharedArray {
   std::shared_ptr<Array<T>> items_;  // nullptr: empty
 };
 
-/// Random access over what operator[] of a container returns, by value: there may be no stored item
-/// to refer to. Valid as long as the container is where it was.
+/// A random-access iterator over the values of a container's operator[], by value, because there
+/// may be no stored item to refer to. Invalidated when the container moves or is destroyed.
 template <class Container>
 class IndexIterator {
  public:
@@ -108,7 +109,7 @@ class IndexIterator {
   std::ptrdiff_t at_ = 0;
 };
 
-/// A read-only Array of integers that is not stored where item i is i times a step.
+/// A read-only Array of integers that are not stored if item i is i times a step.
 template <class T>
 class EvenArray {
  public:
@@ -122,7 +123,7 @@ class EvenArray {
   EvenArray(std::initializer_list<T> items) {
     for (const T v : items) push_back(v);
   }
-  /// 0, step, 2 step, ...: `count` items.
+  /// The items 0, step, 2 step, ...: `count` of them.
   static EvenArray of_step(std::size_t count, T step) {
     EvenArray a;
     a.count_ = count;
@@ -140,12 +141,12 @@ class EvenArray {
   iterator begin() const noexcept { return {this, 0}; }
   iterator end() const noexcept { return {this, static_cast<std::ptrdiff_t>(size())}; }
 
-  /// The step where the items are not stored, else nullptr.
+  /// The step if the items are not stored, else nullptr.
   const T* step() const noexcept { return even_ ? &step_ : nullptr; }
-  /// The items where they are stored, else nullptr.
+  /// The items if they are stored, else nullptr.
   const T* data() const noexcept { return even_ ? nullptr : items_.data(); }
 
-  /// Appends an item; the items stay unstored while they are evenly spaced.
+  /// Appends an item; the items are stored once they are no longer evenly spaced.
   void push_back(T v) {
     if (even_ && count_ == 1 && front() == 0) step_ = v;
     if (even_ && v == static_cast<T>(count_) * step_) {
@@ -156,7 +157,7 @@ class EvenArray {
   }
   void clear() noexcept { *this = EvenArray(); }
 
-  /// The items, stored and writable.
+  /// Stores the items if they are not stored yet, and returns them, writable.
   Array<T>& edit() {
     if (even_) {
       items_.resize(count_);
@@ -174,13 +175,13 @@ class EvenArray {
 
  private:
   Array<T> items_;
-  std::size_t count_ = 0;  // where even
+  std::size_t count_ = 0;  // if even_
   T step_ = 0;
   bool even_ = true;
 };
 
-/// Lists end to end: list i is items[offsets[i] .. offsets[i + 1]). Where all are of one length,
-/// the offsets take no memory. A range of spans: for (std::span<const T> list : lists).
+/// Concatenated lists: list i is items[offsets[i] .. offsets[i + 1]). If all have the same length,
+/// the offsets use no memory. A range of spans: for (std::span<const T> list : lists).
 template <class T, class Items = Array<T>>
 struct Lists {
   using value_type = std::span<const T>;
@@ -190,7 +191,7 @@ struct Lists {
   EvenArray<std::uint64_t> offsets{0};
   Items items;
 
-  /// `items`, cut into lists of `length` > 0.
+  /// Cuts `items` into lists of `length` > 0 items.
   static Lists of_length(std::uint64_t length, Items items) {
     Lists lists;
     lists.offsets = EvenArray<std::uint64_t>::of_step(items.size() / length + 1, length);

@@ -1,4 +1,4 @@
-// Options of a call. No option changes the result, only how it is reached.
+// Options of a call. They change how the result is computed, never the result.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@
 namespace cullhull::inline v1 {
 
 enum class Backend { automatic, cpu, cuda };
-/// The filters: docs/algorithm.md. `automatic` estimates on a sample whether the gauge map pays.
+/// The filters: docs/algorithm.md. automatic: decide from a sample whether the gauge map is
+/// worthwhile.
 enum class CullMethod { automatic, gauge, pseudo_hull, none };
 enum class Engine { native, qhull };
 
@@ -20,24 +21,24 @@ enum class Engine { native, qhull };
 const char* backend_name(Backend backend) noexcept;
 const char* engine_name(Engine engine) noexcept;
 
-/// Called from the calling thread now and then: a short phase name and the share done in [0, 1]. It
-/// may throw; the exception passes through and no output is left partly written.
+/// Called occasionally, from the calling thread: a short phase name and the completed fraction in
+/// [0, 1]. It may throw; the exception reaches the caller, and no output is left partly written.
 using Progress = std::function<void(const char* phase, double share)>;
 
-/// Called from the calling thread alone, each time a call checks `stop` there: often, so it must be
-/// quick. It may request the stop, and must not throw.
+/// Called only from the calling thread, each time that thread checks `stop`: often, so it must be
+/// quick. It may request a stop, and must not throw.
 using Poll = std::function<void()>;
 
-/// How a call runs, whatever it computes.
+/// Options of every call: threads, memory, cancellation.
 struct RunOptions {
-  /// Threads to use; 0 means all the machine offers.
+  /// Threads to use, at most 1024; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
-  /// Bytes it may allocate beyond the input; 0: half of the memory that this process may use.
+  /// Limit in bytes for memory beyond the input; 0: half of the memory that this process may use.
   std::uint64_t memory_budget = 0;
   Progress progress;
   stop_token stop;
-  /// For callers that must look for signals themselves. Not called while the calling thread waits
-  /// for other threads: it does not bound the latency of calls that take seconds on several.
+  /// For callers that must poll for signals themselves. Not called while the calling thread waits
+  /// for other threads, so it does not bound the latency of long multi-threaded calls.
   Poll poll;
 };
 
@@ -48,14 +49,14 @@ struct Options : RunOptions {
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
   Engine engine = Engine::native;
-  /// The CUDA device for points of the host; -1: the calling thread's current one. Points in a
-  /// device's memory are worked on by that device.
+  /// The CUDA device for points in host memory; -1: the calling thread's current one. Points in a
+  /// device's memory are processed by that device.
   int device = -1;
-  /// Whether the hull keeps the coordinates of its vertices (Hull::vertex_coordinates), so that
+  /// Whether the hull carries the coordinates of its vertices (Hull::vertex_coordinates), so that
   /// certify, HullQuery, HullState and write_hull need no points beside it. Used by convex_hull,
-  /// HullTracker, HullStream and HullState::hull.
+  /// HullTracker, HullStream, HullState::hull and hull_from_json.
   bool with_coordinates = false;
-  /// The rates by which `Backend::automatic` chooses.
+  /// The rates from which `Backend::automatic` decides.
   MachineConstants machine;
 };
 

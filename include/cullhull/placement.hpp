@@ -1,5 +1,5 @@
 // How the integers of a scan map to coordinates: scale and offset of each axis, and the grid on
-// which points of several files can be computed exactly. Part of cullhull::io.
+// which points of several files are computed exactly. Part of cullhull::io.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ struct ReadOptions;
 /// formats without such a map (all but .las).
 struct Placement {
   std::vector<double> scale, offset;
-  std::string unit{};  ///< of x and y, by the file's reference system: "metre", ...; empty: unknown
+  std::string unit{};  ///< of x and y, as the file states it: "metre", ...; empty: unknown
 
   bool empty() const noexcept { return scale.empty(); }
   /// In doubles, as laspy computes it.
@@ -28,9 +28,9 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// Coordinates that are whole multiples of a unit, the same on every axis, and of at most 50 bits.
-/// A decimal grid: of 10^-decimals. On it coordinates are these multiples, which doubles hold
-/// exactly and give back. A binary grid: of 2^-places. Doubles hold its coordinates exactly.
+/// Coordinates that are integer multiples of a unit, the same on every axis, with at most 50 bits.
+/// Decimal grid: the unit is 10^-decimals; computations use the multiples, which doubles hold
+/// exactly and map back. Binary grid: the unit is 2^-places; doubles hold the coordinates exactly.
 class Grid {
  public:
   Grid() = default;  ///< no grid: coordinates are used as given
@@ -38,7 +38,7 @@ class Grid {
   static Grid binary(int places);
 
   bool empty() const noexcept { return unit_ == 0; }
-  /// -1: no decimal grid.
+  /// -1 unless the grid is decimal.
   int decimals() const noexcept { return decimals_; }
   /// The factor from coordinates to grid units: 10^decimals; 1 for a binary grid and without one.
   double power() const noexcept { return power_; }
@@ -50,7 +50,7 @@ class Grid {
   /// The integer whose to_world() is `coordinate`; NaN if no integer is.
   double number_of(double coordinate) const noexcept;
 
-  /// Converts measures of `dimension` dimensions: 1 for lengths, 2 for areas, ...
+  /// Converts measures: `dimension` 1 for lengths, 2 for areas, ...
   double measure_to_world(double measure, int dimension) const noexcept;
   double measure_to_grid(double measure, int dimension) const noexcept;
 
@@ -61,11 +61,11 @@ class Grid {
   double power_ = 1, unit_ = 0;
 };
 
-/// The coarsest grid that contains all coordinates of files with these placements. It is binary if
-/// a binary grid exists and some coordinates are not integers: coordinates are then the doubles
-/// that any other file would hold. Otherwise scales and offsets stand for the shortest decimals
-/// that read back as them (0.01 for one hundredth). Empty if a placement is empty, or a coordinate
-/// might need more than 50 bits.
+/// The coarsest grid that contains all coordinates of files with these placements. A binary grid,
+/// if one exists and some coordinates are not integers: coordinates are then the same doubles as in
+/// any other file format. Otherwise a decimal grid, which takes scales and offsets as the shortest
+/// decimals that read back as them (0.01 is one hundredth). Empty if a placement is empty, or if a
+/// coordinate might need more than 50 bits.
 Grid common_grid(const std::vector<Placement>& placements);
 
 /// Converts a file's integers to units of a grid that contains its placement, exactly.
@@ -81,19 +81,20 @@ class GridAxes {
   std::vector<double> step_, origin_;
 };
 
-/// Numbers of a hull on a grid as those in the world, and back; rounded. Ids, facets and normals
-/// stay.
+/// Converts the numbers of a hull from grid units to world coordinates, or back; rounded. Ids,
+/// facets and normals do not change.
 void to_world(Hull& hull, const Grid& grid);
 void to_grid(Hull& hull, const Grid& grid);
-/// The same of a diagram, of clipped cells and of the extreme points that a state holds.
+/// The same for a diagram, for clipped cells and for the extreme points that a state holds.
 void to_world(Voronoi& diagram, const Grid& grid);
 void to_world(ClippedCells& cells, const Grid& grid);
 void to_world(HullState& state, const Grid& grid);
-/// Coordinates of points on a grid, as doubles, in their memory.
+/// The same for coordinates of points, in place.
 void to_world(std::vector<double>& numbers, const Grid& grid);
 
-/// The common grid of such inputs, as common_grid says, by their headers; states have the one they
-/// were made on. None where one of several is no regular file. Throws what open_points throws.
+/// The common grid (as above) of these inputs, from their headers; hull states have the grid on
+/// which they were computed. Empty if an input is not a regular file. Throws what open_points
+/// throws.
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options);
 
 }  // namespace cullhull::inline v1

@@ -1,4 +1,4 @@
-// Points of any number of files as one sequence of blocks: no more than a few blocks are in memory.
+// Points of any number of files as one sequence of blocks, of which only a few are in memory.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +15,22 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// The position of a reading: all blocks before it have been visited.
+/// A position in the inputs: all blocks before it have been visited.
 struct BlockPosition {
-  std::uint64_t file = 0;    ///< inputs that are done
+  std::uint64_t file = 0;    ///< number of inputs read completely
   std::uint64_t points = 0;  ///< of all inputs
-  /// Within the next input, as far as it was read: points, and for text bytes and lines.
+  /// Position in the next input: points, and for text bytes and lines.
   std::uint64_t file_points = 0, file_bytes = 0, file_lines = 0;
   std::uint64_t bytes = 0;        ///< of all inputs, for progress
-  std::uint64_t input_bytes = 0;  ///< of those in the input that comes next
+  std::uint64_t input_bytes = 0;  ///< of those, bytes in the next input
 
   friend bool operator==(const BlockPosition&, const BlockPosition&) = default;
 };
 
-/// What ReadOptions::key holds for each point of a block, one after the other.
+/// The keys (ReadOptions::key) of the points of a block, concatenated.
 struct PointKeys {
   std::string text;
-  std::vector<std::uint64_t> ends;  ///< of each in `text`
+  std::vector<std::uint64_t> ends;  ///< end of each key in `text`
 
   std::size_t size() const noexcept { return ends.size(); }
   std::string_view operator[](std::size_t i) const {
@@ -43,75 +43,75 @@ struct PointKeys {
   }
 };
 
-/// What to do with the blocks. Where a function throws, reading ends and the error of the lowest
-/// block passes through; not_finite then names the file, too.
+/// Functions that receive the blocks. If one throws, reading ends and the error of the lowest block
+/// is thrown; not_finite then also names the file.
 struct BlockVisitor {
-  /// A block: its first point is the point `first_id` of all inputs. Called from several threads at
-  /// once. The view is valid during the call.
+  /// Receives a block, whose first point is point `first_id` of all inputs. Called from several
+  /// threads at once. The view is valid only during the call.
   std::function<void(const PointView& block, std::uint64_t first_id)> points;
-  /// Called instead of `points` where ReadOptions::key names a column.
+  /// Called instead of `points` if ReadOptions::key selects a column.
   std::function<void(const PointView& block, std::uint64_t first_id, const PointKeys& keys)> keyed;
-  /// An input that is a hull state (.hullstate), which stands for the points from first_id on.
-  /// Without this function such an input is refused. From several threads at once.
+  /// Receives an input that is a hull state (.hullstate), which stands for the points from first_id
+  /// on. If not set, such an input is an error. Called from several threads at once.
   std::function<void(const HullState& state, std::uint64_t first_id)> state;
-  /// Called by the calling thread of visit_blocks while no block is being visited: every
-  /// `pause_seconds`, and when reading was cancelled.
+  /// Called by the thread that called visit_blocks, while no block is being visited: every
+  /// `pause_seconds`, and when reading is cancelled.
   std::function<void(const BlockPosition&)> pause;
   double pause_seconds = 60;
 };
 
-/// What was read.
+/// Summary of visit_blocks.
 struct BlockSummary {
   BlockPosition end;
   std::uint64_t blocks = 0;
-  std::uint32_t dimension = 0;  ///< 0: no block
-  /// Of the first input that had points; f64 if others had another one.
+  std::uint32_t dimension = 0;  ///< 0: there was no block
+  /// That of the first input that had points; f64 if inputs differ.
   ScalarType scalar = ScalarType::f64;
   std::string format;       ///< of the first input
   Placement placement;      ///< of the first input's numbers
-  Grid grid;                ///< of all inputs, as PointFile::grid()
-  bool any_placed = false;  ///< whether one has a placement
+  Grid grid;                ///< of all inputs, as in PointFile::grid()
+  bool any_placed = false;  ///< whether an input has a placement
 };
 
 struct BlockOptions {
   ReadOptions read;
-  /// Threads that read and visit; 0: one more than the processors, so that one may wait for a disk.
+  /// Threads that read and visit; 0: one more than processors, because one may wait for a disk.
   unsigned readers = 0;
-  std::uint64_t block_bytes = std::uint64_t{2} << 20;  ///< about, of the file
-  BlockPosition from;                                  ///< where to go on
-  Progress progress;                                   ///< "read" and the share of the bytes
+  std::uint64_t block_bytes = std::uint64_t{2} << 20;  ///< approximate, in the file
+  BlockPosition from;                                  ///< position to resume from
+  Progress progress;                                   ///< "read" and the fraction of bytes read
   Poll poll;
 };
 
-/// The files that such words stand for, in order: a file, "-" (standard input), a folder (its
-/// files, without hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a
-/// line. Files of folders and patterns are ordered by name, numbers in names by value (2 before
+/// The files that these words stand for, in order: a file, "-" (standard input), a folder (its
+/// files, without hidden ones), a pattern with * ? [ ], or `@LIST`, a text file with one of these
+/// per line. Files of folders and patterns are sorted by name, numbers in names by value (2 before
 /// 10). Throws Error{io}, Error{invalid_argument}.
 std::vector<std::string> input_files(const std::vector<std::string>& words);
 
-/// The file that such a word names: FILE.npz for FILE.npz:NAME, else itself.
+/// The file that such a word names: FILE.npz for FILE.npz:NAME, else the word itself.
 std::string file_of_input(const std::string& word);
 
-/// The sum of the files' sizes; 0 where one is no regular file, so that the size is unknown.
+/// The sum of the files' sizes in bytes; 0 (unknown) if one of them is not a regular file.
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
-/// Whether these are larger than half of the memory that the options allow
+/// Whether the files should be read in blocks: they are larger than half of the memory budget
 /// (Options::memory_budget), or compressed, so that their size is unknown.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in
-/// memory O(readers * block). Formats of records (.npy, .ply in binary, raw, ...) and text come in
+/// memory O(readers * block). Record formats (.npy, binary .ply, raw, ...) and text are read in
 /// blocks; the others (.obj, .stl, ...) are read whole, one file at a time.
 ///
-/// Errors: io, bad_file (points of another dimension than the first input's, too),
-/// out_of_budget for a file that has to be read whole and does not fit, cancelled
+/// Errors: io, bad_file (also for points of another dimension than the first input's),
+/// out_of_budget for a file that must be read whole and does not fit, cancelled
 /// (options.read.stop).
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options = {});
 
-/// HullState as a file: .hullstate (docs/formats.md), or .npz with the arrays ids, points and
-/// point_count, for NumPy; the library does not read the latter as a state. The file appears whole
-/// or not at all.
+/// Writes a HullState as .hullstate (docs/formats.md), or as .npz with the arrays ids, points and
+/// point_count, for NumPy; read_state reads only the former. The file appears complete or not at
+/// all.
 void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 

@@ -13,7 +13,7 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// Scalar types that can be read in place. Every value of each is exactly a double.
+/// Scalar types that are read in place. A double represents every value of each exactly.
 enum class ScalarType : std::uint8_t { f32, f64, i8, u8, i16, u16, i32, u32 };
 
 constexpr std::size_t scalar_size(ScalarType t) noexcept {
@@ -68,13 +68,23 @@ struct PointArray<T[D]> {
   using Scalar = std::remove_cv_t<T>;
   static constexpr std::uint32_t dimension = D;
 };
-
-/// A contiguous range of such points: std::vector<std::array<double, 3>>, std::span<const
-/// std::array<float, 2>>, double[8][3], ...
 template <class R>
-concept PointRange = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
-                     PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>::dimension >
-0;
+using PointOf = PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>;
+
+/// A range whose memory a view can refer to after the call that made the view: not a temporary,
+/// unless it is a view itself, as std::span is.
+template <class R>
+concept ViewableRange = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
+    (std::is_lvalue_reference_v<R> || std::ranges::borrowed_range<R>);
+
+/// Points: std::vector<std::array<double, 3>>, std::span<const std::array<float, 2>>,
+/// double[8][3], ...
+template <class R>
+concept PointRange = ViewableRange<R> &&(PointOf<R>::dimension != 0);
+
+/// Scalars: std::vector<double>, std::span<const float>, ...
+template <class R>
+concept ScalarRange = ViewableRange<R> && std::is_arithmetic_v<std::ranges::range_value_t<R>>;
 
 /// A matrix with the members of Eigen's: Matrix, Map, and Ref of them.
 template <class M>
@@ -88,11 +98,16 @@ concept PointMatrix = requires(const M& m) {
   { M::IsRowMajor ? 1 : 0 } -> std::convertible_to<int>;
   { M::RowsAtCompileTime + M::ColsAtCompileTime } -> std::convertible_to<int>;
 };
+/// One that owns its memory.
+template <class M>
+concept OwningMatrix = PointMatrix<M> && requires(M& m) {
+  m.resize(0, 0);
+};
 
-/// Non-owning, trivially copyable; the memory must outlive every call it is passed to and must not
-/// change meanwhile. Coordinate j of point i lies at
-/// `data + i * point_stride + j * coordinate_stride` (bytes, any sign, any alignment), so
-/// row-major, column-major and strided records (a PLY vertex, say) are all read where they are.
+/// Non-owning, trivially copyable; the memory must outlive every call that uses the view and must
+/// not change during it. Coordinate j of point i is at `data + i * point_stride + j *
+/// coordinate_stride` (bytes, any sign, any alignment), so row-major, column-major and strided
+/// records (a PLY vertex, say) are all read in place.
 struct PointView {
   const std::byte* data = nullptr;
   ScalarType scalar = ScalarType::f64;
@@ -112,32 +127,22 @@ struct PointView {
         point_stride(point_stride_),
         coordinate_stride(coordinate_stride_) {}
 
-  /// A range of points converts, so that it can be passed where a view is taken. A temporary does
-  /// not, unless it is a view itself, as std::span is: its memory would be gone.
-  template <class R>
-  requires(!std::same_as<std::remove_cvref_t<R>, PointView> && PointRange<R> &&
-           (std::is_lvalue_reference_v<R> || std::ranges::borrowed_range<R>)) PointView(R&& points)
-  noexcept  // NOLINT: a range converts
-      : PointView(
-            row_major(reinterpret_cast<const typename PointArray<
-                          std::remove_cv_t<std::ranges::range_value_t<R>>>::Scalar*>(
-                          std::ranges::data(points)),
-                      std::ranges::size(points),
-                      PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>::dimension)) {}
+  /// A range of points converts, so it can be passed wherever a view is taken.
+  template <PointRange R>
+  PointView(R&& points) noexcept  // NOLINT: a range converts
+      : PointView(row_major(
+            reinterpret_cast<const typename PointOf<R>::Scalar*>(std::ranges::data(points)),
+            std::ranges::size(points), PointOf<R>::dimension)) {}
 
-  /// So does a matrix of Eigen's. Points are its columns where only the number of rows is known at
-  /// compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
-  template <class M>
-  requires(PointMatrix<M> && !PointRange<const M&>) PointView(const M& points)
-  noexcept  // NOLINT: a matrix converts
+  /// A matrix of Eigen's converts, too. The points are its columns if the number of rows alone is
+  /// known at compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
+  template <PointMatrix M>
+  PointView(const M& points) noexcept  // NOLINT: a matrix converts
       : PointView(of_matrix(points)) {}
-  template <class M>
-  requires(PointMatrix<M> && !PointRange<const M&> && !M::IsVectorAtCompileTime &&
-           std::is_rvalue_reference_v<M&&> && requires(M m) { m.resize(0, 0); })
-      PointView(M&& points)
-  = delete;  // its memory would be gone
+  template <OwningMatrix M>
+  PointView(M&& points) = delete;  // a temporary, whose memory would be gone
 
-  /// Points one after another: x0 y0 z0 x1 y1 z1 ...
+  /// Point by point: x0 y0 z0 x1 y1 z1 ...
   template <class T>
   static PointView row_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
     return {reinterpret_cast<const std::byte*>(p),
@@ -147,19 +152,15 @@ struct PointView {
             static_cast<std::ptrdiff_t>(d * sizeof(T)),
             static_cast<std::ptrdiff_t>(sizeof(T))};
   }
-  /// The same of a contiguous range of scalars (std::vector<double>, std::span<const float>, ...).
-  /// Error{invalid_argument} if its size is no multiple of d.
-  template <class R>
-  requires(std::ranges::contiguous_range<R>&& std::ranges::sized_range<R>&&
-               std::is_arithmetic_v<std::ranges::range_value_t<R>> &&
-           (std::is_lvalue_reference_v<R> || std::ranges::borrowed_range<R>)) static PointView
-      row_major(R&& scalars, std::uint32_t d) {
+  /// The same of a range of scalars. Error{invalid_argument} if its size is no multiple of d.
+  template <ScalarRange R>
+  static PointView row_major(R&& scalars, std::uint32_t d) {
     const std::uint64_t size = std::ranges::size(scalars);
     if (d == 0 || size % d != 0)
       throw Error(ErrorCode::invalid_argument, size, " scalars are no points of dimension ", d);
     return row_major(std::ranges::data(scalars), size / d, d);
   }
-  /// Coordinates one after another: x0 x1 ... y0 y1 ...
+  /// Coordinate by coordinate: x0 x1 ... y0 y1 ...
   template <class T>
   static PointView column_major(const T* p, std::uint64_t n, std::uint32_t d) noexcept {
     return {reinterpret_cast<const std::byte*>(p),
@@ -189,7 +190,7 @@ struct PointView {
     return data + static_cast<std::ptrdiff_t>(point) * point_stride +
            static_cast<std::ptrdiff_t>(coordinate) * coordinate_stride;
   }
-  /// The exact value; O(1), meant for single points rather than loops over all of them.
+  /// The exact value. O(1), for single points; too slow for loops over all points.
   double at(std::uint64_t point, std::uint32_t coordinate) const noexcept;
 
   /// True where points are packed rows of scalars without gaps.

@@ -1,5 +1,5 @@
-// Questions to a finished hull: is a point in it, how far is it, what does it see, where does a ray
-// pass, which vertex is extreme in a direction.
+// Queries to a finished hull: whether it contains a point, distances, visible facets, intersections
+// with lines, and extreme vertices in a direction.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// Where a point lies; for a flat hull, within its flat (off the flat is outside).
+/// Position of a point; for a flat hull, within its flat (points off the flat are outside).
 enum class Side : std::int8_t { inside = -1, boundary = 0, outside = 1 };
 
-/// Where the line origin + t direction, t real, passes through the hull.
+/// Intersection of the hull with the line origin + t direction, t real.
 struct RayHit {
   static constexpr std::uint32_t no_facet = 0xFFFFFFFF;
   bool hit = false;
-  double enter = 0, exit = 0;  ///< parameters t, enter <= exit; negative ones lie behind the origin
+  double enter = 0, exit = 0;  ///< parameters t, enter <= exit; negative: behind the origin
   std::uint32_t enter_facet = no_facet, exit_facet = no_facet;
 };
 
@@ -32,17 +32,18 @@ struct NearestFacet {
   double distance = 0;
 };
 
-/// A hull prepared for questions. Answers about sides, visibility and support are exact; distances
-/// and ray parameters are doubles with a relative error of about 2^-40 of the hull's extent.
+/// A hull prepared for queries. Answers about sides, visibility and support are exact; distances
+/// and ray parameters are doubles with an error of about 2^-40 of the hull's extent.
 ///
 /// Construction takes O(facets d^3 + simplices) time and memory and copies what it needs: neither
-/// the points nor the hull must outlive it. All members are const and thread safe. Points asked
-/// about are d = hull.dimension finite doubles; a NaN or an infinity is Error{not_finite} (naming
-/// the first index in the batched forms). An empty hull is Error{invalid_argument}.
+/// the points nor the hull must outlive it. All members are const and thread safe. Query points are
+/// d = hull.dimension finite doubles; a NaN or an infinity is Error{not_finite} (which names the
+/// first index in the batched forms). An empty hull is Error{invalid_argument}.
 ///
 /// A query walks over neighbouring facets (or vertices) from a start near the answer: a few facets
-/// for d = 3, in general a linear program on the dual, where a local maximum is global. d > 8, and
-/// hulls too thin for doubles to have a point inside, look at every facet instead.
+/// for d = 3; in general the walk solves a linear program on the dual, where a local maximum is
+/// global. For d > 8, and for hulls too thin to have an interior point in doubles, it tests every
+/// facet.
 /// Source: docs/algorithm.md, "Queries".
 class HullQuery {
  public:
@@ -58,27 +59,28 @@ class HullQuery {
   Side side(const double* point) const;
   bool contains(const double* point) const { return side(point) != Side::outside; }
 
-  /// Facets (indices, ascending) that the point is strictly above (they are visible from it). None
-  /// for a point of the hull, and none for a point off the flat of a flat hull.
+  /// Facets (indices, ascending) that are visible from the point: it is strictly above them. Empty
+  /// for a point of the hull, and for a point off the flat of a flat hull.
   std::vector<std::uint32_t> visible_facets(const double* point) const;
 
-  /// The vertex id with the largest scalar product with `direction`, exactly; of several, the
-  /// lowest id. Finite directions only; the zero vector gives the lowest id.
+  /// The id of the vertex with the largest scalar product with `direction`, exactly; of several,
+  /// the lowest id. The direction must be finite; the zero vector gives the lowest id.
   std::uint64_t support(const double* direction) const;
 
-  /// Euclidean distance to the hull, 0 on the boundary, and for points inside minus the distance to
-  /// the boundary (for a flat hull: the boundary within its flat).
+  /// Euclidean distance to the hull, 0 on the boundary; for points inside, minus the distance to
+  /// the boundary (for a flat hull: its boundary within its flat).
   double signed_distance(const double* point) const { return nearest_facet(point).distance; }
-  /// The facet on which a nearest point of the boundary lies; of several, any one.
+  /// The facet that contains a nearest point of the boundary; of several, any one.
   NearestFacet nearest_facet(const double* point) const;
 
   /// For full-dimensional hulls (else Error{invalid_argument}). A zero direction is an
-  /// Error{invalid_argument}. Touching lines within rounding may be reported either way.
+  /// Error{invalid_argument}. A line that touches the hull, up to rounding, may be reported as a
+  /// hit or not.
   RayHit ray(const double* origin, const double* direction) const;
 
-  /// The same for many: `out` holds one item a point. Dimensions must agree. In parallel over
-  /// options.threads, with options.stop and options.progress. contains() and sides() first test a
-  /// gauge map of the hull, which decides most inner points at the speed of memory.
+  /// The same for many points: `out` receives one item per point. Dimensions must agree. Parallel
+  /// over options.threads, with options.stop and options.progress. contains() and sides() first
+  /// test a gauge map of the hull, which decides most inner points at memory speed.
   void contains(const PointView& points, std::uint8_t* out, const Options& options = {}) const;
   void sides(const PointView& points, Side* out, const Options& options = {}) const;
   void supports(const PointView& directions, std::uint64_t* out, const Options& options = {}) const;
@@ -88,12 +90,12 @@ class HullQuery {
   void rays(const PointView& origins, const PointView& directions, RayHit* out,
             const Options& options = {}) const;
 
-  /// The same answers about points in a CUDA device's memory; `out` is in the host's. Hulls of full
-  /// dimension from 2 to 6 are asked on the device; the points that arithmetic in doubles leaves
-  /// open are copied and asked here, with signed_distances all that are not inside. All points are
-  /// with Backend::cpu, for other hulls, and, unless Backend::cuda was given, where the device's
-  /// memory is full. Throws Error{backend_unavailable} without a device, Error{out_of_budget},
-  /// Error{invalid_argument} for memory or scalars it does not take.
+  /// The same for points in a CUDA device's memory; `out` is in host memory. The device answers for
+  /// full-dimensional hulls in 2 to 6 dimensions; the points that arithmetic in doubles does not
+  /// decide (signed_distances: all points not inside) are copied and tested on the CPU. The CPU
+  /// tests all points with Backend::cpu, for other hulls, and, unless Backend::cuda was given, if
+  /// the device's memory is full. Throws Error{backend_unavailable} without a device,
+  /// Error{out_of_budget}, Error{invalid_argument} for unsupported memory or scalar types.
   void contains(const DevicePointView& points, std::uint8_t* out,
                 const Options& options = {}) const;
   void sides(const DevicePointView& points, Side* out, const Options& options = {}) const;

@@ -1,4 +1,4 @@
-// Hulls of points that come in pieces: more than memory holds, from many threads or many machines.
+// Hulls of points that arrive in pieces: more than fit in memory, from many threads or machines.
 #pragma once
 
 #include <cstddef>
@@ -20,22 +20,22 @@ struct StateParts;
 
 namespace cullhull::inline v1 {
 
-/// All that a set of points contributes to a hull: its extreme points, each with its global id and
-/// its coordinates bit for bit as given; of equal points the one with the lowest id. Flats and
-/// empty sets are states like others.
+/// What a set of points contributes to any hull: its extreme points, each with its global id and
+/// its exact coordinates; of equal points the one with the lowest id. Flat and empty sets have
+/// states, too.
 ///
-/// States merge: merging is associative and commutative, so any order and any tree of merges of the
-/// parts' states gives the state of the whole, and its hull() is that of convex_hull of all points
-/// in memory, bit for bit. Parts of different scalar types merge to f64, which holds every value.
+/// States can be merged. Merging is associative and commutative: merging the states of all parts in
+/// any order gives the state of the whole, and its hull() equals convex_hull of all points in
+/// memory, bit for bit. Parts of different scalar types merge to f64, which represents every value.
 ///
-/// A value: copies are independent; one object is for one thread at a time.
+/// A value: copies are independent. Not thread safe: use one object from one thread at a time.
 class HullState {
  public:
-  /// Of no points; the dimension is that of the first points or state merged.
+  /// State of no points; the first points or state merged into it set the dimension.
   HullState();
-  /// Of no points of this dimension. Error{invalid_argument} for 0.
+  /// State of no points of this dimension. Error{invalid_argument} for 0.
   explicit HullState(std::uint32_t dimension, ScalarType scalar = ScalarType::f64);
-  /// Of points, which have the ids first_id, first_id + 1, ... Errors and time as
+  /// State of points that have the ids first_id, first_id + 1, ... Errors and time as of
   /// extreme_points(); not_finite names the global id.
   explicit HullState(const PointView& points, std::uint64_t first_id = 0,
                      const Options& options = {});
@@ -45,22 +45,23 @@ class HullState {
 
   std::uint32_t dimension() const noexcept { return dimension_; }  ///< 0: not known yet
   ScalarType scalar() const noexcept { return scalar_; }
-  std::uint64_t point_count() const noexcept { return seen_; }  ///< points it stands for
+  std::uint64_t point_count() const noexcept { return seen_; }  ///< number of points it stands for
 
   /// Global ids of the extreme points, ascending.
   const std::vector<std::uint64_t>& ids() const noexcept { return ids_; }
-  /// Their coordinates, packed rows of scalar(), in that order; invalidated when the state changes.
+  /// Their coordinates, packed rows of scalar(), in the order of ids(). Valid until the state
+  /// changes.
   PointView points() const noexcept;
 
-  /// Adds another set's points. An id may occur in both only for the same point. Errors as
-  /// extreme_points(), after which the state is unchanged. Error{invalid_argument} where dimensions
-  /// differ, or where different extreme points of the two have one id. An id that two points have
-  /// of which one is not extreme in its set is not found, as states hold extreme points alone: then
-  /// the result is still that of all points, but the id is ambiguous.
+  /// Adds the points of another state. An id may occur in both only for the same point. Errors as
+  /// of extreme_points(), after which the state is unchanged. Error{invalid_argument} if dimensions
+  /// differ, or if different extreme points of the two have the same id. A shared id of which one
+  /// point is not extreme in its set is not detected, as states hold extreme points only; the
+  /// result is then still the hull of all points, but the id is ambiguous.
   void merge(const HullState& other, const Options& options = {});
 
-  /// Adds `offset` to every id: a part that was numbered from 0 takes its place in the whole.
-  /// Error{invalid_argument} where an id would reach 2^64.
+  /// Adds `offset` to every id, so that a part numbered from 0 gets its ids in the whole.
+  /// Error{invalid_argument} if an id would reach 2^64.
   void shift_ids(std::uint64_t offset);
 
   /// Converts points from units of a grid with this many decimals (cullhull/placement.hpp) to world
@@ -72,14 +73,14 @@ class HullState {
   /// The decimals of the grid on which the state was computed and merges exactly; -1: no grid.
   int decimals() const noexcept { return decimals_; }
 
-  /// What convex_hull() gives for all the points, ids being the global ones; bit for bit but for
-  /// `statistics`, which are those of the last step. Errors as convex_hull; Error{invalid_argument}
-  /// while no dimension is known.
+  /// Equal to convex_hull() of all the points, with global ids, bit for bit except for
+  /// `statistics`, which describe the last step. Errors as convex_hull; Error{invalid_argument} if
+  /// no dimension is known yet.
   Hull hull(const Options& options = {}) const;
 
-  /// The state as a versioned record with a check sum (docs/formats.md).
+  /// The state as a versioned record with a checksum (docs/formats.md).
   std::vector<std::byte> to_bytes() const;
-  /// Reads what to_bytes() wrote; every number is checked. Throws Error{bad_file}.
+  /// Reads a record of to_bytes() and checks every number. Throws Error{bad_file}.
   static HullState from_bytes(std::span<const std::byte> bytes);
 
   friend bool operator==(const HullState&, const HullState&) = default;
@@ -98,48 +99,47 @@ class HullState {
 /// Counters of a stream.
 struct StreamReport {
   std::uint64_t point_count = 0;  ///< pushed so far
-  std::uint64_t extreme = 0;      ///< extreme points of the points that were reduced exactly
-  std::uint64_t waiting = 0;      ///< points held besides, not known to be inside
+  std::uint64_t extreme = 0;      ///< extreme points among the points reduced exactly so far
+  std::uint64_t waiting = 0;      ///< further points held, not known to be inside
   std::uint64_t reductions = 0;   ///< number of exact computations of the extreme points
   std::uint64_t maps = 0;         ///< number of filters built
 };
 
 /// The hull of points that are pushed block by block, in any order of blocks, from one thread or
-/// many. A block is culled in the caller's memory, by a filter built from the hull of earlier
-/// blocks; survivors are collected, and when there are as many as the hull has vertices, the
-/// extreme points are computed exactly and a finer filter is built. One pass; memory O(extreme
-/// points + a block).
+/// many. A filter built from the hull of earlier blocks tests a block in the caller's memory;
+/// survivors are collected, and when there are as many as the hull has vertices, their extreme
+/// points are computed exactly and a finer filter is built. One pass over the points; memory
+/// O(extreme points + a block).
 /// push(), state(), hull() and report() may be called from any threads at once.
 ///
-/// Points beyond 6D are not filtered by a map; their extreme points are found without facets.
+/// Points beyond 6D are not filtered; their extreme points are found without facets.
 class HullStream {
  public:
-  /// `options` hold for every call. `threads`: of each push(); with as many pushing threads as
-  /// processors, 1 is best. `memory_budget`: for all that the stream holds and needs beside it.
-  /// `progress`: called by one thread at a time, the one that reduces; `poll`: by every pushing
-  /// thread.
+  /// `options` apply to every call. `threads`: of each push(); 1 is best if there are as many
+  /// pushing threads as processors. `memory_budget`: limit for all memory of the stream.
+  /// `progress`: called by one thread at a time, the one that computes extreme points; `poll`: by
+  /// every pushing thread.
   explicit HullStream(Options options = {});
   HullStream(HullStream&&) noexcept;
   HullStream& operator=(HullStream&&) noexcept;
   ~HullStream();
 
-  /// Points with the ids first_id, first_id + 1, ...; each id is to be pushed once. The first block
-  /// determines the dimension. Blocks may be of any size, 0 included. Where different points that
-  /// may be extreme have one id, this or a later call throws Error{invalid_argument}.
+  /// Adds points with the ids first_id, first_id + 1, ...; each id must be pushed once. The first
+  /// block sets the dimension. Blocks may have any size, including 0. If different, possibly
+  /// extreme points have the same id, this or a later call throws Error{invalid_argument}.
   ///
-  /// Errors, after which the stream is as if the block had not come: not_finite, naming the global
-  /// id; out_of_budget, where the points that may be extreme exceed the memory: what was pushed
-  /// before is still there; cancelled; invalid_argument (another dimension, null data, ids beyond
-  /// 2^64).
+  /// An error leaves the stream as it was before the call. Errors: not_finite, which names the
+  /// global id; out_of_budget, if the possibly extreme points exceed the memory budget; cancelled;
+  /// invalid_argument (another dimension, null data, ids beyond 2^64).
   void push(const PointView& block, std::uint64_t first_id);
-  /// The same with the ids that follow the highest id so far, pushed or counted by a pushed state.
+  /// The same; ids continue after the highest id so far, pushed or counted by a pushed state.
   void push(const PointView& block);
   /// Adds the points that a state represents.
   void push(const HullState& state);
 
-  /// The state of all that was pushed (by pushes that have returned). Errors as push().
+  /// The state of all points pushed by calls that have returned. Errors as push().
   HullState state();
-  /// Its hull: state().hull(options).
+  /// The hull of that state: state().hull(options).
   Hull hull();
 
   StreamReport report() const;

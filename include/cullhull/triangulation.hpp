@@ -1,5 +1,5 @@
-// Delaunay and regular triangulations in any dimension: exact, canonical (the same bits for every
-// order of work and thread count).
+// Delaunay and regular triangulations in any dimension: exact and canonical (the same bits for
+// every order of work and thread count).
 #pragma once
 
 #include <cstdint>
@@ -14,30 +14,31 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// The neighbour across a facet of the hull: there is no cell.
+/// In lists of neighbours: there is no cell across this facet, which is on the hull.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
 
 struct TriangulationOptions : RunOptions {
   TriangulationOptions() = default;
   explicit TriangulationOptions(const RunOptions& run) : RunOptions(run) {}
 
-  /// The triangulation of the furthest-point Voronoi diagram: the upper hull of the lifted points
-  /// instead of the lower one. Its vertices are extreme points, all others are hidden. Of the
-  /// options the only one that changes the result.
+  /// Compute the furthest-site triangulation, the dual of the furthest-point Voronoi diagram: the
+  /// upper hull of the lifted points instead of the lower one. Its vertices are extreme points, all
+  /// others are hidden. The only option that changes the result.
   bool furthest_site = false;
 };
 
 struct TriangulationStatistics {
-  /// Signs by what decided them (docs/exactness.md, "Lifting"): doubles, double-doubles, integers.
+  /// Signs by the stage that decided them (docs/exactness.md, "Lifting"): doubles, double-doubles,
+  /// integers.
   std::uint64_t rung_counts[3] = {0, 0, 0};
-  /// In-sphere tests that were exactly zero and were decided by the ids.
+  /// In-sphere tests that were exactly zero, decided by the ids.
   std::uint64_t ties = 0;
   /// Cells created during the construction, including those of the result.
   std::uint64_t cells_created = 0;
   unsigned threads = 1;
-  double order_seconds = 0;   ///< reading, the order of insertion, equal points, the flat
+  double order_seconds = 0;   ///< reading, order of insertion, equal points, flat
   double insert_seconds = 0;  ///< all insertions
-  double write_seconds = 0;   ///< the canonical result
+  double write_seconds = 0;   ///< building the canonical result
   double compute_seconds = 0;
 };
 
@@ -47,14 +48,14 @@ struct DuplicatePoint {
   friend bool operator==(const DuplicatePoint&, const DuplicatePoint&) = default;
 };
 
-/// k below is `affine_dimension`: the dimension of the flat the points span (-1: no points, 0: all
-/// equal, ..., `dimension`: full). Points of a flat are triangulated within it; orientation is then
-/// that of the points projected onto `axes`.
+/// k below is `affine_dimension`: the dimension of the flat that the points span (-1: no points, 0:
+/// all equal, ..., `dimension`: full). Points in a flat are triangulated within it; orientation is
+/// then that of the points projected onto `axes`.
 ///
-/// Which triangulation: the lower hull of the points lifted to |x|^2 (less the weight). Cells of
-/// one sphere are merged and cut again by pulling: from the lowest id of all their vertices, then
-/// of each face from its own lowest. There is one such triangulation, whatever the order of work,
-/// threads or scalar type.
+/// The triangulation is the lower hull of the points lifted to |x|^2 (minus the weight). Cells with
+/// the same circumsphere are merged and divided again by pulling: from the lowest id of all their
+/// vertices, then for each face from its own lowest id. This triangulation is unique; it does not
+/// depend on the order of work, threads or scalar type.
 struct Triangulation {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
@@ -62,32 +63,33 @@ struct Triangulation {
   int affine_dimension = -1;
   bool furthest_site = false;
   bool weighted = false;  ///< made by regular_triangulation()
-  /// k axes, ascending, onto which the flat of the points projects one to one; 0, 1, ... if k is
-  /// `dimension`.
+  /// k axes, ascending; the projection of the points' flat onto them is one to one. 0, 1, ... if k
+  /// is `dimension`.
   std::vector<std::uint32_t> axes;
 
-  /// cells x (k + 1) ids. Each cell is ascending, except that its last two ids are swapped where
-  /// that is needed to orient it positively: det [p1 - p0; ...; pk - p0] > 0 (in the plane counter-
+  /// cells x (k + 1) ids. Each cell is ascending, except that its last two ids are swapped if that
+  /// is needed to orient it positively: det [p1 - p0; ...; pk - p0] > 0 (in the plane counter-
   /// clockwise). Cells are sorted lexicographically. k = 0: one cell of one id.
   Array<std::uint32_t> cells;
   /// cells x (k + 1): entry j is the cell across the facet opposite to vertex j, or no_cell.
   Array<std::uint32_t> neighbours;
-  /// Cells of one sphere that are connected through facets share a number; numbers begin at 0 and
-  /// ascend by first cell. Empty where every cell is a group of its own.
+  /// Number of the group of each cell: cells with the same circumsphere that are connected through
+  /// facets. Numbers start at 0 and ascend by first cell. Empty if every cell is a group of its
+  /// own.
   Array<std::uint32_t> cell_groups;
 
-  /// facets x k ids of the facets without a neighbour, each ascending but for its last two, which
-  /// are swapped where that is needed to orient it outward as in Hull::simplices; sorted
-  /// lexicographically. None for k < 1.
+  /// facets x k ids: the facets without a neighbour, each ascending except for its last two ids,
+  /// which are swapped if that is needed to orient it outward as in Hull::simplices; sorted
+  /// lexicographically. Empty for k < 1.
   Array<std::uint32_t> hull_facets;
   /// The cell that each hull facet belongs to.
   Array<std::uint32_t> hull_cells;
 
-  /// Ascending by id. Of equal points the lowest id stands in; with weights that of the largest
-  /// weight, the lowest among equals.
+  /// Ascending by id. The representative of equal points is the lowest id; with weights, the
+  /// largest weight, then the lowest id.
   std::vector<DuplicatePoint> duplicates;
   /// Points that are neither vertices nor duplicates, ascending: with weights, those whose lifted
-  /// point is no extreme point of the lower hull; with furthest_site, of the upper one.
+  /// point is not an extreme point of the lower hull; with furthest_site, of the upper hull.
   std::vector<std::uint32_t> hidden;
 
   TriangulationStatistics statistics;
@@ -107,7 +109,7 @@ struct Triangulation {
     const auto k = corners() == 0 ? 0U : corners() - 1;
     return {hull_facets.data() + i * k, k};
   }
-  /// The group of a cell, its own number where cell_groups is empty.
+  /// The group of a cell; its own number if cell_groups is empty.
   std::uint32_t group(std::uint64_t i) const noexcept {
     return cell_groups.empty() ? static_cast<std::uint32_t>(i) : cell_groups[i];
   }
@@ -116,28 +118,29 @@ struct Triangulation {
   }
 };
 
-/// The exact Delaunay triangulation.
-/// Shapes: fewer than 2^32 - 1 points of any dimension d >= 1. Errors: not_finite (names the first
-/// bad point), out_of_budget (too many points or cells for 32-bit numbers, too, and before the work
-/// where counts tell), cancelled, invalid_argument. Time expected O(n log n + n^ceil(d / 2)), for
-/// points that are not spread over a surface of lower dimension about O(n log n). Thread safe.
-/// Source: docs/delaunay.md; why it is exact: docs/exactness.md, "Lifting".
+/// The exact Delaunay triangulation of fewer than 2^32 - 1 points of any dimension d >= 1. Errors:
+/// not_finite (names the first bad point), out_of_budget (also for too many points or cells for
+/// 32-bit numbers; before the work if the counts show it), cancelled, invalid_argument. Expected
+/// time O(n log n + n^ceil(d / 2)), about O(n log n) for points that do not concentrate on a
+/// surface of lower dimension. Thread safe. Source: docs/delaunay.md; why it is exact:
+/// docs/exactness.md, "Lifting".
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options = {});
 
-/// The exact regular triangulation, dual to the power diagram: point i is lifted to |x|^2 -
+/// The exact regular triangulation, the dual of the power diagram: point i is lifted to |x|^2 -
 /// weights[i]. A point is a vertex if and only if its lifted point is an extreme point of the lower
-/// hull; those exactly on a face of it are hidden, too. Errors as delaunay()'s; invalid_argument if
-/// there is not a weight for each point, not_finite for a weight that is NaN or infinite.
+/// hull; points exactly on a face of it are hidden, too. Errors as of delaunay(); invalid_argument
+/// unless there is one weight per point, not_finite for a weight that is NaN or infinite.
 Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
                                     const TriangulationOptions& options = {});
 
-/// Checks a triangulation with exact predicates, independently of the engine's code: lists, ids and
-/// order, cells oriented, neighbours mutual, hull closed and convex and covered once, every facet
-/// between two cells locally Delaunay with the canonical choice among cospherical points, every
-/// point a vertex, a duplicate or hidden, groups. So a valid certificate proves that it is the
-/// triangulation documented above. `ridges_checked` counts facets between cells. Time O(cells d^3),
-/// memory O(cells). Options used: threads, stop, progress. Errors: cancelled; invalid_argument for
-/// null data, no dimension, or weights that are not as many as points.
+/// Verifies a triangulation with exact predicates, independently of the engine's code: lists, ids
+/// and order; orientation of cells; mutual neighbours; a hull that is closed, convex and covered
+/// once; every facet between two cells locally Delaunay, with the canonical choice among
+/// cospherical points; every point a vertex, a duplicate or hidden; groups. So a valid certificate
+/// proves that it is the triangulation documented above. `ridges_checked` counts facets between
+/// cells. Time O(cells d^3), memory O(cells). Options used: threads, stop, progress. Errors:
+/// cancelled; invalid_argument for null data, dimension 0, or another number of weights than
+/// points.
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options = {});
 /// The same for a regular triangulation.

@@ -1,4 +1,4 @@
-// Voronoi and power diagrams: the dual of a triangulation, and its cells within a box, a convex
+// Voronoi and power diagrams: the dual of a triangulation, and its cells clipped to a box, a convex
 // polytope or polygons.
 #pragma once
 
@@ -15,13 +15,13 @@
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
-/// Stands for the end of what is unbounded, in lists of vertices.
+/// In lists of vertices: the end at infinity of an unbounded edge or face.
 inline constexpr std::uint32_t at_infinity = 0xffffffff;
-/// What lies across a face of a region's boundary, in lists of points.
+/// In lists of neighbours: the boundary of the region, no point.
 inline constexpr std::uint32_t no_point = 0xffffffff;
 
-/// d: `dimension`; k: `affine_dimension`. The diagram of points in a flat (k < d) is the one within
-/// the flat, extended orthogonally to it; its vertices are in the flat.
+/// d: `dimension`; k: `affine_dimension`. The diagram of points in a flat (k < d) is the diagram
+/// within the flat, extended orthogonally to it; its vertices are in the flat.
 struct Voronoi {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
@@ -30,28 +30,29 @@ struct Voronoi {
   bool furthest_site = false;
 
   /// vertices x d: vertex i is the circumcentre (with weights the power centre) of the cells of
-  /// group i of the triangulation, each coordinate the nearest double, infinite beyond their range.
-  /// None for k = 0.
+  /// group i of the triangulation; each coordinate is rounded to the nearest double, infinite
+  /// beyond their range. Empty for k = 0.
   Array<double> vertices;
 
-  /// ridges x 2 points, ascending; sorted lexicographically. Between these two regions, and no
-  /// others, lies a face of dimension k - 1 (d - 1 in space).
+  /// ridges x 2 points, ascending; sorted lexicographically. A ridge is a face of dimension k - 1
+  /// (within the flat) between exactly these two regions.
   Array<std::uint32_t> ridge_points;
-  /// The vertices of each ridge. k = 1: one; k = 2: the one on the left of the way from the lower
-  /// point to the other, then the one on the right; k = 3: around that way by the right hand,
-  /// beginning at infinity or else at the lowest; k > 3: ascending. at_infinity is among them where
-  /// the ridge is unbounded.
+  /// The vertices of each ridge. k = 1: one; k = 2: seen from the lower point towards the other,
+  /// the left one, then the right one; k = 3: counter-clockwise about that direction (right-hand
+  /// rule), from infinity or else the lowest on; k > 3: ascending. Unbounded ridges contain
+  /// at_infinity.
   Lists<std::uint32_t> ridges;
 
-  /// The vertices of the region of each point; none for duplicates and hidden points. k = 2:
-  /// counterclockwise, beginning at infinity or else at the lowest; else ascending. at_infinity is
-  /// among them where the region is unbounded.
+  /// The vertices of the region of each point, likewise; empty for duplicates and hidden points. k
+  /// = 2: counter-clockwise, from infinity or else the lowest on; else ascending. Unbounded regions
+  /// contain at_infinity.
   Lists<std::uint32_t> regions;
 
   /// The unbounded edges, one for each facet of the triangulation's hull, in its order: the vertex
-  /// where it begins, and d numbers for its direction, the facet's outward normal (inward for the
-  /// furthest site). The largest component is in [0.5, 1] in magnitude, each within 2^-50 of exact,
-  /// relatively, zeros exact. Facets in one plane that belong to one group have equal rays.
+  /// where the edge begins, and d numbers for its direction, the facet's outward normal (inward for
+  /// furthest-site diagrams). The largest component has a magnitude in [0.5, 1]; each has a
+  /// relative error of at most 2^-50, and zeros are exact. Coplanar facets of one group have equal
+  /// rays.
   Array<std::uint32_t> ray_vertices;
   Array<double> ray_directions;
 
@@ -68,18 +69,18 @@ struct Voronoi {
   CULLHULL_RENAMED(region_vertices, "use regions.items, or regions[i]");
 };
 
-/// The diagram dual to a triangulation of `points` with `weights` (none, or one a point).
-/// Combinatorics are exact. Time O(cells k^3 log), memory O(cells k^2). Options used: threads,
-/// memory_budget, stop, progress. Errors: invalid_argument if points or weights are not those of
-/// the triangulation, out_of_budget, cancelled. Thread safe.
+/// The diagram dual to a triangulation of `points` with `weights` (empty, or one per point). Its
+/// combinatorics are exact. Time O(cells k^3 log cells), memory O(cells k^2). Options used:
+/// threads, memory_budget, stop, progress. Errors: invalid_argument if points or weights are not
+/// those of the triangulation, out_of_budget, cancelled. Thread safe.
 /// Source: docs/exactness.md, "Voronoi diagrams".
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights = {}, const RunOptions& options = {});
 
-/// A polygon of the plane, or several, with holes: rings of corners. Inside is what an odd number
-/// of rings surrounds, so that rings need no orientation and no order. Rings may touch, and
-/// polygons may share parts of their boundaries from corner to corner (inside is then what they
-/// cover together); edges may not cross. The last corner of a ring may repeat the first.
+/// One or several polygons, with holes: rings of corners. A point is inside if an odd number of
+/// rings surrounds it (even-odd rule), so rings need no orientation and no order. Rings may touch,
+/// and polygons may share parts of their boundaries from corner to corner (inside is then their
+/// union); edges may not cross. The last corner of a ring may repeat the first.
 struct PolygonRings {
   PointView points;  ///< corners x 2
   /// rings + 1, from 0 to the number of corners: ring i is corners [ring_offsets[i],
@@ -87,65 +88,65 @@ struct PolygonRings {
   std::span<const std::uint64_t> ring_offsets;
 };
 
-/// The cells of a diagram within a bounded region, for d = 1, 2 and 3.
+/// The cells of a diagram clipped to a bounded region, for d = 1, 2 and 3.
 struct ClippedCells {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
-  /// Length, area or volume of each point's cell in the region, within 2^-42 of the exact number,
-  /// relatively; zero for duplicates, hidden points and cells that do not meet it. The exact
-  /// numbers add up to the region's.
+  /// Length, area or volume of each point's cell in the region, with a relative error of at most
+  /// 2^-42; zero for duplicates, hidden points and cells outside the region. The exact measures add
+  /// up to that of the region.
   Array<double> measures;
 
-  // Shapes; empty if they were not asked for.
+  // Shapes; empty if not requested.
   /// The vertices of the cell of point i are rows [vertex_offsets[i], vertex_offsets[i + 1]) of d
-  /// numbers, each the double nearest to the exact coordinate: so cells that meet in a vertex have
-  /// the same numbers for it, vertices of the diagram have those of Voronoi::vertices, and none is
-  /// outside a box. d = 1: both ends; d = 2: ring by ring.
+  /// numbers, each the double nearest to the exact coordinate. So cells that share a vertex have
+  /// the same numbers for it, vertices of the diagram have those of Voronoi::vertices, and no
+  /// vertex is outside a box. d = 1: both ends; d = 2: ring by ring.
   Array<std::uint64_t> vertex_offsets;
   Array<double> vertices;
-  /// d = 2: cell i is the polygons [polygon_offsets[i], polygon_offsets[i + 1]): one where the
-  /// region is convex, else perhaps several. Polygon g has the rings [polygon_rings[g],
-  /// polygon_rings[g + 1]): its outline, counterclockwise, then its holes, clockwise. Ring r is the
-  /// rows [ring_starts[r], ring_starts[r + 1]) of `vertices`, from its lexicographically least one
-  /// on. Vertices that round to one are one; rings of which less than three are left are left out.
+  /// d = 2: cell i is the polygons [polygon_offsets[i], polygon_offsets[i + 1]): at most one if the
+  /// region is convex. Polygon g is the rings [polygon_rings[g], polygon_rings[g + 1]): its
+  /// outline, counter-clockwise, then its holes, clockwise. Ring r is the rows [ring_starts[r],
+  /// ring_starts[r + 1]) of `vertices`, starting with the lexicographically least. Vertices that
+  /// round to the same numbers are merged; rings with fewer than three vertices left are omitted.
   Array<std::uint64_t> polygon_offsets;
   Array<std::uint64_t> polygon_rings;
   Array<std::uint64_t> ring_starts;
-  /// d = 3: the faces of cell i are [face_offsets[i], face_offsets[i + 1]), face f has the items
-  /// [face_starts[f], face_starts[f + 1]) of face_vertices: places among the cell's own vertices,
-  /// counterclockwise from outside.
+  /// d = 3: cell i is the faces [face_offsets[i], face_offsets[i + 1]); face f is the items
+  /// [face_starts[f], face_starts[f + 1]) of face_vertices: indices into the cell's own vertices,
+  /// counter-clockwise from outside.
   Array<std::uint64_t> face_offsets;
   Array<std::uint64_t> face_starts;
   Array<std::uint32_t> face_vertices;
   /// The point across each face (d = 2: across the edge that begins at each vertex; d = 1: across
-  /// each end), or no_point at the region's boundary.
+  /// each end), or no_point on the region's boundary.
   Array<std::uint32_t> neighbours;
 };
 
-/// In the box low[j] <= x[j] <= high[j]. Exact: every decision is one about the given doubles, and
-/// what is listed is rounded once, as ClippedCells says. Results are the same bits for any threads.
-/// `diagram`: voronoi() of the same points, triangulation and weights, where it is known: its
-/// vertices and ridges are then not computed again, a third of the time in the plane.
-/// Time: some microseconds a point in the plane, some ten in space; more where cells meet the
-/// region's boundary. Errors: as above; invalid_argument also for d > 3, for a box that is empty or
-/// not finite, and for a diagram of another size. Thread safe.
-/// Source: docs/exactness.md, "Voronoi diagrams".
+/// Clips the diagram to the box low[j] <= x[j] <= high[j]. Exact: every decision holds for the
+/// given doubles, and the listed numbers are rounded once, as ClippedCells states. The result does
+/// not depend on threads. `diagram`: voronoi() of the same points, triangulation and weights, if
+/// available: its vertices and ridges are then not computed again, which saves a third of the time
+/// in 2D. Time: a few microseconds per point in 2D, some ten in 3D; more for cells at the region's
+/// boundary. Errors: as above; invalid_argument also for d > 3, for a box that is empty or not
+/// finite, and for a diagram of another size. Thread safe. Source: docs/exactness.md, "Voronoi
+/// diagrams".
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
                           std::span<const double> weights = {}, bool shapes = true,
                           const RunOptions& options = {}, const Voronoi* diagram = nullptr);
 
-/// For d = 1 and 3 in the convex hull of the points `region`, which must span d dimensions; for d =
-/// 2 in the polygon with these corners, in their order.
+/// Clips to the convex hull of the points `region`, which must span d dimensions (d = 1 and 3), or
+/// to the polygon with these corners, in this order (d = 2).
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights = {},
                           bool shapes = true, const RunOptions& options = {},
                           const Voronoi* diagram = nullptr);
 
-/// In polygons; d = 2. Cells may have several parts, with dents and holes. Time: some microseconds
-/// for each pair of a cell and a triangle of the region's constrained Delaunay triangulation that
-/// meet. Errors: also not_finite, and invalid_argument for rings of less than three corners,
-/// offsets that do not ascend, edges that cross, and a region that is a line.
+/// Clips to polygons; d = 2. Cells may be non-convex and have several parts and holes. Time: a few
+/// microseconds for each intersecting pair of a cell and a triangle of the region's constrained
+/// Delaunay triangulation. Errors: also not_finite, and invalid_argument for rings of fewer than
+/// three corners, offsets that do not ascend, edges that cross, and a region without area.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PolygonRings& region, std::span<const double> weights = {},
                           bool shapes = true, const RunOptions& options = {},

@@ -32,7 +32,7 @@ template <class... Parts>
   throw Fault{std::move(text)};
 }
 
-/// Throws Error{invalid_argument} for points of no dimension or without data.
+/// Throws Error{invalid_argument} for dimension 0 and for points without data.
 void require_certifiable(const PointView& points);
 
 /// The simplices of each facet, ascending.
@@ -45,22 +45,22 @@ struct Subject {
   const Run& run;
   unsigned k = 0;
 
-  /// For points that come in pieces: `points` has their number and no data, and this the
-  /// coordinates that the vertices are claimed to have, by ascending id.
+  /// CertifyStream, where points arrive in blocks: `points` has their count and no data, and this
+  /// has the coordinates claimed for the vertices, by ascending id. Else null.
   const std::vector<double>* claimed = nullptr;
 
   std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
-  std::vector<double> full;          ///< their coordinates
-  std::vector<unsigned> axes;        ///< the flat projects one to one on these
+  std::vector<double> full;          ///< coordinates of the vertices
+  std::vector<unsigned> axes;        ///< the projection of the flat onto these axes is one to one
   std::vector<double> rows;          ///< vertex coordinates on the axes
   std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
-  std::vector<double> centre;        ///< the interior point, if one was found among the doubles
+  std::vector<double> centre;        ///< the interior point in doubles; empty if none was found
   FacetSimplices members;            ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
-  mutable std::atomic<std::uint64_t> vertices_met{0};  ///< found among the points so far
-  unsigned id_shift = 0;                               ///< ids are looked up by their high bits:
-  std::vector<std::uint32_t> id_bucket;                ///< the first with those, in `ids`
+  mutable std::atomic<std::uint64_t> vertices_met{0};  ///< vertices found among the points so far
+  unsigned id_shift = 0;                               ///< an id's bucket is id >> id_shift
+  std::vector<std::uint32_t> id_bucket;                ///< index in `ids` of each bucket's first id
 
   Subject(const PointView& p, const Hull& h, const Run& r) : points(p), hull(h), run(r) {}
 
@@ -70,14 +70,14 @@ struct Subject {
   std::uint32_t neighbour(std::uint32_t f, unsigned j) const {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
-  std::uint64_t position(std::uint64_t id) const;  ///< in `ids`; ids.size() if it is no vertex
-  void index_ids();                                ///< for `position`; call when ids are set
+  std::uint64_t position(std::uint64_t id) const;  ///< index in `ids`; ids.size() if not a vertex
+  void index_ids();                                ///< builds id_bucket; call when ids are set
 
-  /// Prefetches the data that belong to neighbours of simplices soon after f, as far as these have
-  /// higher numbers: they are scattered in memory.
+  /// Prefetches the data of higher-numbered neighbours of simplices a few after f, which are
+  /// scattered in memory.
   void prefetch(std::uint64_t f) const {
     constexpr std::uint64_t far = 24, near = 12;
-    const std::uint32_t* facets = hull.simplex_facets.data();  // null where i is on facet i
+    const std::uint32_t* facets = hull.simplex_facets.data();  // null if facets are simplices
     if (f + far < simplex_count())
       for (unsigned j = 0; j < k; ++j) {
         const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
@@ -86,7 +86,7 @@ struct Subject {
         prefetch_line(hull.simplex_neighbours.data() + g * k);
         if (facets != nullptr) prefetch_line(facets + g);
       }
-    if (f + near < simplex_count() && k <= 4)  // beyond, vertices are few beside simplices
+    if (f + near < simplex_count() && k <= 4)  // else vertices are few, and stay cached
       for (unsigned j = 0; j < k; ++j) {
         const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
         if (g < f) continue;
@@ -94,7 +94,8 @@ struct Subject {
       }
   }
 
-  /// Prefetches what `position` accesses for the ids in rows that will be read soon.
+  /// Prefetches what `position` reads: buckets for the ids in row `far`, ids for those in row
+  /// `near`.
   void prefetch_positions(const std::uint64_t* far, const std::uint64_t* near) const {
     for (unsigned j = 0; j < k; ++j) {
       if (const std::uint64_t b = far[j] >> id_shift; b < id_bucket.size())
@@ -105,12 +106,12 @@ struct Subject {
   }
 
   void prefetch_corners(std::uint64_t f) const {
-    constexpr std::uint64_t ahead = 16;  // facets: about the delay of memory; not tuned
+    constexpr std::uint64_t ahead = 16;  // simplices, about a memory latency; untested
     if (f + ahead < simplex_count())
       for (unsigned j = 0; j < k; ++j) prefetch_line(row(index[(f + ahead) * k + j]));
   }
 
-  /// The side of simplex f that the point x is on; positive is outside. scratch: k + 1 pointers.
+  /// The side of the plane of simplex f that x is on; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;
   /// Orientation of (rows[0], ..., rows[k-1], interior point); rows has room for k + 1.
   Sign seen(const double** rows) const;
@@ -119,25 +120,25 @@ struct Subject {
   bool in_cone(std::uint32_t f, const double* x, const double** scratch) const;
 };
 
-/// As Run::each, but the fault of the first chunk that has one is thrown at the end.
+/// As Run::each_chunk, but throws the fault of the first faulty chunk after all chunks have run.
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
 
-void check_shape(Subject& s);  // sizes, ranges, order; fills ids, full, index
-void check_flat(Subject& s);   // fills basis, axes, rows
+void check_shape(Subject& s);  // sizes, ranges, order; sets ids, full, index
+void check_flat(Subject& s);   // sets basis, axes, rows
 class Cones;
-void check_interior(Subject& s, Cones& cones);  // a point beneath all; fills centre, places cones
-std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexity; their number
+void check_interior(Subject& s, Cones& cones);  // a point beneath all; sets centre, cones
+std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexity; counts
                            const Cones& cones);
-void check_covering(Subject& s, Cones& cones);  // a ray that meets one simplex alone
-void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; fills members
+void check_covering(Subject& s, Cones& cones);  // a ray that meets exactly one simplex
+void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; sets members
 
-/// Checks every input point, in pieces, with data that are prepared once. Thread safe.
+/// Checks all input points, block by block, against data that are prepared once. Thread safe.
 class PointCheck {
  public:
   PointCheck(const Subject& s, const Cones& cones);
   ~PointCheck();
-  /// Checks the points of a block; its first point is the point `first_id` of all.
+  /// Checks the points of a block, which have the ids first_id, first_id + 1, ...
   void check(const PointView& block, std::uint64_t first_id) const;
 
  private:

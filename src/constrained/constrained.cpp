@@ -51,7 +51,7 @@ class Constraints {
   std::vector<std::uint32_t> representative_;
 };
 
-/// A part of a constraint between two neighbouring points on it, by ids.
+/// A part of a constraint between two neighbouring points on it, as ids.
 struct Piece {
   std::uint32_t low, high, source;
   bool operator<(const Piece& o) const {
@@ -68,8 +68,8 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
   }
 }
 
-/// Inserts constraints into the triangulation. Vertices are numbered in the order of insertion,
-/// which the predicates need.
+/// Inserts constraints into the triangulation. Vertices are numbered in the order of insertion, as
+/// the predicates require.
 class Forcing {
  public:
   Forcing(const Triangulation& t, const LiftedPoints& s, const Constraints& constraints,
@@ -82,11 +82,12 @@ class Forcing {
   bool fixed(std::uint32_t half) const { return source_[half / 2] != no_index; }
   std::uint32_t source(std::uint32_t half) const { return source_[half / 2]; }
 
-  /// Inserts a constraint from one point on it to the next, each time from the end of lower degree:
-  /// the triangles around a point that many constraints share are not visited for each of them.
+  /// Inserts a constraint from one point on it to the next. Each step starts from the end with
+  /// fewer edges, so that the triangles around a point shared by many constraints are not visited
+  /// for each.
   void force(std::uint32_t from, std::uint32_t to, std::uint32_t constraint) {
     constraint_ = constraint;
-    bool forward = false;  // a refusal names the first edge that is crossed from `from` on
+    bool forward = false;  // an error names the first edge that is crossed seen from `from`
     while (from != to) {
       poll();
       if (forward || !fewer_edges(to, from)) {
@@ -108,8 +109,8 @@ class Forcing {
     bool refused;
   };
 
-  /// To be called for each triangle or edge visited. Every few thousand calls it checks whether the
-  /// caller asked to stop.
+  /// Call for each triangle or edge visited. Checks every 4096 calls whether the caller requested a
+  /// stop.
   void poll() {
     if (++steps_ % 4096 == 0) run_.check();
   }
@@ -153,7 +154,7 @@ class Forcing {
     return base_orientation<2>(s_, p);
   }
 
-  /// Whether two points on a line through a are on the same side of a.
+  /// Whether b and v, on a line through a, are on the same side of a.
   bool same_direction(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     const auto before = [&](const double* p, const double* q) {
       return p[0] != q[0] ? p[0] < q[0] : p[1] < q[1];
@@ -165,9 +166,9 @@ class Forcing {
     if (!fixed(half)) source_[half / 2] = constraint_;
   }
 
-  /// Makes the segment from a towards b an edge as far as the next point on it, and returns that
-  /// point. If the segment crosses a constraint, changes nothing and returns none if `may_refuse`,
-  /// otherwise throws.
+  /// Makes the segment from a towards b an edge up to the next point on it, and returns that point.
+  /// If the segment crosses a constraint, returns `refused` without changes if `may_refuse`, else
+  /// throws.
   Advance advance(std::uint32_t a, std::uint32_t b, bool may_refuse = false) {
     std::uint32_t first = no_index;
     if (const std::uint32_t along = edge_along(a, b, first); along != no_index) {
@@ -182,8 +183,8 @@ class Forcing {
     return {end, false};
   }
 
-  /// The edge at a that the segment begins with; or `first` becomes the edge opposite to a that the
-  /// segment crosses, from right to left.
+  /// The half-edge at a that the segment begins with, or no_index; then `first` is the half-edge
+  /// opposite to a that the segment crosses, from right to left.
   std::uint32_t edge_along(std::uint32_t a, std::uint32_t b, std::uint32_t& first) {
     const std::uint32_t start = mesh_.out(a);
     std::uint32_t h = start;
@@ -208,7 +209,7 @@ class Forcing {
   bool on_segment(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
     return v == b || (side(a, b, v) == Sign::zero && same_direction(a, b, v));
   }
-  /// Of the triangle on the left of h, which begins at a.
+  /// The same for the triangle on the left of h, which begins at a.
   std::uint32_t try_wedge(std::uint32_t a, std::uint32_t b, std::uint32_t h,
                           std::uint32_t& first) const {
     const std::uint32_t x = mesh_.target(h);
@@ -219,7 +220,7 @@ class Forcing {
   }
 
   /// Collects the edges that the segment crosses before it meets a point, and returns that point;
-  /// none if it crosses a constraint and `may_refuse`.
+  /// no_index if it crosses a constraint and `may_refuse`.
   std::uint32_t collect(std::uint32_t a, std::uint32_t b, std::uint32_t half, Crossed& crossed,
                         bool may_refuse) {
     for (;;) {
@@ -237,16 +238,17 @@ class Forcing {
     }
   }
 
-  /// Whether v is farther from the line through a and b than w is; both on its left.
+  /// Compares the distances of v and w, both on the left, from the line through a and b: positive
+  /// if v is farther.
   Sign compare_heights(std::uint32_t a, std::uint32_t b, std::uint32_t v, std::uint32_t w) const {
     const double *p = s_.row(a), *q = s_.row(b), *x = s_.row(v), *y = s_.row(w);
     const DifferenceProduct terms[] = {{1, q, p, x + 1, y + 1}, {-1, q + 1, p + 1, x, y}};
     return sign_of_products(1, terms);
   }
 
-  /// Flips until nothing crosses the segment: a vertex on its left that is higher than its
-  /// neighbours along the crossed triangles loses its crossed edges, one after another (see
-  /// docs/exactness.md, "Constrained triangulations", for why that ends).
+  /// Flips edges until none crosses the segment. A vertex on its left that is higher than its
+  /// neighbours along the crossed triangles loses its crossed edges, one after another.
+  /// docs/exactness.md, "Constrained triangulations", proves termination.
   void clear(std::uint32_t a, std::uint32_t b, Crossed& crossed) {
     const auto last_of_vertex = [&](Crossed::iterator i) {
       const std::uint32_t w = mesh_.target(*i);
@@ -266,16 +268,16 @@ class Forcing {
       }
       while (at != crossed.begin() && mesh_.target(*std::prev(at)) == w) --at;
       last = clear_vertex(a, b, w, at, crossed);
-      // The vertex before may have more edges now, and be higher than what follows.
+      // The vertex before may have more edges now, and be higher than its neighbours.
       if (at != crossed.begin()) --at;
       if (at != crossed.end()) at = last_of_vertex(at);
     }
     fix(2 * last);
   }
 
-  /// Flips all crossed edges of w, from `at` on; `at` moves behind them. Returns the last edge
-  /// flipped. Among the points on the right that edges from w lead to, one is a convex corner: it
-  /// is found as in a scan for a convex chain, one step back after each flip.
+  /// Flips all crossed edges of w, from `at` on; afterwards `at` is behind them. Returns the last
+  /// edge flipped. Among the points on the right that edges of w lead to, one is a convex corner;
+  /// it is found as in a scan for a convex chain, which steps back after each flip.
   std::uint32_t clear_vertex(std::uint32_t a, std::uint32_t b, std::uint32_t w,
                              Crossed::iterator& at, Crossed& crossed) {
     const auto own = [&](Crossed::iterator i) {
@@ -306,7 +308,8 @@ class Forcing {
     return last;
   }
 
-  /// The half-edge from the right of the segment to its left; none if the edge does not cross it.
+  /// The half-edge from the right of the segment to its left; no_index if the edge does not cross
+  /// it.
   std::uint32_t crossing_half(std::uint32_t a, std::uint32_t b, std::uint32_t edge) const {
     const std::uint32_t u = mesh_.origin(2 * edge), v = mesh_.target(2 * edge);
     if (u == a || u == b || v == a || v == b) return no_index;
@@ -315,7 +318,7 @@ class Forcing {
     return of_u == Sign::negative ? 2 * edge : 2 * edge + 1;
   }
 
-  /// Flips unconstrained edges, beginning with those changed, until all are locally Delaunay
+  /// Flips unconstrained edges, starting with the changed ones, until all are locally Delaunay
   /// (Lawson 1977).
   void restore() {
     std::vector<std::uint32_t> todo;
@@ -350,7 +353,7 @@ class Forcing {
   const LiftedPoints& s_;
   const Constraints& constraints_;
   HalfEdges mesh_;
-  std::vector<std::uint32_t> source_;  ///< the constraint of each edge
+  std::vector<std::uint32_t> source_;  ///< for each edge, its constraint
   std::uint32_t constraint_ = 0;
   std::vector<std::uint32_t> touched_;
   LiftCounts counts_;
@@ -394,7 +397,7 @@ class CellWriter {
   }
 
  private:
-  /// One half-edge of each triangle, the one from its lowest id; sorted by ids.
+  /// Finds one half-edge per triangle, the one from its lowest id; sorted by ids.
   void find_cells() {
     for (std::uint32_t h = 0; h < mesh_.size(); ++h) {
       if (!mesh_.has_face(h)) continue;
@@ -409,8 +412,7 @@ class CellWriter {
   }
   std::uint32_t id(std::uint32_t half) const { return ids_[mesh_.origin(half)]; }
 
-  /// Computes depths from the outside inward (breadth first: cells of equal depth before deeper
-  /// ones).
+  /// Computes depths breadth first, from the outside inward.
   void write_depths(const Array<std::uint32_t>& cell_of, Array<std::uint32_t>& depths) const {
     depths.assign(cells_.size(), no_index);
     std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
@@ -439,7 +441,7 @@ class CellWriter {
   std::vector<std::uint32_t> cells_;
 };
 
-/// The result for points on one line: pieces lead from each point to the next.
+/// Writes the result for collinear points: pieces lead from each point to the next.
 void force_on_line(const PointView& points, const Constraints& constraints,
                    ConstrainedTriangulation& out) {
   std::vector<std::uint32_t> order(out.triangulation.cells.begin(), out.triangulation.cells.end());
@@ -451,7 +453,7 @@ void force_on_line(const PointView& points, const Constraints& constraints,
   });
   std::vector<std::uint32_t> place(points.count), free(order.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
-  std::iota(free.begin(), free.end(), 0U);  // the first step from here on that is no piece yet
+  std::iota(free.begin(), free.end(), 0U);  // the first step from here on that is not a piece yet
   const auto first_free = [&](std::uint32_t i) {
     while (free[i] != i) i = free[i] = free[free[i]];
     return i;

@@ -1,4 +1,4 @@
-// A triangulation of the plane as half-edges, whose edges can be flipped.
+// A 2D triangulation as half-edges, whose edges can be flipped.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline constrained {
 
-/// Edge e consists of the half-edges 2 e and 2 e + 1. A half-edge has a triangle on its left, or no
-/// face at the hull. The caller chooses the numbers of vertices.
+/// Edge e consists of the half-edges 2 e and 2 e + 1. A half-edge has a triangle on its left, or,
+/// on the hull, no face. The caller chooses the vertex numbers.
 class HalfEdges {
  public:
   /// `place`: the vertex number of each of t's ids. t is two-dimensional.
@@ -45,7 +45,7 @@ inline HalfEdges::HalfEdges(const Triangulation& t, const std::vector<std::uint3
     : out_(vertices) {
   std::fill(out_.begin(), out_.end(), no_index);
   const auto count = static_cast<std::uint32_t>(t.size());
-  Array<std::uint32_t> half(3 * std::size_t{count});  // by the corner opposite to it
+  Array<std::uint32_t> half(3 * std::size_t{count});  // opposite to each corner
   for (std::uint32_t c = 0; c < count; ++c)
     for (unsigned j = 0; j < 3; ++j) {
       const std::uint32_t o = t.neighbours_of(c)[j];

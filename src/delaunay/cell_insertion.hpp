@@ -44,7 +44,7 @@ struct GrowingCells {
 
   CellStore<K> store;
   PlaneArray<K> planes;
-  std::atomic<std::uint64_t> next{0};  ///< the first cell that no thread has taken
+  std::atomic<std::uint64_t> next{0};  ///< the first cell that no thread has reserved
 };
 
 enum class Inserted : std::uint8_t {
@@ -84,8 +84,8 @@ class CellInsertion {
     return counts_;
   }
 
-  /// Begins with the cell of k + 1 affinely independent points. `expected`: the approximate number
-  /// of points, to size the first allocation.
+  /// Starts with the cell of k + 1 affinely independent points. `expected`: the approximate number
+  /// of points, which sizes the first allocation.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::vector<std::uint32_t> v(simplex, simplex + corners());
     if (signs_.orientation(v.data()) == Sign::negative) std::swap(v[k() - 1], v[k()]);
@@ -124,7 +124,7 @@ class CellInsertion {
     for (const std::uint32_t c : cavity_) free_cell(c);
     let_go();
     work_ += facets_.size();
-    if (work_ > 4096) {  // well below a millisecond in any dimension
+    if (work_ > 4096) {  // well below a millisecond of work in any dimension
       work_ = 0;
       run_.check();
     }
@@ -140,7 +140,7 @@ class CellInsertion {
     cells_.next = cells_.store.count();
   }
   void unshare() { cells_.store.unshare(cells_.next); }
-  /// To be called after other threads have inserted: the start cell of the walks may be dead.
+  /// Call after other threads have inserted: the walks' start cell may have been deleted.
   void restart() {
     last_ = 0;
     while (cells_.store.dead(last_)) ++last_;
@@ -221,7 +221,7 @@ class CellInsertion {
   /// Ensures one unused cell for each facet of the cavity's boundary; false if there are too few.
   bool have_room() {
     if constexpr (shared) {
-      constexpr std::uint32_t many = 256;  // cells at a time; a cavity needs tens to hundreds
+      constexpr std::uint32_t many = 256;  // cells per reservation; a cavity needs tens to hundreds
       while (spare_.size() < facets_.size())
         if (!cells_.take(many, spare_)) return false;
     }
@@ -251,9 +251,9 @@ class CellInsertion {
   unsigned k() const { return cells_.store.corners() - 1; }
   unsigned corners() const { return cells_.store.corners(); }
 
-  /// Visibility walk: crosses facets that p is beyond until it reaches the cell that contains p, or
-  /// a ghost. It terminates because the perturbed triangulation is regular, so that no cell is
-  /// visited twice. Returns no_index if another thread holds a cell on the way.
+  /// Visibility walk: crosses facets that separate p from the cell until it reaches the cell that
+  /// contains p, or a ghost. It terminates because the perturbed triangulation is regular, so that
+  /// no cell is visited twice. Returns no_index if another thread holds a cell on the way.
   std::uint32_t locate() {
     std::uint32_t c = start_of_walk();
     if (c == no_index) return no_index;
@@ -309,8 +309,8 @@ class CellInsertion {
     return signs_.conflict(cells_.store.vertices(c));
   }
 
-  /// conflict() for a cell whose plane does not decide. Cells of points that are not on a lattice
-  /// are put off (decide_undecided) and count as not in conflict until then.
+  /// conflict() for a cell whose plane does not decide. If the points are not on a lattice, the
+  /// cell is deferred (decide_undecided) and counts as not in conflict until then.
   [[gnu::noinline]] bool conflict_in_doubt(std::uint32_t c) {
     if constexpr (with_planes) {
       if (planes_.known(c) && s_.exact_limit == 0) {
@@ -321,8 +321,8 @@ class CellInsertion {
     return conflict(c);
   }
 
-  /// Decides the cells that were put off, by double-doubles, many at a time. Those in conflict
-  /// become the next of the cavity's `cells`.
+  /// Decides the deferred cells by double-doubles, many at a time. Those in conflict are appended
+  /// to the cavity's `cells`.
   void decide_undecided(std::size_t& cells) {
     if constexpr (with_planes) {
       double rows[(K + 1) * K * sides_block] = {}, signs[sides_block];
@@ -349,8 +349,9 @@ class CellInsertion {
     undecided_.clear();
   }
 
-  /// Collects the cells in conflict with the point, from `first` across facets, and the facets of
-  /// the boundary. Returns false if another thread holds one of these cells or of their neighbours.
+  /// Collects the cells in conflict with the point, which are connected to `first` through facets,
+  /// and the facets of their boundary. Returns false if another thread holds one of these cells or
+  /// of their neighbours.
   bool find_cavity(std::uint32_t first) {
     if constexpr (!shared) in_ = cells_.store.next_stamp();
     undecided_.clear();
@@ -383,14 +384,14 @@ class CellInsertion {
     }
     return true;
   }
-  /// Goes on with the search from cell number `searched` of the cavity. `by_plane`: cells have
-  /// planes. Returns false if another thread holds a cell.
+  /// Continues the search from cell number `searched` of the cavity. `by_plane`: cells have planes.
+  /// Returns false if another thread holds a cell.
   template <bool by_plane>
   bool search(std::size_t& searched, std::size_t& cells, std::size_t& facets) {
     const double* const p = signs_.point();
     std::size_t cell = cells, facet = facets, i = searched;
     std::uint64_t tested = 0;
-    constexpr std::size_t ahead = 3;  // cells; one takes 2 to 3 % longer from 65,000 points on
+    constexpr std::size_t ahead = 3;  // cells; 1 takes 2 to 3 % longer from 65,000 points on
     for (; i < cell; ++i) {
       make_room(cell, facet);
       std::uint32_t* const to_cells = room_of_cells_.data();
@@ -414,8 +415,8 @@ class CellInsertion {
             in = conflict(o);
           }
           set_mark(o, out() - (in ? 1 : 0));
-          // Whether a cell is in conflict is unpredictable: its number is stored in both lists, of
-          // which one grows.
+          // Whether a cell is in conflict is unpredictable. Branch-free: stores its number in both
+          // lists and advances the one that it belongs to.
           to_cells[cell] = o;
           cell += in ? 1 : 0;
           prefetch_line(cells_.store.vertices(o));
@@ -518,10 +519,10 @@ class CellInsertion {
   };
 
   /// 3D: make_cells() and join_cells() for a boundary of at most most_labels vertices. The boundary
-  /// is a closed surface, so that each of its edges is in two facets, which have it in opposite
-  /// directions: a table over pairs of labels finds the cell on the other side.
+  /// is a closed surface: each of its edges belongs to two facets, which have it in opposite
+  /// directions, so a table over pairs of labels finds the cell on the other side.
   void make_cells_in_space(std::uint32_t p) {
-    // The slots other than each, such that the facets of a cell are oriented alike.
+    // For each slot the other slots, in an order that orients the facets of a cell alike.
     static constexpr std::uint8_t around[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
     clear_labels();
     Labels label(*this);
@@ -572,8 +573,9 @@ class CellInsertion {
     if constexpr (with_planes) planes_.flush(p);
   }
 
-  /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary, by the sums of
-  /// their codes. Cells at ridges that share a hash are linked by walking (join).
+  /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary. A table holds for
+  /// each ridge, by hash, the sum of the two cells' codes. Ridges with equal hashes are linked by
+  /// walking (join).
   void join_by_sums() {
     const std::size_t ridges = facets_.size() * (corners() - 1);
     const auto bits = static_cast<unsigned>(std::bit_width(2 * ridges));
@@ -656,15 +658,15 @@ class CellInsertion {
   std::vector<Facet> room_of_facets_;
   std::span<const std::uint32_t> cavity_;
   std::span<Facet> facets_;
-  // labels_: by vertex, label_base_ plus the label; the last one is of infinity. edges_: by the two
-  // labels of a directed edge, the code of the new cell's facet there. labelled_: by label, the
-  // vertex. corners_: by facet, its labels.
+  // labels_: for each vertex, label_base_ plus its label; the last entry is that of infinity.
+  // edges_: for the two labels of a directed edge, the code of the new cell's facet there.
+  // labelled_: for each label, the vertex. corners_: for each facet, its labels.
   std::vector<std::uint32_t> labels_, edges_, labelled_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;
   std::uint32_t label_base_ = 0;
-  // If shared: the cells this thread holds, its unused cells, how many it created.
+  // If shared: the cells this thread holds, its unused cells, and how many cells it created.
   std::vector<std::uint32_t> held_, spare_;
   std::uint64_t created_ = 0;
   XorShift random_{XorShift::golden};

@@ -16,7 +16,7 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// A bound of nothing below 0 in 16 bits: the upper bits of a double, rounded up.
+/// An upper bound, at least 0, in 16 bits: the upper bits of a double, rounded up.
 class ShortBound {
  public:
   ShortBound() = default;
@@ -29,7 +29,8 @@ class ShortBound {
   std::uint16_t bits_;
 };
 
-/// A cell's plane. Small, because an insertion reads some fifty of them from all over memory.
+/// A cell's plane. It is small, because an insertion reads about fifty of them, scattered in
+/// memory.
 template <unsigned K>
 struct LiftedPlane {
   double normal[K + 1];
@@ -40,7 +41,7 @@ struct LiftedPlane {
 template <unsigned K>
 using PlaneArray = RawArray<LiftedPlane<K>>;
 
-/// For 3 <= K <= 6 and points without weights that span all of space.
+/// The planes of all cells, for 3 <= K <= 6 and points without weights that span the whole space.
 template <unsigned K>
 class CellPlanes {
  public:
@@ -75,8 +76,8 @@ class CellPlanes {
     odd_[open_] = slot % 2 == 1;
     if (++open_ == lift_block) flush(p);
   }
-  /// 3D: the vertices of the next cells, other than p, which add_seen() names by their places in
-  /// this list. The infinite vertex may be among them.
+  /// 3D: sets the vertices, other than p, of the next cells; add_seen() refers to them by index.
+  /// The infinite vertex may be among them.
   void see(const std::uint32_t* vertices, std::uint32_t count, std::uint32_t p) {
     const double* o = s_.row(p);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -84,7 +85,7 @@ class CellPlanes {
       for (unsigned j = 0; j < K; ++j) seen_[i][j] = q[j] - o[j];
     }
   }
-  /// 3D: as add() for the positively oriented cell of p and three vertices a, b, c.
+  /// 3D: add() for the positively oriented cell of p and the vertices with the indices a, b, c.
   void add_seen(std::uint32_t cell, std::uint32_t a, std::uint32_t b, std::uint32_t c,
                 std::uint32_t p) {
     for (unsigned j = 0; j < K; ++j) {
@@ -96,7 +97,7 @@ class CellPlanes {
     odd_[open_] = false;
     if (++open_ == lift_block) flush(p);
   }
-  /// Computes the planes added last. To be called after the last cell of each point p.
+  /// Computes the planes that are still pending. Call after the last cell of each point p.
   void flush(std::uint32_t p) {
     if (open_ == 0) return;
     lift_planes(K, rows_, block_);
@@ -118,8 +119,9 @@ class CellPlanes {
     return planes_[c].linear.value() < std::numeric_limits<double>::infinity();
   }
   void prefetch(std::uint32_t c) const { prefetch_line(planes_ + c); }
-  /// Whether the cell's plane decides that the point p is below it, or is not, as lift_side();
-  /// false if the cell has none. Without a branch on the answer, which is unpredictable.
+  /// Sets `below` to whether p is below the cell's plane, as lift_side() would; returns false if
+  /// the plane does not decide that or the cell has none. Branch-free on `below`, which is
+  /// unpredictable.
   bool decides(std::uint32_t c, const double* p, bool& below) const {
     const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);
@@ -147,7 +149,7 @@ class CellPlanes {
   double rows_[K * (K + 1) * lift_block] = {}, block_[(K + 3) * lift_block] = {};
 };
 
-/// Stands in for CellPlanes in dimensions without planes.
+/// Replaces CellPlanes in dimensions without planes.
 struct NoPlanes {
   explicit NoPlanes(const LiftedPoints&) {}
 };

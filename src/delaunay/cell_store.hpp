@@ -58,14 +58,14 @@ class CellStore {
   /// The slot of the infinite vertex of a ghost cell; corners() if the cell is finite.
   unsigned ghost_slot(std::uint32_t c) { return find(vertices(c), infinite); }
 
-  /// Links facet `slot` of cell c and the facet that the code `other` names, both ways.
+  /// Links facet `slot` of cell c and the facet with the code `other` in both directions.
   void link(std::uint32_t c, unsigned slot, std::uint32_t other) {
     neighbours(c)[slot] = other;
     neighbours(cell_of(other))[slot_of(other)] = code(c, slot);
   }
 
-  /// Creates one positively oriented cell with vertices `v` and its ghosts, the cells that join
-  /// its facets to the infinite vertex. `points`: their expected number, which sizes the first
+  /// Creates one positively oriented cell with vertices `v` and its ghosts, the cells that join its
+  /// facets to the infinite vertex. `points`: the expected number of points, which sizes the first
   /// allocation.
   void start(const std::uint32_t* v, std::uint32_t points) {
     expected_ = points;
@@ -127,8 +127,7 @@ class CellStore {
 
   static constexpr std::uint32_t dead_mark = 0xffffffff;
 
-  /// Makes `count` cells, all of them in use. The values of cells that were not there before are
-  /// undefined.
+  /// Sets the number of cells to `count`, all of them live. New cells are uninitialised.
   void resize(std::uint32_t count) {
     expected_ = 0;
     require_budget(budget_, count * cell_bytes(), "the cells of the triangulation");
@@ -173,7 +172,7 @@ class CellStore {
   unsigned k_, shift_;
   std::uint64_t budget_, capacity_ = 0, created_ = 0;
   std::uint32_t count_ = 0, expected_ = 0, stamp_ = 0;
-  RawArray<std::uint32_t> data_;  ///< of each cell first its vertices, then its neighbour codes
+  RawArray<std::uint32_t> data_;  ///< for each cell its vertices, then its neighbour codes
   RawArray<std::uint32_t> marks_;
   std::vector<std::uint32_t> free_;
 };

@@ -33,7 +33,7 @@ struct PartBox {
 };
 
 /// Whether the closed circumcircle of a finite cell certainly misses the box; false if in doubt.
-/// Compares the distance of the box from an approximate centre z with the radius plus a bound of
+/// Compares the distance of the box from an approximate centre z with the radius plus a bound on
 /// z's error. docs/exactness.md, "Parts", derives the bound.
 inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const PartBox& box) {
   const double* o = s.row(v[0]);
@@ -54,7 +54,7 @@ inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const P
   const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
   z[0] = (half[0] * m[1][1] - half[1] * m[0][1]) / det;
   z[1] = (half[1] * m[0][0] - half[0] * m[1][0]) / det;
-  // Any factor of the lengths' product bounds the determinant's error and cofactors (Hadamard).
+  // The rows' lengths bound the determinant's error and the cofactors (Hadamard).
   const double product = std::sqrt(lengths);
   const double sure = std::abs(det) - 64 * unit_roundoff * product - 0x1p-500;
   double reach = 0, size = 0;
@@ -63,8 +63,8 @@ inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const P
     size += std::abs(z[a]);
   }
   if (!(sure > 0) || !(reach < 16)) return false;  // radius beyond all points, or NaN
-  // By how much z fails the equations m_i . z = |m_i|^2 / 2, as computed and by rounding; Cramer's
-  // rule makes of that the distance to the centre.
+  // Bound on the residual of the equations m_i . z = |m_i|^2 / 2, as computed plus rounding.
+  // Cramer's rule converts it into the distance between z and the centre.
   double off = 0;
   for (unsigned i = 0; i < 2; ++i) {
     double dot = 0, magnitude = half[i];

@@ -15,7 +15,7 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// Extends a triangulation that one thread has begun (`alone`). Each thread has a lane, a
+/// Continues a triangulation that one thread has begun (`alone`). Each thread has a lane: a
 /// CellInsertion of its own on the same cells.
 template <unsigned K>
 class InsertTogether {
@@ -59,9 +59,11 @@ class InsertTogether {
 
  private:
   using Lane = CellInsertion<K, true>;
-  static constexpr std::uint32_t few = 64;  // so few points are left to one thread; a guess
-  /// Consecutive points that a lane takes at once: about 100 microseconds of work, which bounds how
-  /// long the other lanes wait for the last one at the end of a round.
+  /// One thread inserts up to this many last points, as every round marks all cells. Untested
+  /// value.
+  static constexpr std::uint32_t few = 64;
+  /// Consecutive points that a lane takes at once: about 100 microseconds of work, the longest time
+  /// that the other lanes wait at the end of a round.
   static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
 
   /// A lane's range of points. The lane takes from the front; other lanes steal from the back.

@@ -1,4 +1,4 @@
-// One cell in each lane of a vector; compiled once per instruction set.
+// Planes of lifted cells, one cell per vector lane; compiled once per instruction set.
 #include "delaunay/lift_planes.hpp"
 
 #include <array>
@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<double, lift_block>;
 using V = hn::Vec<F>;
 
-/// The planes of one vector of cells. `m`, `out`: the data of the first cell.
+/// Computes the planes of one vector of cells. `m`, `out`: the data of the first cell.
 template <unsigned K>
 HWY_INLINE void planes_of_vector(double* m, double* out) {
   const F f;

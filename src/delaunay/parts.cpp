@@ -19,7 +19,7 @@ namespace {
 /// Places of points in the order of insertion, ascending.
 using Places = std::vector<std::uint32_t>;
 
-/// Finds three points that are not on a line among the first few; false if there are none.
+/// Finds three points, among the first few, that are not collinear; false if there are none.
 bool find_triangle(const LiftedPoints& s, const Places& places, std::uint32_t* simplex) {
   constexpr std::size_t few = 512;
   const std::size_t n = std::min(places.size(), few);
@@ -73,13 +73,13 @@ class Parts {
   struct Border {
     std::array<std::uint32_t, 2> corners;  ///< ascending
     bool odd;                              ///< its orientation, seen from the final cell
-    std::uint32_t code;                    ///< of the final cell, in the joined numbering
-    std::uint32_t across;                  ///< of the cell that takes the neighbour's place
+    std::uint32_t code;                    ///< the final cell, in the joined numbering
+    std::uint32_t across;                  ///< the cell that replaces the neighbour
   };
 
-  /// Tries two parts of the first points, which are a random sample. Of points that fill an area
-  /// the seam takes a tenth to a sixth of 1,024; of points on a curve it takes nearly all, and it
-  /// would of all points.
+  /// Tries two parts of the first points, which are a random sample; false if too many points
+  /// belong to the seam. For points that fill an area the seam has a tenth to a sixth of the
+  /// sample; for points on a curve it has nearly all, and would have nearly all of the whole set.
   bool sample_fits() {
     constexpr std::uint32_t sample = 1024;
     if (s_.count < 8 * sample) return true;
@@ -152,7 +152,7 @@ class Parts {
 
   static constexpr std::uint32_t final_mark = 1, open_mark = 0;
 
-  /// Marks a part's cells final or open, and the vertices of open cells as needed by the seam.
+  /// Marks a part's cells as final or open, and the vertices of open cells as needed by the seam.
   void mark_final(Part& p, const PartBox& other) {
     CellStore<2>& cells = *p.cells;
     for (std::uint32_t c = 0; c < cells.count(); ++c) {
@@ -197,8 +197,8 @@ class Parts {
     assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
   }
 
-  /// The corners of a facet, ascending; returns whether the permutation and the slot together are
-  /// odd.
+  /// Sets the corners of a facet, ascending; returns whether the parities of permutation and slot
+  /// add up to odd.
   static bool facet_corners(const std::uint32_t* v, unsigned slot,
                             std::array<std::uint32_t, 2>& corners) {
     corners = {v[slot == 0 ? 1 : 0], v[slot == 2 ? 1 : 2]};
@@ -210,8 +210,7 @@ class Parts {
     return static_cast<std::size_t>(h ^ h >> 32);
   }
 
-  /// Numbers the final cells of a part from `next` on: their marks become first_number + the
-  /// number.
+  /// Numbers the final cells of a part from `next` on: sets their marks to first_number + number.
   static std::uint32_t number_final(CellStore<2>& cells, std::uint32_t next) {
     for (std::uint32_t c = 0; c < cells.count(); ++c)
       if (!cells.dead(c) && cells.mark(c) == final_mark) cells.mark(c) = first_number + next++;
@@ -260,8 +259,8 @@ class Parts {
     std::vector<std::uint32_t> slots_;
   };
 
-  /// Numbers the cells of the seam that are reached from the borders, from `next` on, and sets what
-  /// is across each border. A flood that stops at borders.
+  /// Flood fill that stops at borders: numbers the seam's cells that are reached from the borders,
+  /// from `next` on, and sets the cell across each border.
   static std::uint32_t flood(CellStore<2>& seam, std::vector<Border>& borders,
                              std::vector<std::uint32_t>& beyond, std::uint32_t next) {
     const BorderTable table(borders);
@@ -301,7 +300,7 @@ class Parts {
     return next;
   }
 
-  /// Copies final cells to the places that their marks name. Links across borders are made later.
+  /// Copies final cells to the places that their marks give. Links across borders are set later.
   static void copy_cells(CellStore<2>& from, CellStore<2>& to, const Run& run) {
     run.each(from.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {

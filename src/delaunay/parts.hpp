@@ -24,9 +24,9 @@ struct InsertionTotals {
   }
 };
 
-/// Triangulates points of the plane in 2^levels parts. Returns null if the points are unsuitable:
-/// more than two fifths of them would be inserted twice in a join (of a sample, half), the first
-/// points of a part are on a line, or there are too many cells.
+/// Triangulates 2D points in 2^levels parts. Returns null if the points are unsuitable: a join
+/// would insert more than two fifths of them twice (half, in the sample), the first points of a
+/// part are collinear, or there are too many cells.
 std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
                                                    InsertionTotals& totals, const Run& run);
 

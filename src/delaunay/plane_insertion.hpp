@@ -34,7 +34,7 @@ class PlaneInsertion {
     return counts_;
   }
 
-  /// Begins with three points that are not on a line. `expected`: the approximate number of points.
+  /// Starts with three points that are not collinear. `expected`: the approximate number of points.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
     std::uint32_t v[3] = {simplex[0], simplex[1], simplex[2]};
     if (signs_.orientation(v) == Sign::negative) std::swap(v[1], v[2]);
@@ -56,19 +56,19 @@ class PlaneInsertion {
   }
 
  private:
-  /// A vertex with coordinates and lift relative to the point. `code`: of an edge that ends here,
-  /// the neighbour across it.
+  /// A vertex, with coordinates and lift relative to the point. `code`: the neighbour across the
+  /// edge that ends here.
   struct Corner {
     double x, y, lift;
     std::uint32_t vertex, code;
   };
-  /// An edge of the cavity's boundary, from the end of the one before. `code`: the neighbour
-  /// outside.
+  /// An edge of the cavity's boundary, from the end of the previous one. `code`: the neighbour
+  /// outside the cavity.
   struct Rim {
     std::uint32_t code, to;
   };
 
-  /// The infinite vertex has coordinates with which no filter decides.
+  /// The infinite vertex gets NaN coordinates, so that no filter decides.
   Corner corner(std::uint32_t v) const {
     if (v == infinite) {
       constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -103,8 +103,8 @@ class PlaneInsertion {
     }
   }
 
-  /// Whether the point is beyond the edge from a to b of the finite triangle c, opposite to corner
-  /// j. The roundings are those of filtered_by_columns().
+  /// Whether the edge from a to b of the finite triangle c, opposite to corner j, separates the
+  /// point from c. Rounds as filtered_by_columns() does.
   bool beyond(std::uint32_t c, unsigned j, const Corner& a, const Corner& b) {
     const double l = a.x * b.y, r = a.y * b.x, det = l - r;
     const double bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny_;
@@ -112,9 +112,9 @@ class PlaneInsertion {
     return signs_.replaced(store_.vertices(c), j) == Sign::negative;
   }
 
-  /// Finds the cavity (cavity_), beginning with a triangle and its corners, and its boundary in
-  /// cyclic order (rims_) by depth-first search. The edges that are to be visited follow one
-  /// another, so open_, a stack, has the end of each.
+  /// Finds the cavity (cavity_), starting with a triangle and its corners, and its boundary in
+  /// cyclic order (rims_), by depth-first search. Edges to be visited are consecutive, so the stack
+  /// open_ stores only the end of each.
   void walk_around(std::uint32_t first, const Corner* corners) {
     rims_.clear();
     cavity_.clear();
@@ -205,7 +205,7 @@ class PlaneInsertion {
   const Run& run_;
   CellStore<2> store_;
   PointSigns<2> signs_;
-  double tiny_;  ///< of filters; infinite where none may decide
+  double tiny_;  ///< underflow term of the filters; infinite if no filter may decide
   double px_ = 0, py_ = 0;
   std::uint64_t steps_ = 0, inserted_ = 0, filtered_ = 0;
   std::uint32_t last_ = 0;

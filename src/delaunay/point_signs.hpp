@@ -1,5 +1,5 @@
-// The predicates of the insertion: on which side of a cell's facets, and of its circumsphere, the
-// point to be inserted is.
+// The predicates of the insertion: the position of the point to be inserted relative to a cell's
+// facets and its circumsphere.
 #pragma once
 
 #include <array>
@@ -25,13 +25,13 @@ class PointSigns {
   }
   const LiftCounts& counts() const { return counts_; }
 
-  /// Sets the point that the following calls are about.
+  /// Sets the query point, which is called p below.
   void set_query(std::uint32_t point) {
     point_ = point;
     p_ = s_.row(point);
   }
 
-  /// The coordinates of that point.
+  /// The coordinates of p.
   const double* point() const { return p_; }
 
   /// The orientation of k + 1 points.
@@ -40,15 +40,14 @@ class PointSigns {
     return base_orientation<K>(s_, at_.data());
   }
 
-  /// The orientation of a cell whose corner j is replaced by the point; only corner j may be
-  /// infinite.
+  /// The orientation of a cell whose corner j is replaced by p; only corner j may be infinite.
   Sign replaced(const std::uint32_t* v, unsigned j) {
     for (unsigned i = 0; i < corners(); ++i) probe_[i] = i == j ? p_ : s_.row(v[i]);
     return base_orientation<K>(s_, probe_.data());
   }
 
-  /// A slot of a finite cell, other than `from`, such that the point is beyond the facet opposite
-  /// to it; corners() if there is no such slot.
+  /// A slot of a finite cell, other than `from`, whose opposite facet separates p from the cell;
+  /// corners() if there is no such slot.
   unsigned separating_facet(const std::uint32_t* v, unsigned from) {
     if constexpr (K == 2 || K == 3) {
       if (s_.filtered) return separating_facet_filtered(v, from);
@@ -58,8 +57,7 @@ class PointSigns {
     return corners();
   }
 
-  /// Whether the point is below the lifted cell, with ties broken: without weights, inside its
-  /// circumsphere.
+  /// Whether p is below the lifted cell (without weights: inside its circumsphere), ties broken.
   bool conflict(const std::uint32_t* v) {
     for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
     const Sign side = lift_side<K>(s_, at_.data(), p_, counts_);
@@ -104,9 +102,9 @@ class PointSigns {
     return K + 1;
   }
 
-  /// conflict() for a point on the lifted cell's plane. The lift of id i is lowered by an
-  /// infinitesimal e_i, e_0 >> e_1 >> ...; in the order of ids, the first nonzero coefficient
-  /// decides. docs/exactness.md, "Ties".
+  /// conflict() for a point on the lifted cell's plane. Symbolic perturbation lowers the lift of id
+  /// i by an infinitesimal e_i, e_0 >> e_1 >> ...; the first nonzero coefficient in the order of
+  /// ids decides. docs/exactness.md, "Ties".
   bool tied_conflict(const std::uint32_t* v) {
     ++counts_.ties;
     const std::uint32_t own = s_.ids[point_];

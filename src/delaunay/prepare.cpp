@@ -29,9 +29,9 @@ class Sorter {
   Sorter(const double* rows, unsigned d, const Run& run)
       : rows_(rows), d_(d), run_(run), frame_(d) {}
 
-  /// Sorts items[0, n) along a Hilbert curve over their bounding box; equal points by id. A few
-  /// remote points make the box so large that many items share a key: such items are sorted along a
-  /// curve over their own box.
+  /// Sorts items[0, n) along a Hilbert curve over their bounding box; equal points by id. If a few
+  /// remote points enlarge the box, many items share a key; these are sorted along a curve over
+  /// their own box.
   void sort(KeyedId* items, KeyedId* scratch, std::uint32_t n) {
     if (n < 2) return;
     if (!place(items, n)) return sort_by_coordinates(items, n);
@@ -56,8 +56,8 @@ class Sorter {
   }
 
  private:
-  /// Up to so many points of one key are sorted by coordinates: as radix_sort(), which counts
-  /// digits only from 48 items on.
+  /// Up to this many points with the same key are sorted by coordinates; radix_sort() counts digits
+  /// only from 48 items on.
   static constexpr std::uint32_t few = 48;
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
@@ -110,16 +110,16 @@ void sort_into_rounds(Array<std::uint32_t>& ids) {
   ids = std::move(sorted).take_items();
 }
 
-/// Rounds of growing size, each along a Hilbert curve (Amenta, Choi, Rote 2003). Sorting along the
-/// curve also finds equal points.
+/// Rounds of growing size, each sorted along a Hilbert curve (Amenta, Choi, Rote 2003). The sort
+/// also finds equal points.
 struct InsertionOrder {
-  Array<std::uint32_t> ids;  ///< all points but the duplicates, in the order of insertion
+  Array<std::uint32_t> ids;  ///< all points except duplicates, in the order of insertion
   std::vector<DuplicatePoint> duplicates;
 };
 
-/// The order for n points of d finite coordinates each. `weights`: null, or one for each point. The
-/// representative of equal points is that of the largest weight, among these that of the lowest id.
-/// The order affects the running time, never the triangulation.
+/// The order for n points of d finite coordinates each. `weights`: null, or one per point. The
+/// representative of equal points is the one of the largest weight, then of the lowest id. The
+/// order affects the running time, never the triangulation.
 InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
                                const double* weights, const Run& run) {
   InsertionOrder order;
@@ -153,14 +153,14 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
 
 // ----------------------------------------------------------------------- flat and scale
 
-/// Finds k + 1 affinely independent points, by place, and the axes of the points' flat. If the
-/// points span all of space, one of a few tuples that are spread over the order nearly always
-/// suffices.
+/// Finds k + 1 affinely independent points, as places in the order, and the axes of the points'
+/// flat. If the points span the whole space, one of a few tuples spread over the order nearly
+/// always works.
 void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared& out,
                const Run& run) {
   out.axes.resize(d);
   std::iota(out.axes.begin(), out.axes.end(), 0U);
-  constexpr std::uint32_t tries = 16;  // simplices; in general position the first is one
+  constexpr std::uint32_t tries = 16;  // tuples; in general position the first is independent
   std::vector<const double*> p(d + 1);
   for (std::uint32_t t = 0; n > d && t < tries && t < n; ++t) {
     out.simplex.clear();
@@ -177,12 +177,12 @@ void find_flat(const Array<double>& rows, std::uint32_t n, unsigned d, Prepared&
   out.axes.assign(frame.axes().begin(), frame.axes().end());
 }
 
-/// The magnitudes of numbers other than zero.
+/// The range of magnitudes of numbers other than zero.
 struct Range {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   int lowest_bit = std::numeric_limits<int>::max();
 
-  /// `limit`: a lowest bit below it need not be exact.
+  /// `limit`: a lowest bit below it need not be determined exactly.
   void add(double v, int limit) {
     const double m = std::abs(v);
     if (m == 0) return;
@@ -195,7 +195,7 @@ struct Range {
     most = std::max(most, o.most);
     lowest_bit = std::min(lowest_bit, o.lowest_bit);
   }
-  /// Whether multiplying the numbers by 2^by is exact: all of them stay normal.
+  /// Whether multiplying the numbers by 2^by is exact because all of them stay normal.
   bool safe(int by) const { return most == 0 || by >= 0 || std::ldexp(least, by) >= 0x1p-1021; }
 };
 
@@ -204,7 +204,7 @@ void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
   std::vector<Range> xs(chunk_count(s.count, light_grain)), ws(xs.size());
   run.each_chunk(s.count, light_grain,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    // A lattice finer than 2^-52 of a number of the chunk is of no use.
+    // A lattice finer than 2^-52 of a number of the chunk cannot be used.
     const double first = std::abs(s.row(static_cast<std::uint32_t>(begin))[0]);
     const int limit = first > 0 ? std::ilogb(first) - 60 : std::numeric_limits<int>::min();
     for (std::uint64_t i = begin; i < end; ++i) {

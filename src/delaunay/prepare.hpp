@@ -14,11 +14,11 @@ namespace cullhull::internal::inline delaunay {
 struct Prepared {
   LiftedPoints points;
   std::vector<std::uint32_t> simplex;  ///< affine dimension + 1 independent points, by place
-  std::vector<std::uint32_t> axes;     ///< the flat projects onto these one to one
+  std::vector<std::uint32_t> axes;     ///< the flat's projection onto these axes is one to one
   std::vector<DuplicatePoint> duplicates;
 };
 
-/// `left_out`: ascending ids that are not triangulated; their duplicates are reported nevertheless.
+/// `left_out`: ascending ids that are not triangulated; their duplicates are still reported.
 Prepared prepare_points(const PointView& view, std::span<const double> weights, bool furthest,
                         const std::vector<std::uint32_t>& left_out, const Run& run);
 

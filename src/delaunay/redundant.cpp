@@ -42,7 +42,7 @@ class EchelonBasis {
     pivots_.push_back(pivot);
   }
 
-  /// A row orthogonal to all rows that were added. Requires rank columns - 1.
+  /// A row orthogonal to all rows added. Requires rank columns - 1.
   Row normal() const {
     unsigned open = 0;
     while (std::count(pivots_.begin(), pivots_.end(), open) > 0) ++open;
@@ -63,9 +63,9 @@ class Redundancy {
   Redundancy(const LiftedPoints& s, const Triangulation& t)
       : s_(s), t_(t), places_(places_of_ids(s, t.point_count)) {}
 
-  /// Whether v is not an extreme point of the lifted points. It is one if and only if the normals
-  /// of the lower hull's planes through the lifted vertex, and of the vertical planes over the
-  /// hull's facets at it, have full rank. `cells`, `facets`: all that contain v.
+  /// Whether v is not an extreme point of the lifted points. It is extreme if and only if the
+  /// normals of the lower hull's planes at the lifted vertex, together with those of the vertical
+  /// planes over the hull's facets at v, have full rank. `cells`, `facets`: all that contain v.
   bool redundant(std::uint32_t v, std::span<const std::uint32_t> cells,
                  std::span<const std::uint32_t> facets) const {
     const unsigned k = t_.corners() - 1;
@@ -114,7 +114,7 @@ class Redundancy {
   std::vector<std::uint32_t> places_;
 };
 
-/// The rows of `width` ids that contain each of the wanted ids, which ascend.
+/// For each of the wanted ids, which ascend, the rows (of `width` ids) that contain it.
 Adjacency<std::uint32_t> rows_around(const Array<std::uint32_t>& ids, unsigned width,
                                      const std::vector<std::uint32_t>& wanted) {
   return {wanted.size(),
@@ -131,7 +131,7 @@ Adjacency<std::uint32_t> rows_around(const Array<std::uint32_t>& ids, unsigned w
 
 std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Triangulation& t,
                                               const Run& run) {
-  // A vertex of a group of one cell is an extreme point, so only vertices of merged cells are
+  // A vertex of a group with one cell is an extreme point, so only vertices of merged cells are
   // tested.
   std::vector<std::uint32_t> candidates;
   if (t.cell_groups.empty()) return candidates;

@@ -1,5 +1,5 @@
-// Vertices of a regular triangulation whose lifted points lie exactly on a face of the lower hull
-// of the others.
+// Redundant vertices of a regular triangulation: their lifted points are exactly on a face of the
+// lower hull of the others.
 #pragma once
 
 #include <vector>

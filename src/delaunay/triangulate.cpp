@@ -29,8 +29,8 @@ void check_arguments(const PointView& points) {
                 "a triangulation takes fewer than 4294967295 points, not ", points.count);
 }
 
-/// Throws out_of_budget if memory that is certain to be needed exceeds the budget: the coordinates
-/// twice, the order of insertion and, in 2D, two cells for each point with what writing them takes.
+/// Throws out_of_budget if the memory that is certainly needed exceeds the budget: the coordinates
+/// twice, the order of insertion and, in 2D, two cells per point and the memory to write them.
 void check_budget(const PointView& points, const Run& run) {
   const std::uint64_t n = points.count, d = points.dimension;
   std::uint64_t bytes = n * (16 * d + 24);
@@ -38,15 +38,15 @@ void check_budget(const PointView& points, const Run& run) {
   require_budget(run.budget, bytes, "the cells of the triangulation");
 }
 
-/// The number of points that one thread inserts before others join: in a smaller triangulation the
-/// threads would contend for the same cells. In 3D with 1,000 to 30,000 points, and in 4D and 5D
-/// with as many as take the same time, a third to three times of these numbers gain the same.
+/// The number of points that one thread inserts before others join; in a smaller triangulation the
+/// threads would contend for the same cells. A third to three times these numbers gain the same
+/// (3D: tested with 1,000 to 30,000 points; 4D and 5D: with as many as take the same time).
 template <unsigned K, class Insertion>
 std::size_t alone_first(const LiftedPoints& s, const Run& run) {
   constexpr std::size_t all = ~std::size_t{0};
   if (std::is_same_v<Insertion, PlaneInsertion> || K == 1 || run.threads == 1) return all;
   const std::size_t alone = K == 2 ? 4096 : K == 3 ? 1024 : K == 4 ? 256 : K == 5 ? 128 : 512;
-  // In 3D two threads take as long as one for 2,000 to 8,000 points, and gain a fifth for 16,000.
+  // In 3D two threads take as long as one for 2,000 to 8,000 points, and a fifth less for 16,000.
   return s.count >= (K == 3 ? 8 : 2) * alone ? alone : all;
 }
 
@@ -78,7 +78,8 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
 }
 
 /// log2 of the number of parts (triangulate_in_parts); 0: one part. A seam between two parts costs
-/// about the square root of the number of points; parts pay off from about 10,000 points each.
+/// about the square root of the number of points; parts are worthwhile from about 10,000 points
+/// each.
 unsigned part_levels(const LiftedPoints& s, const Run& run) {
   if (s.may_hide || !s.filtered || s.tiny > 0x1p-1000 || s.stride != s.base) return 0;
   constexpr std::uint32_t least = 1U << 14;
@@ -113,14 +114,14 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   statistics.write_seconds = seconds_since(start);
 }
 
-/// k = 0: one point.
+/// k = 0: a single point.
 void write_single(const Prepared& p, Triangulation& out) {
   out.cells.assign(1, p.points.ids[0]);
   out.neighbours.assign(1, no_cell);
 }
 
-/// Triangulates all points but `left_out`, prepared as `p`. With weights, stores the vertices that
-/// are not extreme points into `redundant`.
+/// Triangulates all points except `left_out`, prepared as `p`. With weights, sets `redundant` to
+/// the vertices that are not extreme points.
 Triangulation triangulate_without(const PointView& points, std::span<const double> weights,
                                   bool furthest, const std::vector<std::uint32_t>& left_out,
                                   const Run& run, Prepared& p,
@@ -163,9 +164,9 @@ Triangulation triangulate_lifted(const PointView& points, std::span<const double
   std::vector<std::uint32_t> redundant, left_out;
   Triangulation out =
       triangulate_without(points, weights, o.furthest_site, left_out, run, p, redundant);
-  // The perturbation turns points exactly on a face into vertices. These are not extreme points, so
-  // the points are triangulated again without them and without the hidden points. All remaining
-  // points are extreme.
+  // The perturbation makes vertices of points exactly on a face. These are not extreme points, so
+  // the remaining points are triangulated again, without them and without the hidden points. All
+  // points are then extreme.
   if (!redundant.empty()) {
     left_out.resize(redundant.size() + out.hidden.size());
     std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),

@@ -1,4 +1,4 @@
-// delaunay() for callers that go on with the prepared points.
+// delaunay() for callers that also need the prepared points.
 #pragma once
 
 #include "cullhull/triangulation.hpp"
@@ -6,8 +6,8 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// As delaunay(). `prepared` becomes the points in the order of insertion, but without their
-/// duplicates, which are in the result; it is unchanged if there are no points.
+/// As delaunay(). Sets `prepared` to the points in the order of insertion, without duplicates
+/// (which are in the result); unchanged if there are no points.
 Triangulation triangulate(const PointView& points, const TriangulationOptions& options,
                           Prepared& prepared);
 

@@ -16,7 +16,7 @@
 namespace cullhull::internal::inline delaunay {
 namespace {
 
-/// A row of ids for sorting: its first ids, which decide most comparisons, and its number.
+/// A row of ids for sorting: its first three ids, which decide most comparisons, and its number.
 struct Ranked {
   std::uint32_t ids[3], row;
 };
@@ -44,8 +44,8 @@ void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, cons
     const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
     return std::lexicographical_compare(p, p + width, q, q + width);
   };
-  // Each run of equal first ids belongs to the chunk it begins in. The ends of the chunks are found
-  // before any of them is sorted.
+  // A run of equal first ids belongs to the chunk in which it begins. The chunks' ends are
+  // determined before any of them is sorted.
   constexpr std::uint64_t chunk = light_grain;
   std::vector<std::uint64_t> begins(chunk_count(count, chunk) + 1, count);
   for (std::size_t c = 0; c + 1 < begins.size(); ++c) {
@@ -90,11 +90,10 @@ std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* k
   return all;
 }
 
-/// Writes the finite cells of a store, ordered by their vertices. The points' ids are in no order
-/// of space, so that a place in the order of ids costs a miss of the cache. The cells are therefore
-/// copied to buckets of consecutive lowest ids, which is sequential, and sorted there, within the
-/// cache. Neighbours are written in the order of the store, where neighbours are close to each
-/// other.
+/// Writes the finite cells of a store, sorted by their vertices. Ids are not in spatial order, so
+/// writing each cell to its sorted place would be a cache miss. Therefore the cells are copied
+/// sequentially to buckets of consecutive lowest ids and sorted there, within the cache. Neighbours
+/// are written in the order of the store, where neighbours are close to each other.
 template <unsigned K>
 class CellWriter {
  public:
@@ -116,7 +115,7 @@ class CellWriter {
   }
 
  private:
-  static constexpr unsigned few_ids = 11;  // log2 of the ids of a bucket: its cells fit a cache
+  static constexpr unsigned few_ids = 11;       // log2 of the ids per bucket: its cells fit a cache
   static constexpr unsigned most_buckets = 10;  // log2: as many streams are written at once
 
   static unsigned shift_of(std::uint64_t ids) {
@@ -177,7 +176,7 @@ class CellWriter {
     });
   }
 
-  /// A cell of a bucket for sorting: its corners after the lowest one, and its place.
+  /// A cell of a bucket, for sorting: its corners except the lowest one, and its place.
   struct Row {
     std::uint64_t key;         ///< corners 1 and 2
     std::uint32_t third, row;  ///< corner 3; the place
@@ -230,8 +229,8 @@ class CellWriter {
       at = end;
     }
   }
-  /// Writes n <= most rows of at most four corners at the places that sorting would give them.
-  /// Counts the rows that are less instead, always of `most`, because branches would be
+  /// Writes n <= most rows of at most four corners at their sorted places. Counts for each row the
+  /// rows that are less, always out of `most`, because the branches of a sort would be
   /// unpredictable.
   template <unsigned most, class Write>
   static void rank_and_write(const Row* rows, std::uint32_t n, std::uint32_t first,
@@ -270,11 +269,10 @@ class CellWriter {
   const Run& run_;
   unsigned shift_;  ///< a bucket has 2^shift_ ids
   std::uint64_t buckets_, chunk_ = 0;
-  std::vector<std::uint32_t> begins_;         ///< by chunk of the store, of its part of each bucket
-  std::vector<std::uint32_t> bucket_begins_;  ///< and the number of cells
-  Array<std::uint32_t> cells_;                ///< of the store, by place in the buckets
-  Array<std::uint32_t>
-      rank_;  ///< the number of a cell of the store; no_cell for all but finite ones
+  std::vector<std::uint32_t> begins_;         ///< by chunk: where its part of each bucket begins
+  std::vector<std::uint32_t> bucket_begins_;  ///< of each bucket; at the end the number of cells
+  Array<std::uint32_t> cells_;                ///< cells of the store, by place in the buckets
+  Array<std::uint32_t> rank_;  ///< number of each cell of the store; no_cell except for finite ones
 };
 
 template <unsigned K>

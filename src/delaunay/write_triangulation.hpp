@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline delaunay {
 
-/// Writes the cells, neighbours and hull of `out` from the engine's cells. Their vertices become
-/// the caller's ids, and their corners change places. K: as the store's.
+/// Writes the cells, neighbours and hull of `out` from the engine's cells. Overwrites the store:
+/// its vertices become the caller's ids, and corners are reordered. K: as the store's.
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run);
 
@@ -29,7 +29,7 @@ void write_boundary(const Triangulation& t, const std::uint8_t* kept,
 /// The ids that are neither vertices of cells nor duplicates, ascending.
 std::vector<std::uint32_t> hidden_points(const Triangulation& t);
 
-/// The place of each inserted id in the order of insertion; 0 for other ids.
+/// For each id its place in the order of insertion; 0 for ids that were not inserted.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);
 
 }  // namespace cullhull::internal::inline delaunay

@@ -1,5 +1,5 @@
-// Shared by the steps from a triangulation to its dual: the points as rows, lists built in chunks,
-// edges with the cells around them.
+// Shared by the functions that compute a triangulation's dual: points as rows, lists built in
+// chunks, edges with the cells around them.
 #pragma once
 
 #include <compare>
@@ -20,8 +20,8 @@ namespace cullhull::internal::inline diagrams {
 void require_points_of(const Triangulation& t, const PointView& points,
                        std::span<const double> weights);
 
-/// Throws Error{invalid_argument} for triangulations of the furthest site or with hidden points.
-/// `what`: the plural that the message begins with.
+/// Throws Error{invalid_argument} for furthest-site triangulations and hidden points. `what`: the
+/// plural noun that the message begins with.
 void require_unweighted(const Triangulation& t, const char* what);
 
 /// All points as rows of d doubles, followed by the weight if there are weights.
@@ -70,13 +70,13 @@ class ChunkedListBuilder {
   std::vector<Part> parts_;
 };
 
-/// An edge by its points, low < high; compared lexicographically.
+/// An edge as its points' ids, low < high; compared lexicographically.
 struct Edge {
   std::uint32_t low, high;
   friend auto operator<=>(const Edge&, const Edge&) = default;
 };
 
-/// The edges of a triangulation by their lower point, and the cells around each edge.
+/// For each point the edges to higher points, each with the cells around it.
 class EdgeCells {
  public:
   EdgeCells(const Triangulation& t, const Run& run);
@@ -106,7 +106,7 @@ class EdgeCells {
   std::uint64_t size() const { return items_.size(); }
 
  private:
-  Adjacency<Item> items_;  ///< by the lower point; sorted by higher point, then by cell
+  Adjacency<Item> items_;  ///< for each lower point; sorted by higher point, then by cell
 };
 
 /// The points that share an edge with each point, ascending.

@@ -96,7 +96,7 @@ double power_of_ten(int exponent) {
   return power;
 }
 
-/// Rows of doubles, each coordinate replaced by of(it).
+/// Rows of doubles: of(coordinate) for each coordinate.
 template <class Of>
 std::vector<std::byte> rows_of(const PointView& points, const Of& of) {
   std::vector<std::byte> rows(points.count * points.dimension * sizeof(double));
@@ -149,11 +149,11 @@ namespace {
 constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
 constexpr std::uint32_t version = 1;
 
-/// The header, before ids and coordinates. All numbers are little-endian.
+/// The header, which precedes ids and coordinates. All numbers are little-endian.
 struct Head {
   char magic[8];
   std::uint32_t version, dimension;
-  std::uint32_t scalar, grid;  ///< grid: 1 + its decimals; 0: none
+  std::uint32_t scalar, grid;  ///< grid: 1 + its decimals; 0: no grid
   std::uint64_t seen, count;
 
   Head turned() const {
@@ -170,9 +170,8 @@ struct Head {
 };
 static_assert(sizeof(Head) == 40);
 
-/// FNV-1a by words of 8 bytes, with a rotation so that high bits spread, too: each step is a
-/// bijection in the word, so that a single changed word is always detected. `size` is a multiple of
-/// 8.
+/// FNV-1a on words of 8 bytes, with a rotation that also spreads high bits. Each step is a
+/// bijection of the word, so a single changed word is always detected. `size` is a multiple of 8.
 std::uint64_t checksum(const std::byte* data, std::size_t size) {
   std::uint64_t sum = 0xcbf29ce484222325ULL;
   for (std::size_t i = 0; i < size; i += 8)

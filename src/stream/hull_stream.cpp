@@ -1,5 +1,5 @@
-// HullStream: blocks are culled in the caller's memory; survivors are collected and reduced exactly
-// when they are many.
+// HullStream: filters blocks in the caller's memory, collects survivors, and reduces them to their
+// extreme points once there are many.
 #include <algorithm>
 #include <mutex>
 #include <string>
@@ -24,31 +24,32 @@ struct HullStream::Impl {
   Options options;
   std::uint64_t budget = 0;
 
-  mutable std::mutex mutex;  ///< of the members below; held briefly
-  NumberedPoints extreme;    ///< of the points reduced so far; more where a reduction has failed
-  NumberedPoints waiting;    ///< survivors since then
-  std::uint64_t known = 0;   ///< how many extreme points the last reduction found
-  std::uint64_t away = 0;    ///< points that a reduction has taken
+  mutable std::mutex mutex;  ///< guards the members below; held briefly
+  NumberedPoints extreme;    ///< of the points reduced so far; others, too, after a failure
+  NumberedPoints waiting;    ///< survivors since the last reduction
+  std::uint64_t known = 0;   ///< number of extreme points that the last reduction found
+  std::uint64_t away = 0;    ///< points that a running reduction has taken
   std::shared_ptr<const StreamMap> map;
   std::uint64_t seen = 0, next_id = 0;
-  std::uint64_t reduced = 0;  ///< how many of the points seen `extreme` stands for
+  std::uint64_t reduced = 0;  ///< number of points seen that `extreme` represents
   std::uint64_t reductions = 0, maps = 0;
 
-  std::mutex reducing;  ///< one thread at a time; locked before `mutex`
+  std::mutex reducing;  ///< held by the reducing thread; locked before `mutex`
 
   // --------------------------------------------------------------------------- the exact step
 
-  /// How many points may wait. To reduce them and to build a map costs as much as to keep about
-  /// `worth` of them; then as many as are extreme, so that all reductions together cost little more
-  /// than the last. At most a sixteenth of the budget: while they are reduced, twice as many may
-  /// wait (reduce_if_worth), and vectors that grow may have room for twice that.
+  /// The number of points that may wait for a reduction. Reducing them and building a map costs as
+  /// much as keeping about `worth` points. Later it is the number of extreme points, if larger, so
+  /// that all reductions together cost little more than the last one. At most a sixteenth of the
+  /// budget, because twice as many may wait during a reduction (reduce_if_worth), and growing
+  /// vectors may have twice that capacity.
   std::size_t enough() const {
     const std::size_t worth = smallest_worth_refining(waiting.dimension);
     const std::size_t wanted = std::max<std::size_t>(reductions == 0 ? worth / 8 : worth, known);
     return std::min<std::size_t>(wanted, budget / 16 / waiting.point_bytes());
   }
   std::uint64_t most_waiting_bytes() const { return 4 * enough() * waiting.point_bytes(); }
-  /// Points not yet reduced, but for those that a reduction has taken.
+  /// Number of points not yet reduced, without those that a running reduction has taken.
   std::size_t unreduced() const { return waiting.size() + (away > 0 ? 0 : extreme.size() - known); }
 
   void reduce_if_worth() {
@@ -61,7 +62,7 @@ struct HullStream::Impl {
     }
     if (count <= limit) return;
     std::unique_lock alone(reducing, std::defer_lock);
-    // While another thread reduces, more may wait, but not more than twice the limit.
+    // While another thread reduces, more points may wait, up to twice the limit.
     if (count < 2 * limit ? !alone.try_lock() : (alone.lock(), false)) return;
     {
       const std::lock_guard lock(mutex);
@@ -70,8 +71,8 @@ struct HullStream::Impl {
     reduce();
   }
 
-  /// Replaces all points held by their extreme points; they are the same where that fails.
-  /// `reducing` is locked.
+  /// Replaces all points held by their extreme points; keeps the points if that fails. Requires
+  /// `reducing` locked.
   void reduce() {
     NumberedPoints all, taken;
     std::uint64_t seen_now, others;
@@ -93,9 +94,10 @@ struct HullStream::Impl {
       Options exact = options;
       exact.memory_budget = left_beside(all, others);
       keep_extreme(all, exact);
-      // What the step has freed is still resident; from now on the points held have to fit beside.
+      // Pages freed by the reduction are still resident; return them, as the points held need
+      // memory, too.
       trim_pages(budget / 8);
-      // Where most points are extreme a filter would not pay.
+      // If most points are extreme, a filter is not worthwhile.
       if (all.size() < seen_now / 2) next = StreamMap::lay(all, Run(exact));
     } catch (const Error& e) {
       put_back(std::move(all), std::move(taken));
@@ -116,7 +118,7 @@ struct HullStream::Impl {
     if (map != nullptr) ++maps;
   }
 
-  /// What an exact step may take beside these points, which are sorted first, and those that wait.
+  /// The memory left for an exact step beside `all`, which is sorted first, and `others`, in bytes.
   std::uint64_t left_beside(const NumberedPoints& all, std::uint64_t others) const {
     const std::uint64_t held = all.size() * all.point_bytes() + others;
     const std::uint64_t sorting = all.size() * (all.point_bytes() + sizeof(std::uint64_t));
@@ -145,7 +147,7 @@ struct HullStream::Impl {
 
   // --------------------------------------------------------------------------- blocks
 
-  /// The survivors of a block: by the current map, or by a map of the block's own where there is
+  /// The survivors of a block: by the current map, or by a map of the block itself if there is
   /// none.
   NumberedPoints survivors(const PointView& block, std::uint64_t first_id, const Run& run) const {
     std::shared_ptr<const StreamMap> filter;
@@ -162,8 +164,8 @@ struct HullStream::Impl {
       const CallScope call;
       filter->cull(block, first_id, run, kept);
     }
-    // Where it keeps much, the map knows little of this block's region, as in ordered scans: the
-    // block's own map culls further.
+    // If the map keeps many points, it represents this block's region badly, as in ordered scans;
+    // then a map of the block itself discards more.
     if (kept.size() <= block.count / 4) return kept;
     NumberedPoints fewer{block.dimension, block.scalar, {}, {}};
     cull_by_itself(kept.view(), 0, fewer);
@@ -179,7 +181,7 @@ struct HullStream::Impl {
         quietly.progress = {};
         found = cull(block, quietly);
       } catch (const Error& e) {
-        if (e.code() != ErrorCode::not_finite) throw;  // push() throws the error that names it
+        if (e.code() != ErrorCode::not_finite) throw;  // push() throws the error with the global id
       }
     if (found.all) return kept.append(block, 0, nullptr, block.count, first_id);
     for (const std::uint64_t i : found.ids) kept.append(block, i, nullptr, 1, first_id);
@@ -201,14 +203,14 @@ struct HullStream::Impl {
     take(std::move(kept), block.count, block.count > 0 ? first_id + block.count : 0);
   }
 
-  /// Adds to the waiting points; the ids below `end` are taken.
+  /// Adds survivors to the waiting points; next_id becomes at least `end`.
   void take(NumberedPoints&& kept, std::uint64_t count, std::uint64_t end) {
     const std::lock_guard lock(mutex);
     if (waiting.dimension == 0) {
       extreme = {kept.dimension, kept.scalar, {}, {}};
       waiting = extreme;
     }
-    check_block(kept.view(), 0, waiting.dimension);  // the dimension may just have become known
+    check_block(kept.view(), 0, waiting.dimension);  // another push may have set it
     const ScalarType scalar = common_scalar(waiting.scalar, seen, kept.scalar, count);
     if (seen == 0) {
       waiting.scalar = extreme.scalar = scalar;
@@ -232,8 +234,8 @@ struct HullStream::Impl {
 
 HullStream::HullStream(Options options) : impl_(std::make_unique<Impl>()) {
   impl_->options = std::move(options);
-  // Arrays lie in huge pages where the machine has some free, the allocator keeps what it has been
-  // given back, blocks of middle sizes are kept: up to a tenth more was resident than is counted.
+  // A fifth is kept free. Up to a tenth more than the counted memory was resident, because arrays
+  // use huge pages where available and the allocator keeps freed blocks.
   const std::uint64_t budget = resolve_budget(impl_->options.memory_budget);
   impl_->budget = budget - budget / 5;
 }
@@ -248,7 +250,7 @@ void HullStream::push(const PointView& block, std::uint64_t first_id) {
 void HullStream::push(const PointView& block) {
   std::uint64_t first_id;
   {
-    // Reserved at once, so that concurrent pushes get other ids.
+    // Reserves the ids at once, so that concurrent pushes get other ids.
     const std::lock_guard lock(impl_->mutex);
     check_block(block, impl_->next_id, impl_->waiting.dimension);
     first_id = impl_->next_id;
@@ -276,7 +278,7 @@ HullState HullStream::state() { return impl_->state(); }
 Hull HullStream::hull() {
   const HullState state = impl_->state();
   Options options = impl_->options;
-  // Beside the state and the stream's own copy of its points.
+  // The rest of the budget, beside the state and the stream's own copy of its points.
   const PointView points = state.points();
   const std::uint64_t held =
       2 * points.count * (points.dimension * scalar_size(points.scalar) + sizeof(std::uint64_t));

@@ -11,8 +11,9 @@ namespace cullhull::internal::inline stream {
 
 namespace {
 
-/// Rows of the points index(i), i < count: packed rows of `Row` bytes, or of any (0). Few of many
-/// points are copied, so that each waits for its line of memory unless that was asked for before.
+/// Copies the points index(i), i < count, as packed rows of `Row` bytes (0: size known at run
+/// time). The points are sparse in memory, so each copy would wait for a cache line without the
+/// prefetch.
 template <std::size_t Row, class Index>
 void copy_packed(const PointView& from, const Index& index, std::size_t count, std::byte* out) {
   constexpr std::size_t ahead = 16;

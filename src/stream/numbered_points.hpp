@@ -1,5 +1,5 @@
-// Points copied out of their block, with global ids and coordinates bit for bit; their reduction to
-// the extreme ones, and the HullState that holds them.
+// Points copied out of their blocks, with global ids and exact coordinates; their reduction to the
+// extreme points, and conversion to and from HullState.
 #pragma once
 
 #include <cstddef>
@@ -20,65 +20,64 @@ struct NumberedPoints {
   std::uint32_t dimension = 0;
   ScalarType scalar = ScalarType::f64;
   Array<std::uint64_t> ids;
-  Array<std::byte> rows;  ///< packed, a row for each id
+  Array<std::byte> rows;  ///< packed, one row per id
 
   std::size_t size() const { return ids.size(); }
   std::size_t row_bytes() const { return dimension * scalar_size(scalar); }
-  /// Memory a point.
+  /// Bytes per point.
   std::size_t point_bytes() const { return row_bytes() + sizeof(std::uint64_t); }
   PointView view() const;
 
-  /// Appends the points first + positions[i], i < count, of a view of the same dimension and scalar
-  /// type; positions null: first + i. Their ids are `first_id` plus their index in the view.
+  /// Appends points of a view of the same dimension and scalar type: first + positions[i], i <
+  /// count (positions null: first + i). Their ids are `first_id` plus their index in the view.
   void append(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
               std::size_t count, std::uint64_t first_id);
-  /// The same for the points of these indices.
+  /// The same for the points with these indices.
   void append(const PointView& from, const std::vector<std::uint64_t>& indices,
               std::uint64_t first_id);
-  /// Appends others of the same dimension and scalar type.
+  /// Appends points of the same dimension and scalar type.
   void append(const NumberedPoints& other);
-  /// Appends others of the same dimension and scalar type, and frees them; no more room is taken
-  /// than the points need. Both are unchanged where that throws.
+  /// The same, and frees `other`; allocates no more than the points need. If that throws, both are
+  /// unchanged.
   void take(NumberedPoints& other);
   /// Converts the coordinates to doubles.
   void widen();
-  /// Sorts by id and keeps one of points that are repeated. Throws Error{invalid_argument} where
-  /// two points with one id differ, and leaves them unchanged.
+  /// Sorts by id and removes repeated points. Throws Error{invalid_argument} if two points with the
+  /// same id differ, and leaves the points unchanged.
   void sort();
-  /// Keeps those at these positions, in that order.
+  /// Keeps the points at these positions, in that order.
   void keep(const std::vector<std::uint64_t>& places);
 
  private:
-  void grow(std::size_t more);  ///< reserves for `more` points; unchanged where that throws
+  void grow(std::size_t more);  ///< reserves for `more` points; strong exception guarantee
 };
 
-/// Copies rows of a view, packed: those of first + positions[i], or first + i.
+/// Copies rows of a view, packed: first + positions[i] (positions null: first + i), i < count.
 void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
                std::size_t count, std::byte* out);
 
-// The exact step of a stream: which of the points it holds are extreme.
+// The exact step of a stream: reduces points to the extreme ones.
 
-/// extreme_points(), by a hull where that is faster and fits.
+/// extreme_points(), computed through a hull if that is faster and fits the budget.
 ExtremePoints find_extreme(const PointView& points, const Options& options);
 
-/// Sorts the points by id and keeps the extreme ones, of equal points the one with the lowest id.
-/// Coordinates must be finite. Errors as extreme_points.
+/// Sorts the points by id and keeps the extreme ones; of equal points the one with the lowest id.
+/// Coordinates must be finite. Errors as of extreme_points().
 void keep_extreme(NumberedPoints& points, const Options& options);
 
-/// The scalar type that can hold two sets: that of the other where one is empty, f64 where they
-/// differ.
+/// The scalar type that represents two sets: that of the other if one is empty, f64 if they differ.
 ScalarType common_scalar(ScalarType a, std::uint64_t count_a, ScalarType b, std::uint64_t count_b);
 
-/// Throws Error{not_finite} naming the id of the first point that is not finite, if there is one.
+/// Throws Error{not_finite} with the id of the first point that is not finite, if there is one.
 void refuse_not_finite(const NumberedPoints& points, unsigned threads);
 
-/// Throws Error{invalid_argument} for a block with null data, no dimension, another dimension than
+/// Throws Error{invalid_argument} for a block with null data, dimension 0, another dimension than
 /// `dimension` (0: any), or ids beyond 2^64.
 void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t dimension);
 
-/// Converts between a HullState and the points it holds, for HullStream and others.
+/// Converts between a HullState and its points, for HullStream and others.
 struct StateParts {
-  /// The state of `seen` points whose extreme points these are, ascending.
+  /// The state of `seen` points with these extreme points, whose ids ascend.
   static HullState state(const NumberedPoints& points, std::uint64_t seen) {
     HullState state;
     state.dimension_ = points.dimension;

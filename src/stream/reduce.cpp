@@ -14,7 +14,7 @@ namespace cullhull::internal::inline stream {
 ExtremePoints find_extreme(const PointView& points, const Options& options) {
   if (points.dimension >= 4 && points.dimension <= 6) try {
       Hull hull = convex_hull(points, options);
-      std::sort(hull.vertices.begin(), hull.vertices.end());  // a flat's may be in cyclic order
+      std::sort(hull.vertices.begin(), hull.vertices.end());  // may be in cyclic order
       return {std::move(hull.vertices), hull.affine_dimension, std::move(hull.statistics)};
     } catch (const Error& e) {
       if (e.code() != ErrorCode::out_of_budget) throw;
@@ -41,7 +41,7 @@ void refuse_not_finite(const NumberedPoints& points, unsigned threads) {
   try {
     check_finite(view, nullptr, run);
   } catch (const Error&) {
-    // The message must name the id, not the position here: check the one row under its id.
+    // The message must name the id, not the position: check each row with its id.
     std::vector<double> row(view.dimension);
     for (std::uint64_t i = 0; i < view.count; ++i) {
       load_row(view, i, row.data());

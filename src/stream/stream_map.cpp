@@ -10,11 +10,12 @@
 namespace cullhull::internal::inline stream {
 namespace {
 
-/// By dimension from 2D on: with more vertices a finer polytope culls hardly more, as the cache
-/// limits the nodes (a guess from the sizes of the planner's samples).
+/// Vertices of the map's polytope, by dimension from 2D on. The cache limits the map's nodes, so
+/// with more vertices the map takes longer to build and keeps hardly fewer points. Derived from the
+/// planner's sample sizes; other values are untested.
 constexpr std::uint64_t most_corners[] = {1 << 16, 1 << 15, 8000, 2500, 800};
 
-/// The coordinates of all extreme points, or of so many, evenly by id.
+/// The coordinates of all extreme points, or of that many, evenly spaced by id.
 Array<double> corners_of(const NumberedPoints& extreme) {
   const std::uint64_t count = extreme.size(), most = most_corners[extreme.dimension - 2];
   const std::uint64_t taken = std::min(count, most);
@@ -38,7 +39,7 @@ std::unique_ptr<StreamMap> StreamMap::lay(const NumberedPoints& extreme, const R
   return std::unique_ptr<StreamMap>(new StreamMap(std::move(map)));
 }
 
-// Built for the first block that is large enough to judge them by, as for a long pass: many more
+// Built for the first block that is large enough to be a sample, as for a very long pass: many
 // blocks will follow.
 const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned threads) const {
   constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
@@ -50,12 +51,12 @@ const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned thre
 }
 
 /// Positions, relative to `begin`, of the points kept. Points that the table keeps are tested once
-/// more, exactly, by the facet that their ray meets.
+/// more, exactly, against the facet that their ray meets.
 std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
                                   const GaugeShortcuts* shortcuts, std::uint32_t* positions) const {
   const std::size_t doubtful =
       gauge_survivors(map_->table(), block, begin, end, positions, shortcuts);
-  // Where most are kept the block is outside the hull, and the facets would drop none either.
+  // If most are kept, the block is outside the hull, and exact tests would not discard any.
   if (doubtful > (end - begin) / 2) return doubtful;
   double row[GaugeMap::max_dimension];
   std::size_t left = 0;

@@ -1,4 +1,4 @@
-// The filter of a stream: a gauge map of the hull of earlier blocks, for all later ones.
+// The filter of a stream: a gauge map of the hull of earlier blocks, applied to later ones.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@
 
 namespace cullhull::internal::inline stream {
 
-/// Thread safe once made.
+/// A gauge map with exact tests behind it. Thread safe once built.
 class StreamMap {
  public:
-  /// Built from these points, all extreme; null where there is no useful map: in a flat, beyond 6D,
-  /// for too few points, or where the hull exceeds the budget.
+  /// Builds the map from extreme points; null if there is no useful map: in a flat, beyond 6D, for
+  /// too few points, or if the hull exceeds the budget.
   static std::unique_ptr<StreamMap> lay(const NumberedPoints& extreme, const Run& run);
 
   /// Appends to `kept` the points of a block that are not provably strictly inside; points that are
-  /// not finite are kept. `kept` has the block's dimension and scalar type.
+  /// not finite are kept. `kept` must have the block's dimension and scalar type.
   void cull(const PointView& block, std::uint64_t first_id, const Run& run,
             NumberedPoints& kept) const;
 

@@ -8,7 +8,7 @@
 namespace cullhull::internal::inline tracker {
 namespace {
 
-/// The facets of a hull in the order of their first simplices, which is lexicographic.
+/// Iterates over the facets of a hull in lexicographic order of their first simplices.
 class FacetCursor {
  public:
   explicit FacetCursor(const Hull& hull)
@@ -26,7 +26,7 @@ class FacetCursor {
       return;
     }
     // Facets are numbered by their first simplices: the first simplex of facet `facet_` is the next
-    // one whose facet is not lower.
+    // one whose facet number is not lower.
     while (simplex_ < hull_.simplex_count() && hull_.simplex_facets[simplex_] < facet_) ++simplex_;
     row_ = hull_.simplices.data() + simplex_ * k_;
   }
@@ -35,7 +35,7 @@ class FacetCursor {
       if (row_[j] != b.row_[j]) return row_[j] <=> b.row_[j];
     return std::strong_ordering::equal;
   }
-  /// For equal first simplices.
+  /// Whether both facets have the same vertices. Requires equal first simplices.
   bool same_vertices(const FacetCursor& b) const {
     return (simplicial_ && b.simplicial_) ||
            std::ranges::equal(hull_.facets[facet_], b.hull_.facets[b.facet_]);

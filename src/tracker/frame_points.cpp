@@ -25,7 +25,7 @@ Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
     return gather_points(points_, ids.data(), ids.size(), run_);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points_, nullptr, run_);  // names the first bad point of all
+    check_finite(points_, nullptr, run_);  // names the first bad point of all points
     throw;
   }
 }

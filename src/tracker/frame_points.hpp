@@ -24,26 +24,28 @@ class FramePoints {
 
   const std::uint64_t count;
   const unsigned dimension;
-  KnownHull known;  ///< for `hull`; points in a device's memory do not look at it
+  KnownHull known;  ///< for `hull`; not used for points in a device's memory
 
-  /// The points in host memory; null: they are elsewhere.
+  /// The points, if they are in host memory; else null.
   virtual const PointView* on_host() const = 0;
-  /// Packed rows of the points with these ids, which ascend; -0 becomes +0. Throws
-  /// Error{not_finite} for the first bad point of all if one of these is bad.
+  /// Packed rows of the points with these ids, which ascend; -0 becomes +0. If one of these points
+  /// is bad, throws Error{not_finite} for the first bad point of the frame.
   virtual Array<double> gather(const std::vector<std::uint64_t>& ids) = 0;
-  /// The most nodes of a map that fit the executor's cache; 0: the CPU's default.
+  /// The largest number of a map's nodes that fit into the executor's cache; 0: the CPU's default.
   virtual std::uint32_t most_nodes() = 0;
-  /// Sets what the map keeps and where the pass ran, and appends why to the reason.
+  /// Scans all points: sets the survivors and the backend, and appends the choice's reason to
+  /// `reason`.
   virtual void scan(const GaugeMap& map, Survivors& result) = 0;
-  /// Gathers the rows of what a scan kept. Throws Error{not_finite} for the first bad point of all.
+  /// Gathers the rows of a scan's survivors. Throws Error{not_finite} for the first bad point of
+  /// the frame.
   virtual void fetch(Filtered& result) = 0;
-  /// The filter as for a single set of points.
+  /// Filters the points as convex_hull() does, without the last frame.
   virtual Filtered filter_afresh() = 0;
-  /// The hull of a filter's survivors.
+  /// Computes the hull of a filter's survivors.
   virtual Hull hull(Filtered&& filtered) = 0;
 };
 
-/// Points in the host's memory. Views points and run.
+/// Points in host memory. References points and run.
 class HostFrame final : public FramePoints {
  public:
   HostFrame(const PointView& points, const Run& run);
@@ -60,13 +62,13 @@ class HostFrame final : public FramePoints {
 
   const PointView points_;
   const Run& run_;
-  std::optional<CullPass> pass_;  ///< made when a scan is wanted
+  std::optional<CullPass> pass_;  ///< created for the first scan
 };
 
 /// Points in a device's memory. Only leaders and survivors are copied to the host; all points are
-/// where the CPU is asked for or chosen, for the pseudo-hull, and where the device's memory is
-/// full. Throws Error{backend_unavailable} where there is no device, Error{invalid_argument} for
-/// memory it cannot read.
+/// copied if the CPU is requested or chosen, for the pseudo-hull, and if the device's memory is
+/// full. Throws Error{backend_unavailable} if there is no device, Error{invalid_argument} for
+/// memory that it cannot read.
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal::inline tracker

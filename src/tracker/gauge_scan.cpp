@@ -10,13 +10,13 @@
 namespace cullhull::internal::inline tracker {
 namespace {
 
-/// Where the scan keeps more than this share, the leaders no longer span the hull: a sample of the
-/// survivors then makes a better second map. A guess.
+/// If the scan keeps a larger share, the leaders no longer span the hull. Exact tests of the
+/// survivors against the leaders' facets would then discard few; they are skipped. Untested value.
 constexpr double coherent_share = 1.0 / 3;
 
-/// Nodes of the scan's map, as a share of those for a single set. Leaders are spread over the whole
-/// hull, so a coarser map keeps hardly more points, and the cones test those once more (a guess,
-/// not swept).
+/// Nodes of the scan's map, as a share of those for a single set. Fewer nodes make a map that is
+/// built faster but keeps more points; these are tested once more, exactly, by the cones. Untested
+/// value.
 constexpr double map_share = 0.5;
 
 /// Marks the survivors that are leaders; both lists ascend.
@@ -31,8 +31,8 @@ std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
   return marks;
 }
 
-/// The last hull's surface with its vertices at their new positions, which `rows` are. `leaders`,
-/// ascending, are the vertices' ids: vertex i of the surface is leader i.
+/// The last hull's surface with its vertices at their new positions, `rows`. `leaders`, ascending,
+/// are the vertices' ids: vertex i of the surface is leader i.
 InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
                             std::vector<double>&& rows, const Run& run) {
   InnerPolytope p;

@@ -13,16 +13,18 @@
 namespace cullhull::internal::inline tracker {
 namespace {
 
-/// With more than this share of points outside of their simplices, all simplices are discarded (a
-/// guess).
+/// If a larger share of points is outside their simplices, all simplices are discarded: growing
+/// them again for all points then costs at most about twice as much as for these points. Untested
+/// value.
 constexpr double coherent_share = 0.5;
 
-/// The planes of simplices whose corners have moved, in a frame as in docs/exactness.md, P1.
+/// The planes of simplices whose corners have moved, in a frame as described in docs/exactness.md,
+/// P1.
 template <unsigned D>
 class MovedSimplices {
  public:
-  /// `corners`: packed rows, D + 1 for each simplex; they are scaled in place. False if all corners
-  /// lie in a flat: no simplex then proves anything.
+  /// `corners`: packed rows, D + 1 per simplex; scaled in place. False if all corners are in a
+  /// flat: simplices then prove nothing.
   bool build(Array<double>& corners, const Run& run) {
     const auto rows = static_cast<std::uint32_t>(corners.size() / D);
     for (std::uint32_t i = 0; i < rows; ++i)
@@ -39,9 +41,8 @@ class MovedSimplices {
     return true;
   }
 
-  /// True only if x (as doubles, unscaled) is strictly inside simplex s. A point outside of the
-  /// corners' bounding box is outside of all simplices; it is excluded because the error bounds
-  /// hold only within the box.
+  /// True only if x (as doubles, unscaled) is strictly inside simplex s. Points outside the
+  /// corners' bounding box are rejected first, because the error bounds hold only inside it.
   bool inside(std::uint32_t s, const double* x) const {
     double y[D];
     bool within = true;
@@ -58,7 +59,7 @@ class MovedSimplices {
   }
 
  private:
-  /// Facet f is opposite to corner f; its first vertex is corner 0, or 1 for f = 0.
+  /// Facet f is opposite to corner f; its first vertex is corner 0 (corner 1 for f = 0).
   struct Simplex {
     double normal[D + 1][D];
     double error[D + 1];
@@ -87,7 +88,7 @@ class MovedSimplices {
 
 constexpr std::uint64_t scan_chunk_size = 16384;  // tens of us of work
 
-/// Ids of the points that are no longer inside their simplices; their records are removed.
+/// Ids of the points that are no longer inside their simplices; these points' records are erased.
 template <unsigned D>
 std::vector<std::uint64_t> outside_simplices(const PointView& points,
                                              std::vector<std::uint32_t>& simplex_of,
@@ -160,14 +161,14 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
   return result;
 }
 
-/// Ids of points outside of their simplices, or all where most simplices no longer hold.
+/// Ids of the points outside their simplices; all ids if the corners are in a flat.
 std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Run& run) {
   Array<double> corners;
   try {
     corners = gather_points(points, corners_.data(), corners_.size(), run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run);  // names the first bad point, not the first corner
+    check_finite(points, nullptr, run);  // names the first bad point, not the first bad corner
     throw;
   }
   std::vector<std::uint64_t> ids;
@@ -177,7 +178,7 @@ std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Ru
   return ids;
 }
 
-/// Grows a pseudo-hull of the remaining points, as one set unless that would be large.
+/// Grows a pseudo-hull of the remaining points, as one set if the memory budget allows it.
 void SimplexMemory::grow(const PointView& points, Filtered& result, const Run& run) {
   const unsigned d = dimension_;
   const std::uint64_t left = result.survivors.ids.size();
@@ -191,7 +192,7 @@ void SimplexMemory::grow(const PointView& points, Filtered& result, const Run& r
   keep_of_survivors(result, d, kept);
 }
 
-/// Adds the simplices found; `ids`: the ids of the points they were found for, nullptr: all.
+/// Adds the simplices found for the points `ids` (nullptr: all points).
 void SimplexMemory::remember(const SimplexRecord& found, const std::vector<std::uint64_t>* ids,
                              std::uint64_t count) {
   const std::uint64_t first = corners_.size() / (dimension_ + 1);
@@ -207,7 +208,7 @@ void SimplexMemory::remember(const SimplexRecord& found, const std::vector<std::
   if (corners_.size() / (dimension_ + 1) > 2 * after_compaction_) compact();
 }
 
-/// Drops the simplices that hold no point.
+/// Removes the simplices that contain no point.
 void SimplexMemory::compact() {
   const unsigned size = dimension_ + 1;
   std::vector<std::uint32_t> number(corners_.size() / size, 0);

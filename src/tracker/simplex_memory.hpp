@@ -1,5 +1,5 @@
-// The filters of a frame, by the last frame's simplices, the paper's way for moving points, and by
-// a gauge map on the last frame's vertices; and what changed from one hull to the next.
+// The two filters of a frame, by the last frame's simplices (the paper's method for moving points)
+// and by a gauge map on the last frame's vertices; and the changes between two hulls.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,18 @@
 
 namespace cullhull::internal::inline tracker {
 
-/// For every culled point the simplex of points that it was strictly inside of. In the next frame
-/// the simplices' planes are recomputed at their corners' new positions, and each point is tested
-/// against its own; only those no longer inside take part in growing a pseudo-hull again.
+/// For each discarded point, a simplex of points that contained it strictly. In the next frame the
+/// simplices' planes are recomputed at their corners' new positions, and each point is tested
+/// against its own simplex; a pseudo-hull is grown again only for points no longer inside.
 class SimplexMemory {
  public:
   /// Discards all simplices.
   void clear();
 
-  /// The filter for a frame, in 2 to 8 dimensions, for more than d + 1 points. Every point it drops
-  /// is strictly inside a simplex of points at their positions in this frame. `led` tells whether
-  /// the last frame's simplices were used. Throws Error{not_finite} for the first bad point of all.
+  /// Filters a frame, in 2 to 8 dimensions, for more than d + 1 points. Every discarded point is
+  /// strictly inside a simplex of points at their positions in this frame. `led` becomes true if
+  /// the last frame's simplices were used. Throws Error{not_finite} for the first bad point of the
+  /// frame.
   Filtered filter(const PointView& points, const Run& run, bool& led, double& scan_seconds);
 
  private:
@@ -35,23 +36,23 @@ class SimplexMemory {
   void compact();
 
   unsigned dimension_ = 0;
-  std::vector<std::uint32_t> simplex_of_;  ///< by point; no_item: it survived
-  std::vector<std::uint64_t> corners_;     ///< simplices x (dimension + 1) points
+  std::vector<std::uint32_t> simplex_of_;  ///< for each point; no_item: it survived
+  std::vector<std::uint64_t> corners_;     ///< simplices x (dimension + 1) point ids
   std::uint64_t after_compaction_ = 0;     ///< number of simplices after the last compaction
 };
 
-// The filter of a frame by a gauge map on the last frame's vertices (the leaders).
+// The filter by a gauge map on the last frame's vertices (the leaders).
 
-/// Drops points strictly inside the hull of the points `leaders` (ids, ascending) at their new
-/// positions. False, and nothing done, where they give no map: too few, in a flat, or their hull
-/// exceeds the budget. Throws Error{not_finite} for the first bad point of all.
+/// Discards points that are strictly inside the hull of the points `leaders` (ids, ascending) at
+/// their new positions. Returns false and does nothing if these give no map: too few, in a flat, or
+/// a hull beyond the budget. Throws Error{not_finite} for the first bad point of the frame.
 bool filter_by_leaders(FramePoints& points, const Hull& last,
                        const std::vector<std::uint64_t>& leaders, const Run& run, Filtered& result,
                        double& scan_seconds);
 
-// What changed from one hull to the next.
+// The changes from one hull to the next.
 
-/// Counts vertices and facets that came and went. Linear in the sizes of the hulls.
+/// Counts new and lost vertices and facets. Linear in the sizes of the hulls.
 void count_changes(const Hull& before, const Hull& after, FrameReport& report);
 
 }  // namespace cullhull::internal::inline tracker

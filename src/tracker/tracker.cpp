@@ -1,4 +1,4 @@
-// HullTracker: chooses the filter of a frame, and keeps the state for the next.
+// HullTracker: chooses the filter of each frame, and keeps state for the next frame.
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -22,8 +22,8 @@ using namespace internal;
 
 namespace {
 
-/// Frames without a try after one in which the last hull's triangles did not hold: that costs up to
-/// an eighth of a frame, and doubles to 32 frames.
+/// Number of frames to wait after the last hull's triangles did not hold. A failed attempt costs up
+/// to an eighth of a frame; the wait doubles each time, up to 32 frames.
 constexpr std::uint64_t least_surface_penalty = 4;
 
 }  // namespace
@@ -31,21 +31,21 @@ constexpr std::uint64_t least_surface_penalty = 4;
 struct HullTracker::Impl {
   Options options;
   std::uint64_t frame = 0;
-  bool known = false;  ///< `hull` is that of a frame before
-  /// `before` is that of the frame before, while `report` lacks the changes since: a comparison
-  /// takes up to a tenth of a frame, and few ask for it.
+  bool known = false;  ///< `hull` is the hull of an earlier frame
+  /// `before` is the hull of the frame before, until `report` includes the changes. They are
+  /// counted only on request, because that takes up to a tenth of a frame.
   Hull hull, before;
   bool compared = true;
   FrameReport report;
   Survivors survivors;
-  /// Frames without leaders before they are tried again, and the length of the next such pause.
+  /// Frames left before leaders are tried again, and the length of the next such pause.
   std::uint64_t pause = 0, penalty = 1;
-  /// The same for frames on which the last hull's triangles are tried.
+  /// The same for trying the last hull's triangles.
   std::uint64_t surface_pause = 0, surface_penalty = least_surface_penalty;
   std::optional<NearbyNumbers> numbers;  ///< of `hull`, while its triangles hold
   SimplexMemory simplices;
 
-  /// Whether the last frame has the same points.
+  /// Whether the last frame has the same count and dimension.
   bool follows(const FramePoints& points) const {
     return known && hull.point_count == points.count && hull.dimension == points.dimension;
   }
@@ -55,11 +55,11 @@ struct HullTracker::Impl {
     if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || hull.vertices.size() <= d)
       return false;
     if (options.cull == CullMethod::gauge) return true;
-    // A filter that takes little more than a pass does not gain from leaders.
+    // A filter that takes little longer than one pass does not gain from leaders.
     if (d == 3 && points.on_host() != nullptr && points.count <= most_by_outermost) return false;
-    // The leaders' hull costs, as a share of the hull of all points without a filter, their share
-    // of the points: an eighth is allowed. In space a static run lays its map in less time than
-    // many leaders take: measured in docs/moving-points.md.
+    // The leaders' hull costs about their share of the points times the hull of all points without
+    // a filter: at most an eighth is accepted. In 3D a filter without leaders is built faster than
+    // many leaders are processed (measured in docs/moving-points.md), hence the lower limit.
     const std::uint64_t least_per_leader = d == 3 && points.on_host() != nullptr ? 192 : 8;
     return options.cull == CullMethod::automatic && pause == 0 &&
            points.count >= smallest_worth_culling(d) &&
@@ -80,8 +80,8 @@ struct HullTracker::Impl {
     if (follows(points) && wants_gauge(points) &&
         filter_by_leaders(points, hull, sorted(hull.vertices), run, filtered, now.scan_seconds)) {
       now.method = "gauge";
-      // Leaders that did not help cost a pass: pause for some frames, at most 16, so that trying
-      // again costs a sixteenth.
+      // The leaders did not help, and cost a pass: pause for some frames, at most 16, so that a new
+      // attempt costs at most a sixteenth of the time.
       if (filtered.pass_survivors > points.count / 3) {
         pause = penalty;
         penalty = std::min<std::uint64_t>(2 * penalty, 16);
@@ -94,14 +94,14 @@ struct HullTracker::Impl {
     return points.filter_afresh();
   }
 
-  /// Processes one frame; `few` may compute its hull at once, else `points_of` makes its
+  /// Processes one frame. `few` may compute its hull at once; else `points_of` creates its
   /// FramePoints.
   template <class Few, class PointsOf>
   const Hull& compute_next(const Few& few, const PointsOf& points_of) {
     const std::uint64_t index = frame++;
     try {
       const Clock::time_point start = Clock::now();
-      if (compared) before = Hull();  // its memory is the next hull's
+      if (compared) before = Hull();  // frees memory for the next hull
       FrameReport now;
       now.index = index;
       if (Hull next; few(next)) {
@@ -145,7 +145,7 @@ struct HullTracker::Impl {
     run.control.report("done", 1);
   }
 
-  /// As `compute`, for a hull that needed no filter and no threads.
+  /// Stores a hull that needed no filter and no threads, as compute_next() does for others.
   void take_few(Hull&& next, FrameReport& now) {
     now.scan_survivors = now.survivors = next.point_count;
     now.hull_seconds = next.statistics.hull_seconds;

@@ -1,7 +1,8 @@
 "use strict";
-// Axes with round numbers: on the frame of a plot, or on three edges of the box around a 3D set.
+// Axes with round numbers: on the frame of a plot, or on three edges of the bounding box of a 3D
+// set.
 
-// Round values in [low, high], about `wanted` of them, and a way to write them that tells them apart.
+// About `wanted` round values in [low, high], and a function that formats them so that they differ.
 function niceTicks(low, high, wanted) {
   const span = high / 2 - low / 2;
   const write = (v) => String(Number(v.toPrecision(6)));
@@ -35,7 +36,7 @@ class Overlay {
     this.width = width;
     this.height = height;
     this.colours = colours;
-    // Setting the size empties the canvas; a canvas merely cleared was seen to stay on the screen.
+    // Setting the size clears the canvas. Clearing it alone left the old picture on the screen.
     this.canvas.width = Math.round(width * ratio);
     this.canvas.height = Math.round(height * ratio);
     this.pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -43,7 +44,7 @@ class Overlay {
     this.pen.lineWidth = 1;
     this.taken = [];
   }
-  // Numbers that would run into one another are left out.
+  // Omits numbers that would overlap others.
   number(text, x, y, align, baseline) {
     const width = this.pen.measureText(text).width + 6;
     const left = x - { left: 0, center: width / 2, right: width }[align];
@@ -62,7 +63,7 @@ class Overlay {
     this.pen.lineTo(x2, y2);
     this.pen.stroke();
   }
-  // Text with a rim of the background, so that it reads on anything.
+  // Text with an outline in the background colour, readable on anything.
   text(text, x, y, align, baseline, colour) {
     const pen = this.pen;
     pen.textAlign = align;
@@ -76,7 +77,7 @@ class Overlay {
     pen.lineWidth = 1;
   }
 
-  // The frame of a plot: ticks at the left and bottom margin.
+  // The frame of a plot, with ticks at the left and bottom margins.
   plot(space, rig, names) {
     const { pen, colours, height, width } = this;
     const margin = rig.margin;
@@ -103,8 +104,8 @@ class Overlay {
     this.text(names[1], margin.left - 8, margin.top - 4, "right", "bottom", colours.ink);
   }
 
-  // For each axis one edge of the box, where its numbers are in nobody's way: x and y lowest on the
-  // screen, z farthest left.
+  // Numbers each axis on the edge of the box where they overlap least: x and y on the lowest edge
+  // on the screen, z on the leftmost.
   box(space, rig, names) {
     const e = space.extent;
     const [cx, cy] = rig.project([0, 0, 0]);
@@ -130,10 +131,10 @@ class Overlay {
   edge(space, axis, { at, middle }, name, cx, cy) {
     const { pen, colours } = this;
     const from = at(-space.extent[axis]), to = at(space.extent[axis]);
-    if (from[2] <= 0 || to[2] <= 0) return;  // behind the eye
+    if (from[2] <= 0 || to[2] <= 0) return;  // behind the camera
     const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
     if (length < 30) return;
-    // Away from the middle of the picture, square to the edge.
+    // Outward from the middle of the picture, orthogonal to the edge.
     let nx = -(to[1] - from[1]) / length, ny = (to[0] - from[0]) / length;
     if (nx * (middle[0] - cx) + ny * (middle[1] - cy) < 0) [nx, ny] = [-nx, -ny];
     const align = nx > 0.5 ? "left" : nx < -0.5 ? "right" : "center";
@@ -158,7 +159,7 @@ class Overlay {
       pen.fill();
     }
   }
-  // A measuring line with its length.
+  // A measuring line, labelled with its length.
   measure(from, to, label) {
     const { pen, colours } = this;
     for (const [colour, width] of [[colours.paper, 5], [colours.picked, 2]]) {

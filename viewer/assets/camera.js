@@ -1,6 +1,6 @@
 "use strict";
-// Where one looks from, and the hands that change it. A Rig turns around a target (3D); a PlotRig
-// moves over a plane (1D and 2D). Both place things on the screen in CSS pixels.
+// The camera, and the mouse and touch input that moves it. A Rig turns around a target (3D); a
+// PlotRig moves over a plane (1D and 2D). Both map points to the screen, in CSS pixels.
 
 class Rig {
   constructor() {
@@ -8,25 +8,25 @@ class Rig {
     this.camera.up.set(0, 0, 1);
     this.target = new THREE.Vector3();
   }
-  // `numbered`: with room for the axes' numbers.
+  // `numbered`: leave room for the axes' numbers.
   fit(extent, numbered = true) {
     this.radius = Math.hypot(...extent) || 1;
     this.target.set(0, 0, 0);
     this.yaw = -0.9;
-    // What is flat is looked at from higher up.
+    // Flat sets are seen from higher up.
     this.pitch = extent[2] < 0.4 * Math.max(extent[0], extent[1]) ? 0.62 : 0.42;
     this.reach = 1;
     this.update();
     this.fill(extent, numbered);
   }
-  // As near as the box around everything, and the numbers on its edges, allow.
+  // Moves as near as the bounding box and the numbers on its edges allow.
   fill(extent, numbered) {
     const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) => extent.map((e, j) => (i & (1 << j) ? e : -e)));
     const rim = Math.min(numbered ? 70 : 24, 0.14 * Math.min(this.width, this.height));
     const seen = () => corners.map((c) => this.project(c));
     const fits = () => seen().every(([x, y, depth]) =>
       depth > 0 && x > rim && x < this.width - rim && y > rim && y < this.height - rim);
-    // The middle of what is seen comes to the middle of the picture, which makes room to come nearer.
+    // Centring the visible part makes room to come nearer.
     for (let round = 0; round < 3; ++round) {
       let near = 0.2, far = 2;
       for (let i = 0; i < 12; ++i) {
@@ -44,7 +44,7 @@ class Rig {
       this.pan(this.width / 2 - off[0], this.height / 2 - off[1]);
     }
   }
-  // At the target.
+  // At the distance of the target.
   pixelsPerUnit() {
     return this.height / (2 * this.distance * Math.tan((this.camera.fov / 2) * (Math.PI / 180)));
   }
@@ -70,14 +70,14 @@ class Rig {
     this.camera.matrixWorldInverse.getInverse(this.camera.matrixWorld);
     this.matrix = new THREE.Matrix4().multiplyMatrices(this.camera.projectionMatrix, this.camera.matrixWorldInverse).elements;
   }
-  // [x, y, depth] with depth > 0 in front of the eye.
+  // [x, y, depth]; depth > 0 is in front of the camera.
   project([x, y, z]) {
     const m = this.matrix;
     const w = m[3] * x + m[7] * y + m[11] * z + m[15];
     const u = (m[0] * x + m[4] * y + m[8] * z + m[12]) / w, v = (m[1] * x + m[5] * y + m[9] * z + m[13]) / w;
     return [(u + 1) * this.width / 2, (1 - v) * this.height / 2, w];
   }
-  // Where the line of sight through a place on the screen begins, and where it goes.
+  // The line of sight through a point of the screen: its start and its direction.
   sight(sx, sy) {
     const e = this.camera.matrixWorld.elements;
     const unit = Math.tan((this.camera.fov / 2) * (Math.PI / 180)) / (this.height / 2);
@@ -129,7 +129,7 @@ class PlotRig {
   pixelsPerUnit() {
     return 1 / this.unit;
   }
-  // The middle of the frame, not of the canvas, shows (x, y).
+  // The point of the canvas that shows (x, y): the middle of the frame, not of the canvas.
   middle() {
     const m = this.margin;
     return [(this.width + m.left - m.right) / 2, (this.height + m.top - m.bottom) / 2];
@@ -175,7 +175,8 @@ class PlotRig {
   }
 }
 
-// Mouse, pen and fingers. `changed` after every change; `picked(x, y, radius)` on a click.
+// Handles mouse, pen and touch. Calls `changed` after every change, `picked(x, y, radius)` on a
+// click.
 function handle(canvas, rig, changed, picked) {
   const held = new Map();
   let travelled = 0;

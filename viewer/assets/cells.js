@@ -1,21 +1,21 @@
 "use strict";
-// The cells of a triangulation: triangles as they are, tetrahedra where the clip plane cuts them.
+// The cells of a triangulation: all triangles; of tetrahedra their sections by the clip plane.
 
-// A number of [0, 1] for each cell, so that neighbours are told apart.
+// A number in [0, 1) for each cell, a hash, so that neighbours look different.
 function cellTone(cell) {
   let h = Math.imul(cell + 1, 0x9e3779b1);
   h = Math.imul(h ^ (h >>> 15), 0x85ebca6b);
   return ((h ^ (h >>> 13)) >>> 0) / 0x100000000;
 }
 
-// Triangles with a tone for each corner, and lines, as lists of places.
+// Triangles with a tone for each corner, and lines, as lists of positions.
 class CellShape {
   constructor() {
     this.places = [];
     this.tones = [];
     this.lines = [];
   }
-  // A convex polygon of places.
+  // Adds a convex polygon, given by its corners.
   add(polygon, tone) {
     for (let i = 2; i < polygon.length; ++i)
       for (const place of [polygon[0], polygon[i - 1], polygon[i]]) {
@@ -46,7 +46,7 @@ function triangleCells(frame, placed) {
   return { places, tones, lines };
 }
 
-// Where a plane (a, b, c, w) cuts tetrahedra: three or four corners each.
+// The sections of tetrahedra by a plane (a, b, c, w): three or four corners each.
 function cutCells(frame, placed, plane) {
   const { cells } = frame;
   const count = placed.length / 3, off = new Float64Array(count);
@@ -69,7 +69,7 @@ function cutCells(frame, placed, plane) {
   return shape.done();
 }
 
-// What is drawn of a frame's cells; null: nothing. `plane`: the clip plane, or null.
+// What to draw of a frame's cells; null: nothing. `plane`: the clip plane, or null.
 function cellShape(frame, placed, plane) {
   if (frame.cell_corners === 3) return triangleCells(frame, placed);
   if (frame.cell_corners === 4 && plane) return cutCells(frame, placed, plane);

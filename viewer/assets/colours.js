@@ -1,20 +1,21 @@
 "use strict";
-// What dots are coloured by: what the filter made of them, the file's own colours, or a coordinate.
+// Colours of dots: by their role for the filter, from the file, or by a coordinate.
 
-// Viridis (matplotlib, CC0), at nine places.
+// Viridis (matplotlib, CC0), at nine points.
 const scaleStops = ["#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725"]
   .map((c) => [1, 3, 5].map((i) => parseInt(c.slice(i, i + 2), 16)));
 
-// The colour at t of [0, 1], as three bytes.
+// The colour at t in [0, 1], as three bytes.
 function scaleColour(t, out, at) {
   const place = Math.max(0, Math.min(1, t)) * (scaleStops.length - 1);
   const i = Math.min(scaleStops.length - 2, Math.floor(place)), f = place - i;
   for (let c = 0; c < 3; ++c) out[at + c] = Math.round(scaleStops[i][c] * (1 - f) + scaleStops[i + 1][c] * f);
 }
 
-// The range that a scale of colours covers: without the outermost two per cent at either end, so
-// that one bird above a landscape does not take all the colours. Where most values are low, as those
-// of the ground between trees, the scale is bent (t to a power) so that they share in the colours.
+// The range of values that a colour scale covers: without the outermost two per cent at either end,
+// so that a bird above a landscape does not compress all other colours. If most values are low,
+// such as the ground between trees, the scale is t to a power, which gives them more of the
+// colours.
 function colourRange(scene, axis) {
   const values = [];
   for (const frame of scene.frames) {
@@ -30,7 +31,7 @@ function colourRange(scene, axis) {
   return { low, high, power: Math.max(0.4, Math.min(1, power)) };
 }
 
-// The scale as a bar, even in the values.
+// The scale as a bar, linear in the values.
 function scaleGradient(range) {
   const stops = [], colour = [0, 0, 0];
   for (let i = 0; i <= 16; ++i) {
@@ -40,7 +41,7 @@ function scaleGradient(range) {
   return `linear-gradient(to right, ${stops.join(", ")})`;
 }
 
-// Three bytes for each row that is no vertex; null where the stage's own colours do.
+// Three bytes for each row that is not a vertex; null for the stage's own colours.
 function rowColours(scene, frame, by, range) {
   if (by === "role") return null;
   const count = frame.ids.length - frame.vertices;
@@ -54,7 +55,7 @@ function rowColours(scene, frame, by, range) {
   return out;
 }
 
-// How much heights of a thin set are drawn larger, so that it does not open as a wafer.
+// The factor by which heights of a thin set are enlarged, so that it does not look like a disc.
 function heightFactor(scene) {
   if (scene.axes !== 3) return 1;
   const [x, y, z] = scene.ranges.map((r) => r.high / 2 - r.low / 2);

@@ -1,5 +1,5 @@
 "use strict";
-// What the page holds: frames of rows (docs/viewer.md), and where a row is in the picture.
+// The page's data: frames of rows (docs/viewer.md), and the position of each row in the picture.
 
 function decodeBytes(text) {
   const binary = atob(text);
@@ -14,7 +14,7 @@ function readScene() {
   const kinds = { u8: Uint8Array, u16: Uint16Array, u32: Uint32Array, f32: Float32Array, f64: Float64Array };
   const unpack = (holder, names) => {
     for (const name of names) {
-      if (!holder[name]) continue;  // colours, facets, cells: not in every page
+      if (!holder[name]) continue;  // colours, facets and cells are not in every page
       const [offset, length, kind] = holder[name];
       holder[name] = new kinds[kind](bytes, offset, length);
     }
@@ -27,7 +27,7 @@ function readScene() {
   return scene;
 }
 
-// Least and greatest coordinate of every axis. The vertices tell, as the rest lies between them.
+// Least and greatest coordinate of every axis. Vertices suffice, as all other points are inside.
 function axisRanges(scene) {
   const ranges = [];
   for (let axis = 0; axis < scene.axes; ++axis) {
@@ -43,9 +43,9 @@ function axisRanges(scene) {
   return ranges;
 }
 
-// From coordinates to the picture's units, in which the longest axis runs from -1 to 1. `proportions`
-// is "equal" (so does every axis) or what the last axis is multiplied by. Done in doubles, and with
-// halves, so that no coordinate is too large; only what comes out is narrowed to floats.
+// Maps coordinates to the picture's units, in which the longest axis runs from -1 to 1.
+// `proportions`: "equal", or the factor of the last axis. Computed in doubles from halves of
+// coordinates, so that nothing overflows; only the results are converted to floats.
 class Space {
   constructor(scene, axes, proportions) {
     this.width = scene.axes;

@@ -1,5 +1,5 @@
 "use strict";
-// The words beside the picture: figures, what was drawn, the picked point.
+// The text beside the picture: figures, what is drawn, the picked point.
 
 const grouped = new Intl.NumberFormat("en-GB");
 
@@ -10,7 +10,7 @@ function element(tag, attributes, ...children) {
   return node;
 }
 
-// {"cull": {"method": ...}} as [["cull.method", ...], ...]
+// Converts {"cull": {"method": ...}} to [["cull.method", ...], ...].
 function flattened(report, prefix = "") {
   return Object.entries(report).flatMap(([key, value]) =>
     value !== null && typeof value === "object" && !Array.isArray(value)
@@ -50,11 +50,11 @@ function numberText(value) {
 function digitsOf(value) {
   return value.toExponential().replace(/e.*|[-.]/g, "").length;
 }
-// All digits that tell the double from its neighbours.
+// As many digits as identify the double.
 function wholeText(value) {
   return Array.isArray(value) ? value.map(wholeText).join(", ") : String(value);
 }
-// A cell of a table; where its text has fewer digits than the number, a hover (a tap) shows all.
+// A table cell. If its text has fewer digits than the number, hovering (or a tap) shows all.
 function numberCell(value, attributes = {}, lines = [numberText(value)]) {
   const whole = wholeText(value);
   const shown = lines.join(", ").replaceAll(",", "").replaceAll("−", "-");
@@ -81,13 +81,13 @@ function figureText(key, value) {
   return numberText(value);
 }
 
-// Every figure of the report; data-value holds it unrounded.
+// Shows every figure of the report; data-value holds the exact value.
 function showFigures(report) {
   const names = { ...figureNames, ...measureNames(report.affine_dimension) };
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
     if (Array.isArray(value) && value.length === 0) continue;
-    if (key === "schema" || key === "kind") continue;  // of the report, not of the hull
+    if (key === "schema" || key === "kind") continue;  // about the report, not the hull
     const number = typeof value === "number" || key === "centroid";
     const lines = key === "centroid" ? value.map((v) => figureText(key, v)) : [figureText(key, value)];
     const about = { "data-key": key, "data-value": JSON.stringify(value) };
@@ -95,7 +95,7 @@ function showFigures(report) {
     rows[resultFigures.has(key) ? "result" : "run"].push(element("tr", {}, element("th", { scope: "row" }, names[key] || key), cell));
   }
   for (const id in rows) document.querySelector(`#${id} tbody`).replaceChildren(...rows[id]);
-  document.getElementById("run-part").hidden = rows.run.length < 2;  // the version alone
+  document.getElementById("run-part").hidden = rows.run.length < 2;  // only the version
 }
 
 function plural(count, one, many) {
@@ -167,7 +167,7 @@ function showPickedRow(scene, frame, row) {
     rows.push([axisName(axis, scene.dimension), element("td", { class: "number" }, String(frame.coordinates[row * scene.axes + axis]))]);
   document.getElementById("picked").replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`), tableOf(rows));
 }
-// `facet`: what facetFigures (tools.js) found.
+// `facet`: a result of facetFigures (tools.js).
 function showPickedFacet(scene, facet) {
   const rows = [
     ["Corners", element("td", {}, facet.corners.slice(0, 24).join(", ") + (facet.corners.length > 24 ? ", …" : ""))],

@@ -1,4 +1,4 @@
-// Draws what `cullhull-bench` measured: bars for figures, lines for series, a table under each.
+// Draws the results of `cullhull-bench`: bars for figures, lines for series, a table below each.
 "use strict";
 (() => {
   const report = JSON.parse(document.getElementById("report").textContent);
@@ -28,14 +28,14 @@
     return text === "" || text.startsWith("cullhull") ? text : text[0].toUpperCase() + text.slice(1);
   }
 
-  // Along an axis: no digits but those that tell.
+  // Text of a tick; no more digits than needed.
   function tickText(v, unit) {
     if (v === 0) return "0";
     const [factor, name] = unit !== "s" ? [1, unit] : v < 1e-3 ? [1e6, "µs"] : v < 1 ? [1e3, "ms"] : [1, "s"];
     return `${Number((v * factor).toPrecision(3))} ${name}`;
   }
 
-  // Words in lines of at most so many pixels; a letter is about as wide as half its height.
+  // Breaks text into lines of at most `width` pixels, assuming letters half as wide as high.
   function inLines(parts, width) {
     const out = [];
     for (const part of parts) {
@@ -46,7 +46,7 @@
     return out;
   }
 
-  // Of ticks in order those that leave one another room.
+  // Of sorted ticks, those at least `least` pixels apart.
   function apart(ticks, at, least) {
     let last = -Infinity;
     return ticks.filter((tick) => {
@@ -81,7 +81,7 @@
     });
   }
 
-  // Ticks of a linear or, where values span more than a factor of 30, a logarithmic axis.
+  // Ticks of an axis: linear, or logarithmic if values span more than a factor of 30.
   function scaleOf(values, from, to) {
     const positive = values.filter((v) => v > 0);
     const high = Math.max(...positive, 1e-12), low = Math.min(...positive, high);
@@ -103,7 +103,7 @@
     const heads = figure.rows.map((row) => inLines([row.name, ratioOf(row), row.paper ? "paper: " + row.paper : "",
       row.bandwidth_share ? `culls at ${percent(row.bandwidth_share)} of read bandwidth` : "",
       row.slower ? "slower " + row.slower : ""].filter(Boolean), width - 24));
-    // A rival that was not run has no place: one that was stopped has, and says so.
+    // Rivals that did not run get no bar; a rival that was stopped gets one, with a label.
     const ran = figure.rows.map((row) => names.filter((name) => typeof row.values[name] === "number"));
     const height = heads.reduce((sum, lines, r) => sum + lines.length * label + 2 + ran[r].length * (thick + 2) + gap, 34);
     const svg = add(parent, "svg", {viewBox: `0 0 ${width} ${height}`, role: "img", "aria-label": figure.title});
@@ -133,7 +133,7 @@
     legend(parent, names);
   }
 
-  // Rows named "set, step" are the steps of lines that belong to a set; others are steps of one.
+  // Rows named "set, frame N" are steps of the lines of that set; all others are steps of one set.
   function lines(parent, figure, width) {
     const height = 300, left = 62, right = width - 14, top = 14, bottom = height - 34;
     const sets = [], series = [];
@@ -225,7 +225,7 @@
     add(line, "td", {}, value);
   }
   draw();
-  // On paper nobody opens what is folded.
+  // Unfolds all details for printing.
   const folded = () => [...document.querySelectorAll("details")];
   let before = [];
   addEventListener("beforeprint", () => {

@@ -1,9 +1,9 @@
 "use strict";
-// Shadows of hulls of four and more dimensions: on two axes a polygon found here, on three a surface
-// that the page brings (docs/viewer.md).
+// Shadows (projections) of hulls of four and more dimensions: on two axes a polygon computed here,
+// on three a surface from the page's data (docs/viewer.md).
 
-// Rows of the vertices whose projections on the axes a and b are corners of the shadow, in order
-// (Andrew's monotone chain). Signs are those of doubles: this is a picture.
+// Rows of the vertices that are corners of the shadow on the axes a and b, in order (Andrew's
+// monotone chain). Signs are computed in doubles, which suffices for a picture.
 function shadowPolygon(scene, frame, a, b) {
   const { coordinates, vertices } = frame, width = scene.axes;
   const x = (row) => coordinates[row * width + a], y = (row) => coordinates[row * width + b];
@@ -21,7 +21,7 @@ function shadowPolygon(scene, frame, a, b) {
   return [...half(rows), ...half(rows.reverse())];
 }
 
-// What is drawn of a frame on these axes: edges and triangles of rows.
+// What to draw of a frame on these axes: edges and triangles, as rows.
 function shapeOn(scene, frame, axes) {
   const whole = { edges: frame.edges, triangles: frame.triangles, facets: frame.facets };
   if (frame.affine_dimension < 4) return whole;
@@ -34,7 +34,7 @@ function shapeOn(scene, frame, axes) {
   const sorted = [...axes].sort((p, q) => p - q);
   const shadow = (frame.shadows || []).find((s) => s.axes.every((axis, i) => axis === sorted[i]));
   if (!shadow) return { edges: frame.edges, triangles: new Uint32Array(0) };
-  // Axes in another order may turn the surface inside out.
+  // Axes in another order may reverse the orientation of the surface.
   const odd = (axes[0] > axes[1]) + (axes[0] > axes[2]) + (axes[1] > axes[2]);
   if (odd % 2 === 0) return shadow;
   const triangles = shadow.triangles.slice();

@@ -1,9 +1,9 @@
 "use strict";
-// The picture itself, drawn by three.js in a fixed order: dots inside, the hull's far side, then its
-// near side over them. The near side is first laid into the depth buffer alone, which tells far
-// edges and vertices (drawn faintly) from near ones whether or not the surface is shown.
+// The picture, drawn by three.js in a fixed order: inner dots, the hull's far side, then its near
+// side. The near side is first drawn to the depth buffer only. So far edges and vertices, drawn
+// faintly, are distinguished from near ones even if the surface is hidden.
 
-// A clip plane (a, b, c, w) hides what lies beyond it: a x + b y + c z > w.
+// A clip plane (a, b, c, w) hides all points with a x + b y + c z > w.
 const clipped = {
   vertex: "varying vec3 inside;\n",
   fragment: "uniform vec4 clip;\nvarying vec3 inside;\nvoid cut() { if (dot(clip.xyz, inside) > clip.w) discard; }\n",
@@ -63,8 +63,8 @@ void main() {
   gl_FragColor = vec4(mix(lit, paper, 0.75 * own), alpha);
 }`,
   },
-  // Each facet has one normal, so that facets are told apart by their light; where one looks along
-  // the surface it is less transparent, as glass is.
+  // Each facet has one normal, so that its shade distinguishes it from others. Like glass, the
+  // surface is less transparent where the line of sight is nearly parallel to it.
   surface: {
     vertex: `varying vec3 seen;
 void main() {
@@ -94,8 +94,8 @@ void main() {
   },
 };
 
-// Smoothing doubles the time of a picture where the processor draws it, and is not seen where
-// pixels are small.
+// Antialiasing doubles the drawing time on machines without a GPU, and is not visible if pixels are
+// small.
 function smoothingPays() {
   if (window.devicePixelRatio >= 2) return false;
   const probe = document.createElement("canvas").getContext("webgl");
@@ -134,7 +134,7 @@ class Stage {
     const surface = (order, settings) => this.part(new THREE.Mesh(new THREE.BufferGeometry(),
       this.material("surface", { lit: colour(), shade: colour(), alpha: 1, plain: 0 }, { depthWrite: false, ...settings })), order);
     const whole = { value: new THREE.Vector4(0, 0, 0, 1) };
-    // What lies in the clip plane is not clipped.
+    // Cells in the clip plane are not clipped.
     const cells = (order, settings) => this.part(new THREE.Mesh(new THREE.BufferGeometry(),
       this.material("cell", { lit: colour(), paper: colour(), alpha: 1, clip: whole }, { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, ...settings })), order);
     this.parts = {
@@ -161,8 +161,8 @@ class Stage {
     return object;
   }
 
-  // Shows a frame on the axes of `space`: `shape` says which rows edges and triangles join. All
-  // parts of the hull share one list of positions.
+  // Shows a frame on the axes of `space`. `shape`: edges and triangles, as rows. All parts of the
+  // hull share one list of positions.
   load(frame, space, shape, flat) {
     const { vertices, survivors, points } = frame;
     this.flat = flat;
@@ -177,7 +177,7 @@ class Stage {
     this.fill(["points"], space.positions(frame, vertices + survivors, points));
     this.fill(["box"], boxEdges(space.extent));
     this.mark(null);
-    // Directions the hull has no thickness in have no near and no far side.
+    // If the hull has no thickness in some direction, it has no near and far side.
     this.solid = !flat && shape.triangles.length > 0 && frame.affine_dimension >= 3 && space.extent.every((e) => e > 0);
     this.parts.front.material.side = this.solid ? THREE.FrontSide : THREE.DoubleSide;
     for (const name of ["front", "back", "facet"]) this.parts[name].material.uniforms.plain.value = flat ? 1 : 0;
@@ -191,7 +191,7 @@ class Stage {
     for (const name of names) this.parts[name].geometry = geometry;
     for (const geometry of old) geometry.dispose();
   }
-  // What cellShape (cells.js) found, or null.
+  // `shape`: a result of cellShape (cells.js), or null.
   loadCells(shape) {
     const none = new Float32Array(0);
     this.fill(["cells"], shape ? shape.places : none);
@@ -200,7 +200,7 @@ class Stage {
     this.parts.cells.material.depthWrite = !this.flat;
     this.cellCount = shape ? shape.lines.length / 18 : 0;
   }
-  // Three bytes for each survivor, then for each dropped point; null: the parts' own colours.
+  // Three bytes for each survivor, then for each discarded point; null: the parts' own colours.
   tint(bytes, survivors) {
     for (const [name, from, to] of [["survivors", 0, 3 * survivors], ["points", 3 * survivors, undefined]]) {
       const part = this.parts[name];
@@ -208,7 +208,7 @@ class Stage {
       if (bytes) part.geometry.setAttribute("tint", new THREE.BufferAttribute(bytes.slice(from, to), 3, true));
     }
   }
-  // One facet, by some of the shape's triangles, stands out.
+  // Highlights one facet, given by its triangles.
   mark(triangles) {
     const index = [];
     for (const t of triangles || []) index.push(...this.shape.triangles.slice(3 * t, 3 * t + 3));
@@ -216,8 +216,8 @@ class Stage {
     this.parts.facet.visible = index.length > 0;
   }
 
-  // Few things are drawn large, many small and thin. What lies on the hull goes by the room that it
-  // has there, so that a dense hull is not drowned and details come forward as one zooms in.
+  // Few items are drawn large, many small and thin. Sizes on the hull depend on the distance
+  // between items there, so that dots do not hide a dense hull, and details grow when zooming in.
   style(frame) {
     const p = this.parts;
     const dot = (part, size, alpha) => {
@@ -226,7 +226,7 @@ class Stage {
     };
     dot(p.points, eased(frame.points, 100, 30000, 4, 2.2), eased(frame.points, 1000, 100000, 0.9, 0.7));
     dot(p.survivors, eased(frame.survivors, 50, 20000, 5.5, 2.4), eased(frame.survivors, 1000, 50000, 1, 0.85));
-    // In pictures' units: between vertices, and between edges.
+    // Distances between vertices, and between edges, in the picture's units.
     const extent = this.flat ? perimeter(this.hull, this.shape.edges) : Math.sqrt(surfaceArea(this.hull, this.shape.triangles));
     this.apart = this.flat ? extent / Math.max(1, frame.vertices) : extent / Math.sqrt(Math.max(1, frame.vertices));
     this.lines = frame.edges.length / 2;
@@ -234,7 +234,7 @@ class Stage {
   styleFor(pixelsPerUnit) {
     const p = this.parts;
     const room = this.apart > 0 ? this.apart * pixelsPerUnit : 60;
-    // Dots that are coloured to be looked at keep the front of the stage.
+    // Coloured dots stay more visible than the hull.
     const tinted = p.points.material.uniforms.tinted.value > 0;
     const size = Math.max(1.6, Math.min(tinted ? 4.5 : 8, this.flat ? 0.5 * room : 0.2 * room));
     const far = Math.max(0.1, Math.min(0.35, room / 60));
@@ -307,7 +307,7 @@ class Stage {
   }
 }
 
-// From `large` at `few` to `small` at `many`, evenly in the logarithm.
+// From `large` at `few` to `small` at `many`, linear in the logarithm.
 function eased(count, few, many, large, small) {
   const t = Math.min(1, Math.max(0, Math.log(Math.max(1, count) / few) / Math.log(many / few)));
   return large + (small - large) * t;
@@ -318,7 +318,7 @@ function surfaceArea(positions, triangles) {
   for (let i = 0; i < triangles.length; i += 3) twice += Math.hypot(...crossOf(positions, triangles, i));
   return twice / 2;
 }
-// The cross product of two edges of a triangle: its direction, and twice its area.
+// The cross product of two edges of a triangle: its normal, with twice its area as length.
 function crossOf(positions, triangles, i) {
   const [a, b, c] = [0, 1, 2].map((k) => 3 * triangles[i + k]);
   const u = [0, 1, 2].map((k) => positions[b + k] - positions[a + k]);

@@ -1,8 +1,8 @@
 "use strict";
-// What one does with a picture: read a facet, measure, clip, save.
+// Tools for a picture: facet details, measuring, clipping, saving.
 
-// The first triangle that a line of sight meets, at least `from` away and not clipped: its number and
-// where (in the picture's units), or null.
+// The first triangle that a line of sight meets in front of the camera and not clipped: its number
+// and the point of intersection (in the picture's units), or null.
 function triangleAt(positions, triangles, sight, clip) {
   const { from: o, along: d } = sight;
   let best = null;
@@ -28,8 +28,8 @@ function triangleAt(positions, triangles, sight, clip) {
   return best;
 }
 
-// Area, outward unit normal, offset and corners of a facet of a 3D hull, from the coordinates as they
-// are. Doubles, and a pair of corners at a time relative to the first: good to about 12 digits.
+// Area, outward unit normal, offset and corners of a facet of a 3D hull, from the exact
+// coordinates. Computed in doubles relative to the first corner: accurate to about 12 digits.
 function facetFigures(scene, frame, facet) {
   const at = (row) => [0, 1, 2].map((i) => frame.coordinates[row * scene.axes + i]);
   const sum = [0, 0, 0], corners = new Set(), triangles = [];
@@ -51,7 +51,7 @@ function facetFigures(scene, frame, facet) {
   return { id: facet, area: length / 2, normal, offset, corners: [...corners].sort((a, b) => a - b), triangles };
 }
 
-// Two places, one click each, and how far apart they are: in all coordinates of the points.
+// Measures the distance between two points, one click each, using all coordinates.
 class Measure {
   constructor(viewer) {
     this.viewer = viewer;
@@ -69,7 +69,7 @@ class Measure {
     else delete document.documentElement.dataset.measuring;
     this.show();
   }
-  // `end`: the coordinates, and what to call it; null: nothing was hit.
+  // `end`: coordinates and a name; null: the click hit nothing.
   add(end) {
     if (end === null) return;
     if (this.ends.length === 2) this.ends = [];
@@ -101,7 +101,7 @@ class Measure {
   }
 }
 
-// A plane square to one axis; what lies beyond it is hidden.
+// A clip plane orthogonal to an axis; hides what is beyond it.
 class Clip {
   constructor(viewer) {
     this.viewer = viewer;
@@ -124,7 +124,7 @@ class Clip {
     if (names.length < 3) this.axis.value = "";
     this.apply();
   }
-  // Tetrahedra are seen where they are cut, from the front to begin with.
+  // Tetrahedra are visible only in the section; it starts at the front.
   first() {
     if (!this.viewer.scene.frames.some((f) => f.cell_corners === 4)) return "";
     this.sign = -1;
@@ -160,7 +160,7 @@ function fileStem() {
   return document.title.replace(/\.[a-z0-9]+$/i, "").replace(/[^\w.-]+/g, "-") || "hull";
 }
 
-// The picture and what is written on it. Drawn anew: what a canvas showed is gone when read later.
+// Saves the picture with its labels. Draws it again, because a canvas may be empty when read later.
 function savePicture(viewer) {
   viewer.draw();
   const from = [viewer.canvas, document.getElementById("overlay")];
@@ -170,7 +170,7 @@ function savePicture(viewer) {
   canvas.toBlob((blob) => saveBlob(blob, fileStem() + ".png"));
 }
 
-// The hull that is drawn as a PLY of triangles; the digits are all there are.
+// The hull as drawn, as a PLY file of triangles with all digits.
 function meshText(scene, frame, axes, shape) {
   const used = [...new Set(shape.triangles)].sort((a, b) => a - b);
   const number = new Map(used.map((row, i) => [row, i]));

@@ -1,6 +1,6 @@
 "use strict";
-// Puts the page together: state, what a toggle, a key or the slider changes, and one drawing per
-// screen refresh at most.
+// Connects the parts of the page: state, controls, keys, the slider, and at most one drawing per
+// screen refresh.
 
 class Viewer {
   constructor(scene) {
@@ -9,7 +9,7 @@ class Viewer {
     this.on = { points: true, survivors: true, vertices: true, faces: true, edges: true, axes: true, web: false, cells: true };
     this.at = 0;
     this.picked = null;  // the id of a point
-    this.facet = null;   // what facetFigures found
+    this.facet = null;   // a result of facetFigures
     this.canvas = document.getElementById("canvas");
     this.overlay = new Overlay(document.getElementById("overlay"));
     this.stage = new Stage(this.canvas);
@@ -27,7 +27,7 @@ class Viewer {
     this.measureStage();
     this.reframe();
   }
-  // A plot of two axes, or a picture of three to turn.
+  // True for a plot of two axes, false for a 3D picture that can be turned.
   get flat() {
     return this.axes[2] < 0;
   }
@@ -88,7 +88,7 @@ class Viewer {
     this.draw();  // at once: a resized canvas is blank until drawn
   }
 
-  // Other axes or proportions: another space, seen whole.
+  // For other axes or proportions: creates a new space and shows all of it.
   reframe() {
     this.space = new Space(this.scene, this.axes, this.proportions);
     this.rig.fit(this.space.extent, this.on.axes);
@@ -110,7 +110,7 @@ class Viewer {
     this.drawPairs();
     this.invalidate();
   }
-  // The cells that are seen, by the clip plane where there is one.
+  // Loads the visible cells, cut by the clip plane if there is one.
   cut() {
     this.stage.loadCells(this.cells ? cellShape(this.frame, this.cells, this.clip.on ? this.stage.clip.value : null) : null);
   }
@@ -164,7 +164,7 @@ class Viewer {
     else if (row !== null) showPickedRow(this.scene, this.frame, row);
     else showNothingPicked(this.hasFacets);
   }
-  // What a click means: a vertex, else the facet in front, else any point.
+  // Handles a click: it picks a vertex, else the facet in front, else any point.
   click(x, y, radius) {
     const vertex = this.rowAt(x, y, radius, ["vertices"]);
     const hit = vertex === null ? this.surfaceAt(x, y) : null;
@@ -187,7 +187,7 @@ class Viewer {
     const coordinates = hit.place.map((p, i) => this.space.toValue(i, p)).slice(0, this.scene.axes);
     return { coordinates, name: "a place on the hull" };
   }
-  // The row drawn nearest to a place on the screen: near before far.
+  // The row drawn nearest to a point of the screen; nearer groups first.
   rowAt(x, y, radius, names) {
     const { vertices, survivors, points } = this.frame;
     const groups = [["vertices", 0, vertices], ["survivors", vertices, survivors], ["points", vertices + survivors, points]];
@@ -293,7 +293,7 @@ class Viewer {
       this.proportions = value;
       this.reframe();
     });
-    // Dots that were coloured to be looked at are seen through clear glass.
+    // If dots are coloured, the hull is more transparent.
     this.stage.glass = this.colourBy === "role" ? 0.5 : 0.14;
     const glass = document.getElementById("glass");
     glass.value = 100 * this.stage.glass;
@@ -314,7 +314,7 @@ class Viewer {
       choice.addEventListener("change", () => this.choose(i, Number(choice.value)));
       document.getElementById("axes").append(element("label", {}, ["Right", "Back", "Up"][i], choice));
     });
-    // A small picture of every pair of axes; of very many axes there would be too many.
+    // A small picture for every pair of axes; for more than 8 axes there would be too many.
     this.pairs = [];
     for (let a = 0; this.scene.axes <= 8 && a < this.scene.axes; ++a)
       for (let b = a + 1; b < this.scene.axes; ++b) {
@@ -332,7 +332,7 @@ class Viewer {
       drawThumbnail(canvas, this.scene, this.frame, a, b, this.colours);
     }
   }
-  // An axis that is taken changes places; two of none cannot be.
+  // Choosing an axis that is in use swaps the two; at most one axis can be "none".
   choose(i, axis) {
     const axes = [...this.axes];
     const other = axis < 0 ? -1 : axes.indexOf(axis);
@@ -384,7 +384,7 @@ class Viewer {
   }
 }
 
-// The slider of a moving set. Plays about twelve frames a second, over and over.
+// The slider of a moving set. Plays about twelve frames per second in a loop.
 class Timeline {
   constructor(scene, go) {
     this.scene = scene;

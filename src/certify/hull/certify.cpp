@@ -42,7 +42,7 @@ std::uint64_t Subject::position(std::uint64_t id) const {
 }
 
 void Subject::index_ids() {
-  // About as many buckets as ids, which ascend.
+  // At most twice as many buckets as ids.
   id_shift = 0;
   while (ids.back() >> id_shift >= 2 * ids.size()) ++id_shift;
   id_bucket.assign((ids.back() >> id_shift) + 2, 0);
@@ -53,7 +53,8 @@ void Subject::index_ids() {
 Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
   for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
   scratch[k] = x;
-  // A facet orthogonal to an axis: equality shows that x is in its plane, a frequent case on grids.
+  // If the facet is orthogonal to an axis, equality shows that x is in its plane, a frequent case
+  // on grids.
   for (unsigned c = 0; c < k; ++c) {
     bool level = true;
     for (unsigned j = 0; j < k && level; ++j) level = scratch[j][c] == x[c];
@@ -75,7 +76,7 @@ Sign Subject::seen(const double** r) const {
     if (rung == Rung::exact) exact_decisions.fetch_add(1, std::memory_order_relaxed);
     return sign;
   }
-  // No double is strictly inside: the centroid of the basis, as an exact rational.
+  // No double is strictly inside: uses the centroid of the basis, as an exact rational.
   exact_decisions.fetch_add(1, std::memory_order_relaxed);
   std::vector<const double*> corners;
   for (const std::uint32_t v : basis) corners.push_back(row(v));
@@ -93,9 +94,9 @@ bool Subject::in_cone(std::uint32_t f, const double* x, const double** scratch) 
 }
 
 std::uint32_t Subject::locate(const double* x, std::uint32_t start, const double** scratch) const {
-  // A visibility walk on a regular subdivision of the sphere ends; inside a triangulated facet it
-  // could cycle, so the starting slot is rotated and the steps are counted. The limit is far above
-  // walks' lengths and only ends walks on surfaces that are not closed.
+  // A visibility walk on a regular subdivision of the sphere terminates. Inside a triangulated
+  // facet it could cycle; therefore the first slot tested rotates and steps are counted. The limit
+  // is far above the length of walks and stops only walks on surfaces that are not closed.
   std::uint32_t f = start;
   const std::uint64_t limit = 1000 + std::uint64_t{4} * simplex_count();
   for (std::uint64_t step = 0; step < limit; ++step) {
@@ -128,7 +129,7 @@ void check_empty(const Hull& h, std::uint64_t n) {
   if (h.volume != 0 || h.area != 0) fault("a hull without facets has no volume and no area");
 }
 
-/// k = 0: all points equal the first.
+/// k = 0: all points are equal to the first.
 void check_single(Subject& s) {
   const Hull& h = s.hull;
   check_empty(h, s.points.count);
@@ -139,7 +140,7 @@ void check_single(Subject& s) {
   if (h.centroid != s.full) fault("the centroid is not the only point");
 }
 
-/// k = 0: checks that each point is the single vertex.
+/// k = 0: checks that each point of the block equals the only vertex.
 void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
   check_chunks(s.run, block.count, std::uint64_t{1} << 16,
                [&](std::uint64_t begin, std::uint64_t end) {
@@ -153,7 +154,7 @@ void check_equal(const Subject& s, const PointView& block, std::uint64_t first_i
   });
 }
 
-/// Checks everything that does not need all points.
+/// Checks all properties that can be checked without the non-vertices.
 void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
   const Hull& h = s.hull;
   const std::uint64_t n = s.points.count;
@@ -232,7 +233,7 @@ struct CertifyStream::Impl {
   std::unique_ptr<internal::certify::PointCheck> points;
   Certificate out;
   mutable std::mutex mutex;  ///< guards the members below
-  std::uint64_t at = 0;      ///< the lowest first id of a block with a fault
+  std::uint64_t at = 0;      ///< lowest first id of a block with a fault
   std::uint64_t checked = 0;
 
   Impl(const Hull& h, std::vector<double>&& rows, const Options& o)
@@ -240,7 +241,7 @@ struct CertifyStream::Impl {
     sort_claimed();
   }
 
-  /// From the hull's order, which is cyclic for a polygon, to ascending ids.
+  /// Sorts the claimed rows from the hull's order (cyclic for a polygon) to ascending ids.
   void sort_claimed() {
     const std::size_t n = hull.vertices.size(), d = hull.dimension;
     if (claimed.size() != n * d || std::is_sorted(hull.vertices.begin(), hull.vertices.end()))
@@ -256,7 +257,7 @@ struct CertifyStream::Impl {
     claimed = std::move(sorted);
   }
 
-  /// Keeps the fault of the lowest block, so that the order of pushes does not matter.
+  /// Keeps the fault of the block with the lowest id, so that the order of pushes does not matter.
   void note(const internal::certify::Fault& f, std::uint64_t first_id) {
     const std::lock_guard lock(mutex);
     if (!out.reason.empty() && at <= first_id) return;

@@ -31,7 +31,8 @@ void Cones::place() {
   with_dimension<2, 7, 8>(k_, [this](auto k) { build<k>(); });
 }
 
-/// Powers of two that scale every vertex to within 1 of the centre.
+/// Chooses powers of two that scale every vertex to within 1 of the centre on each axis; false if
+/// out of range.
 bool Cones::choose_units() {
   scale_.clear();
   reach_.clear();
@@ -66,13 +67,13 @@ void Cones::build() {
     }
     longest[begin / chunk] = most;
   });
-  // A radius that no plane comes nearer than. The exact plane differs from n by no more than twice
-  // its bound, since the reach of an axis is at least 1/2.
+  // A lower bound of the planes' distances from the centre. The exact plane differs from n by at
+  // most twice its bound, since the reach of an axis is at least 1/2.
   const double radius = (1 - 0x1p-40) / *std::max_element(longest.begin(), longest.end());
   ball_ = radius * radius * (1 - 0x1p-40);
 }
 
-/// False where rounding leaves the side of the centre, or the plane's distance, undecided.
+/// False if rounding leaves the side of the centre or the plane's distance undecided.
 template <unsigned K>
 bool Cones::build_plane(std::uint32_t f, double* out) const {
   constexpr double roundings = minor_roundings(K > 1 ? K - 1 : 1) + 3;

@@ -1,4 +1,4 @@
-// Sides of points by the planes of the simplices in doubles: the cheap rung for every check of
+// Side tests in doubles against the planes of the simplices: the fast stage of every check of
 // certify. docs/exactness.md, "Cones", has the proof.
 #pragma once
 
@@ -10,23 +10,22 @@
 
 namespace cullhull::internal::certify {
 
-/// Planes n . y = 1 of all simplices, y being coordinates relative to the centre in separate units
-/// for each axis, with a bound of the rounding error of n . y.
+/// Planes n . y = 1 of all simplices, each with a bound of the rounding error of n . y. Coordinates
+/// y are relative to the centre, scaled on each axis.
 class Cones {
  public:
   static constexpr unsigned max_dimension = 8;
 
   explicit Cones(const Subject& s) : s_(s), k_(s.k) {}
-  /// Computes the planes around the subject's centre. Afterwards usable() is false where there is
-  /// no centre, in dimensions other than 2 to 8, or where extents are outside of the range of the
-  /// proof.
+  /// Computes the planes around the subject's centre. Afterwards usable() is false if there is no
+  /// centre, for dimensions other than 2 to 8, and if extents exceed the range of the proof.
   void place();
   void drop() { planes_.clear(); }
   bool usable() const { return !planes_.empty(); }
 
-  /// Whether the centre is strictly beneath simplex f; false where doubles do not decide it.
+  /// Whether the centre is strictly beneath simplex f; false if doubles do not decide it.
   bool beneath(std::uint32_t f) const { return std::isfinite(plane(f)[k_]); }
-  /// Whether y, in the vertices' box, is strictly beneath simplex f; false where it is undecided.
+  /// Whether y, in the vertices' box, is strictly beneath simplex f; false if undecided.
   template <unsigned K>
   bool strictly_beneath(std::uint32_t f, const double* y) const {
     const double* n = plane(f);
@@ -35,7 +34,7 @@ class Cones {
     return sum < 1 - 0x1p-50;
   }
 
-  /// Coordinates relative to the centre in the planes' units; false if outside of the vertices'
+  /// Sets y to x relative to the centre, scaled as the planes are; false if outside the vertices'
   /// box.
   bool relative(const double* x, double* y) const {
     for (unsigned j = 0; j < k_; ++j) y[j] = (x[j] - centre_[j]) * scale_[j];
@@ -49,11 +48,11 @@ class Cones {
   double scale(unsigned j) const { return scale_[j]; }
   const std::vector<double>& scales() const { return scale_; }
 
-  /// True only if the point is strictly inside. Starts at simplex f, and sets it to the last one
-  /// visited: that of the ray through the point, or one near it.
+  /// True only if the point is strictly inside. Starts at simplex f, and sets f to the last simplex
+  /// visited: the one that the ray through the point meets, or one near it.
   bool strictly_inside(const double* y, std::uint32_t& f) const;
-  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 where
-  /// the planes give no such bound.
+  /// Points with |y|^2 below this, computed in doubles in any order, are strictly inside; 0 if the
+  /// planes give no such bound.
   double ball() const { return ball_; }
   const std::vector<double>& centre() const { return centre_; }
   /// n . y of simplex f.
@@ -74,7 +73,7 @@ class Cones {
   const unsigned k_;
   std::vector<double> centre_, scale_, reach_;
   double ball_ = 0;
-  std::vector<double> planes_;  ///< k + 1 numbers a simplex: n, then the bound (infinite: unusable)
+  std::vector<double> planes_;  ///< k + 1 per simplex: n, then the bound (infinite: unusable)
 };
 
 }  // namespace cullhull::internal::certify

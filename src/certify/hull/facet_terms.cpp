@@ -15,8 +15,8 @@
 namespace cullhull::internal::certify {
 namespace {
 
-/// Where the library works in doubles (make_frame), the flat's measure is at most this many times
-/// that of its projection.
+/// The greatest ratio of a measure in the flat to that of its projection where the library computes
+/// in doubles (make_frame).
 constexpr double flat_stretch = 0x1p8;
 
 double length(const double* v, unsigned n) {
@@ -27,7 +27,7 @@ double length(const double* v, unsigned n) {
 
 double power(double base, double exponent) { return std::pow(base, exponent); }
 
-/// The arithmetic that `orthogonalise` is written over.
+/// Number type of `Orthogonal`: double-doubles.
 struct DoubleDoubles {
   using Real = DoubleDouble;
   Real zero() const { return 0; }
@@ -53,8 +53,9 @@ struct WideFloats {
   static double rounded(const Real& v) { return v.get_d(); }
 };
 
-/// Orthonormalises the edges of a simplex from its first vertex, each orthogonalised twice against
-/// those before it; then a vertex of the basis likewise: its rest points inward.
+/// Gram-Schmidt on the edges of a simplex from its first vertex; each edge is orthogonalised twice
+/// against those before it. Its remainder is the part orthogonal to these. A further vertex (the
+/// apex) is treated likewise; its remainder points inward.
 template <class Arithmetic>
 class Orthogonal {
  public:
@@ -64,7 +65,7 @@ class Orthogonal {
     measure = measure + Real(1);
   }
 
-  /// False if the rest is zero.
+  /// False if the remainder is zero.
   bool add_edge(const double* from, const double* to) {
     std::vector<Real> row = edge(from, to);
     const Real whole = norm(row);
@@ -79,7 +80,7 @@ class Orthogonal {
     return true;
   }
 
-  /// Keeps the offered vertex whose rest is the longest relative to its distance.
+  /// Keeps the offered vertex whose remainder is longest relative to its distance.
   void offer_apex(const double* from, const double* to) {
     std::vector<Real> row = edge(from, to);
     const Real whole = norm(row);
@@ -98,9 +99,10 @@ class Orthogonal {
   const unsigned d_;
 
  public:
-  /// Rows orthogonalised twice are orthogonal to the last bits. The rest of an edge has the error
-  /// of those bits of the edge, times the reciprocals of the rests' shares before it: 2^-bits /
-  /// share^2 altogether. With a share above 2^-(bits / 8) half of the bits are right.
+  /// Rows orthogonalised twice are orthogonal up to the last bits. The share of an edge is its
+  /// remainder's length over its own. The remainder's error is that of the edge's last bits times
+  /// the reciprocals of the shares before it: altogether 2^-bits / share^2. If the
+  /// product of all shares is above 2^-(bits / 8), more than half of the bits are right.
   bool trusted(mp_bitcnt_t bits) const {
     if (outward.empty()) return false;
     Real least = lengths * Real(1);
@@ -110,7 +112,7 @@ class Orthogonal {
     return measure > least && upright > steep;
   }
 
-  /// The plane's height over `origin`. False where this precision may not suffice.
+  /// Sets `height` to that of the plane over `origin`. False if the precision may not suffice.
   bool find_height(const double* from, const double* origin, mp_bitcnt_t bits, Real& height) const {
     Real square = a_.zero();
     for (unsigned c = 0; c < d_; ++c) {
@@ -124,8 +126,8 @@ class Orthogonal {
   }
 
   Real lengths, measure, upright = Real(0);
-  std::vector<Real> outward;       ///< the unit normal
-  std::vector<double> unit_edges;  ///< rows
+  std::vector<Real> outward;       ///< the unit normal, outward
+  std::vector<double> unit_edges;  ///< rows, edges of length 1
 
  private:
   std::vector<Real> edge(const double* from, const double* to) const {
@@ -151,7 +153,7 @@ class Orthogonal {
   std::vector<std::vector<Real>> rows_;
 };
 
-/// Products of shorter edges may underflow, or their scaling may have been inexact.
+/// Products of shorter edges may underflow, and their scaling may have been inexact.
 constexpr double least_edge = 0x1p-80;
 
 }  // namespace
@@ -179,12 +181,13 @@ CheckedFacets::CheckedFacets(const Subject& s)
       for (unsigned c = 0; c < d_; ++c)
         if (s.full[std::size_t{v} * d_ + c] != s.full[c]) constant_[c] = 0;
   }
-  // docs/exactness.md, "Numbers": four times what the library's arithmetic may lose.
+  // docs/exactness.md, "Numbers": four times the error that the library's arithmetic may have.
   const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);
   beta_ = 2 * d_ + 48;
-  // Where random edges are far from orthogonal, the library uses doubles down to smaller shares.
+  // Where random edges are far from orthogonal (k > 8), the library uses doubles down to smaller
+  // shares.
   for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
-  // docs/exactness.md, "Numbers": the greatest permanents of simplices that doubles were used for.
+  // docs/exactness.md, "Numbers": the greatest permanents of simplices computed in doubles.
   double spread = std::pow(k, -(k - 1) / 2);
   for (unsigned i = 2; i <= k_; ++i) spread *= i;
   relative_ = k_ <= 8 ? 0x1p-31 * terms * spread : std::min(0.25, 0x1p-36 * k / careful_share_);
@@ -227,7 +230,7 @@ double CheckedFacets::offset_underflow() const {
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
 }
 
-/// Whether the edge is long enough that its products do not underflow and its scaling was exact.
+/// Whether the edge is so long that its products do not underflow and its scaling was exact.
 bool CheckedFacets::in_range(std::uint32_t from, std::uint32_t to) const {
   double most = 0;
   for (unsigned c = 0; c < d_; ++c) most = std::max(most, std::fabs(at(to)[c] - at(from)[c]));
@@ -285,7 +288,7 @@ bool CheckedFacets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   Orthogonal<DoubleDoubles> o(DoubleDoubles{}, d_);
   for (unsigned j = 1; j < k_; ++j)
     if (!in_range(v[0], v[j]) || !o.add_edge(at(v[0]), at(v[j]))) return false;
-  // Orthonormal to 2^-100 divided by the share of a simplex: 2^-60 remains.
+  // Orthonormal to 2^-100 / share of the simplex: at least 60 bits remain.
   if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
   for (const std::uint32_t b : s_.basis)
     if (in_range(v[0], b)) o.offer_apex(at(v[0]), at(b));
@@ -314,16 +317,17 @@ mp_bitcnt_t CheckedFacets::wide_bits(std::uint32_t simplex) const {
   for (unsigned j = 0; j < k_; ++j) see(s_.simplex(simplex)[j]);
   for (const std::uint32_t b : s_.basis) see(b);
   see(0);
-  // The rest of an edge is a quotient of Gram minors, integers in units of 2^(2 low): at least
-  // 2^-(k (high - low + 8)) of the edge. As much again for rounding.
+  // An edge's remainder is a quotient of Gram minors, integers in units of 2^(2 low): at least
+  // 2^-(k (high - low + 8)) of the edge. The same number of bits again for rounding.
   return static_cast<mp_bitcnt_t>(2 * k_) * static_cast<mp_bitcnt_t>(high - low + 8) + 256;
 }
 
-/// The cofactor normal of a simplex of codimension 1, `from` its first vertex: every product of a
-/// minor has a factor of each other axis, so axes of any proportions leave each component right to
-/// 2^-(bits - 16) of its permanent. The bound on a unit normal's component is at least a unit of
-/// that permanent over the edges' lengths, while what was lost is divided by the measure: a share
-/// of 2^-(bits - 80) leaves 2^-11 of the bound. Exponents of these numbers know no bounds.
+/// The cofactor normal of a simplex of codimension 1 whose first vertex is `from`. Every product of
+/// a minor has one factor from each other axis, so each component is right to 2^-(bits - 16) of its
+/// permanent for axes of any proportions. The bound on a component of the unit normal is at least
+/// 2^-53 times its permanent over the edges' lengths, while the error is divided by the measure: a
+/// share of 2^-(bits - 80) leaves an error of 2^-11 of the bound. The exponents of these numbers
+/// are unbounded.
 class CheckedFacets::WideCofactors {
  public:
   WideCofactors(unsigned k, mp_bitcnt_t bits)
@@ -332,8 +336,8 @@ class CheckedFacets::WideCofactors {
         minors_(std::size_t{1} << k, mpf_class(0, bits)),
         permanents_(minors_) {}
 
-  /// False if the normal, or its height over every vertex offered or over `origin` (null if that is
-  /// on the plane), is lost in the rounding: then more bits are needed.
+  /// False if the rounding error may exceed the normal, or its height over every offered vertex or
+  /// over `origin` (null if that is on the plane): then more bits are needed.
   bool find(const std::vector<const double*>& corners, const std::vector<const double*>& apexes,
             const double* origin) {
     for (unsigned j = 1; j < k_; ++j) add_edge(corners[0], corners[j]);
@@ -361,7 +365,7 @@ class CheckedFacets::WideCofactors {
   std::vector<double> unit_edges;
 
  private:
-  /// Whether `part` may be nothing but the rounding of terms that add up to `whole`.
+  /// Whether `part` may be just the rounding error of terms that add up to `whole`.
   bool lost(const mpf_class& part, const mpf_class& whole) const {
     mpf_class least(whole, 64);
     mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ / 2);
@@ -385,7 +389,8 @@ class CheckedFacets::WideCofactors {
                                       : 0);
   }
 
-  /// Minors of the first rows on every set of columns, along the last row (predicates/minors.hpp).
+  /// Minors of the first rows on every set of columns, expanded along the last row
+  /// (exact/determinants).
   void expand() {
     minors_[0] = permanents_[0] = 1;
     for (unsigned set = 1; set + 1 < 1U << k_; ++set) {
@@ -414,7 +419,7 @@ class CheckedFacets::WideCofactors {
     return !lost(height, mpf_class(bound / measure));
   }
 
-  /// The side of the plane that the vertices are on; 0: none was far enough from it.
+  /// The side of the plane that the vertices are on; 0: none is far enough from it.
   int side_of(const double* from, const std::vector<const double*>& apexes) const {
     for (const double* apex : apexes) {
       mpf_class above(0, bits_), bound(0, bits_);
@@ -451,7 +456,8 @@ bool CheckedFacets::wide_cofactors(std::uint32_t i, const double* origin, WideTe
   }
 }
 
-/// The cofactor normal in integers: axes of any proportions cost no bits, and nothing is lost.
+/// The cofactor normal in integers: axes of any proportions need no more bits, and nothing is
+/// rounded.
 WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) const {
   constexpr mp_bitcnt_t bits = 256;
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
@@ -503,8 +509,8 @@ WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   if (k_ == d_ && k_ > 8) return exact_cofactors(i, origin);
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
-  // Flats of wild frames are tested by the bound for each component, of which the smallest matter:
-  // hence more bits at first.
+  // Flats of frames whose axes differ extremely are tested by a bound for each component; the
+  // smallest components matter, hence more bits at first.
   for (mp_bitcnt_t bits = wild_ && k_ < d_ ? 8192 : 512;; bits *= 4) {
     const bool last = bits >= enough;
     Orthogonal<WideFloats> o(WideFloats{last ? enough : bits}, d_);

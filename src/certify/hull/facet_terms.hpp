@@ -1,5 +1,5 @@
-// Unit normals of facets, and the error that the library's own arithmetic may have: the values that
-// certify() compares planes and measures with. docs/exactness.md, "Numbers".
+// Unit normals of facets and bounds on the error of the library's own arithmetic: the values with
+// which certify() compares planes and measures. docs/exactness.md, "Numbers".
 #pragma once
 
 #include <gmpxx.h>
@@ -20,58 +20,59 @@ inline mpf_class times_power_of_two(mpf_class v, long e) {
   return v;
 }
 
-/// A simplex of the surface. Lengths are in the units of CheckedFacets::at.
+/// The normal and bounds of one simplex. Lengths are in the units of CheckedFacets::at.
 struct FacetTerms {
   std::vector<double> normal;  ///< outward, of length 1, in the flat
-  std::vector<double> spread;  ///< p of the bound; empty where the bound has none
+  std::vector<double> spread;  ///< p of the bound; empty if the bound does not use it
   double spread_length = 0;    ///< |p|
-  double lengths = 0;          ///< product of the edges' lengths from the first vertex
-  double share = 0;            ///< measure of their parallelotope over that product
+  double lengths = 0;          ///< product of the lengths of the edges from the first vertex
+  double share = 0;            ///< measure of the edges' parallelotope over that product
 };
 
-/// The same without a limit of magnitude, for sums over hulls of extreme proportions.
+/// The same in numbers without limits of magnitude, for sums over hulls of extreme proportions.
 struct WideTerms {
   std::vector<mpf_class> normal;
   mpf_class lengths, measure;
-  mpf_class height;                ///< of the plane over vertex 0, exactly 0 where that is on it
+  mpf_class height;                ///< of the plane over vertex 0; exactly 0 if that is on it
   std::vector<double> unit_edges;  ///< rows, each of length 1
 };
 
-/// The facets of a hull whose surface has been checked. Thread safe.
+/// The facets of a hull whose surface has been verified. Thread safe.
 class CheckedFacets {
  public:
   explicit CheckedFacets(const Subject& s);
 
-  /// Coordinates of a vertex in units of 2^exponent(), exact except where they underflow.
+  /// Coordinates of a vertex in units of 2^exponent(), exact unless they underflow.
   const double* at(std::uint32_t v) const { return rows_ + std::size_t{v} * d_; }
   int exponent() const { return exponent_; }
-  /// Whether the axes' extents differ so much that doubles in a common unit lose some of them.
+  /// Whether the axes' extents differ so much that doubles in a common unit underflow on some axis.
   bool wild() const { return wild_; }
-  /// What underflow may change an offset by: nothing where axes differ so much that the library
+  /// The greatest change of an offset by underflow: 0 if axes differ so much that the library
   /// computes planes exactly.
   double offset_underflow() const;
 
-  /// Each component of `normal` within 1/4 of `normal_bound`, `share` within 2^-20 of itself.
+  /// Sets `normal`, each component within 1/4 of `normal_bound`, and `share`, within 2^-20
+  /// relatively.
   void terms(std::uint32_t simplex, FacetTerms& out) const;
-  /// In units of 1.
+  /// The wide terms, in units of 1.
   WideTerms wide_terms(std::uint32_t simplex) const;
-  /// The same as terms() from wide_terms().
+  /// Rounds wide_terms() to the result of terms().
   void rounded_terms(const WideTerms& w, FacetTerms& out) const;
   mp_bitcnt_t wide_bits(std::uint32_t simplex) const;
 
-  /// The greatest documented difference of component c of a plane from the exact unit normal.
+  /// The greatest documented error of component c of a plane's normal.
   double normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const;
-  /// Whether the bound is for each component, by `spread`.
+  /// Whether the bound is given for each component, by `spread`.
   bool by_component() const { return k_ == 1 || (k_ == d_ && k_ <= 8); }
-  /// The greatest documented error of volume and area relative to themselves, however thin the
-  /// simplices are. Below 1/2.
+  /// The greatest documented relative error of volume and area, for simplices of any thinness.
+  /// Below 1/2.
   double relative_bound() const { return relative_; }
   double alpha() const { return alpha_; }  ///< per unit of `spread`, else of `lengths`
   double beta() const { return beta_; }    ///< per unit of the normal itself
 
   static constexpr double unit = 0x1p-53;
-  /// Planes and measures of simplices with a smaller share are computed with more bits than
-  /// doubles.
+  /// The library computes planes and measures of simplices with a smaller share with more bits than
+  /// doubles have.
   double careful_share() const { return careful_share_; }
 
  private:
@@ -80,9 +81,9 @@ class CheckedFacets {
   bool quickly(std::uint32_t simplex, FacetTerms& out) const;
   bool orthogonally(std::uint32_t simplex, FacetTerms& out) const;
   class WideCofactors;
-  /// Full dimension. `origin`: null if that is on the plane.
+  /// In full dimension. `origin`: null if that is on the plane.
   WideTerms exact_cofactors(std::uint32_t simplex, const double* origin) const;
-  /// False where more bits would be needed than Gram-Schmidt takes.
+  /// False if more bits are needed than Gram-Schmidt uses.
   bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
@@ -91,8 +92,8 @@ class CheckedFacets {
   const Subject& s_;
   const unsigned d_, k_;
   int exponent_ = 0;
-  double largest_ = 0;  ///< |coordinate|, as given
-  bool wild_ = false;   ///< some axis' extent is below 2^-400 of that
+  double largest_ = 0;  ///< largest |coordinate|, as given
+  bool wild_ = false;   ///< some axis' extent is below 2^-400 of largest_
   const double* rows_;
   std::vector<double> scaled_;
   std::vector<std::uint8_t> constant_;  ///< axes orthogonal to the flat

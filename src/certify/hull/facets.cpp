@@ -1,4 +1,4 @@
-// Merged facets: lists, neighbours, extreme vertices, canonical triangulation.
+// Checks of merged facets: lists, neighbours, extreme vertices, canonical triangulation.
 #include <algorithm>
 
 #include "certify/certificate.hpp"
@@ -8,7 +8,7 @@ namespace {
 
 using Set = std::vector<std::uint32_t>;
 
-/// Facets are numbered by their first simplex.
+/// Checks that facets are numbered by their first simplex.
 FacetSimplices group_simplices(const Subject& s) {
   const Hull& h = s.hull;
   const auto facets = static_cast<std::uint32_t>(h.facets.size());
@@ -35,7 +35,7 @@ class FacetCheck {
       for (std::uint64_t f = begin; f < end; ++f) check_lists(static_cast<std::uint32_t>(f));
     });
     if (k_ == 2) check_winding();
-    // All corners of a facet that is a simplex are extreme, and it needs no triangulation.
+    // All corners of a facet that is one simplex are extreme, and it needs no triangulation.
     if (k_ > 1 && h_.facets.size() == s_.simplex_count()) return;
     index_incidence();
     check_extreme();
@@ -96,11 +96,11 @@ class FacetCheck {
       check_sets(f, own, corners);
   }
 
-  /// A facet that is simplex i: the usual case, without the sets that other facets need.
+  /// Checks a facet that is simplex i: the usual case, without the sets that other facets need.
   void check_simplex(std::uint32_t f, std::uint32_t i) const {
     const auto [first, last] = list(f);
     const std::uint64_t* v = h_.simplices.data() + std::size_t{i} * k_;
-    // Its ids ascend, but for k > 3 the simplex's last two may be exchanged.
+    // Its ids ascend; for k > 3 the simplex's last two may be swapped.
     const bool swap = k_ > 3 && v[k_ - 2] > v[k_ - 1];
     bool same = last - first == static_cast<std::ptrdiff_t>(k_);
     for (unsigned j = 0; j < k_ && same; ++j)
@@ -189,7 +189,7 @@ class FacetCheck {
       fault("the neighbours of facet ", f, " are wrong");
   }
 
-  /// k = 2: the list of vertices is in the order of the facets.
+  /// k = 2: the vertices are in the order of the facets.
   void check_winding() const {
     if (h_.facets.size() != h_.vertices.size()) fault("a polygon has as many facets as vertices");
     std::uint32_t f = 0;
@@ -221,7 +221,7 @@ class FacetCheck {
   bool on_all(std::uint32_t w, const Set& facets) const {
     return std::includes(on_[w].begin(), on_[w].end(), facets.begin(), facets.end());
   }
-  /// The lowest vertex other than `self` on all of `facets` (not empty), or ids.size().
+  /// The lowest vertex other than `self` that is on all `facets` (not empty), or ids.size().
   std::uint32_t lowest_common(const Set& facets, std::uint32_t self) const {
     const std::uint32_t f = *std::min_element(facets.begin(), facets.end(),
                                               [&](auto a, auto b) { return size(a) < size(b); });
@@ -230,7 +230,7 @@ class FacetCheck {
     return static_cast<std::uint32_t>(s_.ids.size());
   }
 
-  /// A vertex is extreme iff no other is on all of its facets.
+  /// A vertex is extreme if and only if no other vertex is on all of its facets.
   void check_extreme() const {
     check_chunks(s_.run, s_.ids.size(), std::uint64_t{1} << 12,
                  [&](std::uint64_t begin, std::uint64_t end) {
@@ -247,8 +247,8 @@ class FacetCheck {
     });
   }
 
-  /// Pulling: the first vertex of every tail of a simplex is the lowest one of the smallest face
-  /// that contains the tail.
+  /// Checks the triangulation by pulling: the first vertex of every tail of a simplex is the lowest
+  /// one of the smallest face that contains the tail.
   void check_pulled() const {
     check_chunks(s_.run, s_.simplex_count(), std::uint64_t{1} << 10,
                  [&](std::uint64_t begin, std::uint64_t end) {
@@ -276,7 +276,7 @@ class FacetCheck {
   const unsigned k_;
   const FacetSimplices& members_;
   Adjacency<std::uint32_t> on_;        // the facets of each vertex
-  std::vector<std::uint32_t> listed_;  // the vertices of the facets, one facet after another
+  std::vector<std::uint32_t> listed_;  // the vertices of the facets, facet by facet
 };
 
 }  // namespace

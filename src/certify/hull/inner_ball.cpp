@@ -40,7 +40,7 @@ void load_rows(const float* at, V (&x)[K]) {
   for (unsigned j = 0; j < K; ++j) x[j] = hn::PromoteTo(tag, v[j]);
 }
 
-/// Appends the positions from `first` of lanes whose point is not in the ball.
+/// Appends the positions (from `first` on) of lanes whose point is not in the ball.
 template <unsigned K>
 HWY_INLINE std::uint32_t append_outside(const InnerBall::Test& test, const V (&x)[K],
                                         std::uint32_t first, std::uint16_t* out,

@@ -1,4 +1,4 @@
-// The first test of a point: most lie in a ball around the centre that is strictly inside.
+// The first test of a point: most are in a ball around the centre that is strictly inside the hull.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace cullhull::internal::certify {
 class InnerBall {
  public:
   static constexpr unsigned max_dimension = 6;
-  static constexpr std::uint32_t block = 1024;  ///< points of one call; their doubles fit L1
+  static constexpr std::uint32_t block = 1024;  ///< points per call; their doubles fit L1
 
   struct Test {
     unsigned dimension = 0;
@@ -20,14 +20,15 @@ class InnerBall {
     double square = 0;
   };
 
-  InnerBall() = default;  ///< contains nothing
-  /// `square` 0 or dimensions beyond max_dimension: contains nothing.
+  InnerBall() = default;  ///< an empty ball
+  /// `square` 0 or a dimension above max_dimension: an empty ball.
   InnerBall(const std::vector<double>& centre, const std::vector<double>& scale, double square);
   bool usable() const { return test_.square > 0; }
 
-  /// The positions (from 0, ascending) of those of the `count` <= block points from `begin`, of
-  /// full dimension, that it does not contain; points that are not finite are always among them.
-  /// `out` has room for block. Sums of squares are computed in doubles, fused or not.
+  /// Writes to `out` (room for `block`) the positions (from 0, ascending) of those of the `count`
+  /// <= block points from `begin`, of full dimension, that are not in the ball, including points
+  /// that are not finite. Returns their number. Sums of squares are computed in doubles, fused or
+  /// not.
   std::uint32_t outside(const PointView& points, std::uint64_t begin, std::uint32_t count,
                         std::uint16_t* out) const;
 
@@ -35,8 +36,8 @@ class InnerBall {
   Test test_;
 };
 
-/// Coordinates of points [begin, begin + count) as doubles: coordinate j of point i at
-/// out[(i - begin) * step + j * stride].
+/// Converts the points [begin, begin + count) to doubles: coordinate j of point i at out[(i -
+/// begin) * step + j * stride].
 void load_points(const PointView& points, std::uint64_t begin, std::uint64_t count, double* out,
                  std::size_t step, std::size_t stride);
 

@@ -1,6 +1,6 @@
-// Compares planes, volume, area and centroid with the accuracy that the library documents. A value
-// is accepted if it may be within the documented bound, given that the check's own arithmetic errs
-// by at most a quarter of the bound. docs/exactness.md, "Numbers", derives both.
+// Compares planes, volume, area and centroid with the accuracy that the library documents. The
+// check's own error is at most a quarter of the documented bound; a value within 1.25 times the
+// bound is accepted. docs/exactness.md, "Numbers", derives both.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,10 +12,11 @@ namespace cullhull::internal::certify {
 namespace {
 
 constexpr double unit = CheckedFacets::unit;
-/// Factor of the bound that includes the check's own error.
+/// Factor of the bound that allows for the check's own error.
 constexpr double with_own = 1.25;
 
-/// Magnitudes from here on round to infinity: the largest double and half a unit.
+/// Magnitudes from here on round to infinity: the largest double plus half a unit in its last
+/// place.
 mpf_class beyond_doubles() { return times_power_of_two(mpf_class(1 - 0x1p-54, 256), 1024); }
 
 // ---------------------------------------------------------------------------------------------
@@ -26,7 +27,7 @@ class PlaneCheck {
   PlaneCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), d_(s.hull.dimension), k_(s.k) {}
 
-  /// Checks the facet that is one simplex.
+  /// Checks the plane of a facet that is one simplex.
   void check_simplex(std::uint32_t f, const FacetTerms& terms) const {
     if (!normal_fits(f, f, terms)) wrong_normal(f);
     check_offset(f, f);
@@ -48,7 +49,8 @@ class PlaneCheck {
   void check(std::uint32_t f, FacetTerms& terms) const {
     if (k_ > 8) s_.run.check();
     const auto own = s_.members[f];
-    // The plane of a facet's widest simplex is checked, as far as doubles determine the widest.
+    // Checks against the plane of a facet's widest simplex, as far as doubles determine which it
+    // is.
     double widest = 0;
     if (own.size() > 1)
       for (const std::uint32_t i : own) {
@@ -77,7 +79,7 @@ class PlaneCheck {
     return true;
   }
 
-  /// The plane goes through the first vertex of the facet's simplices.
+  /// Checks that the plane contains the first vertex of the facet's simplices.
   void check_offset(std::uint32_t f, std::uint32_t simplex) const {
     const double* p = plane(f);
     const std::uint32_t vertex = s_.simplex(simplex)[0];
@@ -126,7 +128,7 @@ class PlaneCheck {
 // ---------------------------------------------------------------------------------------------
 // Measures
 
-/// Sums over simplices, and the bounds that add up with them.
+/// Sums over simplices, each with its error bound.
 template <class Sum, class Bound>
 struct Sums {
   Sum volume, area;
@@ -151,7 +153,7 @@ class MeasureCheck {
   MeasureCheck(const Subject& s, const CheckedFacets& facets)
       : s_(s), h_(s.hull), f_(facets), planes_(s, facets), d_(s.hull.dimension), k_(s.k) {}
 
-  /// Checks measures, and in the same pass planes of facets that are simplices.
+  /// Checks measures, and in the same pass the planes of facets that are simplices.
   void run() const {
     if (!single()) planes_.run();
     if (quick()) {
@@ -163,8 +165,8 @@ class MeasureCheck {
 
  private:
   bool quick() const { return k_ > 1 && !f_.wild(); }
-  /// Whether the bounds that add up with the sums tell more than relative_bound() does. Far from
-  /// underflow nothing was lost in the sums, whatever single simplices lost.
+  /// Whether the bounds added up with the sums are tighter than relative_bound(). Far from
+  /// underflow the sums lost nothing, even if terms of single simplices did.
   bool settled(const QuickSums& q) const {
     return q.volume.high > 0x1p-500 && q.area.high > 0x1p-500 && q.volume.high < 0x1p900 &&
            q.volume_bound <= f_.relative_bound() * q.volume.high &&
@@ -172,9 +174,9 @@ class MeasureCheck {
   }
   bool single() const { return h_.facets.size() == s_.simplex_count(); }
 
-  /// Bounds of the measure of a simplex's parallelotope, and of its product with the height,
-  /// `reach` being the vector to the apex. The product of the edges' lengths and the measure are
-  /// passed separately, since their quotient may be outside of the range of doubles.
+  /// Error bounds of the measure of a simplex's parallelotope and of its product with the height;
+  /// `reach` is the vector to the apex. The product of the edges' lengths and the measure are
+  /// passed separately, because their quotient may be outside the range of doubles.
   template <class Number>
   Number area_bound(const FacetTerms& t, const Number& lengths, const Number& measure) const {
     const double spread = f_.by_component() ? t.spread_length : 1;
@@ -252,7 +254,7 @@ class MeasureCheck {
   }
 
   WideSums wide_sums() const {
-    constexpr std::uint64_t chunk = 256;  // GMP: a facet takes microseconds
+    constexpr std::uint64_t chunk = 256;  // GMP: microseconds per facet
     constexpr mp_bitcnt_t bits = 4608;    // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
@@ -292,7 +294,7 @@ class MeasureCheck {
     }
   }
 
-  /// `t` in units of 2^exponent per length.
+  /// Compares the hull's measures with `t`, whose unit of length is 2^exponent.
   void compare(const WideSums& t, long exponent) const {
     mpf_class factorial(1, 256);
     for (unsigned i = 2; i < k_; ++i) factorial *= i;
@@ -310,7 +312,7 @@ class MeasureCheck {
     }
   }
 
-  /// Half a unit in the last place of the least numbers, for which no relative bound holds.
+  /// Half of the least denormal number, below which no relative bound holds.
   static mpf_class least() {
     return mpf_class(std::numeric_limits<double>::denorm_min(), 256) * 0.5;
   }

@@ -1,4 +1,4 @@
-// Every input point against a surface that is known to bound a convex polytope P.
+// Checks every input point against a surface that is known to bound a convex polytope P.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work
 
-/// Detects points outside the flat of the basis: on the chosen axes and any other one, the simplex
-/// of the basis and the point must be degenerate.
+/// Detects points outside the flat of the basis: on the chosen axes together with any other axis,
+/// the simplex of the basis and the point must be degenerate.
 class FlatCheck {
  public:
   explicit FlatCheck(const Subject& s) : s_(s) {
@@ -69,7 +69,7 @@ class FlatCheck {
 };
 
 /// Skips most points that are strictly inside: a grid on the cube of directions around the centre,
-/// with a radius for each cell. docs/exactness.md, "Certificate", has the proof.
+/// with an inner radius for each cell. docs/exactness.md, "Certificate", has the proof.
 class InnerFilter {
  public:
   InnerFilter(const Subject& s, const Cones& cones, std::uint64_t points)
@@ -82,13 +82,13 @@ class InnerFilter {
   }
   bool usable() const { return !limits_.empty(); }
 
-  /// True only if the point is strictly inside; y: relative to the centre, in the units of the
-  /// cones. `hint` receives a simplex near its ray.
+  /// True only if the point is strictly inside. y: relative to the centre, scaled as in Cones. Sets
+  /// `hint` to a simplex near the point's ray.
   template <unsigned K>
   bool strictly_inside(const double* y, std::uint32_t& hint) const {
     double radius = 0, around[2 * K];
     unsigned face = 0;
-    for (unsigned j = 0; j < K; ++j) {  // without a branch: which face it is nobody can foresee
+    for (unsigned j = 0; j < K; ++j) {  // branch-free: the face is unpredictable
       const double a = std::fabs(y[j]);
       face = a > radius ? j : face;
       radius = a > radius ? a : radius;
@@ -112,7 +112,7 @@ class InnerFilter {
     return static_cast<std::uint64_t>(2.0 * k_ * std::pow(resolution_ + 1.0, k_ - 1.0));
   }
 
-  /// Whether centre + t * direction, rounded, is in P. f: start of the walk, then the facet
+  /// Whether centre + t * direction, rounded, is in P. The walk starts at f and sets f to the facet
   /// reached.
   bool inside(const double* direction, double t, std::uint32_t& f, const double** scratch) const {
     double x[6];
@@ -121,9 +121,9 @@ class InnerFilter {
     return s_.side(f, x, scratch) != Sign::positive;
   }
 
-  /// Finding a node's simplex takes a walk, as a point does, and both walks are the shorter the
-  /// finer the grid; up to 150,000 nodes (0.6 MB) fit the cache. 0: no grid, as there are too few
-  /// points.
+  /// Chooses the grid's resolution. Each node and each point costs one walk, whose length is
+  /// inversely proportional to the resolution; at most 150,000 nodes (0.6 MB), which fit into the
+  /// cache. 0: no grid, as there are too few points.
   void choose_resolution(std::uint64_t points) {
     double least = std::numeric_limits<double>::infinity();
     unsigned best = 0;
@@ -136,7 +136,7 @@ class InnerFilter {
     resolution_ = best;
   }
 
-  /// Finds a box around the centre with all corners in P.
+  /// Finds a box around the centre whose corners are all in P.
   bool find_box() {
     for (unsigned j = 0; j < k_; ++j)
       for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
@@ -152,8 +152,8 @@ class InnerFilter {
       }
       if (!all) continue;
       const double roundoff = 0x1p-53;
-      // The corners are off by 2 u (magnitude + r) at most; the box keeps half its size if that is
-      // below r / 2. Then `slack` is the eta of the proof.
+      // The corners have an error of at most 2 u (magnitude + r); the box keeps half its size if
+      // that is below r / 2. Then `slack` is the eta of the proof.
       const double rounding = 2 * roundoff * (magnitude_ + 2);
       if (!(rounding < r / 2)) return false;
       tiny_ = r / 4;
@@ -163,7 +163,7 @@ class InnerFilter {
     return false;
   }
 
-  /// A radius just inside, where the cones give one.
+  /// Sets a radius just inside P from the cones' planes; false if they give none.
   bool quick_radius(const double* direction, std::uint32_t& f, double& radius) const {
     double y[6];
     for (unsigned j = 0; j < k_; ++j) y[j] = 0x1p-10 * direction[j];  // within the planes' reach
@@ -243,14 +243,14 @@ class InnerFilter {
   std::vector<std::uint32_t> hints_;
 };
 
-/// Vertices that points were found to equal. A copy of a vertex is in the hull; without this cache
-/// each would cost a walk and a degenerate orientation.
+/// Vertices that points were found to be equal to. Duplicates of a vertex are in the hull; without
+/// this cache each would need a walk and a degenerate orientation test.
 class VertexCache {
  public:
   explicit VertexCache(const Subject& s) : k_(s.k) { entries_.fill(0xFFFFFFFFU); }
   std::uint32_t& entry(const double* x) {
     std::uint64_t hash = 0;
-    for (unsigned j = 0; j < k_; ++j)  // adding zero makes equal numbers equal bits
+    for (unsigned j = 0; j < k_; ++j)  // adding zero makes equal numbers bitwise equal
       hash = (std::rotl(hash, 5) ^ std::bit_cast<std::uint64_t>(x[j] + 0.0)) * 0x9E3779B97F4A7C15U;
     return entries_[hash >> 56];
   }
@@ -275,7 +275,7 @@ class PointCheck::Scan {
     if (s.k == 1) low_ = s.row(0)[0] < s.row(1)[0] ? 0 : 1;
   }
 
-  /// Checks points [begin, end) of a block; its first point is the point `first` of all.
+  /// Checks points [begin, end) of a block, whose first point has the id `first`.
   void range(const PointView& block, std::uint64_t first, std::uint64_t begin,
              std::uint64_t end) const {
     with_dimension<2, 6, 0>(s_.k, [&](auto k) { range_in<k>(block, first, begin, end); });
@@ -287,13 +287,13 @@ class PointCheck::Scan {
     return InnerBall(cones.centre(), cones.scales(), cones.ball());
   }
 
-  /// Estimates by a sample how many points, vertices aside, the ball leaves to the filter.
+  /// Estimates from a sample how many points, except vertices, the ball leaves to the filter.
   std::uint64_t count_outside_ball() const {
     constexpr std::uint32_t sample = 256;
     const std::uint64_t n = s_.points.count, blocks = 32;
     std::uint64_t left = n;
     if (s_.points.data == nullptr) {
-      left = n / 2;  // none has come yet: a guess
+      left = n / 2;  // unknown before points arrive; affects only the grid's resolution, untested
     } else if (ball_.usable() && n > 4 * blocks * sample) {
       std::uint16_t out[InnerBall::block];
       std::uint64_t seen = 0;
@@ -305,7 +305,7 @@ class PointCheck::Scan {
     return left > s_.ids.size() ? left - s_.ids.size() : 0;
   }
 
-  /// K: k where the inner filter serves, else 0.
+  /// K: k if the inner filter is usable, else 0.
   template <unsigned K>
   void range_in(const PointView& points, std::uint64_t first, std::uint64_t begin,
                 std::uint64_t end) const {
@@ -335,7 +335,8 @@ class PointCheck::Scan {
     }
   }
 
-  /// The point is the hull's vertex v: checks its coordinates where that was not done.
+  /// Called for a point that is the hull's vertex v: compares its coordinates with the claimed
+  /// ones.
   void meet_vertex(std::size_t v, const double* x) const {
     const unsigned d = s_.hull.dimension;
     if (s_.claimed != nullptr && !std::equal(x, x + d, s_.full.data() + v * d))

@@ -1,4 +1,4 @@
-// Shape, flat, ridges and covering number: whether the surface bounds a convex polytope.
+// Checks of shape, flat, ridges and covering number: does the surface bound a convex polytope?
 #include <gmpxx.h>
 
 #include <algorithm>
@@ -78,7 +78,7 @@ void read_simplices(Subject& s) {
         const std::uint64_t at = s.position(row[j]);
         if (at == s.ids.size()) fault("simplex ", i, " uses point ", row[j], ", not a vertex");
         s.index[i * k + j] = static_cast<std::uint32_t>(at);
-        // Ascending, but the last two may be swapped.
+        // Ascending; the last two may be swapped.
         if (j > 0 && (j + 1 < k ? row[j - 1] >= row[j] : row[j - 1] == row[j]))
           fault("the ids of simplex ", i, " are not in order");
         if (j + 1 == k && k > 2 && row[j] <= row[k - 3])
@@ -98,10 +98,10 @@ void read_simplices(Subject& s) {
     if (!used[v]) fault("vertex ", s.ids[v], " is on no simplex");
 }
 
-/// How simplex b meets slot i of simplex a: the slot of b opposite to their common ridge (k if they
-/// share none), and whether the two have the same orientation: then the permutation from a's order,
-/// its vertex i replaced by b's, to b's order is odd. K: k where it is known, else 0; `at` has room
-/// for k.
+/// How simplex b meets simplex a across the ridge opposite to vertex i of a. `slot`: of b, opposite
+/// to that ridge (k if they share none). `coherent`: both have the same orientation, which means
+/// that the permutation from a's order (its vertex i replaced by b's) to b's order is odd. K: k if
+/// known at compile time, else 0; `at` has room for k.
 struct Across {
   unsigned slot;
   bool coherent;
@@ -126,19 +126,19 @@ Across across(unsigned dynamic_k, const std::uint32_t* a, unsigned i, const std:
   return result;
 }
 
-/// Checks ridges between simplices, each from the simplex with the lower number.
+/// Checks ridges between simplices, each once, from the simplex with the lower number.
 class RidgeCheck {
  public:
   RidgeCheck(const Subject& s, const Cones& cones) : s_(s), cones_(cones) {}
 
-  /// The number of ridges.
+  /// Returns the number of ridges.
   std::uint64_t run() const {
     std::vector<std::uint64_t> pairs(chunk_count(s_.simplex_count(), chunk), 0);
     check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
       pairs[begin / chunk] = range(begin, end);
     });
     const std::uint64_t all = std::accumulate(pairs.begin(), pairs.end(), std::uint64_t{0});
-    // No slot is in two pairs: twice as many slots as pairs means that all are paired.
+    // No slot is in two pairs, so all slots are paired if there are twice as many slots as pairs.
     if (all * 2 != std::uint64_t{s_.simplex_count()} * s_.k) name_the_odd_one();
     return all;
   }
@@ -149,7 +149,7 @@ class RidgeCheck {
                                    [&](auto k) { return range_in<k>(begin, end); });
   }
 
-  /// K: k where planes in doubles serve, else 0.
+  /// K: k if planes in doubles are usable, else 0.
   template <unsigned K>
   std::uint64_t range_in(std::uint64_t begin, std::uint64_t end) const {
     const unsigned k = K != 0 ? K : s_.k;
@@ -195,7 +195,7 @@ class RidgeCheck {
   [[noreturn]] static void not_neighbours(std::uint32_t f, std::uint32_t g) {
     fault("simplices ", f, " and ", g, " do not share a ridge as neighbours");
   }
-  /// Finds a slot that names a simplex of lower number which does not name it in return.
+  /// Finds a slot whose neighbour of lower number does not refer back to it.
   [[noreturn]] void name_the_odd_one() const {
     std::vector<unsigned> at(s_.k);
     for (std::uint32_t f = 0; f < s_.simplex_count(); ++f)
@@ -211,8 +211,8 @@ class RidgeCheck {
   const Cones& cones_;
 };
 
-/// Whether the centre, or without one the centroid of the basis, is strictly beneath every simplex;
-/// a fault in the latter case.
+/// Whether the centre, or else the centroid of the basis, is strictly beneath every simplex; for
+/// the centroid a negative answer is a fault.
 bool beneath_all(const Subject& s, const Cones& cones) {
   const std::uint32_t count = s.simplex_count();
   try {
@@ -241,7 +241,7 @@ std::vector<double> mean(const Subject& s, const std::vector<std::uint32_t>& ver
   return m;
 }
 
-/// Tries the rounded means of some vertices as the interior point.
+/// Tries the rounded means of all vertices and of the basis as interior point.
 void choose_centre(Subject& s, Cones& cones) {
   std::vector<std::uint32_t> all(s.ids.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -255,11 +255,11 @@ void choose_centre(Subject& s, Cones& cones) {
   beneath_all(s, cones);
 }
 
-/// Shows for most simplices in a few operations that the closed cone over them does not contain the
-/// ray towards x, by linear functionals L with L(x) > 0 > L(v) for all their corners v.
+/// Excludes simplices by a few operations: linear functionals L with L(x) > 0 > L(v) for all
+/// corners v of a simplex prove that its closed cone does not contain the ray towards x.
 class Wedges {
  public:
-  /// Around the direction of x; contains nothing where planes in doubles do not serve.
+  /// Wedges around the direction of x; excludes nothing if planes in doubles are not usable.
   Wedges(const Subject& s, const Cones& cones, const double* x) : s_(s) {
     if (!cones.usable()) return;
     const unsigned k = s.k;
@@ -306,7 +306,7 @@ class Wedges {
       }
     if (!(-value(0, y, -1) > 0)) functionals_.clear();
   }
-  /// An upper bound of L(v), where v is rounded; of -L(v) for sign -1.
+  /// An upper bound of L(v) for a rounded v; with sign -1 of -L(v).
   double value(std::size_t l, const double* v, double sign = 1) const {
     const unsigned k = s_.k;
     double sum = 0, terms = 0;
@@ -320,11 +320,11 @@ class Wedges {
 
   const Subject& s_;
   std::vector<double> functionals_;    ///< rows of k
-  std::vector<std::uint32_t> behind_;  ///< of a vertex: bit l for L_l(v) < 0
+  std::vector<std::uint32_t> behind_;  ///< for each vertex: bit l is set if L_l(v) < 0
 };
 
 /// Whether the closed cone over simplex f, from the centroid of the basis, contains the mean of the
-/// corners of `target`, in rational arithmetic.
+/// corners of `target`; in rational arithmetic.
 bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
   const unsigned k = s.k;
   std::vector<mpq_class> centroid(k), ray(k);
@@ -334,7 +334,8 @@ bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
     for (unsigned j = 0; j < k; ++j) ray[c] += mpq_class(s.row(s.simplex(target)[j])[c]);
     ray[c] = ray[c] / k - centroid[c];
   }
-  // Solves sum lambda_j (corner j - centroid) = ray; simplex f is strictly beneath, so regular.
+  // Solves sum lambda_j (corner j - centroid) = ray; the matrix is regular, as f is strictly
+  // beneath.
   std::vector<std::vector<mpq_class>> m(k, std::vector<mpq_class>(k + 1));
   for (unsigned c = 0; c < k; ++c) {
     for (unsigned j = 0; j < k; ++j) m[c][j] = mpq_class(s.row(s.simplex(f)[j])[c]) - centroid[c];
@@ -401,12 +402,13 @@ std::uint64_t check_ridges(const Subject& s, const Cones& cones) {
   return 1;
 }
 
-/// The ray through some simplex must meet no other. Since every simplex is seen from beneath, the
-/// number of simplices that a ray meets is how often the surface covers the sphere of directions.
+/// Checks that the ray through some simplex meets no other. Since every simplex is seen from
+/// beneath, the number of simplices that a ray meets is how often the surface covers the sphere of
+/// directions.
 void check_covering(Subject& s, Cones& cones) {
   if (s.k == 1) return;
   std::vector<const double*> scratch(s.k + 1);
-  // A double strictly within the cone of some simplex.
+  // A double strictly inside the cone of some simplex.
   std::vector<double> x;
   std::uint32_t target = 0;
   for (; target < s.simplex_count(); ++target) {

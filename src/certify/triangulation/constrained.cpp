@@ -1,6 +1,6 @@
-// certify() of constrained triangulations of the plane. Nothing of src/constrained and src/delaunay
-// is used but to make a witness, which is checked like any other; docs/exactness.md, "Constrained
-// triangulations", says why what is checked is a proof.
+// certify() of constrained 2D triangulations. Uses src/constrained and src/delaunay only to compute
+// a witness, which is verified as any other result; docs/exactness.md, "Constrained
+// triangulations", explains why the checks are a proof.
 #include "cullhull/constrained.hpp"
 
 #include <algorithm>
@@ -20,13 +20,13 @@ namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Edges in order, each with a number.
+/// A sorted table of edges, each with a number.
 class EdgeTable {
  public:
   using Item = std::pair<Edge, std::uint64_t>;
   void add(const Edge& edge, std::uint64_t number) { items_.emplace_back(edge, number); }
   void sort() { std::sort(items_.begin(), items_.end()); }
-  /// Null: it is not there.
+  /// Null if the edge is absent.
   const Item* find(const Edge& edge) const {
     const auto at = std::lower_bound(items_.begin(), items_.end(), Item(edge, 0));
     return at != items_.end() && at->first == edge ? &*at : nullptr;
@@ -79,7 +79,7 @@ class ConstrainedSubject {
   bool equal(std::uint32_t a, std::uint32_t b) const {
     return row(a)[0] == row(b)[0] && row(a)[1] == row(b)[1];
   }
-  /// By coordinates.
+  /// Lexicographic order of the coordinates.
   bool before(std::uint32_t a, std::uint32_t b) const {
     return row(a)[0] != row(b)[0] ? row(a)[0] < row(b)[0] : row(a)[1] < row(b)[1];
   }
@@ -99,7 +99,7 @@ class ConstrainedSubject {
       fault("lists of cells have other lengths");
   }
 
-  /// Orientation, order, neighbours; the cell of each edge on the left of its way up.
+  /// Checks orientation, order, neighbours; records the cell on the left of each directed edge.
   void check_cells() {
     for (std::uint32_t i = 0; i < t_.size(); ++i) {
       const auto v = t_.cell(i);
@@ -126,8 +126,8 @@ class ConstrainedSubject {
     edges_of_cells_.sort();
   }
 
-  /// One convex ring: with cells that are turned left and share edges pairwise it covers once what
-  /// it goes around.
+  /// Checks that the hull is one convex ring: then cells that turn left and share edges pairwise
+  /// cover its inside exactly once.
   void check_hull() const {
     std::vector<std::uint32_t> next(points_.count, no_cell);
     std::vector<std::pair<Edge, std::uint32_t>> hull;
@@ -172,9 +172,10 @@ class ConstrainedSubject {
     if (!t_.hidden.empty()) fault("no point is hidden");
   }
 
-  /// Each constraint is a chain of pieces, each piece is an edge and its lowest constraint's.
+  /// Checks that each constraint is a chain of pieces, and that each piece is an edge and names its
+  /// lowest constraint.
   void check_pieces() {
-    EdgeTable at;  // pieces from each end
+    EdgeTable at;  // pieces, by each end
     for (std::uint32_t i = 0; i < c_.piece_sources.size(); ++i) {
       const Edge e(c_.pieces[2 * std::size_t{i}], c_.pieces[2 * std::size_t{i} + 1]);
       const auto* edge = edges_of_cells_.find(e);
@@ -218,7 +219,7 @@ class ConstrainedSubject {
     return edges_of_cells_.find(std::minmax(a, b))->second != 0;
   }
 
-  /// Every edge between cells that is no piece.
+  /// Checks the circles of every edge between cells that is not a piece.
   std::uint64_t check_circles() const {
     std::uint64_t count = 0;
     for (const auto& [edge, place] : left_.items()) {
@@ -269,11 +270,11 @@ class ConstrainedSubject {
   const ConstrainedTriangulation& c_;
   const Triangulation& t_;
   Array<double> rows_;
-  EdgeTable left_;            ///< 3 cell + slot, of the cell on the left
-  EdgeTable edges_of_cells_;  ///< the lower id first: 1 for pieces
+  EdgeTable left_;            ///< 3 * cell + slot of the cell on the left
+  EdgeTable edges_of_cells_;  ///< lower id first; the number is 1 for pieces
 };
 
-/// Whether `result` is what is left of a certified whole one: cells of odd depth.
+/// Checks that `result` consists of the cells of odd depth of a certified whole triangulation.
 class InsideSubject {
  public:
   InsideSubject(const ConstrainedTriangulation& whole, const ConstrainedTriangulation& result)
@@ -350,10 +351,10 @@ class InsideSubject {
 
   const ConstrainedTriangulation &whole_, &result_;
   const Triangulation &w_, &t_;
-  std::vector<std::uint32_t> number_;  ///< of the whole one's cells in the result
+  std::vector<std::uint32_t> number_;  ///< for each cell of the whole, its number in the result
 };
 
-/// The whole one that `result` is the inside of; a fault where there is none.
+/// Computes the whole triangulation for `result`; a fault if that is impossible.
 ConstrainedTriangulation witness_of(const PointView& points, std::span<const std::uint32_t> edges,
                                     ConstrainedOptions options) {
   options.inside_only = false;

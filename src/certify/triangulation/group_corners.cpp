@@ -12,7 +12,7 @@ namespace {
 
 using Vector = std::vector<mpq_class>;
 
-/// Brings rows to echelon form; its rank. `pivots`: the columns.
+/// Brings rows to echelon form; returns the rank. `pivots`: the pivots' columns.
 std::size_t eliminate(std::vector<Vector>& rows, std::size_t columns,
                       std::vector<std::size_t>& pivots) {
   pivots.clear();
@@ -33,7 +33,7 @@ std::size_t eliminate(std::vector<Vector>& rows, std::size_t columns,
   return rank;
 }
 
-/// At right angles to k - 1 independent rows of k columns.
+/// A vector orthogonal to k - 1 independent rows of k columns.
 Vector normal_to(std::vector<Vector> rows, std::size_t k) {
   std::vector<std::size_t> pivots;
   eliminate(rows, k, pivots);
@@ -72,12 +72,12 @@ bool GroupCorners::corner(std::uint32_t v, const std::vector<std::uint32_t>& cel
 std::optional<std::uint32_t> GroupCorners::first_that_is_none(const Run& run) const {
   std::vector<std::uint32_t> size(t_.size());
   for (const std::uint32_t g : t_.cell_groups) ++size[g];
-  // A vertex of a group of one cell is a corner of it.
+  // A vertex of a group with one cell is a corner of it.
   std::vector<bool> proved(t_.point_count);
   for (std::uint64_t c = 0; c < t_.size(); ++c)
     if (size[t_.cell_groups[c]] == 1)
       for (const std::uint32_t v : t_.cell(c)) proved[v] = true;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> cells;  // of the first group around each
+  std::map<std::uint32_t, std::vector<std::uint32_t>> cells;  // of each vertex's first group
   for (std::uint32_t c = 0; c < t_.size(); ++c)
     for (const std::uint32_t v : t_.cell(c)) {
       if (proved[v]) continue;

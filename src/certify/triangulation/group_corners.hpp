@@ -1,4 +1,4 @@
-// Whether vertices of merged cells are corners of them.
+// Checks whether vertices of merged cells are corners of them.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,15 @@
 namespace cullhull::internal::certify {
 
 /// The merged cells of a group are a convex polytope in the flat. A vertex is a corner of it if and
-/// only if the normals of its facets around the vertex have full rank. That is so in one group
-/// around the vertex if and only if it is so in all: then its lifted point is a face of the lower
-/// hull.
+/// only if the normals of the polytope's facets at the vertex have full rank. A vertex is a corner
+/// of one of its groups if and only if it is a corner of all: then its lifted point is a vertex of
+/// the lower hull.
 class GroupCorners {
  public:
   GroupCorners(const Triangulation& t, std::function<const double*(std::uint32_t)> row)
       : t_(t), row_(std::move(row)) {}
-  /// The lowest id of a vertex that is none; rational arithmetic for each vertex of merged cells.
+  /// The lowest id of a vertex that is not a corner; uses rational arithmetic for each vertex of
+  /// merged cells.
   std::optional<std::uint32_t> first_that_is_none(const Run& run) const;
 
  private:

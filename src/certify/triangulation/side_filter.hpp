@@ -9,8 +9,8 @@
 
 namespace cullhull::internal::certify {
 
-/// A determinant of rows [differences from p, lift] with a bound from its permanent; false if
-/// doubles cannot tell.
+/// The sign of a determinant of rows [differences from p, lift], with an error bound from its
+/// permanent; false if doubles do not decide it.
 template <unsigned K>
 inline bool side_filtered(unsigned width, bool weighted, const double* const* c, const double* p,
                           Sign& sign) {
@@ -43,7 +43,7 @@ inline bool side_filtered(unsigned width, bool weighted, const double* const* c,
   const double bound = roundings * unit_roundoff * perm[(2U << K) - 1] + 0x1p-400;
   const double value = det[(2U << K) - 1];
   if (std::abs(value) <= bound) return false;
-  // The plane is seen from p: (-1)^(k + 1) turns rows c_i - p to p - c_0 as the last.
+  // Seen from p: (-1)^(k + 1) for reordering rows c_i - p so that p - c_0 is the last.
   const bool positive = (value > 0) == (K % 2 == 1);
   sign = positive ? Sign::positive : Sign::negative;
   return true;

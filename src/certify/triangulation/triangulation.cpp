@@ -1,5 +1,5 @@
-// certify() of triangulations. The proof, step by step, is in docs/exactness.md, "Certificate of a
-// triangulation"; nothing of src/delaunay is used.
+// certify() of triangulations, without any code of src/delaunay. The proof, step by step, is in
+// docs/exactness.md, "Certificate of a triangulation".
 #include "cullhull/triangulation.hpp"
 
 #include <gmpxx.h>
@@ -93,7 +93,7 @@ class TriangulationSubject {
       fault("equal points make one cell without neighbours");
   }
 
-  /// Coordinates on the flat's axes first, then the others, then the weight.
+  /// Reads rows: first coordinates on the flat's axes, then the others, then the weight.
   void read_rows() {
     const unsigned d = points_.dimension;
     if (t_.axes.size() != k_ || !std::is_sorted(t_.axes.begin(), t_.axes.end()) ||
@@ -115,7 +115,8 @@ class TriangulationSubject {
     });
   }
 
-  /// All points are in the flat of the first cell, whose corners are independent on its axes.
+  /// Checks that all points are in the flat of the first cell, whose corners are independent on the
+  /// axes.
   void check_flat() {
     const unsigned d = points_.dimension;
     std::vector<double> corner_rows;
@@ -142,7 +143,7 @@ class TriangulationSubject {
       });
   }
 
-  /// Every id is a vertex, a duplicate or hidden, and only one of these.
+  /// Checks that every id is exactly one of vertex, duplicate and hidden.
   void check_points() {
     enum : std::uint8_t { unlisted, vertex, duplicate, hidden };
     std::vector<std::uint8_t> role(t_.point_count, unlisted);
@@ -223,7 +224,7 @@ class TriangulationSubject {
     });
   }
 
-  /// Ascending.
+  /// The ids of the facet opposite to corner j of cell c, ascending.
   std::vector<std::uint32_t> facet_of(std::uint64_t c, unsigned j) const {
     std::vector<std::uint32_t> ids;
     for (unsigned i = 0; i < corners(); ++i)
@@ -232,8 +233,8 @@ class TriangulationSubject {
     return ids;
   }
 
-  /// The facets without a neighbour are those listed; two of them meet in each ridge, and are
-  /// weakly convex there.
+  /// Checks that the facets without a neighbour are those listed, and that exactly two of them meet
+  /// in each ridge, weakly convex.
   void check_hull() {
     std::uint64_t open = 0;
     for (const std::uint32_t n : t_.neighbours) open += n == no_cell ? 1 : 0;
@@ -292,7 +293,7 @@ class TriangulationSubject {
     fault("hull facet ", f, " is no open facet of cell ", c);
   }
 
-  /// Positive: p is strictly on the inner side of a hull facet. k = 1: a facet is one id, and its
+  /// Positive: p is strictly on the inner side of a hull facet. k = 1: a facet is one id; its
   /// cell's other corner is inside.
   Sign beneath(std::uint64_t f, const double* p) const {
     std::vector<const double*> at;
@@ -314,8 +315,8 @@ class TriangulationSubject {
     return sign;
   }
 
-  /// A point strictly within cell 0 is within no other, and beneath every facet of the hull. So
-  /// the hull, seen from there, is met by each ray once, and all that is in it is covered once.
+  /// Checks that a point strictly inside cell 0 is in no other cell and beneath every facet of the
+  /// hull. Then each ray from that point meets the hull once, and the cells cover its inside once.
   void check_covered_once() {
     std::vector<const double*> cell;
     for (const std::uint32_t v : t_.cell(0)) cell.push_back(row(v));
@@ -329,7 +330,8 @@ class TriangulationSubject {
       at[j] = centre.data();
       inside = oriented(at.data()) == Sign::positive;
     }
-    // Sign of corner j of c replaced by the centre: rounded if that is inside, else exact.
+    // The orientation of c with corner j replaced by the centre: rounded if that is inside, else
+    // exact.
     const auto replaced = [&](const std::uint32_t* v, unsigned j) {
       std::vector<const double*> at;
       for (unsigned i = 0; i < corners(); ++i)
@@ -366,7 +368,7 @@ class TriangulationSubject {
     if (k_ == 1 && t_.hull_cells.size() != 2) fault("the hull of a line has two ends");
   }
 
-  /// Which side of the lifted cell's plane a lifted point is on: negative is below.
+  /// The side of the lifted cell's hyperplane that a lifted point is on; negative is below.
   Sign side(const double* const* c, const double* p) const {
     const unsigned d = points_.dimension;
     Sign sign = Sign::zero;
@@ -383,7 +385,8 @@ class TriangulationSubject {
     return t_.furthest_site ? -sign : sign;
   }
 
-  /// Whether lifts lowered by e_0 >> e_1 >> ..., by id, put q below the plane of c.
+  /// Whether lifts lowered by infinitesimals e_0 >> e_1 >> ..., by id, put q below the hyperplane
+  /// of c.
   bool below_when_lowered(std::uint64_t c, std::uint32_t q) const {
     std::vector<std::uint32_t> ids(t_.cell(c).begin(), t_.cell(c).end());
     ids.push_back(q);
@@ -433,7 +436,8 @@ class TriangulationSubject {
     return count;
   }
 
-  /// Weights: every vertex is a corner of its merged cells, so an extreme point of the lower hull.
+  /// With weights: checks that every vertex is a corner of its merged cells, so that its lifted
+  /// point is an extreme point of the lower hull.
   void check_extreme() const {
     if (t_.cell_groups.empty()) return;
     const GroupCorners corners_of(t_, [&](std::uint32_t id) { return row(id); });
@@ -441,7 +445,7 @@ class TriangulationSubject {
     if (bad) fault("point ", *bad, " is a vertex, but no extreme point of the lower hull");
   }
 
-  /// Lifted hidden points are on or above the lower hull.
+  /// Checks that lifted hidden points are on or above the lower hull.
   void check_hidden() {
     std::uint64_t c = 0;
     std::vector<const double*> at(corners());
@@ -453,7 +457,8 @@ class TriangulationSubject {
     }
   }
 
-  /// 0: p is in the cell; else one more than a corner whose facet it is beyond.
+  /// 0: p is in the cell; else 1 + the index of a corner whose opposite facet separates p from the
+  /// cell.
   unsigned beyond(std::uint64_t c, const double* p) const {
     std::vector<const double*> at(corners());
     for (unsigned j = 0; j < corners(); ++j) {

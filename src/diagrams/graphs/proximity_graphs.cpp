@@ -28,17 +28,17 @@ void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
 struct MeasuredEdge {
   DoubleDouble size;  ///< the squared length, rounded
   Edge edge;
-  bool exact;  ///< not rounded
+  bool exact;  ///< `size` is not rounded
 };
 
-/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; edges whose
-/// lengths are too close for that are then sorted again by exact comparisons.
+/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; then edges whose
+/// rounded lengths are too close are sorted again by exact comparisons.
 class EdgeOrder {
  public:
   EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
 
-  /// The squared length. It is exact if it has a single nonzero square, or if all squares and sums
-  /// are doubles.
+  /// The squared length. It is exact if only one coordinate differs, or if all squares and sums are
+  /// doubles.
   MeasuredEdge measure(const Edge& e) const {
     MeasuredEdge m{{}, e, true};
     for (unsigned j = 0; j < d_; ++j) {
@@ -76,8 +76,8 @@ class EdgeOrder {
   }
 
  private:
-  /// Whether two lengths may be in the wrong order: their distance is within twice the error of
-  /// both, 2^-101 an operation. True if they overflowed.
+  /// Whether two lengths may be in the wrong order: their difference is at most twice the error of
+  /// both, 2^-101 per operation. True if they overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
     if (a.exact && b.exact) return false;
     const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
@@ -95,7 +95,8 @@ class EdgeOrder {
 
 // ------------------------------------------------------------------ Gabriel and lunes of points
 
-/// Whether the ball whose diameter is the edge has none of the points that share a cell with it.
+/// Whether no point that shares a cell with the edge is in the closed ball whose diameter is the
+/// edge.
 bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells::Star& e) {
   const double *a = p.row(e.low), *b = p.row(e.high);
   for (const auto& item : e.cells)
@@ -123,19 +124,19 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
   return all;
 }
 
-/// Looks for a point nearer to both ends of an edge than these are to each other.
+/// Searches the lune of an edge: the points nearer to both ends than these are to each other.
 class LuneSearch {
  public:
   LuneSearch(const DualPoints& p, const Adjacency<std::uint32_t>& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
-  /// Whether there is no such point. Searches from both ends in turn: the points that are nearer to
-  /// an end than the other end is are connected with it in the triangulation. The search is
-  /// complete when one end has no more of them.
+  /// Whether the lune is empty. Searches from both ends in turn: the points that are nearer to an
+  /// end than the other end is are connected to it in the triangulation. The search is complete
+  /// once one end has no more such points.
   bool empty(const Edge& e) {
     edge_ = e;
     for (Side& side : sides_) side.clear();
-    // If there is such a point, it usually is a neighbour of both ends.
+    // A point in the lune usually is a neighbour of both ends.
     if (!expand(sides_[0], e.low, e.low, e.high) || !expand(sides_[1], e.high, e.high, e.low))
       return false;
     for (;;)
@@ -148,7 +149,7 @@ class LuneSearch {
   }
 
  private:
-  /// The points met from one end: a list that is searched while there are few, then a hash table.
+  /// Points visited from one end: a list, searched linearly, while they are few, then a hash table.
   struct Side {
     static constexpr std::size_t few = 32;
     std::vector<std::uint32_t> todo, met;
@@ -168,12 +169,12 @@ class LuneSearch {
       return std::find(met.begin(), met.end(), v) == met.end() && many.insert(v).second;
     }
   };
-  /// Whether v is nearer to `end` than the edge is long.
+  /// Whether the distance of v from `end` is less than the length of the edge.
   bool nearer(std::uint32_t v, std::uint32_t end) const {
     return compare_lengths(d_, p_.row(v), p_.row(end), p_.row(edge_.low), p_.row(edge_.high)) ==
            Sign::negative;
   }
-  /// False if a neighbour of v is in the lune.
+  /// Visits the neighbours of v; false if one of them is in the lune.
   bool expand(Side& side, std::uint32_t v, std::uint32_t own, std::uint32_t other) {
     for (const std::uint32_t next : graph_[v]) {
       if (next == other || next == own || !nearer(next, own)) continue;

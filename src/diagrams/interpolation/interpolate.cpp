@@ -32,8 +32,8 @@ struct Interpolator::State {
     for (std::uint32_t c = 0; c < components; ++c) row[c] += weight * value[c];
   }
 
-  /// body(view of a part of the points, where its results go): memory stays the same for any
-  /// number of points.
+  /// Calls body(view of a block of points, where to write their results) for each block, so that
+  /// the memory does not depend on the number of points.
   template <class Body>
   void each_block(const PointView& points, double* out, const Body& body) const {
     constexpr std::uint64_t block = std::uint64_t{1} << 20;
@@ -45,9 +45,9 @@ struct Interpolator::State {
     }
   }
 
-  /// For each point that is in a cell write(i, cell, barycentric coordinates there, row of zeros),
-  /// with write = make(view of a part of the points) for each chunk of `grain` points; `outside`
-  /// for all others.
+  /// For each point in a cell calls write(i, cell, its barycentric coordinates, a row of zeros for
+  /// the result), where write = make(view of a block) for each chunk of `grain` points; writes
+  /// `outside` for all other points.
   template <class Make>
   void each_inside(const PointView& points, double* out, double outside, const RunOptions& options,
                    std::uint64_t grain, const Make& make) const {
@@ -99,7 +99,7 @@ void Interpolator::linear(const PointView& points, double* out, double outside,
   s.each_inside(points, out, outside, options, light_grain, [&](const PointView&) {
     return [&](std::uint64_t, std::uint32_t cell, const double* shares, double* row) {
       for (unsigned j = 0; j < s.corners; ++j)
-        if (shares[j] != 0)  // else whatever the value there is
+        if (shares[j] != 0)  // otherwise even a NaN there has no effect
           s.add(s.triangulation.cell(cell)[j], shares[j], row);
     };
   });

@@ -14,7 +14,7 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// Places of ids, in the order in which they are met.
+/// Indices of ids, in order of first occurrence.
 class Places {
  public:
   explicit Places(std::vector<std::uint32_t>& ids) : ids_(ids) {}
@@ -28,7 +28,8 @@ class Places {
   std::vector<std::uint32_t>& ids_;
 };
 
-/// Volumes over their sum: each within 2^-52 of exact, then rounded. False if the bound is wider.
+/// Each volume over the sum, within 2^-52 before it is rounded to a double. False if an error bound
+/// is larger.
 bool round_shares(const std::vector<BoundedDoubleDouble>& volumes, std::vector<double>& out) {
   BoundedDoubleDouble sum(0);
   for (const BoundedDoubleDouble& v : volumes) sum = sum + v;
@@ -45,7 +46,7 @@ std::vector<double> shares_of(const Cavity<K>& cavity) {
   std::vector<double> shares;
   if (round_shares(StolenVolumes<BoundedDoubleDouble, K>(cavity).run(), shares)) return shares;
   const std::vector<FractionSum> sums = StolenVolumes<Fraction, K, FractionSum>(cavity).run();
-  for (const long bits : {4096L, 32768L})  // beyond the 2^-1075 of the least share that is not zero
+  for (const long bits : {4096L, 32768L})  // the least nonzero share is 2^-1075
     if (auto nearest = nearest_shares(sums, bits)) return *std::move(nearest);
   shares.clear();
   const std::vector<mpq_class> volumes = StolenVolumes<mpq_class, K>(cavity).run();
@@ -55,7 +56,7 @@ std::vector<double> shares_of(const Cavity<K>& cavity) {
   return shares;
 }
 
-/// Ids ascending.
+/// Writes ids, ascending, with their weights.
 void write_shares(const std::vector<std::uint32_t>& ids, const std::vector<double>& shares,
                   NaturalNeighbours& out) {
   std::vector<std::uint32_t> order(ids.size());
@@ -121,7 +122,7 @@ std::vector<const double*> NaturalWeights::rows_of(std::uint32_t cell) {
   return rows;
 }
 
-/// Strictly.
+/// Whether the query is strictly inside the cell's circumsphere.
 bool NaturalWeights::in_sphere(std::uint32_t cell) {
   const std::vector<const double*> rows = rows_of(cell);
   LiftCounts counts;
@@ -134,7 +135,7 @@ bool NaturalWeights::in_sphere(std::uint32_t cell) {
 }
 
 /// Collects the cells whose circumspheres contain the query. They are connected through facets, so
-/// that a flood fill from one of them finds all.
+/// a flood fill from one of them finds all.
 void NaturalWeights::find_cavity(std::uint32_t cell) {
   cells_.assign(1, cell);
   for (std::size_t at = 0; at < cells_.size(); ++at)
@@ -146,8 +147,8 @@ void NaturalWeights::find_cavity(std::uint32_t cell) {
     }
 }
 
-/// The facets of the triangulation's hull, of cells in the cavity, in whose planes the query is:
-/// there the cavity does not enclose the query, and areas and volumes would be unbounded.
+/// The hull's facets that belong to cavity cells and whose planes contain the query. There the
+/// cavity does not enclose the query, and areas and volumes would be unbounded.
 std::vector<NaturalWeights::HullFacet> NaturalWeights::hull_facets_at_query() {
   std::vector<HullFacet> facets;
   for (const std::uint32_t c : cells_)
@@ -176,9 +177,9 @@ void NaturalWeights::share_cavity(NaturalNeighbours& out) {
   write_shares(ids, shares_of(cavity), out);
 }
 
-/// Inside a face of the hull in space, the shares are those of the face's own triangulation: what
-/// the limit is from inside. False if the facets are not in one plane: then the query is on an
-/// edge of the hull.
+/// 3D: if the query is inside a face of the hull, the weights are those in the face's own
+/// triangulation, which are the limit from inside. False if the facets are not coplanar; the query
+/// is then on an edge of the hull.
 bool NaturalWeights::share_face(const std::vector<HullFacet>& facets, NaturalNeighbours& out) {
   Cavity<2> cavity;
   std::vector<std::uint32_t> ids;
@@ -241,7 +242,7 @@ void NaturalWeights::find(const double* point, std::uint32_t cell, const double*
     if (facets.empty()) return k == 2 ? share_cavity<2>(out) : share_cavity<3>(out);
     if (k == 3 && share_face(facets, out)) return;
   }
-  // At a vertex, on a line, on an edge of the hull.
+  // At a vertex, on a line, or on an edge of the hull: the barycentric coordinates.
   std::vector<std::uint32_t> ids;
   std::vector<double> shares;
   for (unsigned i = 0; i <= k; ++i) {

@@ -1,4 +1,5 @@
-// Sibson's coordinates: the shares of its Voronoi cell that a new point steals from each neighbour.
+// Sibson's coordinates: the fractions of a new point's Voronoi cell stolen from each neighbour's
+// cell.
 #pragma once
 
 #include <cstdint>
@@ -30,10 +31,10 @@ class NaturalTriangulation {
   }
   /// Coordinates in the order of flat_columns(), scaled by a power of two.
   const double* row(std::uint32_t v) const { return rows_.data() + std::size_t{v} * d_; }
-  /// The same, not scaled.
+  /// The same, unscaled.
   void copy_plain(std::uint32_t v, double* out) const;
-  /// Writes a point's coordinates as row() has them. If scaling is not exact, writes them not
-  /// scaled and returns false.
+  /// Writes a point's coordinates as row() has them. If scaling is not exact, writes them unscaled
+  /// and returns false.
   bool scaled(const double* point, double* out) const;
   const LiftedPoints& frame() const { return frame_; }
 
@@ -51,8 +52,8 @@ class NaturalWeights {
  public:
   explicit NaturalWeights(const NaturalTriangulation& t) : t_(t), query_(t.dimension()) {}
 
-  /// The natural neighbours of a point in the cell; `barycentric`: its coordinates there. See
-  /// Interpolator. Requires k <= 3.
+  /// Computes the natural neighbours of a point in the cell; `barycentric`: its coordinates there.
+  /// See Interpolator. Requires k <= 3.
   void find(const double* point, std::uint32_t cell, const double* barycentric,
             NaturalNeighbours& out);
 
@@ -72,7 +73,7 @@ class NaturalWeights {
 
   const NaturalTriangulation& t_;
   std::vector<double> query_;
-  bool plain_ = false;  ///< whether this query uses rows that are not scaled
+  bool plain_ = false;  ///< whether this query uses unscaled rows
   std::deque<std::vector<double>> plain_rows_;
   std::vector<std::uint32_t> cells_;  ///< the cells whose circumspheres contain the query
 };

@@ -1,5 +1,6 @@
-// What a new point's Voronoi cell takes from its neighbours' cells, as a sum over the simplices
-// that it is in the spheres of. docs/exactness.md, "Natural neighbours", derives the signs.
+// The volumes that a new point's Voronoi cell steals from its neighbours' cells, as sums over the
+// simplices whose circumspheres contain the point. docs/exactness.md, "Natural neighbours", derives
+// the signs.
 #pragma once
 
 #include <algorithm>
@@ -13,25 +14,25 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// The simplices in whose spheres a point is, of K dimensions in space of d, and the boundary of
-/// their union.
+/// The K-dimensional simplices, in d-dimensional space, whose circumspheres contain the query, and
+/// the boundary of their union.
 template <unsigned K>
 struct Cavity {
   using Facet = std::array<std::uint32_t, K>;
-  /// Places in `points` of corners, positively oriented.
+  /// Corners as indices into `points`, positively oriented.
   std::vector<std::array<std::uint32_t, K + 1>> cells;
-  /// Rows of d doubles; the first K columns are what orientation is of.
+  /// Rows of d doubles; orientation refers to the first K columns.
   std::vector<const double*> points;
   const double* query = nullptr;
   unsigned d = K;
 
-  /// A facet of a cell, ordered so that with the opposite corner as the last it is positive, and
-  /// the cell across it or no_index.
+  /// A facet of a cell and the cell across it, or no_index. With the opposite corner appended, the
+  /// facet's order is positively oriented.
   struct Side {
     Facet corners;
     std::uint32_t cell, across;
   };
-  std::vector<Side> sides;  ///< those between two cells once
+  std::vector<Side> sides;  ///< a facet between two cells only once
 
   void find_sides() {
     struct Half {
@@ -65,7 +66,7 @@ struct Cavity {
   }
 };
 
-/// `Volume`: what a sum of Reals is.
+/// `Volume`: the type of a sum of Reals.
 template <class Real, unsigned K, class Volume = Real>
 class StolenVolumes {
  public:
@@ -73,7 +74,7 @@ class StolenVolumes {
 
   explicit StolenVolumes(const Cavity<K>& cavity) : cavity_(cavity) {}
 
-  /// For each of the cavity's points, all by one positive factor.
+  /// The stolen volume of each of the cavity's points, all multiplied by the same positive factor.
   std::vector<Volume> run() {
     for (const double* p : cavity_.points) points_.push_back(vector(p, cavity_.query));
     volumes_.assign(points_.size(), Volume(0));
@@ -97,7 +98,7 @@ class StolenVolumes {
   using Facet = typename Cavity<K>::Facet;
   struct Rim {
     Facet corners;
-    Point centre;  ///< of the sphere through them and the query
+    Point centre;  ///< of the sphere through the corners and the query
   };
 
   std::vector<Real> vector(const double* a, const double* b) const {
@@ -119,7 +120,7 @@ class StolenVolumes {
            m[0][2] * determinant(m[1][0], m[1][1], m[2][0], m[2][1]);
   }
 
-  /// Solves K equations; rows and the right sides.
+  /// Solves K linear equations with the matrix `m` and the right-hand side `right`.
   static Point solve(const std::array<Point, K>& m, const Point& right) {
     Point x;
     if constexpr (K == 2) {
@@ -137,8 +138,8 @@ class StolenVolumes {
     return x;
   }
 
-  /// Of the sphere through the origin and the ends of these vectors, twice, in their flat; its
-  /// first K coordinates.
+  /// Twice the centre, in their flat, of the sphere through the origin and the ends of these
+  /// vectors; its first K coordinates.
   Point doubled_centre(const std::vector<std::vector<Real>>& edges) const {
     std::array<Point, K> m;
     Point right;
@@ -158,7 +159,7 @@ class StolenVolumes {
     }
     return x;
   }
-  /// Twice the centre, relative to the query.
+  /// Twice the circumcentre, relative to the query.
   Point centre(std::uint32_t first, const std::vector<std::uint32_t>& others) const {
     std::vector<std::vector<Real>> edges;
     for (const std::uint32_t v : others)
@@ -177,7 +178,7 @@ class StolenVolumes {
   void subtract(std::uint32_t v, const Real& volume) {
     volumes_[v] = std::move(volumes_[v]) - volume;
   }
-  /// Twice the middle of two points, or of one and the query.
+  /// Twice the midpoint of two points, or of one point and the query.
   Point doubled_middle(std::uint32_t a, std::uint32_t b) const {
     Point m;
     for (unsigned j = 0; j < K; ++j) m[j] = points_[a][j] + points_[b][j];
@@ -189,7 +190,7 @@ class StolenVolumes {
     return m;
   }
 
-  /// The edge of the diagram across a facet, from the other side into the cell.
+  /// Adds the diagram's edge across a facet, from the circumcentre beyond it to the cell's own.
   void add_side(const Facet& f, const Point& other, const Point& own) {
     if constexpr (K == 2) {
       const Real area = determinant(other[0], other[1], own[0], own[1]);
@@ -205,7 +206,7 @@ class StolenVolumes {
     }
   }
 
-  /// The new cell's own edges: between the spheres of facets of the boundary that share a ridge.
+  /// Adds the new cell's own edges, between the spheres of boundary facets that share a ridge.
   void close() {
     if constexpr (K == 2) {
       for (const Rim& to : rim_)
@@ -234,7 +235,7 @@ class StolenVolumes {
               rim_[edges[i + 1].rim].centre);
     }
   }
-  /// `own`: of the facet that has a before b, `other`: of that which has b before a.
+  /// `own`: the centre for the facet that has a before b, `other`: for the one that has b before a.
   void close(std::uint32_t a, std::uint32_t b, const Point& own, const Point& other) {
     if constexpr (K == 3) {
       const Real between = determinant({other, own, doubled_middle(a, b)});

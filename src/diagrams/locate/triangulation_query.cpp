@@ -1,4 +1,4 @@
-// TriangulationQuery: the questions, one by one and in batches.
+// TriangulationQuery: single queries and batches.
 #include "cullhull/triangulation_query.hpp"
 
 #include <algorithm>
@@ -22,11 +22,11 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// Queries in a chunk, and queries sorted at once: memory does not grow with their number.
+/// Queries per chunk, and queries sorted at once, which bound the memory of a batch.
 constexpr std::uint64_t grain = std::uint64_t{1} << 10, block = std::uint64_t{1} << 22;
 
 /// Visits the points of a batch along the curve. body() creates the work of one thread, which is
-/// called with the number of a point, its row in the mesh's columns, and its key.
+/// called with a point's index, its row in the mesh's columns, and its key.
 template <class Body>
 void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& run,
                       const Body& body) {
@@ -64,10 +64,10 @@ void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& ru
 
 // ------------------------------------------------------------------- barycentric coordinates
 
-/// Computes, in double-doubles, the determinants of all rows p_i - q but one. The operations have
-/// relative errors of 2^-102: each determinant is within `bound`, and their sum, the cell's own
-/// determinant, within (k + 1) times that and some roundings. Returns false if that does not prove
-/// the result.
+/// Computes, in double-doubles, the determinants of all rows p_i - q but one. Operations have
+/// relative errors of 2^-102: each determinant has an error of at most `bound`; their sum, the
+/// cell's own determinant, of (k + 1) times that plus some roundings. Returns false if that does
+/// not prove the result.
 template <unsigned K>
 bool by_double_doubles(const double* const* p, const double* q, double* out) {
   DoubleDouble m[K + 1][K];
@@ -78,7 +78,7 @@ bool by_double_doubles(const double* const* p, const double* q, double* out) {
       m[i][j] = DoubleDouble::sum(p[i][j], -q[j]);
       largest = std::max(largest, std::abs(m[i][j].high));
     }
-    // Then nothing overflows, and what underflows adds up to less than 2^-300.
+    // Then nothing overflows, and underflows add up to less than 2^-300.
     if (!(largest >= 0x1p-100 && largest <= 0x1p100)) return false;
     product *= largest;
   }
@@ -128,8 +128,8 @@ void by_rationals(unsigned k, const double* const* p, const double* q, double* o
 }
 
 /// The barycentric coordinates of q in the simplex of k + 1 affinely independent points of R^k, k
-/// >= 0: each within 2^-50 max(1, |itself|) of exact, exact zeros zero. docs/exactness.md, "Points
-/// in cells", derives the bound.
+/// >= 0. Each has an error of at most 2^-50 max(1, |itself|); exact zeros are zero.
+/// docs/exactness.md, "Points in cells", derives the bound.
 void barycentric(unsigned k, const double* const* p, const double* q, double* out) {
   with_dimension<1, 6, 0>(k, [&](auto known) {
     if constexpr (known() != 0) {
@@ -168,8 +168,8 @@ struct TriangulationQuery::State {
                   " asked of a triangulation in dimension ", mesh.dimension);
     check_finite(view, nullptr, run);
   }
-  /// Calls body(run) to write cells or vertices for all points; writes no_cell for each of them if
-  /// the triangulation is empty.
+  /// Calls body(run), which writes cells or vertices for all points. If the triangulation is empty,
+  /// writes no_cell for each point instead.
   template <class Body>
   void answer(const PointView& points, std::uint32_t* out, const RunOptions& options,
               const Body& body) const {
@@ -183,8 +183,8 @@ struct TriangulationQuery::State {
   }
   std::uint32_t key(const double* row) const { return mesh.corners > 1 ? mesh.frame.key(row) : 0; }
 
-  /// Whether the row is in the flat of the points: projected onto the flat's axes and any other
-  /// axis, a cell's corners and the row have no volume.
+  /// Whether the row is in the flat of the points: for each further axis, a cell's corners and the
+  /// row, projected onto the flat's axes and that axis, have no volume.
   bool in_flat(const double* row) const {
     const unsigned k = mesh.corners - 1, d = mesh.dimension;
     if (k == d) return true;

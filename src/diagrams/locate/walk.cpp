@@ -10,9 +10,9 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// The sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b), the sum of (a - b) ((a - q) + (b - q)) less
-/// the difference of the weights. Each product has at most 5 roundings, relative to the product of
-/// its factors' magnitudes, then d + 1 sums; the bound has as many.
+/// The sign of (|q - a|^2 - w_a) - (|q - b|^2 - w_b), computed as the sum of (a - b) ((a - q) + (b
+/// - q)) minus the difference of the weights. Each product has at most 5 roundings, relative to the
+/// product of its factors' magnitudes; d + 1 sums follow. The bound has as many roundings again.
 Sign power_sign(unsigned d, bool weighted, const double* q, const double* a, const double* b) {
   double sum = 0, size = 0;
   for (unsigned j = 0; j < d; ++j) {
@@ -54,8 +54,8 @@ NearestVertex::Power NearestVertex::power(const double* q, std::uint32_t row) co
           (d + 8) * unit_roundoff * (square + std::abs(weight)) + 0x1p-1000};
 }
 
-/// Goes down while doubles tell the way, always to the nearest neighbour. Returns whether they tell
-/// that row is the end.
+/// Moves to the nearest neighbour as long as doubles decide which it is. Returns whether doubles
+/// prove that `row` is the nearest vertex.
 bool NearestVertex::descend(const double* q, std::uint32_t& row) const {
   for (Power best = power(q, row);;) {
     Power nearest{std::numeric_limits<double>::infinity(), 0};

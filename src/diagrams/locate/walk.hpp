@@ -1,4 +1,4 @@
-// Walks over a triangulation: to the cell that contains a point, and to the nearest vertex.
+// Walks in a triangulation: to the cell that contains a point, and to the nearest vertex.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// The exact sign of the orientation of k + 1 points: by the filter of column_filter.hpp, and by
-/// orientation() where that cannot tell, as after an overflow. K: k if it is a compile-time
+/// The exact sign of the orientation of k + 1 points: by the filter of column_filter.hpp, or by
+/// orientation() if the filter does not decide, as after an overflow. K: k if it is a compile-time
 /// constant, otherwise 0.
 template <unsigned K>
 inline Sign cell_orientation(unsigned k, const double* const* p) {
-  // Without a limit to coordinates, what underflows is worth less than this.
+  // Underflows add up to less than this; coordinates are not limited.
   constexpr double tiny = K == 2 ? 0x1p-1000 : 0x1p-340;
   Sign sign = Sign::zero;
   if constexpr (K != 0)
@@ -26,10 +26,11 @@ inline Sign cell_orientation(unsigned k, const double* const* p) {
   return orientation(k, p);
 }
 
-/// Visits what is connected with a start, for sets that are small beside the mesh.
+/// Visits the items connected to a start; for sets that are small compared with the mesh.
 class Flood {
  public:
-  /// Calls visit(item, add) once for each item that is reached: add(next) reaches a further one.
+  /// Calls visit(item, add) once for each item reached; visit calls add(next) to reach another
+  /// item.
   template <class Visit>
   void run(std::uint32_t start, const Visit& visit) {
     reached_.clear();
@@ -51,14 +52,14 @@ class Flood {
   std::vector<std::uint32_t> todo_;
 };
 
-/// Visibility walks of one thread. Each starts where the last one ended or at a vertex near on the
-/// curve.
+/// Visibility walks of one thread. Each starts where the last one ended, or at a vertex that is
+/// near on the curve.
 template <unsigned K>
 class Walk {
  public:
   explicit Walk(const WalkMesh& mesh) : mesh_(mesh), probe_(mesh.corners) {}
 
-  /// The place of the cell that contains q, of several the one with the lowest number; no_cell if
+  /// The place of the cell that contains q, of several that with the lowest number; no_cell if
   /// there is none. `q`: in the mesh's columns; `key`: its curve key. Requires k >= 1.
   std::uint32_t find(const double* q, std::uint32_t key) {
     const std::uint32_t row = mesh_.row_at(key, key >= key_ ? row_ : 0);
@@ -76,7 +77,8 @@ class Walk {
   static std::uint32_t distance(std::uint32_t a, std::uint32_t b) { return a < b ? b - a : a - b; }
   unsigned k() const { return K ? K : mesh_.corners - 1; }
 
-  /// Sets cell_ to a cell that contains q, or to the cell where the walk left the hull (false).
+  /// Sets cell_ to a cell that contains q, or to the cell where the walk left the hull (then
+  /// false).
   bool walk(const double* q) {
     for (std::uint32_t from = nowhere;;) {
       const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -100,7 +102,8 @@ class Walk {
     }
   }
 
-  /// The cell of lowest number around the face that q is in: the corners of cell_ not in zeros_.
+  /// The cell of lowest number around the face that contains q, whose corners are those of cell_
+  /// not in zeros_.
   std::uint32_t lowest() {
     if (zeros_.empty()) return cell_;
     const std::uint32_t* v = mesh_.corners_of(cell_);
@@ -134,9 +137,9 @@ class Walk {
   Flood flood_;
 };
 
-/// Walks of one thread to the nearest vertex. The lifted vertices are those of a convex surface, on
-/// which the power distance to q is the height less a linear function. So a vertex that is not
-/// farther than any of its neighbours is a nearest one, and all nearest vertices are connected.
+/// Walks of one thread to the nearest vertex. The lifted vertices are those of a convex surface,
+/// and the power distance to q is the height over that surface minus a linear function. So a vertex
+/// with no nearer neighbour is a nearest vertex, and all nearest vertices are connected.
 class NearestVertex {
  public:
   /// `graph`: for each row of the mesh its neighbours, neighbour_rows(mesh). Both must outlive
@@ -144,12 +147,11 @@ class NearestVertex {
   NearestVertex(const WalkMesh& mesh, const Adjacency<std::uint32_t>& graph)
       : mesh_(mesh), graph_(graph) {}
 
-  /// The id of the nearest vertex, of several the lowest. `key`: q's curve key.
+  /// The id of the nearest vertex; of several, the lowest. `key`: q's curve key.
   std::uint32_t find(const double* q, std::uint32_t key);
 
  private:
-  /// The power distance of a row as computed, and a bound of its error. For the furthest site its
-  /// negative.
+  /// The computed power distance of a row, and a bound on its error. Negated for the furthest site.
   struct Power {
     double value, doubt;
   };

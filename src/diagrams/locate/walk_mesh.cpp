@@ -131,7 +131,7 @@ void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& ro
 std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {
   const std::uint32_t n = vertex_count();
   std::uint32_t width = 1, high = from;
-  while (high < n && keys[high] < key) {  // galloping: in a batch the next key is near
+  while (high < n && keys[high] < key) {  // gallop, as the next key of a batch is near
     from = high + 1;
     high = n - high > width ? high + width : n;
     width *= 2;

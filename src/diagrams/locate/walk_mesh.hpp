@@ -1,4 +1,4 @@
-// A triangulation laid out for walks: vertices are stored along a curve, cells near their vertices.
+// A triangulation stored for walks: vertices along a curve, cells near their vertices.
 #pragma once
 
 #include <cstdint>
@@ -20,21 +20,21 @@ struct WalkMesh {
   unsigned dimension = 0;     ///< d
   int affine_dimension = -1;  ///< k
   unsigned corners = 0;       ///< k + 1
-  unsigned stride = 0;        ///< numbers of a row: d, with weights d + 1
+  unsigned stride = 0;        ///< numbers per row: d, with weights d + 1
   bool furthest = false;
   std::vector<std::uint32_t> columns;  ///< flat_columns()
 
-  /// Vertices along the curve: coordinates in the order of `columns`, then the weight.
+  /// Vertices along the curve, as rows: coordinates in the order of `columns`, then the weight.
   Array<double> rows;
   Array<std::uint32_t> ids;   ///< the caller's id of each row
   Array<std::uint32_t> keys;  ///< the curve key of each row, ascending
   CurveFrame frame;
 
-  /// Each cell: k + 1 rows, then k + 1 neighbours by their places in this list.
+  /// For each cell k + 1 rows, then k + 1 neighbours as places in this list.
   Array<std::uint32_t> cells;
   Array<std::uint32_t> numbers;      ///< the caller's number of the cell at each place
-  Array<std::uint32_t> places;       ///< the place of each of the caller's cells
-  Array<std::uint32_t> lowest_cell;  ///< the place of each row's cell of lowest number
+  Array<std::uint32_t> places;       ///< place of each of the caller's cells
+  Array<std::uint32_t> lowest_cell;  ///< for each row, the place of its cell of lowest number
 
   std::uint32_t vertex_count() const { return static_cast<std::uint32_t>(ids.size()); }
   const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * stride; }
@@ -42,7 +42,7 @@ struct WalkMesh {
     return cells.data() + std::size_t{c} * 2 * corners;
   }
   const std::uint32_t* neighbours_of(std::uint32_t c) const { return corners_of(c) + corners; }
-  /// The row whose key is nearest; the search begins at row `from`.
+  /// The row whose key is nearest to `key`; the search starts at row `from`.
   std::uint32_t row_at(std::uint32_t key, std::uint32_t from = 0) const;
 
  private:

@@ -33,8 +33,8 @@ void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, cons
   });
 }
 
-/// The least radius at which every vertex has a cell: the largest, over the vertices, of the
-/// smallest radius around each.
+/// The least radius at which every vertex has a cell: the maximum over the vertices of the smallest
+/// radius of a cell at the vertex.
 double greatest_first_radius(const Triangulation& t, const Array<double>& radii) {
   Array<double> first(t.point_count);
   std::fill(first.begin(), first.end(), INFINITY);
@@ -45,8 +45,8 @@ double greatest_first_radius(const Triangulation& t, const Array<double>& radii)
   return greatest;
 }
 
-/// The first radius from `least` on at which the cells up to it are one region: joins cells in
-/// ascending order of their radii.
+/// The least radius, at least `least`, at which the cells of at most that radius are connected:
+/// joins cells in ascending order of their radii.
 double first_single_region(const Triangulation& t, const Array<double>& radii, double least) {
   const auto count = static_cast<std::uint32_t>(t.size());
   std::vector<std::uint32_t> order(count);

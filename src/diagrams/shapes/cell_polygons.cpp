@@ -1,4 +1,4 @@
-// cell_polygons(): rings around cells of the plane.
+// cell_polygons(): rings around cells of a 2D triangulation.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -15,7 +15,7 @@ namespace {
 
 using Ring = std::vector<std::uint32_t>;
 
-/// All rings of one piece.
+/// The rings of one connected piece.
 struct Polygon {
   Ring outer;
   std::vector<Ring> holes;
@@ -53,7 +53,7 @@ class PolygonWriter {
     return o == no_cell || !kept_[o];
   }
 
-  /// Numbers the pieces in the order of their lowest cells.
+  /// Finds the connected pieces, numbered in the order of their lowest cells.
   void find_pieces(std::span<const std::uint32_t> cells) {
     DisjointSets sets(t_.size());
     sets.clear(0, t_.size());
@@ -72,8 +72,8 @@ class PolygonWriter {
   }
 
   /// Follows the boundary from the edge opposite to corner j: at the end of each edge, turns
-  /// through the cells around it to the next edge. A path that returns to one of its points closes
-  /// a ring.
+  /// through the cells around it to the next boundary edge. When the path returns to one of its
+  /// points, the part since then is a ring.
   void walk(std::uint32_t c, unsigned j) {
     const std::uint32_t piece = piece_[c];
     Ring path;
@@ -89,14 +89,14 @@ class PolygonWriter {
 
   /// Moves from the edge that ends at v to the one that begins there.
   void turn(std::uint32_t& c, unsigned& j, std::uint32_t v) const {
-    j = (j + 1) % 3;  // opposite to where the edge came from
+    j = (j + 1) % 3;  // opposite to the start of the edge
     while (!on_boundary(c, j)) {
       c = t_.neighbours_of(c)[j];
       j = (place_in(t_.cell(c), v) + 2) % 3;
     }
   }
 
-  /// Removes the path's part from place `first` on and adds it as a ring of the piece.
+  /// Removes the path's part from index `first` on and adds it as a ring of the piece.
   void close(Ring& path, std::size_t first, std::uint32_t piece) {
     Ring ring(path.begin() + static_cast<std::ptrdiff_t>(first), path.end());
     path.resize(first);
@@ -108,7 +108,7 @@ class PolygonWriter {
       polygons_[piece].holes.push_back(std::move(ring));
   }
 
-  /// The orientation at a ring's lexicographically least point is that of the ring.
+  /// A ring has the orientation of its corner at the lexicographically least point.
   bool counterclockwise(const Ring& ring) const {
     const auto at = [&](std::uint32_t v, unsigned j) { return p_.row(v)[t_.axes[j]]; };
     const auto least = std::min_element(ring.begin(), ring.end(), [&](auto a, auto b) {
@@ -134,7 +134,7 @@ class PolygonWriter {
   const DualPoints& p_;
   const Triangulation& t_;
   std::vector<bool> kept_, walked_;
-  std::vector<std::uint32_t> place_;  ///< on the path, from 1
+  std::vector<std::uint32_t> place_;  ///< position of each point on the path, from 1; 0: not on it
   std::vector<std::uint32_t> piece_;
   std::vector<Polygon> polygons_;
 };

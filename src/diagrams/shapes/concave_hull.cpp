@@ -1,4 +1,4 @@
-// Concave hulls by the length of edges (Duckham, Kulik, Worboys, Galton 2008: chi-shapes).
+// Concave hulls by edge length (Duckham, Kulik, Worboys, Galton 2008: chi-shapes).
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -24,7 +24,7 @@ void require_plane(const Triangulation& t) {
 
 Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Exact comparisons of edges by length; of equal ones the lexicographically lower is the longer.
+/// Compares edges by length, exactly; of equal edges the lexicographically lower counts as longer.
 class Lengths {
  public:
   Lengths(const DualPoints& p, unsigned d) : p_(p), d_(d), none_(d), limit_(d) {}
@@ -40,8 +40,8 @@ class Lengths {
     return compare_lengths(d_, p_.row(e.low), p_.row(e.high), limit_.data(), none_.data()) ==
            Sign::positive;
   }
-  /// The length in floating point, with a few roundings; scaled so that no square over- or
-  /// underflows.
+  /// The length in floating point, with a few roundings; scaled so that squares neither overflow
+  /// nor underflow.
   double rounded(const Edge& e) const {
     double widest = 0;
     for (unsigned j = 0; j < d_; ++j)
@@ -61,7 +61,7 @@ class Lengths {
   std::vector<double> none_, limit_;
 };
 
-/// Digs into the triangles from the boundary, the longest edge first.
+/// Removes triangles at the boundary, those with the longest boundary edge first.
 class Digging {
  public:
   Digging(const Triangulation& t, const Lengths& lengths)
@@ -80,7 +80,8 @@ class Digging {
       const Side side = queue_.top();
       queue_.pop();
       const std::uint32_t apex = t_.cell(side.cell)[side.corner];
-      // Otherwise the boundary would touch itself, or lose a point. A point on it stays on it.
+      // Otherwise the boundary would touch itself or lose a point. Points on the boundary stay on
+      // it.
       if (kept_[side.cell] == 0 || outside_[apex] != 0) continue;
       outside_[apex] = 1;
       kept_[side.cell] = 0;
@@ -94,7 +95,7 @@ class Digging {
   }
 
  private:
-  /// A triangle's edge on the boundary.
+  /// A boundary edge of a triangle.
   struct Side {
     Edge edge;
     std::uint32_t cell;

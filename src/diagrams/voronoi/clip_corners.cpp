@@ -134,7 +134,7 @@ void CellCorners<D>::round(std::uint32_t corner, double* out) {
       out[j] = c.given[j];
     else if (!rounds_alike(BoundedDoubleDouble(p_[j]) + c.at[j], out[j]))
       out[j] = nearest_double(mpq_class(p_[j]) + exact(corner)[j]);
-    if (out[j] == 0) out[j] = 0;  // and not -0
+    if (out[j] == 0) out[j] = 0;  // -0 becomes 0
   }
 }
 

@@ -19,7 +19,7 @@ namespace cullhull::internal::inline diagrams {
 
 template <unsigned D>
 using ExactPoint = std::array<mpq_class, D>;
-/// Coordinates as double-doubles, each with a bound of its error.
+/// Coordinates as double-doubles, each with an error bound.
 template <unsigned D>
 using TrackedPoint = std::array<BoundedDoubleDouble, D>;
 
@@ -30,8 +30,8 @@ class CellCorners {
   /// Starts a new cell. `p`: the row of its site, D coordinates and, if `weighted`, the weight.
   void start(const double* p, bool weighted, bool furthest);
 
-  /// Adds the halfspace of the points at least as near to p as to the site with row q; with
-  /// `furthest`, at least as far. `label`: that site's number. Returns the plane's number.
+  /// Adds the halfspace of the points that are at least as near to p as to the site with row q
+  /// (with `furthest`: at least as far). `label`: that site's number. Returns the plane's number.
   std::uint32_t add_bisector(const double* q, std::uint32_t label);
   std::uint32_t add_boundary(const RegionPlane<D>& plane, std::uint32_t label);
   std::uint32_t add_given(const double* x);
@@ -42,7 +42,7 @@ class CellCorners {
   bool is_given(std::uint32_t corner) const { return corners_[corner].given != nullptr; }
   std::uint32_t corner_count() const { return static_cast<std::uint32_t>(corners_.size()); }
 
-  /// The side of the plane that the corner is on; positive: outside the halfspace.
+  /// The side of the plane on which the corner is; positive: outside the halfspace.
   Sign side(std::uint32_t plane, std::uint32_t corner);
   /// The corner relative to the cell's site.
   const TrackedPoint<D>& at(std::uint32_t corner) const { return corners_[corner].at; }
@@ -57,7 +57,7 @@ class CellCorners {
 
  private:
   struct Plane {
-    const double* site;  ///< the other site's row if the plane is a bisector, else null
+    const double* site;  ///< the other site's row for a bisector, else null
     const RegionPlane<D>* boundary;
     std::uint32_t label;
     Halfspace<D, BoundedDoubleDouble> near;

@@ -23,7 +23,7 @@ RegionPlane<D> plane_through(const std::array<std::array<double, D>, D>& points)
                     [&](const auto& x) { return x[j] == points[0][j]; }))
       plane.axis = static_cast<int>(j);
   if (plane.axis >= 0) {
-    // The sign that the normal has there, from the other coordinates.
+    // The sign of the normal's only nonzero coordinate, from the other coordinates of the points.
     const auto k = static_cast<unsigned>(plane.axis + 1) % D;
     if constexpr (D == 2) {
       const bool ascends = points[1][k] > points[0][k];
@@ -61,7 +61,7 @@ RegionPiece<1> interval(double low, double high) {
   return piece;
 }
 
-/// The planes of a piece's corners and faces.
+/// Computes the planes of a piece from its corners and faces.
 template <unsigned D>
 void add_planes(RegionPiece<D>& piece) {
   const std::size_t n = D == 2 ? piece.corners.size() : piece.faces.size();
@@ -74,7 +74,7 @@ void add_planes(RegionPiece<D>& piece) {
   piece.across.assign(n, no_point);
 }
 
-/// Corners, without the last one of a ring where it repeats the first; and edges between them.
+/// Corners (without the last one of a ring if it repeats the first), and edges between them.
 struct Outline {
   std::vector<double> corners;
   std::vector<std::uint32_t> edges;
@@ -113,7 +113,8 @@ Outline outline_of(const PolygonRings& rings) {
   return out;
 }
 
-/// What polygons of one list share is no boundary: edges that are there an even number of times go.
+/// Removes edges that occur an even number of times: polygons share them, so they are not part of
+/// the boundary.
 void drop_shared_edges(Outline& outline) {
   std::vector<std::uint32_t> order(outline.size()), place(outline.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -137,10 +138,11 @@ void drop_shared_edges(Outline& outline) {
   }
 }
 
-/// One ring, counterclockwise or not, that turns the same way at every corner and once around.
+/// Whether the outline is one convex ring, in either orientation: it turns the same way at every
+/// corner, and once around.
 bool convex_ring(const Outline& outline, const Hull& hull) {
   if (hull.vertices.size() != outline.size()) return false;
-  // Vertices of a hull are counterclockwise from the lowest id.
+  // A hull's vertices are counterclockwise from the lowest id.
   const std::size_t n = outline.size();
   const auto in_order = [&](bool forward) {
     for (std::size_t i = 0; i < n; ++i)
@@ -156,7 +158,7 @@ Region<2> triangles_of(const Outline& outline, const Triangulation& t) {
     for (const std::uint32_t v : t.cell(c))
       region[c].corners.push_back({outline.at(v)[0], outline.at(v)[1]});
     add_planes<2>(region[c]);
-    // Plane i leads from corner i to the next, opposite to the one after.
+    // Plane i contains the edge from corner i to the next, opposite to the corner after that.
     for (unsigned i = 0; i < 3; ++i) {
       const std::uint32_t o = t.neighbours_of(c)[(i + 2) % 3];
       region[c].across[i] = o == no_cell ? no_point : o;
@@ -201,8 +203,8 @@ template std::array<mpq_class, 1> normal_of<1, mpq_class>(const RegionPlane<1>&)
 template std::array<mpq_class, 2> normal_of<2, mpq_class>(const RegionPlane<2>&);
 template std::array<mpq_class, 3> normal_of<3, mpq_class>(const RegionPlane<3>&);
 
-/// A coordinate is within 2^-53 max(|x|, 2^-1022) of the double that stands for it here, a normal
-/// within 2^-53 of its own, relatively, and its error besides; the sum of D products adds D + 2
+/// A coordinate has an error of at most 2^-53 max(|x|, 2^-1022) as a double; a normal's coordinate
+/// one of 2^-53, relatively, besides its own error bound; the sum of D products adds D + 2
 /// roundings of its terms.
 template <unsigned D>
 bool RegionPiece<D>::surely_inside(const double* rounded) const {
@@ -227,7 +229,7 @@ Region<D> box_region(std::span<const double> low, std::span<const double> high) 
   if constexpr (D == 1) return {interval(low[0], high[0])};
   RegionPiece<D> piece;
   for (unsigned i = 0; i < 1U << D; ++i) {
-    const unsigned corner = D == 2 ? (i ^ i >> 1) : i;  // around
+    const unsigned corner = D == 2 ? (i ^ i >> 1) : i;  // in cyclic order
     std::array<double, D> x;
     for (unsigned j = 0; j < D; ++j) x[j] = (corner >> j & 1U) != 0 ? high[j] : low[j];
     piece.corners.push_back(x);
@@ -276,7 +278,7 @@ template Region<1> hull_region<1>(const PointView&, const Run&);
 template Region<3> hull_region<3>(const PointView&, const Run&);
 
 Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
-  // Every cell is cut by all planes of a piece: with more of them triangles take less work.
+  // Every cell is cut by all planes of a piece; if there are more, triangles take less work.
   constexpr std::size_t few = 8;
   Outline outline = outline_of(rings);
   const Hull hull = convex_hull(outline.view(), run.options);

@@ -1,4 +1,4 @@
-// The regions that diagrams are clipped to, as convex pieces that do not overlap.
+// Regions to which diagrams are clipped, as convex pieces that do not overlap.
 #pragma once
 
 #include <gmpxx.h>
@@ -19,18 +19,18 @@ namespace cullhull::internal::inline diagrams {
 template <unsigned D>
 struct RegionPlane {
   std::array<std::array<double, D>, D> through;
-  int axis = -1;      ///< the axis that the plane is orthogonal to; -1: none
-  double toward = 1;  ///< -1: the region has larger values of that coordinate
+  int axis = -1;      ///< the axis that the plane is orthogonal to; -1: no axis
+  double toward = 1;  ///< -1: the region has larger values of that coordinate; 1: smaller
   std::array<BoundedDoubleDouble, D> normal;  ///< outward
 };
 
-/// The outward normal. In the plane the region is on the left of the way from the first point to
-/// the second; in space the points are counterclockwise from outside.
+/// The outward normal. 2D: the region is on the left of the direction from the first point to the
+/// second. 3D: the points are counterclockwise from outside.
 template <unsigned D, class Real>
 std::array<Real, D> normal_of(const RegionPlane<D>& plane);
 
-/// A convex polytope. On a line: both ends. In the plane: corners counterclockwise, plane i leads
-/// from corner i to the next. In space: faces counterclockwise seen from outside.
+/// A convex polytope. 1D: both ends. 2D: corners counterclockwise; plane i contains the edge from
+/// corner i to the next. 3D: faces counterclockwise from outside.
 template <unsigned D>
 struct RegionPiece {
   std::vector<std::array<double, D>> corners;
@@ -52,8 +52,8 @@ Region<D> box_region(std::span<const double> low, std::span<const double> high);
 template <unsigned D>
 Region<D> hull_region(const PointView& points, const Run& run);
 
-/// One or several polygons, not necessarily convex, with holes. One piece if it is convex and has
-/// few corners, otherwise the triangles of its constrained triangulation.
+/// One or several polygons, not necessarily convex, with holes: one piece if the region is convex
+/// and has few corners, otherwise the triangles of its constrained triangulation.
 Region<2> polygon_region(const PolygonRings& rings, const Run& run);
 
 }  // namespace cullhull::internal::inline diagrams

@@ -13,7 +13,7 @@ namespace {
 using Point = std::array<double, 2>;
 
 struct PieceEdge {
-  std::uint32_t from, to, plane;  ///< corners by number
+  std::uint32_t from, to, plane;  ///< numbers of corners and plane
   Point start;                    ///< `from`, rounded
 };
 
@@ -28,7 +28,7 @@ Real twice_area(const std::vector<PieceEdge>& edges, const std::vector<std::uint
   return sum;
 }
 
-/// The boundary of pieces that are connected through edges.
+/// The boundary of connected pieces (through edges).
 class PieceBoundary {
  public:
   PieceBoundary(CellCorners<2>& corners, std::vector<PieceEdge> edges)
@@ -37,7 +37,7 @@ class PieceBoundary {
               [](const PieceEdge& a, const PieceEdge& b) { return a.start < b.start; });
   }
 
-  /// False if nothing is left of it.
+  /// Writes the boundary as a polygon; false if no ring remains.
   bool write(CellPolygon& out) {
     std::vector<bool> walked(edges_.size());
     std::vector<CellRing> holes;
@@ -63,8 +63,8 @@ class PieceBoundary {
   }
 
  private:
-  /// The edge that follows on the ring: of several that begin where this one ends, the first
-  /// counterclockwise from the way back, so that what touches itself in a point is several rings.
+  /// The next edge on the ring: of several that begin where e ends, the first one counterclockwise
+  /// from the reversed e. So a boundary that touches itself in a point becomes several rings.
   std::uint32_t next(std::uint32_t e) {
     Point end;
     corners_.round(edges_[e].to, end.data());
@@ -82,8 +82,8 @@ class PieceBoundary {
     return static_cast<std::uint32_t>(best - edges_.begin());
   }
 
-  /// Whether a's edge is met before b's when turning counterclockwise from the way back along the
-  /// edge of `in`. Edges are their planes' normals, turned by a right angle.
+  /// Whether a's edge comes before b's when turning counterclockwise from the reversed edge of
+  /// `in`. Edges are represented by their planes' normals, which are rotated by a right angle.
   bool turns_before(std::uint32_t in, std::uint32_t a, std::uint32_t b) {
     const auto cross = [](const auto& u, const auto& v) {
       return sgn(mpq_class(u[0] * v[1] - u[1] * v[0]));
@@ -99,8 +99,9 @@ class PieceBoundary {
     return half(u) != half(v) ? half(u) < half(v) : cross(u, v) > 0;
   }
 
-  /// A corner between two edges of one plane comes from the region's triangles, and the cell has
-  /// none there, unless it is a corner of the region: then the cell beyond may turn there.
+  /// A corner between two edges of the same plane comes from the region's triangles; the cell has
+  /// no corner there. It is kept if it is a corner of the region, because the cell beyond may turn
+  /// there.
   CellRing points_of(const std::vector<std::uint32_t>& ring) const {
     CellRing out;
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -124,9 +125,9 @@ class PieceBoundary {
   std::vector<PieceEdge> edges_;
 };
 
-/// A cell is cut into a piece for each triangle of the region. Calls body(i, j) for positions in
+/// A cell is cut into one piece per triangle of the region. Calls body(i, j) with indices into
 /// `pieces` (ascending by triangle) of two pieces whose triangles share an edge that the cell
-/// crosses; each such pair is met from both sides.
+/// crosses; each such pair occurs from both sides.
 template <class Body>
 void each_seam(const CellCorners<2>& corners, const std::vector<CellPiece>& pieces,
                const Body& body) {

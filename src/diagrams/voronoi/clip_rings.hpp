@@ -1,5 +1,5 @@
-// Joins the convex pieces of a clipped cell in the plane into polygons with holes. A region's
-// triangles cut the cell into these pieces.
+// Joins the convex pieces of a clipped 2D cell into polygons with holes. The region's triangles cut
+// the cell into these pieces.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// Corners, and the site across the edge that begins at each; no_point if there is none.
+/// Corners of a ring, and the site across the edge that begins at each; no_point if there is none.
 struct CellRing {
   std::vector<std::array<double, 2>> points;
   std::vector<std::uint32_t> across;
 };
-/// The outer ring, counterclockwise, then holes, clockwise.
+/// A polygon: the outer ring, counterclockwise, then its holes, clockwise.
 using CellPolygon = std::vector<CellRing>;
 
-/// A cell within one piece of the region.
+/// The part of a cell in one piece of the region.
 struct CellPiece {
   std::uint32_t piece;
   std::vector<std::uint32_t> vertices, planes;  ///< as in ClipShape<2>
@@ -30,7 +30,7 @@ struct CellPiece {
 bool tidy(CellRing& ring);
 
 /// The union of a cell's pieces, which ascend by number. Polygons and holes are sorted by their
-/// first points; those that rounding leaves fewer than three corners are omitted.
+/// first points. Rings that rounding leaves with fewer than three corners are omitted.
 std::vector<CellPolygon> join_pieces(CellCorners<2>& corners, const std::vector<CellPiece>& pieces);
 
 }  // namespace cullhull::internal::inline diagrams

@@ -9,7 +9,8 @@
 namespace cullhull::internal::inline diagrams {
 namespace {
 
-/// The corners of a piece and its planes, as numbers; a plane's label is the piece across it.
+/// Adds the corners and planes of a piece and lists their numbers; a plane's label is the piece
+/// across it.
 template <unsigned D>
 void start_from(const RegionPiece<D>& piece, CellCorners<D>& corners,
                 std::vector<std::uint32_t>& vertices, std::vector<std::uint32_t>& planes) {
@@ -20,7 +21,7 @@ void start_from(const RegionPiece<D>& piece, CellCorners<D>& corners,
     planes.push_back(corners.add_boundary(piece.planes[i], piece.across[i]));
 }
 
-/// True if something is outside.
+/// Computes the side of each vertex; true if a vertex is outside.
 template <unsigned D>
 bool find_sides(CellCorners<D>& corners, std::uint32_t plane,
                 const std::vector<std::uint32_t>& vertices, std::vector<Sign>& sides) {
@@ -33,8 +34,8 @@ bool find_sides(CellCorners<D>& corners, std::uint32_t plane,
   return any;
 }
 
-/// The items since the last start become a face, less those equal to the one before: planes through
-/// vertices cut there several times. Less than three are none.
+/// Ends a face: the items since the last start, without consecutive repetitions, which arise if
+/// planes through a vertex cut there several times. A face with fewer than three items is removed.
 void end_face(std::vector<std::uint32_t>& starts, std::vector<std::uint32_t>& items,
               std::vector<std::uint32_t>& planes, std::uint32_t plane) {
   const auto begin = items.begin() + static_cast<std::ptrdiff_t>(starts.back());
@@ -92,7 +93,7 @@ void ClipShape<2>::cut_off(CellCorners<2>& corners, std::uint32_t plane) {
       next_planes_.push_back(planes[i]);
       if (next_stays) continue;
       if (sides_[i] == Sign::zero) {
-        next_planes_.back() = plane;  // it leaves at the vertex
+        next_planes_.back() = plane;  // the boundary leaves at the vertex
       } else {
         next_.push_back(corners.add_meeting({planes[i], plane}));
         next_planes_.push_back(plane);
@@ -146,12 +147,13 @@ std::uint32_t ClipShape<3>::cut_vertex(std::uint32_t inside, std::uint32_t outsi
     }
   const bool at_vertex = sides_[inside] == Sign::zero;
   const auto place = at_vertex ? inside : static_cast<std::uint32_t>(vertices.size());
-  if (!at_vertex) vertices.push_back(no_index);  // made once both faces are known
+  if (!at_vertex) vertices.push_back(no_index);  // created once both faces are known
   edges_.push_back({inside, outside, place, no_index, {face_plane, no_index}});
   return static_cast<std::uint32_t>(edges_.size() - 1);
 }
 
-/// Where a face leaves the halfspace and comes back, the new face goes the other way.
+/// The new face runs opposite to the old ones: where a face returns into the halfspace, and where
+/// it leaves it.
 void ClipShape<3>::cut_faces() {
   edges_.clear();
   next_starts_.assign(1, 0);

@@ -1,5 +1,5 @@
-// Convex intervals, polygons and polyhedra that are cut by planes. They store the numbers of
-// corners and faces, no coordinates.
+// Convex intervals, polygons and polyhedra that are cut by planes. They store numbers of corners
+// and faces, no coordinates.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// A shape starts as a convex piece of a region and is cut by planes of `corners`: the part on the
-/// outer side of a plane is removed. It becomes empty when it has no interior.
+/// A shape starts as a convex piece of a region. Planes of `corners` cut it: the part on the outer
+/// side of a plane is removed. A shape without interior is empty.
 template <unsigned D>
 class ClipShape;
 
@@ -25,16 +25,16 @@ class ClipShape<1> {
   bool empty() const { return vertices.empty(); }
   std::span<const std::uint32_t> face_planes() const { return planes; }
 
-  std::vector<std::uint32_t> vertices;  ///< corners by number
+  std::vector<std::uint32_t> vertices;  ///< numbers of corners
   std::vector<std::uint32_t> planes;    ///< the plane at each end
 };
 
-/// Counterclockwise; edge i goes from vertex i to the next.
+/// A polygon, counterclockwise; edge i is between vertex i and the next.
 template <>
 class ClipShape<2> {
  public:
   void start(const RegionPiece<2>& piece, CellCorners<2>& corners);
-  /// If the plane contains an edge that was between two pieces, it becomes that edge's plane.
+  /// If the plane contains an edge between two pieces of the region, it becomes that edge's plane.
   void cut(CellCorners<2>& corners, std::uint32_t plane);
   bool empty() const { return vertices.empty(); }
   std::span<const std::uint32_t> face_planes() const { return planes; }
@@ -49,7 +49,7 @@ class ClipShape<2> {
   std::vector<Sign> sides_;
 };
 
-/// Faces counterclockwise from outside.
+/// A polyhedron; faces counterclockwise from outside.
 template <>
 class ClipShape<3> {
  public:
@@ -58,14 +58,13 @@ class ClipShape<3> {
   bool empty() const { return vertices.empty(); }
   std::span<const std::uint32_t> face_planes() const { return planes; }
 
-  std::vector<std::uint32_t> vertices;  ///< corners by number
-  std::vector<std::uint32_t> starts;    ///< the begin of each face in `items`; faces + 1
-  std::vector<std::uint32_t> items;     ///< places in `vertices`
+  std::vector<std::uint32_t> vertices;  ///< numbers of corners
+  std::vector<std::uint32_t> starts;    ///< begin of each face in `items`; faces + 1
+  std::vector<std::uint32_t> items;     ///< indices into `vertices`
   std::vector<std::uint32_t> planes;    ///< the plane of each face
 
  private:
-  /// An edge from a vertex that is kept to one that is removed. Each of its two faces meets it
-  /// once.
+  /// An edge from a kept vertex to a removed one. Each of its two faces contains it once.
   struct CutEdge {
     std::uint32_t inside, outside, place, next;
     std::array<std::uint32_t, 2> faces;  ///< the planes of its two faces

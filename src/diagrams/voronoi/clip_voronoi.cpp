@@ -1,4 +1,4 @@
-// clip_voronoi(): each cell within each convex piece of the region, and what these add up to.
+// clip_voronoi(): clips each cell to each convex piece of the region, and adds up the parts.
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -38,8 +38,8 @@ void check_box(const Triangulation& t, std::span<const double> low, std::span<co
 
 // ---------------------------------------------------------------------------- measures
 
-/// Length, area or volume, times the factorial of the dimension. `Faces` lists places in `at`:
-/// vertices counterclockwise in the plane, faces in space.
+/// Length, area or volume, times the factorial of the dimension. The two lists give indices into
+/// `at`: in 2D the vertices counterclockwise, in 3D the faces.
 template <class Real>
 Real multiple_of_measure(const std::vector<std::array<Real, 1>>& at,
                          const std::vector<std::uint32_t>&, const std::vector<std::uint32_t>&) {
@@ -55,7 +55,7 @@ Real multiple_of_measure(const std::vector<std::array<Real, 2>>& at,
   }
   return sum;
 }
-/// Of each face twice its area vector times its first vertex.
+/// The sum over the faces of twice the area vector times the first vertex.
 template <class Real>
 Real multiple_of_measure(const std::vector<std::array<Real, 3>>& at,
                          const std::vector<std::uint32_t>& starts,
@@ -77,12 +77,12 @@ Real multiple_of_measure(const std::vector<std::array<Real, 3>>& at,
   return sum;
 }
 
-/// Of a measure, relatively; ClippedCells promises it.
+/// Greatest relative error of a measure; documented for ClippedCells.
 constexpr double measure_error = 0x1p-42;
 
 constexpr double factorial_of(unsigned d) { return d == 3 ? 6 : d; }
 
-/// The nearest double of a sum of measures: in double-doubles where the bound proves it, else in
+/// The double nearest to a sum of measures: from double-doubles if their bound proves it, else from
 /// rationals, which `exactly` computes.
 template <unsigned D, class Exactly>
 double rounded_measure(const BoundedDoubleDouble& multiple, const Exactly& exactly) {
@@ -93,7 +93,7 @@ double rounded_measure(const BoundedDoubleDouble& multiple, const Exactly& exact
 
 // ---------------------------------------------------------------------------- one cell
 
-/// One cell within pieces of the region.
+/// Clips one cell to pieces of the region.
 template <unsigned D>
 class CellClipper {
  public:
@@ -114,7 +114,7 @@ class CellClipper {
     });
   }
 
-  /// The cell within a piece.
+  /// Clips the cell to a piece.
   const ClipShape<D>& clip(std::uint32_t piece) {
     start_corners();
     shape_.start(region_[piece], corners_);
@@ -125,8 +125,8 @@ class CellClipper {
     return shape_;
   }
 
-  /// Which side of the bisector between the site and a neighbour x is on, exactly: negative the
-  /// site's, positive the neighbour's. `x`: in the coordinates of the points.
+  /// The exact side of x relative to the bisector between the site and a neighbour: negative on the
+  /// site's side, positive on the neighbour's. `x`: in the coordinates of the points.
   Sign side_of(const double* x, std::uint32_t neighbour) {
     const DualPoints& points = cells_.points();
     question_.start(points.row(site_), points.weighted(), t_.furthest_site);
@@ -134,7 +134,7 @@ class CellClipper {
     return question_.side(question_.add_bisector(points.row(neighbour), neighbour), corner);
   }
 
-  /// In doubles where their bound allows it, as it does for cells that are not slivers.
+  /// The cell's measure, in doubles if their bound allows it; it fails only for slivers.
   double whole_measure() {
     const BoundedDouble measure = whole_multiple(places_) / BoundedDouble(factorial_of(D));
     if (measure.error <= measure_error * measure.value) return measure.value;
@@ -145,7 +145,7 @@ class CellClipper {
     });
   }
 
-  /// What the shape adds to the sum of the cell's measures.
+  /// The shape's part of the sum for the cell's measure.
   BoundedDoubleDouble multiple(const ClipShape<D>& shape) const {
     std::vector<TrackedPoint<D>> at;
     for (const std::uint32_t v : shape.vertices) at.push_back(corners_.at(v));
@@ -161,7 +161,7 @@ class CellClipper {
   const WholeCell<D>& whole() const { return whole_; }
 
  private:
-  /// Near planes first leave little for the others to do.
+  /// Sorts the planes: if near planes cut first, the others have little left to cut.
   void start_corners() {
     if (corners_started_) return;
     corners_started_ = true;
@@ -211,10 +211,11 @@ class CellClipper {
 
 // ---------------------------------------------------------------------------- which pieces
 
-/// The pieces of the region that each cell has a part of positive measure in, ascending.
+/// For each cell the pieces of the region whose intersection with it has positive measure,
+/// ascending.
 class PiecesOfCells {
  public:
-  /// One piece: every cell may meet it.
+  /// For one piece, which every cell may intersect.
   PiecesOfCells() = default;
 
   PiecesOfCells(const DiagramCells& cells, const Triangulation& t, const Region<2>& region,
@@ -246,8 +247,8 @@ class PiecesOfCells {
     std::uint32_t site, piece;
   };
 
-  /// A site whose cell has the first corner of each piece: from site to site across bisectors, from
-  /// the piece before; distances fall with every step.
+  /// For each piece a site whose cell contains the piece's first corner. Walks from the previous
+  /// piece's site across bisectors; the distance falls with every step.
   static std::vector<std::uint32_t> sites_at_corners(const DiagramCells& cells,
                                                      const Triangulation& t,
                                                      const Region<2>& region, const Run& run) {
@@ -271,7 +272,8 @@ class PiecesOfCells {
     return starts;
   }
 
-  /// From the cells at the piece's first corner across the edges of cells within the piece.
+  /// Finds the cells that meet a piece: from the cells at its first corner across those edges of
+  /// cells that are within the piece.
   static void spread(const DiagramCells& cells, const Region<2>& region, std::uint32_t piece,
                      std::uint32_t start, CellClipper<2>& clipper, std::vector<Pair>& out,
                      const Run& run) {
@@ -301,19 +303,19 @@ class PiecesOfCells {
     }
   }
 
-  Adjacency<std::uint32_t> pieces_;  ///< by site; empty: one piece
+  Adjacency<std::uint32_t> pieces_;  ///< by site; empty: one piece only
 };
 
 // ---------------------------------------------------------------------------- all cells
 
-/// What a chunk of points makes.
+/// Result of a chunk of points.
 struct Part {
   std::vector<double> vertices;
   std::vector<std::uint64_t> vertex_counts, face_counts, polygon_counts;
   std::vector<std::uint32_t> face_sizes, face_vertices, neighbours, ring_counts, ring_sizes;
 };
 
-/// Numbers of planes and sites become what the result has.
+/// Writes clipped cells; converts numbers of planes and sites to those of the result.
 template <unsigned D>
 class CellWriter {
  public:
@@ -321,7 +323,7 @@ class CellWriter {
              const PiecesOfCells& pieces, bool shapes, Part& part)
       : cells_(cells), clipper_(cells, t, region), pieces_(pieces), shapes_(shapes), part_(part) {}
 
-  /// Adds the site's cell; its measure.
+  /// Appends the site's cell; returns its measure.
   double write(std::uint32_t site) {
     polygons_.clear();
     const std::size_t before = part_.vertices.size(), faces = part_.face_sizes.size();
@@ -482,7 +484,7 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
   const DualPoints rows(points, t, weights, run);
   const DiagramCells cells(rows, t, diagram, run);
   const PiecesOfCells pieces = pieces_of<D>(cells, t, region, run);
-  constexpr std::uint64_t grain = 512;  // cells; some hundred us of clipping
+  constexpr std::uint64_t grain = 512;  // cells; a few hundred microseconds of clipping
   std::vector<Part> parts(chunk_count(t.point_count, grain));
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {

@@ -1,4 +1,4 @@
-// The ridges of a diagram, dual to the edges of the triangulation that are not within merged cells.
+// The ridges of a diagram, dual to the triangulation's edges that are not inside merged cells.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -36,7 +36,7 @@ class GroupVertices {
   }
   /// Whether group g has more than one cell.
   bool merged(std::uint32_t g) const { return !count_.empty() && count_[g] > 0; }
-  /// Whether v is one of the vertices of a group of merged cells.
+  /// Whether v is one of the vertices of group g, which has more than one cell.
   bool has(std::uint32_t g, std::uint32_t v) const {
     const auto own = vertices_[g].first(count_[g]);
     return std::binary_search(own.begin(), own.end(), v);
@@ -44,7 +44,7 @@ class GroupVertices {
 
  private:
   Adjacency<std::uint32_t> vertices_;
-  Array<std::uint32_t> count_;  ///< the distinct vertices come first; 0: the group is one cell
+  Array<std::uint32_t> count_;  ///< number of distinct vertices, which come first; 0: one cell
 };
 
 class RidgeWriter {
@@ -52,7 +52,7 @@ class RidgeWriter {
   RidgeWriter(const DualPoints& p, const Triangulation& t, const GroupVertices& groups)
       : p_(p), t_(t), groups_(groups), k_(t.corners() - 1) {}
 
-  /// The vertices of the edge's ridge; false if it has none of dimension k - 1.
+  /// Writes the vertices of the edge's ridge; false if the edge has no ridge of dimension k - 1.
   bool write(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) {
     out.clear();
     if (within_merged(e)) return false;
@@ -70,11 +70,12 @@ class RidgeWriter {
     return v == e.low || v == e.high;
   }
 
-  /// The edge is none of the merged complex if the least face of that complex that has it has other
-  /// vertices too: those common to all groups around it that lie in the planes of all facets of the
-  /// hull at it. Vertices are extreme points of the lift, so such a face has dimension 2 or more,
-  /// and the cells of each group cut it into simplices: some cell of the group at the edge has a
-  /// further vertex of it. So corners of the group with the fewest cells here are all to look at.
+  /// Whether the edge is not an edge of the merged complex: the least face of the complex that
+  /// contains it has further vertices. These are common to all groups around the edge, and in the
+  /// planes of all hull facets at it. Since vertices are extreme points of the lift, such a face
+  /// has dimension 2 or more, and the cells of each group divide it into simplices. So in each
+  /// group some cell at the edge has such a further vertex; it suffices to test the corners of the
+  /// group that has the fewest cells here.
   bool within_merged(const EdgeCells::Star& e) {
     if (k_ < 2) return false;
     bool any = false;
@@ -116,7 +117,7 @@ class RidgeWriter {
     return true;
   }
 
-  /// Whether v is in the planes of all the hull's facets that contain the edge.
+  /// Whether v is in the planes of all hull facets that contain the edge.
   bool on_hull(const EdgeCells::Star& e, std::uint32_t v) {
     for (const auto& item : e.cells)
       for (unsigned j = 0; j <= k_; ++j) {
@@ -139,8 +140,8 @@ class RidgeWriter {
     return orientation(k_, at.data()) == Sign::zero;
   }
 
-  /// The left cell's vertex, then the right one's. A triangle is on the left if high follows low in
-  /// it.
+  /// Writes the left cell's vertex, then the right one's. A triangle is on the left if `high`
+  /// follows `low` in it.
   void in_plane(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     out.assign(2, at_infinity);
     for (const auto& item : e.cells) {

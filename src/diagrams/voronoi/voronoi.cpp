@@ -39,8 +39,8 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Writes the groups of cells around a point in the plane, counterclockwise. Begins at infinity if
-/// the point is on the hull, otherwise at the lowest group.
+/// Writes the groups of cells around a point in 2D, counterclockwise, starting at infinity if the
+/// point is on the hull, else at the lowest group.
 void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
                  std::vector<std::uint32_t>& out) {
   const auto across = [&](std::uint32_t c, unsigned turn) {

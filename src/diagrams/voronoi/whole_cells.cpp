@@ -10,7 +10,7 @@ namespace cullhull::internal::inline diagrams {
 
 namespace {
 
-/// Checks sizes and indices, so that a wrong diagram cannot cause reads outside the lists.
+/// Checks sizes and indices, so that a wrong diagram cannot cause out-of-range reads.
 void require_diagram_of(const Triangulation& t, std::uint64_t vertices, const Voronoi& diagram) {
   const auto below = [](const Array<std::uint32_t>& list, std::uint64_t end) {
     return std::all_of(list.begin(), list.end(),
@@ -45,7 +45,7 @@ DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, con
   }
   ridges_ = Adjacency<Item>(t.point_count, [&](const auto& add) {
     if (t.corners() < 2) return;
-    // Pairs are sorted, so the sites across ascend: first the lower ones, then the higher ones.
+    // The pairs are sorted, so the sites across ascend: first the lower ones, then the higher ones.
     for (const unsigned end : {1U, 0U})
       for (std::uint32_t r = 0; r < diagram_.ridge_count(); ++r) {
         const std::uint32_t* pair = diagram_.ridge_points.data() + 2 * std::uint64_t{r};
@@ -56,8 +56,8 @@ DiagramCells::DiagramCells(const DualPoints& points, const Triangulation& t, con
 
 namespace {
 
-/// Whether the ridges around a site have the orientation that its cell needs. In diagrams of the
-/// furthest site they have the opposite one.
+/// Whether the ridges around a site have the orientation that its cell needs; in furthest-site
+/// diagrams they have the opposite one.
 bool in_full(const Triangulation& t, unsigned d) {
   return t.corners() == d + 1 && !t.furthest_site;
 }
@@ -68,7 +68,7 @@ bool reaches_infinity(std::span<const std::uint32_t> ridge) {
 
 }  // namespace
 
-/// The lower end comes first: it is towards the site of smaller coordinate.
+/// The lower end comes first; it is towards the site of smaller coordinate.
 template <>
 bool WholeCell<1>::start(const DiagramCells& cells, std::uint32_t site) {
   const auto around = cells.of(site);
@@ -84,8 +84,8 @@ bool WholeCell<1>::start(const DiagramCells& cells, std::uint32_t site) {
   return true;
 }
 
-/// A ridge lists its left vertex first on the way from the lower site to the other: seen from the
-/// lower site the way around leads from the right one to the left one.
+/// A ridge lists its left vertex first, seen from the lower site towards the other.
+/// Counterclockwise around the lower site, the right vertex comes before the left one.
 template <>
 bool WholeCell<2>::start(const DiagramCells& cells, std::uint32_t site) {
   const auto around = cells.of(site);
@@ -109,8 +109,8 @@ bool WholeCell<2>::start(const DiagramCells& cells, std::uint32_t site) {
   return true;
 }
 
-/// A ridge's vertices are around the way from the lower site by the right hand: counterclockwise
-/// from outside for the lower site.
+/// A ridge's vertices are counterclockwise about the direction from the lower site (right-hand
+/// rule), so for the lower site counterclockwise from outside.
 template <>
 bool WholeCell<3>::start(const DiagramCells& cells, std::uint32_t site) {
   const auto around = cells.of(site);
@@ -137,9 +137,9 @@ bool WholeCell<3>::start(const DiagramCells& cells, std::uint32_t site) {
   return true;
 }
 
-/// If the vertex's dual cell contains the site, the vertex is the meeting of the site's bisectors
-/// with the other corners. Otherwise it is computed relative to the cell's first corner, and the
-/// difference of that corner and the site is added.
+/// If the vertex's dual cell contains the site, the vertex is the intersection of the site's
+/// bisectors with the other corners. Otherwise it is computed relative to the cell's first corner,
+/// and the difference of that corner and the site is added.
 template <unsigned D>
 template <class Real>
 void WholeCell<D>::place(const DiagramCells& cells, std::uint32_t site,

@@ -1,4 +1,4 @@
-// The unclipped cells of a diagram: bounded by its ridges, with its vertices.
+// The unclipped cells of a diagram, from its ridges and vertices.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// The vertices and ridges of a diagram, by site.
+/// The vertices and ridges of a diagram, for each site.
 class DiagramCells {
  public:
-  /// `known`: the diagram if the caller has it, otherwise null. Throws Error{invalid_argument} if
-  /// it cannot be the diagram of `t`.
+  /// `known`: the diagram if the caller has it, else null. Throws Error{invalid_argument} if it
+  /// cannot be the diagram of `t`.
   DiagramCells(const DualPoints& points, const Triangulation& t, const Voronoi* known,
                const Run& run);
 
@@ -29,7 +29,7 @@ class DiagramCells {
     return diagram_.vertices.data() + std::uint64_t{v} * t_.dimension;
   }
   bool is_site(std::uint32_t i) const { return is_site_[i]; }
-  /// Any site; the triangulation has cells.
+  /// Any site; requires that the triangulation has cells.
   std::uint32_t some_site() const { return t_.cells[0]; }
 
   const DualPoints& points() const { return points_; }
@@ -49,17 +49,17 @@ class DiagramCells {
   std::vector<bool> is_site_;
 };
 
-/// A bounded cell.
+/// A bounded, unclipped cell.
 template <unsigned D>
 class WholeCell {
  public:
-  /// False if the site's cell is unbounded, the sites lie in a flat, or the diagram is that of the
-  /// furthest site.
+  /// Sets the cell of a site. False if it is unbounded, if the sites are in a flat, or for
+  /// furthest-site diagrams.
   bool start(const DiagramCells& cells, std::uint32_t site);
 
-  /// As in ClipShape: the two ends on a line, counterclockwise in the plane; in space, `items` has
-  /// for each face the places of its corners in `vertices`.
-  std::vector<std::uint32_t> vertices;  ///< of the diagram
+  /// As in ClipShape: 1D both ends, 2D counterclockwise; 3D: `items` has for each face indices into
+  /// `vertices`.
+  std::vector<std::uint32_t> vertices;  ///< vertices of the diagram
   std::vector<std::uint32_t> across;    ///< the site across each face, edge or end
   std::vector<std::uint32_t> starts, items;
 
