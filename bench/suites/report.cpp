@@ -55,7 +55,7 @@ bool Report::agrees() const {
 
 double bandwidth_share(const Report& report, const PointView& points,
                        const Statistics& statistics) {
-  if (std::string_view(statistics.filter) == "none" || statistics.cull_seconds <= 0) return 0;
+  if (statistics.filter == UsedFilter::none || statistics.cull_seconds <= 0) return 0;
   for (const auto& [threads, rate] : report.read_bandwidth)
     if (threads == statistics.threads)
       return static_cast<double>(points.count * points.dimension * scalar_size(points.scalar)) /

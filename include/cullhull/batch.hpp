@@ -34,7 +34,7 @@ struct HullBatch {
 
   std::size_t size() const noexcept { return point_counts.size(); }
   /// Set i alone: equal to the result of convex_hull, except for `statistics`. Throws
-  /// std::out_of_range.
+  /// Error{invalid_argument} if there is no set i.
   Hull hull(std::size_t i) const;
 };
 

@@ -60,6 +60,7 @@ class CertifyStream {
   /// object.
   CertifyStream(const Hull& hull, std::vector<double> vertex_coordinates,
                 const Options& options = {});
+  CertifyStream(Hull&& hull, std::vector<double>, const Options& = {}) = delete;
   CertifyStream(CertifyStream&&) noexcept;
   CertifyStream& operator=(CertifyStream&&) noexcept;
   ~CertifyStream();

@@ -36,6 +36,9 @@ struct Survivors {
 
   std::uint64_t size(std::uint64_t count) const noexcept { return all ? count : ids.size(); }
 
+  /// The id of survivor i < size(count), also if `all` is set and `ids` is empty.
+  std::uint64_t id(std::uint64_t i) const noexcept { return all ? i : ids[i]; }
+
   CULLHULL_RENAMED(method, "use filter, and filter_name() for its text");
 };
 

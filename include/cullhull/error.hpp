@@ -22,6 +22,9 @@ enum class ErrorCode {
   internal,             ///< a broken invariant of the library: always a bug, please report it
 };
 
+/// "invalid_argument", "not_finite", ...: the names above. Static storage.
+const char* error_name(ErrorCode code) noexcept;
+
 /// The only exception type that the library throws itself (std::bad_alloc may pass through).
 /// `what()` is one line without a final full stop; it says what to do where that is known.
 class Error : public std::runtime_error {

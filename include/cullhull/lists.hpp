@@ -123,6 +123,17 @@ class EvenArray {
   EvenArray(std::initializer_list<T> items) {
     for (const T v : items) push_back(v);
   }
+  EvenArray(const EvenArray&) = default;
+  EvenArray& operator=(const EvenArray&) = default;
+  /// `other` becomes empty.
+  EvenArray(EvenArray&& other) noexcept { *this = std::move(other); }
+  EvenArray& operator=(EvenArray&& other) noexcept {
+    items_ = std::exchange(other.items_, {});
+    count_ = std::exchange(other.count_, 0);
+    step_ = std::exchange(other.step_, T{});
+    even_ = std::exchange(other.even_, true);
+    return *this;
+  }
   /// The items 0, step, 2 step, ...: `count` of them.
   static EvenArray of_step(std::size_t count, T step) {
     EvenArray a;
@@ -199,7 +210,8 @@ struct Lists {
     return lists;
   }
 
-  std::size_t size() const noexcept { return offsets.size() - 1; }
+  /// 0 also after a move from this object.
+  std::size_t size() const noexcept { return offsets.empty() ? 0 : offsets.size() - 1; }
   bool empty() const noexcept { return size() == 0; }
   std::span<const T> operator[](std::size_t i) const {
     return {items.data() + offsets[i], items.data() + offsets[i + 1]};

@@ -29,7 +29,8 @@ using Progress = std::function<void(const char* phase, double share)>;
 /// quick. It may request a stop, and must not throw.
 using Poll = std::function<void()>;
 
-/// Options of every call: threads, memory, cancellation.
+/// How a call runs, whatever it computes. Functions of this library may be called from any number
+/// of threads at the same time, and so may the const members of an object.
 struct RunOptions {
   /// Threads to use, at most 1024; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;

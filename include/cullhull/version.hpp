@@ -5,3 +5,15 @@
 #define CULLHULL_VERSION_MINOR 1
 #define CULLHULL_VERSION_PATCH 0
 #define CULLHULL_VERSION "0.1.0"
+/// For comparisons: 10203 is version 1.2.3.
+#define CULLHULL_VERSION_NUMBER \
+  (CULLHULL_VERSION_MAJOR * 10000 + CULLHULL_VERSION_MINOR * 100 + CULLHULL_VERSION_PATCH)
+
+#pragma GCC visibility push(default)
+namespace cullhull::inline v1 {
+
+/// The version of the library that is linked or loaded, as CULLHULL_VERSION is that of the headers.
+const char* version() noexcept;
+
+}  // namespace cullhull::inline v1
+#pragma GCC visibility pop

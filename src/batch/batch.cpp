@@ -41,7 +41,8 @@ void copy_run(const Lists<T>& lists, std::uint64_t begin, std::uint64_t end, Lis
 }  // namespace
 
 Hull HullBatch::hull(std::size_t i) const {
-  if (i >= size()) throw std::out_of_range("HullBatch::hull: no such set");
+  if (i >= size())
+    throw Error(ErrorCode::invalid_argument, "there is no set ", i, " in a batch of ", size());
   Hull h;
   h.dimension = dimension;
   h.scalar = scalar;

@@ -7,6 +7,7 @@
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/version.hpp"
 #include "few/small_hull.hpp"
 #include "filter/planner.hpp"
 #include "geometry/gather.hpp"
@@ -43,6 +44,15 @@ Filtered filter_and_plan(const PointView& points, Run& run) {
 namespace cullhull::inline v1 {
 
 using namespace internal;
+
+const char* version() noexcept { return CULLHULL_VERSION; }
+
+const char* error_name(ErrorCode code) noexcept {
+  static constexpr const char* names[] = {
+      "invalid_argument",    "not_finite", "bad_file",  "io",      "out_of_budget",
+      "backend_unavailable", "cancelled",  "not_exact", "internal"};
+  return names[static_cast<unsigned>(code)];
+}
 
 const char* backend_name(Backend backend) noexcept {
   static constexpr const char* names[] = {"automatic", "cpu", "cuda"};

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
+#include <ranges>
+#include <span>
 #include <vector>
 
 #include "cullhull/generate.hpp"
@@ -34,6 +37,47 @@ TEST(SharedArray, EmptyOnes) {
   EXPECT_EQ(a.back(), 4);
   SharedArray<int> moved = std::move(a);
   EXPECT_EQ(moved.size(), 1U);
+}
+
+TEST(Lists, AreRangesOfSpans) {
+  Lists<int> lists;
+  EXPECT_TRUE(lists.empty());
+  EXPECT_EQ(lists.begin(), lists.end());
+  lists.items = {1, 2, 3, 4, 5, 6};
+  for (const std::uint64_t end : {2, 2, 6}) lists.offsets.push_back(end);
+  static_assert(std::ranges::random_access_range<Lists<int>>);
+  std::vector<std::vector<int>> seen;
+  for (const std::span<const int> list : lists) seen.emplace_back(list.begin(), list.end());
+  EXPECT_EQ(seen, (std::vector<std::vector<int>>{{1, 2}, {}, {3, 4, 5, 6}}));
+  EXPECT_EQ(std::ranges::count_if(lists, [](std::span<const int> l) { return l.empty(); }), 1);
+}
+
+TEST(Lists, AreEmptyAfterAMove) {
+  for (const std::uint64_t second : {4, 5}) {  // spaced evenly, so not stored, and unevenly
+    Lists<int> lists;
+    lists.items = {1, 2, 3, 4, 5};
+    lists.offsets.push_back(2);
+    lists.offsets.push_back(second);
+    const Lists<int> moved = std::move(lists);
+    EXPECT_EQ(moved.size(), 2U);
+    EXPECT_EQ(moved[1].size(), second - 2);
+    EXPECT_EQ(lists.size(), 0U);            // NOLINT: what a move leaves is the subject
+    EXPECT_EQ(lists.begin(), lists.end());  // NOLINT
+  }
+}
+
+TEST(Lists, OfAHull) {
+  const std::vector<double> cube = generate("grid", 27, 3);
+  const Hull hull = convex_hull(PointView::row_major(cube, 3));
+  std::uint64_t f = 0;
+  for (const auto facet : hull.facets) {
+    EXPECT_EQ(facet.data(), hull.facet(f).data());
+    EXPECT_EQ(hull.plane(f).size(), 4U);
+    ++f;
+  }
+  EXPECT_EQ(f, hull.facet_count());
+  EXPECT_EQ(hull.simplex(1).data(), hull.simplices.data() + 3);
+  EXPECT_EQ(hull.simplex(1).size(), 3U);
 }
 
 TEST(EvenArray, SpacingStaysEvenWhileItCan) {

@@ -1,0 +1,122 @@
+// What converts to a PointView: ranges of points and matrices; and what does not.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <span>
+#include <vector>
+
+#include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
+#include "cullhull/point_view.hpp"
+
+namespace cullhull {
+namespace {
+
+/// The members of Eigen's matrices that a view reads.
+template <class T, int Rows, int Columns, bool RowMajor>
+struct Matrix {
+  using Scalar = T;
+  static constexpr bool IsRowMajor = RowMajor;
+  static constexpr int RowsAtCompileTime = Rows, ColsAtCompileTime = Columns;
+  std::ptrdiff_t rows_, cols_, gap_ = 0;
+  std::vector<T> items_;
+
+  const T* data() const { return items_.data(); }
+  std::ptrdiff_t rows() const { return rows_; }
+  std::ptrdiff_t cols() const { return cols_; }
+  std::ptrdiff_t innerStride() const { return 1; }
+  std::ptrdiff_t outerStride() const { return (RowMajor ? cols_ : rows_) + gap_; }
+  T& at(std::ptrdiff_t row, std::ptrdiff_t column) {
+    return items_[static_cast<std::size_t>(RowMajor ? row * outerStride() + column
+                                                    : column * outerStride() + row)];
+  }
+  void resize(int, int) {}
+
+  /// Item (r, c) is 10 r + c; `gap` unused items between rows or columns.
+  static Matrix counting(std::ptrdiff_t rows, std::ptrdiff_t cols, std::ptrdiff_t gap = 0) {
+    Matrix m{rows, cols, gap, {}};
+    m.items_.assign(static_cast<std::size_t>(m.outerStride() * (RowMajor ? rows : cols)), T(99));
+    for (std::ptrdiff_t r = 0; r < rows; ++r)
+      for (std::ptrdiff_t c = 0; c < cols; ++c) m.at(r, c) = static_cast<T>(10 * r + c);
+    return m;
+  }
+};
+constexpr int dynamic = -1;
+
+void expect_rows(const PointView& view) {
+  ASSERT_EQ(view.count, 5U);
+  ASSERT_EQ(view.dimension, 3U);
+  for (unsigned i = 0; i < 5; ++i)
+    for (unsigned j = 0; j < 3; ++j) EXPECT_EQ(view.at(i, j), 10.0 * i + j);
+}
+
+TEST(PointRanges, ArraysOfPoints) {
+  std::vector<std::array<float, 3>> points(5);
+  double plain[5][3];
+  for (unsigned i = 0; i < 5; ++i)
+    for (unsigned j = 0; j < 3; ++j) points[i][j] = static_cast<float>(plain[i][j] = 10.0 * i + j);
+  expect_rows(points);
+  expect_rows(std::span<const std::array<float, 3>>(points));
+  expect_rows(plain);
+  EXPECT_EQ(PointView(points).scalar, ScalarType::f32);
+  EXPECT_EQ(PointView(points).data, reinterpret_cast<const std::byte*>(points.data()));
+  const std::array<std::array<std::uint8_t, 2>, 4> square{{{0, 0}, {9, 0}, {9, 9}, {0, 9}}};
+  EXPECT_EQ(convex_hull(square).vertices.size(), 4U);
+  EXPECT_EQ(PointView(std::span<const std::array<double, 2>>()).count, 0U);
+}
+
+TEST(PointRanges, ScalarsInARow) {
+  const std::vector<double> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_EQ(convex_hull(PointView::row_major(xyz, 3)).facets.size(), 4U);
+  EXPECT_EQ(PointView::row_major(std::span<const double>(xyz), 2).count, 6U);
+  EXPECT_THROW(PointView::row_major(xyz, 5), Error);
+  EXPECT_THROW(PointView::row_major(xyz, 0), Error);
+}
+
+TEST(PointRanges, Matrices) {
+  // The points are the rows, except where the number of rows alone is known.
+  const auto plain = Matrix<double, dynamic, 3, true>::counting(5, 3);
+  expect_rows(plain);
+  const auto rows = Matrix<double, dynamic, dynamic, false>::counting(5, 3);
+  expect_rows(rows);
+  const auto padded = Matrix<float, dynamic, dynamic, true>::counting(5, 3, 2);
+  expect_rows(padded);
+  const auto fixed = Matrix<std::int32_t, dynamic, 3, false>::counting(5, 3, 4);
+  expect_rows(fixed);
+  auto columns = Matrix<double, 3, dynamic, false>::counting(3, 5);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 5; ++c) columns.at(r, c) = 10 * c + r;
+  expect_rows(columns);
+  auto column_rows = Matrix<double, 3, dynamic, true>::counting(3, 5, 1);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 5; ++c) column_rows.at(r, c) = 10 * c + r;
+  expect_rows(column_rows);
+}
+
+TEST(PointRanges, WhatDoesNotConvert) {
+  using Rows = std::vector<std::array<double, 3>>;
+  static_assert(std::is_convertible_v<Rows&, PointView>);
+  static_assert(std::is_convertible_v<const Rows&, PointView>);
+  static_assert(!std::is_convertible_v<Rows, PointView>);  // a temporary's memory would be gone
+  static_assert(!std::is_convertible_v<std::vector<double>&, PointView>);  // of which dimension?
+  static_assert(!std::is_convertible_v<std::list<std::array<double, 3>>&, PointView>);
+  using Owning = Matrix<double, dynamic, 3, false>;
+  static_assert(std::is_convertible_v<Owning&, PointView>);
+  static_assert(std::is_convertible_v<const Owning&, PointView>);
+  static_assert(!std::is_convertible_v<Owning, PointView>);
+  static_assert(std::is_trivially_copyable_v<PointView>);
+  static_assert(std::is_convertible_v<const PointView&, PointView>);
+}
+
+#ifndef _WIN32
+// Names of files are texts, as "-" and FILE.npz:NAME are names, too; paths convert to them.
+TEST(PointRanges, PathsAreNamesOfFiles) {
+  EXPECT_THROW(open_points(std::filesystem::path("there is no such file.npy")), Error);
+}
+#endif
+
+}  // namespace
+}  // namespace cullhull
