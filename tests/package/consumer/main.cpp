@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cullhull/cullhull.hpp>
 #include <limits>
+#include <string>
 #include <vector>
 #ifdef CONSUMER_HAS_IO
 #include <cullhull/io.hpp>
@@ -47,8 +48,9 @@ int main() {
   double points[9][3] = {};
   for (int i = 0; i < 8; ++i)
     for (int j = 0; j < 3; ++j) points[i][j] = (i >> j & 1) != 0 ? 1.0 : -1.0;
-  const auto view = cullhull::PointView::row_major(&points[0][0], 9, 3);
-  const cullhull::Hull hull = cullhull::convex_hull(view);
+  const cullhull::PointView view = points;
+  const cullhull::Hull hull = cullhull::convex_hull(points);
+  if (cullhull::version() != std::string(CULLHULL_VERSION)) return 1;
   std::printf("%zu vertices, %zu facets, volume %g\n", hull.vertices.size(), hull.facets.size(),
               hull.volume);
   if (!certifies_a_cube()) return 1;
