@@ -80,7 +80,7 @@ deb static:
 
 artifacts:
 	@scripts/install-deps.sh build python package
-	scripts/artifacts.sh static wheel sdist deb
+	scripts/artifacts.sh static wheels sdist deb sbom sums
 	scripts/check-artifacts.sh
 
 fuzz:

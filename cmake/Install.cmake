@@ -52,6 +52,7 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   cmake/Zstd.cmake
   DESTINATION ${_package} COMPONENT development)
 
+file(STRINGS packaging/repository.txt _pc_url)
 # pkg-config: static libraries name what they need, the shared one needs nothing.
 set(_pc_requires "")
 set(_pc_libraries "-lcullhull")
@@ -90,34 +91,22 @@ if(CULLHULL_BUILD_APPS)
     include(cmake/Pages.cmake)
   endif()
 endif()
-install(FILES LICENSE packaging/THIRD-PARTY.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}
-  COMPONENT program)
-if(CULLHULL_SHARED)  # packages of their own, each with the full texts of what is linked into it
-  file(READ LICENSE _copyright)
+if(CULLHULL_SHARED)  # packages of their own, each with its copyright, as Debian wants it
+  file(READ LICENSE _license)
   file(READ packaging/THIRD-PARTY.txt _others)
-  string(APPEND _copyright "\n${_others}")
-  foreach(_of hwy-dev fmt-dev zlib1g-dev zstd-dev nlohmann-json3-dev fast-float-dev cli11-dev js-three)
-    foreach(_file /usr/share/doc/lib${_of}/copyright /usr/share/doc/${_of}/copyright)
-      if(EXISTS "${_file}")
-        file(READ "${_file}" _text)
-        string(APPEND _copyright "\n==== ${_of} ====\n\n${_text}")
-      endif()
-    endforeach()
-  endforeach()
-  file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/copyright" "${_copyright}")
+  file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/copyright" "${_license}\n${_others}")
+  get_target_property(_abi cullhull_shared SOVERSION)
   foreach(_part IN ITEMS program runtime development)
     set(_package_doc cullhull)
-    if(NOT _part STREQUAL "program")
-      set(_package_doc libcullhull${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-    endif()
-    if(_part STREQUAL "development")
+    if(_part STREQUAL "runtime")
+      set(_package_doc libcullhull${_abi})
+    elseif(_part STREQUAL "development")
       set(_package_doc libcullhull-dev)
     endif()
     install(FILES "${CMAKE_CURRENT_BINARY_DIR}/copyright" COMPONENT ${_part}
       DESTINATION "${CMAKE_INSTALL_DATAROOTDIR}/doc/${_package_doc}")
   endforeach()
-  set(_documents "${CMAKE_INSTALL_DATAROOTDIR}/doc/libcullhull")
-  install(FILES LICENSE packaging/THIRD-PARTY.txt COMPONENT runtime
-    DESTINATION ${_documents}${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-  install(FILES LICENSE DESTINATION ${_documents}-dev COMPONENT development)
+else()
+  install(FILES LICENSE packaging/THIRD-PARTY.txt DESTINATION ${CMAKE_INSTALL_DOCDIR}
+    COMPONENT program)
 endif()

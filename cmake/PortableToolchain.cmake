@@ -14,6 +14,8 @@ foreach(_kind EXE MODULE)
   set(CMAKE_${_kind}_LINKER_FLAGS_INIT "${_flags} -static-libstdc++ -static-libgcc")
 endforeach()
 set(CMAKE_CXX_STANDARD_LIBRARIES "${CULLHULL_SYSROOT}/usr/lib/compat.o -lpthread")
+# The same bytes wherever the sources lie.
+set(CMAKE_CXX_FLAGS_INIT "-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
 set(CULLHULL_GMP_BY_NAME ON)
 set(CMAKE_FIND_ROOT_PATH "${CULLHULL_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)

@@ -1,13 +1,18 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|wheel|sdist|deb ...
+#   scripts/artifacts.sh static|wheel|wheels|sdist|deb|sbom|sums ...
 #   static  the program as one file, for any Linux of the last years on this processor
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
+#   wheels  a wheel for each Python from 3.9 to 3.11 that is found, in PATH or in pyenv's folder,
+#           and one for 3.12 and later
 #   sdist   the sources of the Python package
 #   deb     Debian packages: program, shared library, development files
+#   sbom    what the artifacts contain of others, as CycloneDX (scripts/sbom.py)
+#   sums    SHA256SUMS of all that lies there
 # All but the sources are built against build/sysroot (scripts/portable-sysroot.sh); the packages'
-# library uses the C++ library of Debian 12.
+# library uses the C++ library of Debian 12. SOURCE_DATE_EPOCH (the time of the last commit if not
+# set) is the time of every file in them: the same commit gives the same bytes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 root=$PWD
@@ -16,12 +21,15 @@ dist=$root/build/dist
 sysroot=$root/build/sysroot
 version=$(sed -n 's/^#define CULLHULL_VERSION "\(.*\)"$/\1/p' include/cullhull/version.hpp)
 machine=$(uname -m)
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}
+export SOURCE_DATE_EPOCH
+umask 022
 mkdir -p "$dist"
 
 # One tree for all: build/portable.
 portable() {
   scripts/portable-sysroot.sh "$sysroot"
-  cmake --preset portable "$@"
+  cmake --preset portable
   cmake --build build/portable -j "$jobs"
 }
 
@@ -69,6 +77,27 @@ make_wheel() {
   cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF >/dev/null
 }
 
+# first_python MINOR...: the first CPython 3.MINOR that is found, in PATH or in pyenv's folder.
+first_python() {
+  local minor python
+  for minor in "$@"; do
+    for python in "python3.$minor" ~/.pyenv/versions/"3.$minor".*/bin/python3; do
+      if "$python" -c '' 2>/dev/null; then
+        command -v "$python"
+        return
+      fi
+    done
+  done
+  echo "artifacts: no Python 3.$1 here; its wheel is left to .github/workflows/wheels.yml" >&2
+}
+
+make_wheels() {
+  local python
+  for python in $(first_python 9; first_python 10; first_python 11; first_python 12 13 14); do
+    PYTHON=$python make_wheel
+  done
+}
+
 make_sdist() {
   venv
   PATH="$venv/bin:$PATH" "$venv/bin/python" -m build --sdist --no-isolation -o "$dist" .
@@ -80,12 +109,21 @@ make_deb() {
   rm -rf "$dist/_CPack_Packages"
 }
 
+make_sbom() {
+  python3 scripts/sbom.py "$dist/cullhull-$version.cdx.json"
+}
+
+make_sums() {
+  (cd "$dist" && rm -f SHA256SUMS && sha256sum -- *"$version"* >SHA256SUMS)
+  echo "written: $dist/SHA256SUMS"
+}
+
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | wheel | sdist | deb) "make_$artifact" ;;
+    static | wheel | wheels | sdist | deb | sbom | sums) "make_$artifact" ;;
     *)
-      sed -n '2,11s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,17s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

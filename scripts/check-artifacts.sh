@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # Installs what scripts/artifacts.sh has put into build/dist into empty systems and runs it there:
-#   scripts/check-artifacts.sh         in a Debian 12 and a Debian 11 root without a compiler, which
-#                                      debootstrap makes in build/roots (as root, with a mirror)
+#   scripts/check-artifacts.sh         in Debian 11, 12, 13 and testing without a compiler, which
+#                                      debootstrap makes in build/roots (as root, with a mirror);
+#                                      ROOTS="bookworm bullseye" names others
 #   scripts/check-artifacts.sh --here  without root and network: what can be run on this machine
+#   scripts/check-artifacts.sh --rebuild  builds the commit again, in another folder and without
+#                                      ccache, and compares every artifact of it byte by byte
 # Every artifact must give the hull of data/autzen-150k.ply, as JSON, bit for bit alike, also of the
 # same points as .gz, .zst and .npz; PROGRAM names the built program that says how it is. Exit
 # status 77: nothing to check, or not here.
@@ -67,14 +70,48 @@ hulls() {
   done
 }
 
+# Builds all that build/dist holds a second time: the same commit, another folder.
+rebuild() {
+  [[ -z $(git status --porcelain --untracked-files=no) ]] || give_up "there are uncommitted changes"
+  local again=$scratch/again kinds=() file
+  [[ ! -e $static ]] || kinds+=(static)
+  [[ ${#wheels[@]} -le 1 ]] || kinds+=(wheels)
+  [[ ${#wheels[@]} -ne 1 ]] || kinds+=(wheel)
+  [[ ! -e $dist/cullhull-$version.tar.gz ]] || kinds+=(sdist)
+  [[ ${#debs[@]} -eq 0 ]] || kinds+=(deb)
+  git clone --quiet --no-hardlinks . "$again"
+  mkdir -p "$again/build" && cp -r build/sysroot "$again/build/"
+  echo "building again: ${kinds[*]}"
+  CCACHE_DISABLE=1 "$again/scripts/artifacts.sh" "${kinds[@]}" >"$scratch/log" 2>&1 ||
+    broken "the second build: $(tail -n 3 "$scratch/log")"
+  for file in "$again"/build/dist/*; do
+    checks=$((checks + 1))
+    if cmp -s "$file" "$dist/$(basename "$file")"; then
+      echo "ok    the same bytes again: $(basename "$file")"
+    else
+      echo "WRONG other bytes: $(basename "$file")"
+      failures=$((failures + 1))
+      [[ -z ${KEEP:-} ]] || { mkdir -p "$KEEP" && cp "$file" "$KEEP"; }
+    fi
+  done
+}
+
 here() {
   if [[ -e $static ]]; then
     hulls "static program" "$static"
+    checks=$((checks + 1))
+    "$static" --licenses | grep -q '^==== LGPL-2.1 (glibc) ====' || broken "no licences in $static"
   fi
   for wheel in "${wheels[@]}"; do
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"
     chmod +x "$scratch/wheel/cullhull/bin/cullhull"
     hulls "program of $(basename "$wheel")" "$scratch/wheel/cullhull/bin/cullhull"
+    checks=$((checks + 1))
+    cmp -s packaging/THIRD-PARTY.txt \
+      "$scratch"/wheel/cullhull-*.dist-info/licenses/packaging/THIRD-PARTY.txt ||
+      broken "no licences in $wheel"
+    grep -q '^License-Expression: MIT$' "$scratch"/wheel/cullhull-*.dist-info/METADATA ||
+      broken "no SPDX expression in $wheel"
     rm -rf "$scratch/wheel"
   done
   for deb in "${debs[@]}"; do
@@ -106,8 +143,17 @@ here() {
       fi
     fi
     for name in "$scratch"/deb/usr/share/doc/*; do
-      grep -q '^==== zstd-dev' "$name/copyright" 2>/dev/null || broken "no licences in $name"
+      grep -q '^==== BSD-3-Clause (zstd' "$name/copyright" 2>/dev/null || broken "no licences in $name"
     done
+    if command -v lintian >/dev/null; then
+      checks=$((checks + 1))
+      if lintian --allow-root --fail-on error "${debs[@]}" >"$scratch/log" 2>&1; then
+        echo "ok    lintian"
+      else
+        echo "WRONG lintian:" && grep '^E:' "$scratch/log"
+        failures=$((failures + 1))
+      fi
+    fi
     [[ -e $scratch/deb/usr/share/man/man1/cullhull-hull.1.gz ||
       -e $scratch/deb/usr/share/man/man1/cullhull-hull.1 ]] || broken "no man page"
   fi
@@ -120,12 +166,12 @@ inside() {
   unshare --mount sh -c 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"' "$folder" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
     PIP_DISABLE_PIP_VERSION_CHECK=1 DEBIAN_FRONTEND=noninteractive "$@"
 }
-# within NAME ROOT COMMAND: at most a minute, its output shown where it fails.
+# within NAME ROOT COMMAND: at most ten minutes, its output shown where it fails.
 within() {
   local name=$1 folder=$2 before=$SECONDS
   shift 2
   checks=$((checks + 1))
-  if inside "$folder" timeout 60 bash -c "$*" >"$scratch/log" 2>&1; then
+  if inside "$folder" timeout 600 bash -c "$*" >"$scratch/log" 2>&1; then
     echo "ok    $name: $((SECONDS - before)) s"
   else
     echo "WRONG $name:" && tail -n 5 "$scratch/log"
@@ -144,12 +190,18 @@ inside_hulls() {
   done
 }
 
+# What debootstrap makes a release with; those it does not know yet are made as unstable is.
+debootstrap_script() {
+  local known=/usr/share/debootstrap/scripts/$1
+  if [[ -e $known ]]; then echo "$known"; else echo /usr/share/debootstrap/scripts/sid; fi
+}
+
 prepare() { # prepare CODENAME: an empty root with Python, and what is to be installed
   local folder=$root/build/roots/$1
   if [[ ! -e $folder/complete ]]; then
     rm -rf "$folder" && mkdir -p "$folder"
-    debootstrap --variant=minbase --include=ca-certificates,python3,python3-pip "$1" "$folder" \
-      "$mirror" >"$folder.log" 2>&1 || give_up "no $1 from $mirror ($folder.log)"
+    debootstrap --variant=minbase --include=ca-certificates,python3,python3-pip,python3-venv "$1" "$folder" \
+      "$mirror" "$(debootstrap_script "$1")" >"$folder.log" 2>&1 || give_up "no $1 from $mirror ($folder.log)"
     touch "$folder/complete"
   fi
   [[ ! -e $folder/usr/bin/cc && ! -e $folder/usr/bin/g++ ]] || give_up "$folder has a compiler"
@@ -172,15 +224,21 @@ try_root() {
   wheel=$(wheel_for "$folder")
   if [[ -n $wheel ]]; then
     [[ ! -e $folder/check/certificates ]] || pip="--cert /check/certificates"
-    within "$codename: pip install $wheel" "$folder" \
-      "pip3 install $pip --target /check/site /check/$wheel"
-    inside_hulls "$codename: the wheel's program" "$folder" \
-      "PYTHONPATH=/check/site python3 -m cullhull"
-    within "$codename: import cullhull" "$folder" "PYTHONPATH=/check/site python3 -c '
+    # As the README says it: Debian's pip installs into an environment alone (PEP 668).
+    within "$codename: pip install $wheel" "$folder" "cd /check && rm -rf venv &&
+      python3 -m venv venv && venv/bin/pip install $pip $wheel"
+    inside_hulls "$codename: the wheel's program" "$folder" /check/venv/bin/cullhull
+    within "$codename: import cullhull" "$folder" "/check/venv/bin/python -c '
 import cullhull, numpy
 points = numpy.random.default_rng(1).random((1000, 3))
 hull = cullhull.convex_hull(points)
 assert cullhull.certify(points, hull).valid, hull'"
+    if [[ $codename == bookworm ]]; then
+      inside "$folder" apt-get -qq update >/dev/null 2>&1 || true
+      within "$codename: pipx install $wheel" "$folder" "apt-get install -y --no-install-recommends \
+        pipx && pipx install --force ${pip:+--pip-args='$pip'} /check/$wheel &&
+        /root/.local/bin/cullhull --version"
+    fi
   elif [[ ${#wheels[@]} -gt 0 ]]; then # the module is of another Python, but not the program
     wheel=$(basename "${wheels[0]}")
     within "$codename: $wheel unpacked" "$folder" "rm -rf /check/wheel &&
@@ -207,14 +265,21 @@ wheel_for() { # the wheel that fits the Python of a root
   done
 }
 
-if [[ ${1:-} == --here ]]; then
-  here
-else
-  [[ $(id -u) -eq 0 ]] || give_up "a root is made as root (--here needs none)"
-  command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh package)"
-  here
-  try_root bookworm
-  try_root bullseye
-fi
+case "${1:-}" in
+  --here) here ;;
+  --rebuild) rebuild ;;
+  "")
+    [[ $(id -u) -eq 0 ]] || give_up "a root is made as root (--here needs none)"
+    command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh package)"
+    here
+    for codename in ${ROOTS:-bookworm bullseye trixie testing}; do
+      try_root "$codename"
+    done
+    ;;
+  *)
+    sed -n '2,14s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+esac
 echo "check-artifacts: $checks checks, $failures failed"
 [[ $failures -eq 0 ]]

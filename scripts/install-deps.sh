@@ -20,7 +20,7 @@ docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
-package=(python3 dpkg-dev file zstd debootstrap debian-archive-keyring)
+package=(python3 dpkg-dev file lintian zstd debootstrap debian-archive-keyring)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 
 wanted=("${build[@]}")

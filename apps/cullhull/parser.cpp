@@ -84,6 +84,12 @@ void Parser::set_version(const std::string& version) {
   app_->set_version_flag("--version", version);
 }
 
+void Parser::set_licenses(std::string_view text) {
+  app_->add_flag_callback(
+      "--licenses", [text] { throw CLI::CallForVersion(std::string(text), 0); },
+      "Print the licences of cullhull and of the libraries in it");
+}
+
 Option* Parser::keep(CLI::Option* option) {
   options_.emplace_back(new Option(option));
   return options_.back().get();

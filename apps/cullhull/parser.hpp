@@ -71,6 +71,7 @@ class Parser {
   /// The end of the help text.
   void footer(const std::string& text);
   void set_version(const std::string& version);
+  void set_licenses(std::string_view text);
 
   /// `names`: "-o,--output", or one word in capitals for a positional argument.
   template <class Value>

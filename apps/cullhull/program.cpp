@@ -5,6 +5,7 @@
 
 #include "cullhull/version.hpp"
 #include "endings.hpp"
+#include "licenses.hpp"
 #include "signals.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
@@ -16,6 +17,7 @@ namespace {
 int run(const Program& program, const std::vector<std::string>& given) {
   Parser parser(program.name, program.description);
   parser.set_version(CULLHULL_VERSION);
+  parser.set_licenses(licenses);
   parser.footer(program.footer);
   parser.require_subcommand(1, 1);
   std::vector<std::pair<const Parser*, Command>> commands;

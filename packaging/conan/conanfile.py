@@ -20,11 +20,14 @@ class Cullhull(ConanFile):
     def set_version(self):
         header = Path(self.recipe_folder, "../../include/cullhull/version.hpp").read_text()
         self.version = re.search(r'CULLHULL_VERSION "(.+)"', header)[1]
+        address = Path(self.recipe_folder, "../repository.txt").read_text().strip()
+        self.homepage = self.url = address
 
     def export_sources(self):
         root = Path(self.recipe_folder).parents[1]
         for pattern in ("CMakeLists.txt", "LICENSE", "cmake/*", "include/*", "src/*",
-                        "packaging/THIRD-PARTY.txt"):
+                        "packaging/THIRD-PARTY.txt",
+                        "packaging/repository.txt"):
             copy(self, pattern, root, self.export_sources_folder)
 
     def requirements(self):

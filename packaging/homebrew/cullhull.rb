@@ -1,6 +1,7 @@
 # Homebrew on Linux, from a checkout: brew install --formula packaging/homebrew/cullhull.rb
 class Cullhull < Formula
   desc "Exact convex hulls of very large point sets, in any dimension"
+  homepage "https://github.com/cullhull/cullhull"
   url "file://#{File.expand_path("../..", __dir__)}", using: :git
   version "0.1.0"
   license "MIT"

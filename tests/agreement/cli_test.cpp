@@ -34,6 +34,15 @@ TEST(Cli, HelpTeaches) {
   EXPECT_EQ(run_app({"--version"}).out, CULLHULL_VERSION "\n");
 }
 
+TEST(Cli, LicensesArePrinted) {
+  const Ran ran = run_app({"--licenses"});
+  EXPECT_EQ(ran.status, 0);
+  for (const std::string words :
+       {"MIT License", "==== Apache-2.0 (Highway) ====", "GCC RUNTIME LIBRARY EXCEPTION",
+        "GNU LESSER GENERAL PUBLIC LICENSE", "Stephen L. Moshier"})
+    EXPECT_NE(ran.out.find(words), std::string::npos) << words;
+}
+
 TEST(Cli, BadUsageIsStatusTwo) {
   const Folder f;
   write_points(f / "p.npy", "ball", 100, 3);

@@ -459,6 +459,7 @@ WITHOUT_POINTS = {
 OPTIONS_ELSEWHERE = {
     "--help": "checked against this table",
     "--version": "one line",
+    "--licenses": "a text: cli_test",
     "--quiet": "on every command line here",
     "--global-ids": "ids of states: cli_stream_test",
     "--first-id": "ids of states: cli_stream_test",

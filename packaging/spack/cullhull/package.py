@@ -7,6 +7,9 @@ from spack.package import *
 class Cullhull(CMakePackage):
     """Exact convex hulls of very large point sets, in any dimension."""
 
+    homepage = "https://github.com/cullhull/cullhull"
+    git = "https://github.com/cullhull/cullhull.git"
+
     license("MIT")
     version("0.1.0")
 

@@ -11,4 +11,5 @@ if("tools" IN_LIST FEATURES)
   vcpkg_copy_tools(TOOL_NAMES cullhull AUTO_CLEAN)
 endif()
 file(REMOVE_RECURSE "${CURRENT_PACKAGES_DIR}/debug/include" "${CURRENT_PACKAGES_DIR}/debug/share")
-vcpkg_install_copyright(FILE_LIST "${SOURCE_PATH}/LICENSE")
+vcpkg_install_copyright(FILE_LIST "${SOURCE_PATH}/LICENSE"
+  "${SOURCE_PATH}/packaging/THIRD-PARTY.txt")
