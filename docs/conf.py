@@ -18,8 +18,11 @@ extensions = [
     "myst_parser",
     "breathe",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
     "sphinx_copybutton",
+    "sphinx_design",
 ]
 root_doc = "index"
 source_suffix = {".md": "markdown"}
@@ -45,6 +48,7 @@ autodoc_mock_imports = ["cullhull._core", "dask"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_default_options = {"members": True, "inherited-members": True}
+autosummary_generate = False  # scripts/docs_source.py makes a page of each name
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
