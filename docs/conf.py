@@ -61,6 +61,7 @@ html_theme = "furo"
 html_title = f"cullhull {release}"
 html_static_path = [str(root / "docs" / "site")]
 html_css_files = ["site.css"]
+html_search_scorer = str(root / "docs" / "site" / "scorer.js")
 html_favicon = str(root / "docs" / "site" / "favicon.svg")
 html_logo = None
 html_show_sphinx = False
