@@ -106,7 +106,7 @@ def main():
     ranks = [int(r) for r in words[2].split(",")] if len(words) > 2 else [1, 2, 4, 8, 16]
     if ranks[0] != 1 or len([r for r in ranks if r <= 4]) < 3:
         sys.exit("reach: the model needs 1 rank and two numbers of up to 4 besides")
-    print("| points | ranks | map | left their ranks | messages | MB sent | of the input | model |"
+    print("| points | ranks | points in the map | points sent | messages | MB sent | of the input | model |"
           " work, s | one process | model |")
     print("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
     models = {}

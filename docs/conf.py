@@ -18,8 +18,11 @@ extensions = [
     "myst_parser",
     "breathe",
     "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
     "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
     "sphinx_copybutton",
+    "sphinx_design",
 ]
 root_doc = "index"
 source_suffix = {".md": "markdown"}
@@ -45,6 +48,7 @@ autodoc_mock_imports = ["cullhull._core", "dask"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autodoc_default_options = {"members": True, "inherited-members": True}
+autosummary_generate = False  # scripts/docs_source.py makes a page of each name
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
@@ -57,6 +61,7 @@ html_theme = "furo"
 html_title = f"cullhull {release}"
 html_static_path = [str(root / "docs" / "site")]
 html_css_files = ["site.css"]
+html_search_scorer = str(root / "docs" / "site" / "scorer.js")
 html_favicon = str(root / "docs" / "site" / "favicon.svg")
 html_logo = None
 html_show_sphinx = False

@@ -4,8 +4,10 @@
 FOLDER gets the Markdown of docs/ and of the root side by side, each page as it is but for its links:
 they are relative to where the page lies in the tree, and so that they hold on a code host. A link to
 a page of the site (or to a public header, which has one) is turned towards it, one to any other file
-of the tree becomes the file's name. Added are a page for every command, from PROGRAM's help, and one for every public header, for which
-Doxygen has left XML (whose private parts are taken out).
+of the tree leads to the file on the code host. Between <!-- tabs --> and <!-- end tabs --> each
+paragraph that is bold as a whole begins a tab of that name. Added are a page for every command, from
+PROGRAM's help, one for every public header, for which Doxygen has left XML (whose private parts are
+taken out), and one for every name in the tables of docs/reference/python.md.
 """
 
 import os
@@ -16,7 +18,9 @@ import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
+HOST = "https://github.com/cullhull/cullhull"
 TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
+ALONE = ("Simplified", "Lists", "NearestFacets", "Rays")  # what they inherit is a tuple's or a sequence's
 COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex"]
 
 
@@ -54,7 +58,8 @@ def turned(text, path, found, kept):
             goal = pathlib.PurePosixPath(file.relative_to(root).as_posix().removeprefix("docs/"))
             kept[goal] = file
         elif file.exists():  # of the tree, not of the site
-            return label if "`" in label else f"`{file.relative_to(root).as_posix()}`"
+            kind = "tree" if file.is_dir() else "blob"
+            return f"[{label}]({HOST}/{kind}/main/{file.relative_to(root).as_posix()})"
         else:
             sys.exit(f"{path.relative_to(root)}: there is no {target}")
         turned_name = os.path.relpath(str(goal), str(here.parent))
@@ -66,7 +71,21 @@ def turned(text, path, found, kept):
         parts[i] = re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", replace, parts[i])
     for i in range(1, len(parts), 2):  # doctest wants a blank line at the end, readers do not
         parts[i] = re.sub(r"\n+```$", "\n```", parts[i])
-    return "".join(parts)
+    return with_tabs("".join(parts))
+
+
+def with_tabs(text):
+    """The tabs of a page, of which a code host shows the names in bold instead."""
+
+    def tabs(match):
+        items = re.split(r"^\*\*(.+)\*\*$", match[1], flags=re.M)[1:]
+        body = "".join(
+            f"\n:::{{tab-item}} {name}\n:sync: {name.lower()}\n{content}:::\n"
+            for name, content in zip(items[::2], items[1::2])
+        )
+        return f"::::{{tab-set}}\n{body}\n::::"
+
+    return re.sub(r"^<!-- tabs -->\n(.*?)^<!-- end tabs -->$", tabs, text, flags=re.M | re.S)
 
 
 def help_of(program, *words):
@@ -113,9 +132,26 @@ def header_pages(folder):
     """A page for each public header, by Doxygen and Breathe."""
     written = set()
     for header, page in headers().items():
-        body = f"# {header.name}\n\n`#include <cullhull/{header.name}>`\n\n{first_comment(header)}\n\n"
+        source = f"{HOST}/blob/main/include/cullhull/{header.name}"
+        body = f"# {header.name}\n\n`#include <cullhull/{header.name}>` ([source]({source}))\n\n"
+        body += f"{first_comment(header)}\n\n"
         body += f"```{{eval-rst}}\n.. doxygenfile:: {header.name}\n```\n"
         written.add(write(folder, str(page), body))
+    return written
+
+
+def python_pages(folder):
+    """A page for each class and function that the tables of the Python reference name."""
+    written = set()
+    text = (root / "docs" / "reference" / "python.md").read_text()
+    for table in re.findall(r"^\.\. autosummary::\n((?:   :.*\n)*)\n((?:   \S+\n)+)", text, re.M):
+        for name in table[1].split():
+            short = name.removeprefix("cullhull.")
+            kind = "class" if re.match(r"[A-Z]", short.split(".")[-1]) else "function"
+            title = f"cullhull.{short}" if kind == "class" else f"cullhull.{short}()"
+            whole = "\n   :no-inherited-members:" if short in ALONE else ""
+            body = f"# {title}\n\n```{{eval-rst}}\n.. currentmodule:: cullhull\n\n.. auto{kind}:: {name}{whole}\n```\n"
+            written.add(write(folder, f"reference/python/{short}.md", body))
     return written
 
 
@@ -145,7 +181,7 @@ def main():
         if not target.exists() or target.read_bytes() != file.read_bytes():
             shutil.copyfile(file, target)
         written.add(target)
-    written |= command_pages(program, folder) | header_pages(folder)
+    written |= command_pages(program, folder) | header_pages(folder) | python_pages(folder)
     for path in folder.rglob("*"):  # pages that were
         if path.is_file() and path not in written:
             path.unlink()

@@ -278,7 +278,7 @@ std::string rivals_help() {
          "\n"
          "Examples:\n"
          "  cullhull-bench rivals --report rivals.html             some minutes\n"
-         "  cullhull-bench rivals --scale 1 --markdown rivals.md   the README's table\n"
+         "  cullhull-bench rivals --scale 1 --markdown rivals.md   docs/performance.md's table\n"
          "  cullhull-bench rivals --scale 1 --shape ball --shape sphere --dimension 2 \\\n"
          "    --dimension 3 --points 100k --points 10M --scalar f64 --scalar f32 --threads "
          "1,2,all\n"
