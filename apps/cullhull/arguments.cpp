@@ -21,27 +21,6 @@ using cullhull::ErrorCode;
 using cullhull::PointView;
 using cullhull::ScalarType;
 
-const char* const input_help =
-    "Input, by extension, else by content:\n"
-    "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
-    "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
-    "  .las   LAS 1.0 to 1.4, every point format: coordinates by its scale and offset, computed "
-    "on\n"
-    "         exactly where they are decimals; --raw: the file's whole numbers. The other fields "
-    "are\n"
-    "         columns: classification, intensity, return_number, gps_time, red, ...\n"
-    "  .pcd   ascii, binary (read in place) and binary_compressed: the fields x y z\n"
-    "  .h5 .nc   a dataset of HDF5 or NetCDF-4, FILE.h5:/GROUP/NAME; three of a column each:\n"
-    "         FILE.nc:x,y,z\n"
-    "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
-    "         (dimension, then count) and cdd's (rbox h) are understood. Of a line of names\n"
-    "         x,y,z, lon,lat or easting,northing are taken, else all but id, index and fid, or\n"
-    "         those that --columns names; others may be words\n"
-    "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
-    "  -      standard input\n"
-    "  .gz .zst   any of these, compressed      .npz   an array: FILE.npz:NAME, or the only one\n"
-    "Floats and integers up to 32 bits are taken at their exact value.";
-
 namespace {
 
 const std::vector<std::string>& scalar_names() {
@@ -107,6 +86,7 @@ std::string place_of(const std::string& path, const std::string& message) {
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {
+  command.group("Input");
   command.add_option("INPUT", path, "File of points, or - for standard input")
       ->type_name("")
       ->required();
@@ -114,10 +94,12 @@ void InputArguments::add_to(Parser& command) {
 }
 
 void InputArguments::add_many_to(Parser& command, const std::string& last) {
+  command.group("Input");
   command
       .add_option("INPUT", words,
-                  "Files of points: one set, in this order. Also folders, patterns in quotes,\n"
-                  "@LIST (a text with one of these a line), and - for standard input" +
+                  "Files of points, read as one set in this order; also folders, quoted\n"
+                  "patterns, @LIST (a text file with one input per line) and - for\n"
+                  "standard input" +
                       last)
       ->type_name("")
       ->required();
@@ -136,21 +118,22 @@ std::vector<std::string> InputArguments::find_files() {
 
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
-                                  "Read INPUT as this, whatever its name and content"),
-              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
-  allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
+                                  "Read INPUT in this format, whatever its name and content"),
+              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson",
+               "wkt", "raw"});
+  allow_range(*command.add_option("--dim", dimension, "Dimension of the points of raw input"), 1,
               1U << 20);
-  allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
-  needs_value(*command.add_option("--columns", columns,
-                                  "Coordinates of each point: x,y,z by name, where the file names\n"
-                                  "them, or from 0: a:b without b, or 0,2,5"))
+  allow_words(*command.add_option("--type", type, "Scalar type of raw input"), scalar_names());
+  needs_value(
+      *command.add_option("--columns", columns,
+                          "Columns used as coordinates, by name (x,y,z) or by number from 0\n"
+                          "(0,2,5, or 1:4 for 1 to 3)"))
       .type_name("COLUMNS");
   add_raw_option(command, raw);
 }
 
 void add_raw_option(Parser& command, bool& raw) {
-  command.add_flag("--raw", raw,
-                   "The whole numbers of a .las as they are, without its scale and offset");
+  command.add_flag("--raw", raw, "Use the whole numbers of a .las, without its scale and offset");
 }
 
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
@@ -261,21 +244,35 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
 
 void RunArguments::add_to(Parser& command, bool filter) {
   if (filter) {
-    auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
+    command.group("Filter and engine");
+    auto& method =
+        *command.add_option("--cull", cull,
+                            "Filter that discards interior points first; auto (default) decides\n"
+                            "from a sample whether filtering is worthwhile");
     allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});
-    auto& where = *command.add_option("--backend", backend, "Where to run; auto may take the CPU");
+    auto& where = *command.add_option("--backend", backend,
+                                      "Processor that filters; auto (default) uses the\n"
+                                      "one that is expected to be faster");
     allow_words(where, {"auto", "cpu", "cuda"});
-    needs_value(
-        *command.add_option("--memory", memory,
-                            "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
-                            "the machine's. A result that needs more is refused, status 4"))
-        .type_name("BYTES");
+    add_memory_to(command);
   } else {
     backend = "cpu";  // nothing to choose, so the planner's file is not read
   }
-  auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
+  command.group("Limits");
+  auto& count =
+      *command.add_option("--threads", threads, "Number of threads; 0 (default): all available");
   allow_range(count, 0, 1024);
-  command.add_flag("-q,--quiet", quiet, "No summary and no progress");
+  command.group("Other");
+  command.add_flag("-q,--quiet", quiet, "Print no summary and no progress");
+}
+
+void RunArguments::add_memory_to(Parser& command) {
+  command.group("Limits");
+  needs_value(
+      *command.add_option("--memory", memory,
+                          "Memory limit beyond the input, e.g. 2G or 512MiB; default: half\n"
+                          "of the machine's memory. What needs more is refused, status 4"))
+      .type_name("BYTES");
 }
 
 // Where `bench machine --save` writes it.

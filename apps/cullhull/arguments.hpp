@@ -81,6 +81,8 @@ struct RunArguments {
 
   /// `filter`: with --cull and --backend, which `certify` does not have.
   void add_to(Parser& command, bool filter);
+  /// Adds `--memory`, which the filter's options include.
+  void add_memory_to(Parser& command);
   cullhull::Options options() const;
   /// The value of --memory; 0 without it.
   std::uint64_t memory_bytes() const;
@@ -113,8 +115,4 @@ auto naming_file(const std::string& path, const Read& read) -> decltype(read()) 
     throw cullhull::Error(e.code(), place_of(path, e.what()) + ": " + e.what());
   }
 }
-
-/// Appended to the help of every command that reads points.
-extern const char* const input_help;
-
 }  // namespace app

@@ -42,11 +42,11 @@ std::string footer() {
   std::string text = "Shapes:\n";
   for (const cullhull::Shape& shape : cullhull::shapes())
     text += fmt::format("  {:<13} {}\n", shape.name, shape.description);
-  text += "Motions (--motion, with --frames T; writes an array (T, N, D), frame by frame):\n";
+  text += "\nMotions (--motion, with --frames T; writes an array (T, N, D)):\n";
   for (const cullhull::Shape& motion : cullhull::motions())
     text += fmt::format("  {:<13} {}\n", motion.name, motion.description);
   return text +
-         "The same arguments give the same bits on every machine and for any number of threads. "
+         "\nThe same arguments give the same bits on every machine, for any number of threads. "
          "f32\n"
          "rounds the f64 points.\n"
          "\n"
@@ -56,8 +56,7 @@ std::string footer() {
          "  cullhull generate ball -n 1M -o - | cullhull hull -\n"
          "  cullhull generate bumpy -n 1.1M --frames 30 --motion twist -o twist.npy\n"
          "\n"
-         "Exit status: 0 success; 1 the system refused; 2 bad usage; 4 out of memory; 130 "
-         "cancelled.";
+         "Exit status: 0 success; 1 system error; 2 bad usage; 4 out of memory; 130 cancelled.";
 }
 
 // Only one frame is in memory at a time.
@@ -113,7 +112,7 @@ Made read_arguments(const GenerateArguments& arguments) {
   if (arguments.type == "f32") made.type = cullhull::ScalarType::f32;
   if (arguments.frames.empty() != arguments.motion.empty())
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "--frames and --motion need one another");
+                          "--frames and --motion must be given together");
   if (!arguments.frames.empty()) made.frames = parse_size(arguments.frames, "--frames");
   return made;
 }
@@ -163,28 +162,32 @@ int run(const GenerateArguments& arguments) {
 
 Command add_generate(Parser& parent) {
   auto a = std::make_shared<GenerateArguments>();
-  Parser& command = *parent.add_subcommand("generate", "Make a seeded set of points");
-  command.add_option("SHAPE", a->shape, "One of those below")->type_name("")->required();
-  command.add_option("-n,--count", a->count, "How many points, e.g. 100000 or 8M")
+  Parser& command =
+      *parent.add_subcommand("generate", "Generate random points of a shape, by a seed");
+  command.group("Points");
+  command.add_option("SHAPE", a->shape, "One of the shapes below")->type_name("")->required();
+  command.add_option("-n,--count", a->count, "Number of points, e.g. 100000 or 8M")
       ->type_name("N")
       ->required();
-  allow_range(*command.add_option("-d,--dim", a->dimension,
-                                  "Dimension; 3 if not given, 2 for disk and circle"),
-              1, 1U << 20);
-  command.add_option("--seed", a->seed, "Another seed, another set; 1 if not given")
-      ->type_name("S");
-  allow_words(*command.add_option("--type", a->type, "Scalar type to write; f64 if not given"),
-              {"f32", "f64"});
-  needs_value(*command.add_option("--frames", a->frames, "Moving points: how many frames"))
+  allow_range(
+      *command.add_option("-d,--dim", a->dimension, "Dimension (default: 3; of disk and circle 2)"),
+      1, 1U << 20);
+  command.add_option("--seed", a->seed, "Seed of the random numbers (default: 1)")->type_name("S");
+  allow_words(*command.add_option("--type", a->type, "Scalar type (default: f64)"), {"f32", "f64"});
+  command.group("Motion");
+  needs_value(*command.add_option("--frames", a->frames, "Number of frames of moving points"))
       .type_name("T");
   std::vector<std::string> motions;
   for (const cullhull::Shape& motion : cullhull::motions()) motions.emplace_back(motion.name);
-  allow_words(*command.add_option("--motion", a->motion, "How they move, see below"), motions);
-  needs_value(*command.add_option("-o,--output", a->output, "File to write; - for standard output"))
+  allow_words(*command.add_option("--motion", a->motion, "Motion, see below"), motions);
+  command.group("Output");
+  needs_value(
+      *command.add_option("-o,--output", a->output, "Write the points; - is standard output"))
       .type_name("FILE.npy")
       ->required();
-  add_json_option(command, a->json, "What was made");
-  command.add_flag("-q,--quiet", a->quiet, "No summary and no progress");
+  add_json_option(command, a->json, "Report what was generated");
+  command.group("Other");
+  command.add_flag("-q,--quiet", a->quiet, "Print no summary and no progress");
   command.footer(footer());
   return [a] { return run(*a); };
 }

@@ -14,6 +14,7 @@
 #include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 #include "viewer/scene.hpp"
 
 namespace app {
@@ -25,19 +26,15 @@ using cullhull::viewer::Scene;
 using cullhull::viewer::SceneFrame;
 
 constexpr const char* help =
-    "INPUT may also be HULL.json, as 'cullhull hull -o' writes it: the page then shows the hull "
-    "alone.\n"
-    "Or moving points: an .npy array (frames, n, d), or a folder or a pattern in quotes of files, "
-    "a\n"
-    "frame each, of points or, as 'cullhull track -o' writes them, of hulls. The page has a "
-    "slider,\n"
-    "and at most 120 of the frames, evenly chosen.\n"
+    "INPUT may also be a hull, HULL.json of 'cullhull hull -o', shown without its points; or "
+    "moving\n"
+    "points: an .npy array (frames, n, d), or a folder or quoted pattern of files with one frame\n"
+    "each, of points or of hulls ('cullhull track -o'). The page then has a slider, and shows at\n"
+    "most 120 frames, evenly spaced.\n"
     "\n"
-    "The page is one file that needs no network. 3D sets are turned, moved and zoomed; 2D sets are "
-    "a\n"
-    "plot; of four and more dimensions three axes are chosen. It stays under 12 MB: of many points "
-    "a\n"
-    "fair sample is drawn, with the true ids and exact coordinates, and the page says how many.\n"
+    "The page is one file that needs no network. 3D points can be rotated, moved and zoomed; 2D\n"
+    "points are a plot; of more dimensions three axes are chosen. It stays below 12 MB: of many\n"
+    "points a random sample is drawn, with ids and exact coordinates, and the page says how many.\n"
     "\n"
     "Examples:\n"
     "  cullhull view scan.ply -o scan.html\n"
@@ -46,7 +43,7 @@ constexpr const char* help =
     "  cullhull hull big.npy -o hull.json && cullhull view hull.json -o hull.html\n"
     "  cullhull track twist.npy -o 'f-%03d.json' && cullhull view 'f-*.json' -o twist.html\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of the memory budget; 5 backend not\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 memory limit exceeded; 5 backend not\n"
     "available, or built without three.js; 130 cancelled.";
 
 struct ViewArguments {
@@ -309,17 +306,18 @@ int run(const ViewArguments& arguments) {
 Command add_view(Parser& parent) {
   auto a = std::make_shared<ViewArguments>();
   Parser& command =
-      *parent.add_subcommand("view", "Points and their hull as an HTML page to look at");
-  needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
+      *parent.add_subcommand("view", "Show points and their hull in an interactive HTML page");
+  a->input.add_to(command);
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->output, "Write the page"))
       .type_name("PAGE.html")
       ->required();
   command.add_flag("--delaunay", a->cells,
-                   "Show the cells of the Delaunay triangulation, too:\n"
-                   "in 2D all, in 3D those that the clip plane cuts");
-  add_json_option(command, a->json, "The figures of the page");
+                   "Also show the cells of the Delaunay triangulation: in 2D all of\n"
+                   "them, in 3D those that the clipping plane cuts");
+  add_json_option(command, a->json, "Report the figures of the page");
   a->run.add_to(command, true);
-  a->input.add_to(command);
-  command.footer(std::string(input_help) + "\n\n" + help);
+  command.footer(std::string(input_footer) + "\n\n" + help);
   return [a] { return run(*a); };
 }
 

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
@@ -54,6 +55,79 @@ TEST(CliUsage, HelpByCommand) {
   }
   EXPECT_EQ(run_app({"help"}).out, run_app({"--help"}).out);
   expect_error({"help", "hul"}, 2, "did you mean hull?");
+}
+
+TEST(CliUsage, TheProgramAloneShowsItsHelp) {
+  for (const char* name : {"", "cullhull-bench"}) {
+    std::vector<std::string> program, asked;
+    if (*name != 0) program.emplace_back(name);
+    asked = program;
+    asked.emplace_back("--help");
+    const Ran alone = run_app(program);
+    EXPECT_EQ(alone.status, 0) << name << alone.err;
+    EXPECT_EQ(alone.err, "");
+    EXPECT_NE(alone.out.find("Subcommands:"), std::string::npos) << alone.out;
+    EXPECT_EQ(alone.out, run_app(asked).out);
+  }
+  const Ran version = run_app({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_EQ(run_app({"-V"}).out, version.out);
+  EXPECT_EQ(version.out.find('\n') + 1, version.out.size());
+}
+
+TEST(CliUsage, HelpByTopic) {
+  const Ran formats = run_app({"help", "formats"}), units = run_app({"help", "units"});
+  EXPECT_EQ(formats.status, 0) << formats.err;
+  EXPECT_NE(formats.out.find(".pcd"), std::string::npos);
+  EXPECT_EQ(units.status, 0) << units.err;
+  EXPECT_NE(units.out.find("scale"), std::string::npos);
+  const std::string help = run_app({"--help"}).out;
+  EXPECT_NE(help.find("\nTopics:\n  formats "), std::string::npos) << help;
+  EXPECT_NE(help.find("\n  units "), std::string::npos) << help;
+  expect_error({"help", "format"}, 2, "no command or topic 'format'; did you mean formats?");
+  expect_error({"help", "formats", "units"}, 2, "");
+}
+
+TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
+  const std::string top = run_app({"--help"}).out;
+  std::istringstream listed(top.substr(top.find("Subcommands:\n") + 13));
+  std::vector<std::string> commands;
+  for (std::string line; std::getline(listed, line) && line.starts_with("  ");)
+    commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+  ASSERT_EQ(commands.size(), 11U);
+  for (const std::string& command : commands) {
+    const std::string help = run_app({command, "--help"}).out;
+    EXPECT_EQ(help.find("\nOptions:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nOther:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nExamples:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nExit status: "), std::string::npos) << help;
+    EXPECT_EQ(help.find("\n\n\n"), std::string::npos) << help;
+    EXPECT_EQ(help.find(".pcd"), std::string::npos) << "formats belong to help formats";
+    const bool points = command != "generate";
+    EXPECT_EQ(help.find("help formats") != std::string::npos, points) << help;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 100U) << command << ": " << line;
+  }
+  const std::string hull = run_app({"hull", "--help"}).out;
+  std::size_t at = 0;
+  for (const char* section : {"Input", "Output", "Filter and engine", "Verification and timing",
+                              "Streaming and partial results", "Limits", "Other"}) {
+    const std::size_t found = hull.find("\n" + std::string(section) + ":\n  -");
+    EXPECT_TRUE(found != std::string::npos && found > at) << section << "\n" << hull;
+    at = found;
+  }
+  const auto section_of = [&](const char* option) {
+    const std::size_t here = hull.find(option);
+    const std::size_t end = hull.rfind(":\n  -", here);
+    const std::size_t begin = hull.rfind('\n', end) + 1;
+    return hull.substr(begin, end - begin);
+  };
+  EXPECT_EQ(section_of("  --columns"), "Input");
+  EXPECT_EQ(section_of("  -o,--output"), "Output");
+  EXPECT_EQ(section_of("  --cull"), "Filter and engine");
+  EXPECT_EQ(section_of("  --engine"), "Filter and engine");
+  EXPECT_EQ(section_of("  --memory"), "Limits");
 }
 
 TEST(CliUsage, AFileAloneIsHulled) {
