@@ -44,8 +44,8 @@ struct Remark {
 };
 
 struct ReadOptions {
-  /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
-  /// empty: by extension, then by content.
+  /// Force a format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv",
+  /// "geojson", "wkt", "raw"); empty: by extension, then by content.
   std::string format;
   /// Needed for raw input only.
   std::uint32_t raw_dimension = 0;
