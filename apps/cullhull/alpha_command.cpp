@@ -127,13 +127,14 @@ std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
 }
 
 /// Lengths of `out` are on the grid that the points are on.
-void find_shape(const AlphaArguments& a, const PointView& points, const cullhull::Grid& grid,
+void find_shape(const AlphaArguments& a, const Input& input, const cullhull::Grid& grid,
                 Outcome& out) {
+  const PointView& points = input.points;
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         cullhull::TriangulationOptions o{options};
-        return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
+        return naming_file(input.places, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
   out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
@@ -201,7 +202,7 @@ int run(AlphaArguments a) {
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
-  find_shape(a, input.points, grid, out);
+  find_shape(a, input, grid, out);
   input.to_world();
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);

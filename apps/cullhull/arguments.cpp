@@ -71,16 +71,36 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
               " needs a whole number from 0 to 18446744073709551615, not '", text, "'");
 }
 
-std::string place_of(const std::string& path, const std::string& message) {
+namespace {
+
+/// The number in "point 7, coordinate 0 is NaN".
+std::optional<std::uint64_t> point_of(const std::string& message) {
   constexpr std::string_view begin = "point ";
   std::uint64_t point = 0;
-  if (message.starts_with(begin)) {
-    const char* const end = message.data() + message.size();
-    if (std::from_chars(message.data() + begin.size(), end, point).ec == std::errc())
-      if (const auto line = cullhull::line_of_point(path, point))
-        return input_name(path) + ":" + std::to_string(*line);
-  }
+  if (!message.starts_with(begin)) return std::nullopt;
+  const char* const end = message.data() + message.size();
+  const auto read = std::from_chars(message.data() + begin.size(), end, point);
+  return read.ec == std::errc() ? std::optional(point) : std::nullopt;
+}
+
+}  // namespace
+
+std::string place_of(const std::string& path, const std::string& message) {
+  if (const auto point = point_of(message))
+    if (const auto line = cullhull::line_of_point(path, *point))
+      return input_name(path) + ":" + std::to_string(*line);
   return input_name(path);
+}
+
+std::string Places::of(const std::string& message) const {
+  const auto point = point_of(message);
+  if (!point) return parts.size() == 1 ? parts[0].name : std::to_string(parts.size()) + " inputs";
+  auto part = parts.end();
+  while (part != parts.begin() && (--part)->first > *point) {
+  }
+  const auto& at = part->not_finite;
+  return part->name +
+         (at && at->point + part->first == *point ? ":" + std::to_string(at->line) : "");
 }
 
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
@@ -107,7 +127,9 @@ void InputArguments::add_many_to(Parser& command, const std::string& last) {
 }
 
 std::vector<std::string> InputArguments::files() const {
-  return words.empty() ? std::vector{path} : cullhull::input_files(words);
+  if (words.empty()) return {path};
+  cullhull::ReadOptions options = read_options(*this, 0);
+  return cullhull::input_files(words, options);
 }
 
 std::vector<std::string> InputArguments::find_files() {
@@ -136,6 +158,15 @@ void add_raw_option(Parser& command, bool& raw) {
   command.add_flag("--raw", raw, "Use the whole numbers of a .las, without its scale and offset");
 }
 
+void print_remark(const cullhull::Remark& remark) {
+  static std::mutex mutex;
+  static std::set<std::string> told;  // once, however many tiles have the same remark
+  const std::lock_guard lock(mutex);
+  if (!told.insert(remark.message).second) return;
+  const bool columns = remark.kind == cullhull::Remark::Kind::columns;
+  write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
+}
+
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
                                    std::uint64_t memory) {
   cullhull::ReadOptions options;
@@ -148,14 +179,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   options.grid = arguments.grid;
-  options.remark = [](const cullhull::Remark& remark) {
-    static std::mutex mutex;
-    static std::set<std::string> told;  // once, however many tiles have the same remark
-    const std::lock_guard lock(mutex);
-    if (!told.insert(remark.message).second) return;
-    const bool columns = remark.kind == cullhull::Remark::Kind::columns;
-    write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
-  };
+  options.remark = print_remark;
   return options;
 }
 
@@ -171,6 +195,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ",
                 arguments.path, " was read as ", input.file.format());
   input.points = input.file.points();
+  input.places.parts = {{input_name(arguments.path), 0, input.file.first_not_finite()}};
   const cullhull::Placement& placement = input.file.placement();
   input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
   input.weights = input.file.weights();
@@ -217,6 +242,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
     if (part.dimension != parts[0].points.dimension)
       throw Error(ErrorCode::bad_file, file, ": points of dimension ", part.dimension, ", but of ",
                   parts[0].points.dimension, " in ", files[0]);
+    all.places.parts.push_back(parts.back().places.parts[0]);
+    all.places.parts.back().first = all.points.count;
     all.points.count += part.count;
     const std::vector<double>& weights = parts.back().weights;
     all.weights.insert(all.weights.end(), weights.begin(), weights.end());

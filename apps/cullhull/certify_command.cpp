@@ -83,7 +83,7 @@ CertifyOutcome certify_in_memory(const CertifyArguments& arguments) {
   cullhull::Options options = arguments.run.options();
   options.progress = progress.callback();
   cancellable([&] {
-    naming_file(arguments.input.path, [&] {
+    naming_file(input.places, [&] {
       outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options,
                                                    input.placing.grid, arguments.stream.first_id);
     });

@@ -160,10 +160,10 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  CullOutcome outcome = repeat(arguments.run, arguments.repeat,
-                               [&](const cullhull::Options& options) {
-    return naming_file(arguments.input.path, [&] { return cullhull::cull(input.points, options); });
-  });
+  CullOutcome outcome =
+      repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
+        return naming_file(input.places, [&] { return cullhull::cull(input.points, options); });
+      });
   input.to_world();
   write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())

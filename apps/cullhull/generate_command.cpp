@@ -46,6 +46,11 @@ std::string footer() {
   for (const cullhull::Shape& motion : cullhull::motions())
     text += fmt::format("  {:<13} {}\n", motion.name, motion.description);
   return text +
+         "\nOutput files (-o, by extension):\n"
+         "  .npy .ply .raw        the scalar type of --type\n"
+         "  .xyz .txt .csv .obj .off   decimals that read back as the same numbers\n"
+         "  .geojson .wkt         one multipoint\n"
+         "  .ply .geojson .wkt hold 2D and 3D points, .obj 3D points; --frames writes .npy.\n"
          "\nThe same arguments give the same bits on every machine, for any number of threads. "
          "f32\n"
          "rounds the f64 points.\n"
@@ -53,6 +58,7 @@ std::string footer() {
          "Examples:\n"
          "  cullhull generate ball -n 8M -d 3 -o ball.npy\n"
          "  cullhull generate grid:16 -n 10k -d 5 --type f32 --seed 7 -o grid.npy\n"
+         "  cullhull generate disk -n 1000 -o disk.csv          as text with a line x,y\n"
          "  cullhull generate ball -n 1M -o - | cullhull hull -\n"
          "  cullhull generate bumpy -n 1.1M --frames 30 --motion twist -o twist.npy\n"
          "\n"
@@ -64,7 +70,7 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
   const cullhull::MovingPoints moving(arguments.shape, arguments.motion, made.count, made.dimension,
                                       made.frames, made.seed);
   const auto total = static_cast<double>(made.frames);
-  TerminalProgress progress(arguments.quiet, total, "frames");
+  TerminalProgress progress(arguments.quiet, "frames", total);
   const cullhull::Progress report = progress.callback();
   cullhull::NpySequenceWriter writer(arguments.output, made.frames, made.count, made.dimension,
                                      made.type);
@@ -88,9 +94,9 @@ std::uint64_t piece_of(std::uint32_t dimension) {
 void write_points(const GenerateArguments& arguments, const Made& made) {
   const cullhull::PointGenerator generator(arguments.shape, made.count, made.dimension, made.seed);
   const auto total = static_cast<double>(made.count);
-  TerminalProgress progress(arguments.quiet, total, "points");
+  TerminalProgress progress(arguments.quiet, "points", total);
   const cullhull::Progress report = progress.callback();
-  cullhull::NpyPointsWriter writer(arguments.output, made.count, made.dimension, made.type);
+  cullhull::PointsWriter writer(arguments.output, made.count, made.dimension, made.type);
   const std::uint64_t piece = std::min(made.count, piece_of(made.dimension));
   std::vector<double> points(piece * made.dimension);
   for (std::uint64_t first = 0; first < made.count; first += piece) {
@@ -144,7 +150,10 @@ std::string summary(const GenerateArguments& arguments, const Made& made) {
 
 int run(const GenerateArguments& arguments) {
   FilePlan plan;
-  plan.writes("-o", arguments.output, {".npy"});
+  if (arguments.frames.empty())
+    plan.writes("-o", arguments.output, {OutputKind::made});
+  else
+    plan.writes("-o", arguments.output, {".npy"});
   plan.writes_json(arguments.json);
   const Made made = read_arguments(arguments);
   cancellable([&] {
@@ -181,9 +190,10 @@ Command add_generate(Parser& parent) {
   for (const cullhull::Shape& motion : cullhull::motions()) motions.emplace_back(motion.name);
   allow_words(*command.add_option("--motion", a->motion, "Motion, see below"), motions);
   command.group("Output");
-  needs_value(
-      *command.add_option("-o,--output", a->output, "Write the points; - is standard output"))
-      .type_name("FILE.npy")
+  needs_value(*command.add_option("-o,--output", a->output,
+                                  "Write the points in the format of the extension, see below;\n"
+                                  "- writes .npy on standard output"))
+      .type_name("FILE")
       ->required();
   add_json_option(command, a->json, "Report what was generated");
   command.group("Other");

@@ -103,10 +103,10 @@ FilePlan plan_files(const HullArguments& arguments) {
 
 /// Runs `find` as often as requested; the result has the statistics of the run of median time.
 template <class Find>
-auto find_repeatedly(const HullArguments& arguments, const Find& find) {
+auto find_repeatedly(const HullArguments& arguments, const Places& places, const Find& find) {
   std::vector<cullhull::Statistics> statistics;
   auto found = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
-    auto result = naming_file(arguments.input.path, [&] { return find(options); });
+    auto result = naming_file(places, [&] { return find(options); });
     statistics.push_back(result.statistics);
     return result;
   });
@@ -126,7 +126,7 @@ HullOutcome compute(const HullArguments& arguments, const Input& input) {
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
   HullOutcome outcome{find_repeatedly(
-                          arguments,
+                          arguments, input.places,
                           [&](cullhull::Options options) {
     if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
     const Placing& placing = input.placing;
@@ -268,9 +268,10 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
-    return cullhull::extreme_points(input.points, options);
-  });
+  const Extreme found =
+      find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
+        return cullhull::extreme_points(input.points, options);
+      });
   const cullhull::ExtremePoints& extreme = found.result;
   const std::vector<double> rows = placed_rows(input, extreme.ids);
   const cullhull::PointView placed =

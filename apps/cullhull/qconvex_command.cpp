@@ -132,7 +132,7 @@ int run(const QconvexArguments& arguments) {
   from.path = request.input;
   Input input = open_input(from, arguments.run.threads);
   auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
-    return naming_file(request.input, [&] { return cullhull::convex_hull(input.points, options); });
+    return naming_file(input.places, [&] { return cullhull::convex_hull(input.points, options); });
   });
   if (request.certify) {
     const auto checked = repeat(arguments.run, 1, [&](const cullhull::Options& options) {

@@ -53,8 +53,6 @@ cullhull::BlockOptions block_options(const InputArguments& input, const RunArgum
   return blocks;
 }
 
-double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
-
 }  // namespace
 
 void StreamArguments::add_to(Parser& command, bool states) {
@@ -135,7 +133,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     blocks.from = from->position;
     from.reset();
   }
-  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
@@ -185,7 +183,7 @@ void write_partial(const StreamArguments& stream, const cullhull::HullState& sta
 cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
     const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points) {
-  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
   blocks.progress = progress.callback();

@@ -287,7 +287,7 @@ TrackOutcome track(const TrackArguments& arguments, const FrameNames& names,
   const cullhull::Options options = arguments.run.options();
   cullhull::HullTracker tracker(options);
   const auto total = static_cast<double>(sequence.frames());
-  TerminalProgress progress(arguments.run.quiet, total, "frames");
+  TerminalProgress progress(arguments.run.quiet, "frames", total);
   const cullhull::Progress report = progress.callback();
   cancellable([&] {
     while (sequence.next()) {
@@ -354,12 +354,13 @@ int run(const TrackArguments& arguments) {
   read.format = arguments.format;
   read.threads = arguments.run.threads;
   read.stop = stop_token();
+  read.remark = print_remark;
   read.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   const FrameNames names(arguments.output);
   names.check_ending();
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
   FilePlan plan;
-  plan.reads(cullhull::sequence_files(arguments.inputs));
+  plan.reads(cullhull::sequence_files(arguments.inputs, read));
   plan.writes_json(arguments.json);
   names.check(sequence.frames(), plan);
   names.make_folder();

@@ -217,13 +217,14 @@ struct DualOutcome {
   double read_seconds = 0, dual_seconds = 0;
 };
 
-void triangulate_with_edges(const DualArguments& a, const PointView& points, DualOutcome& out) {
+void triangulate_with_edges(const DualArguments& a, const Input& input, DualOutcome& out) {
+  const PointView& points = input.points;
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         cullhull::ConstrainedOptions o{options};
         o.inside_only = a.inside;
-        return naming_file(a.input.path, [&] {
+        return naming_file(input.places, [&] {
           cullhull::ConstrainedTriangulation made =
               cullhull::constrained_delaunay(points, edges, o);
           if (a.certify) out.certificate = cullhull::certify(points, edges, made, o);
@@ -234,12 +235,13 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Dua
   out.triangulation = std::move(found.triangulation);
 }
 
-void triangulate(const DualArguments& a, const PointView& points, DualOutcome& out) {
-  if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
+void triangulate(const DualArguments& a, const Input& input, DualOutcome& out) {
+  if (!a.edges.empty()) return triangulate_with_edges(a, input, out);
+  const PointView& points = input.points;
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
                         cullhull::TriangulationOptions o{options};
                         o.furthest_site = a.furthest;
-                        return naming_file(a.input.path, [&] {
+                        return naming_file(input.places, [&] {
                           return out.weights.empty()
                                      ? cullhull::delaunay(points, o)
                                      : cullhull::regular_triangulation(points, out.weights, o);
@@ -423,7 +425,7 @@ int run(DualArguments a, bool dual) {
   for (double& w : out.weights) w = grid.measure_to_grid(w, 2);  // squares of lengths
   out.heights = heights_beside ? std::move(input.weights)
                                : read_numbers(a, "--height", a.heights, input.points.count);
-  triangulate(a, input.points, out);
+  triangulate(a, input, out);
   if (dual) find_dual(a, input.points, grid, out);
   if (out.voronoi) cullhull::to_world(*out.voronoi, grid);
   if (out.cells) cullhull::to_world(*out.cells, grid);

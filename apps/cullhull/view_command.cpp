@@ -1,6 +1,7 @@
 // cullhull view: points and their hull as one HTML page.
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -67,6 +68,16 @@ std::string title_of(const std::string& path) {
 
 bool is_json(const std::string& path) { return std::filesystem::path(path).extension() == ".json"; }
 
+/// JSON that is no GeoJSON: only that has a member "type".
+bool may_be_hull(const std::string& path) {
+  if (!is_json(path)) return false;
+  std::string head(std::size_t{1} << 16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.find("\"type\"") == std::string::npos;
+}
+
 /// A folder, a pattern, or an array that may have three axes.
 bool may_be_sequence(const InputArguments& input) {
   if (input.path == "-" || input.dimension != 0 || !input.type.empty()) return false;
@@ -80,15 +91,15 @@ bool may_be_sequence(const InputArguments& input) {
 /// All files that INPUT names.
 std::vector<std::string> input_files(const InputArguments& input) {
   if (!may_be_sequence(input)) return {input.path};
-  return cullhull::sequence_files({input.path});
+  return cullhull::sequence_files({input.path}, read_options(input, 0));
 }
 
 /// The hull files that INPUT names; empty where it names points.
 std::vector<std::string> hull_files(const InputArguments& input) {
   if (!input.format.empty() || input.path == "-") return {};
   if (!may_be_sequence(input) && !is_json(input.path)) return {};
-  std::vector<std::string> files = cullhull::sequence_files({input.path});
-  return std::all_of(files.begin(), files.end(), is_json) ? files : std::vector<std::string>();
+  std::vector<std::string> files = cullhull::sequence_files({input.path}, read_options(input, 0));
+  return std::all_of(files.begin(), files.end(), may_be_hull) ? files : std::vector<std::string>();
 }
 
 /// Hull and survivors of one set of points, and the run's report for --json.
@@ -144,7 +155,7 @@ Written view_input(const ViewArguments& arguments, Input& input, const cullhull:
   Scene scene(title_of(arguments.input.path), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
-      naming_file(arguments.input.path, [&] { return compute(input, read, options); });
+      naming_file(input.places, [&] { return compute(input, read, options); });
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
             arguments.triangulation(options), scene, input.file.colours());
   return {scene.page(), computed.report};

@@ -82,6 +82,11 @@ struct ReadOptions {
   std::stop_token stop;
 };
 
+/// A point of a text and its line, from 1.
+struct PointLine {
+  std::uint64_t point = 0, line = 0;
+};
+
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` views its
 /// memory.
 class PointFile {
@@ -111,6 +116,8 @@ class PointFile {
   bool in_parts() const noexcept;
   std::uint64_t first() const noexcept;  ///< number, in the file, of the first of points()
   std::uint64_t total() const noexcept;  ///< points in the file
+  /// Of a text with NaN or infinities the first such point.
+  std::optional<PointLine> first_not_finite() const noexcept;
   double read_seconds() const noexcept;
 
   struct Impl;
@@ -161,12 +168,15 @@ class PointSequence {
 };
 
 /// Each of `paths` is a file, a folder (its files, without hidden ones) or a pattern with * ? [ ].
+/// Where some files of a folder have the extension of a known format, the others are skipped, and
+/// options.remark is told so; not if options.format names the format.
 /// Files of folders and patterns are ordered by name, numbers in names by value (2 before 10). An
 /// .npy array (frames, n, d) has to be the only path. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 /// The files such paths stand for, in that order.
-std::vector<std::string> sequence_files(const std::vector<std::string>& paths);
+std::vector<std::string> sequence_files(const std::vector<std::string>& paths,
+                                        const ReadOptions& options = {});
 
 /// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
 /// PointFile whose mapping holds `address`, or nullptr. The kernel sends SIGBUS when a mapped file
@@ -293,6 +303,24 @@ class NpyPointsWriter {
                   ScalarType type);
   ~NpyPointsWriter();
   /// The next points: count x dimension doubles.
+  void write(const double* coordinates, std::uint64_t count);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Points written some at a time, in the format of the extension of `path` (else .npy) or `format`:
+/// .npy .ply .obj .off .raw .xyz .txt .csv, and .geojson .wkt as one multipoint. .ply .geojson .wkt
+/// hold points of dimension 2 and 3, .obj of 3. .npy .ply .raw keep `type`, the others have decimals
+/// that read back as the same numbers. The file appears when the last point has been written. Throws
+/// Error{invalid_argument} for other names and dimensions, else as the other writers do.
+class PointsWriter {
+ public:
+  PointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
+               ScalarType type, const std::string& format = "");
+  ~PointsWriter();
+  /// The next points: count x dimension doubles, which are rounded to `type`.
   void write(const double* coordinates, std::uint64_t count);
 
  private:

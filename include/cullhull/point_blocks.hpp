@@ -86,8 +86,10 @@ struct BlockOptions {
 /// The files that such words stand for, in order: a file, "-" (standard input), a folder (its
 /// files, without hidden ones), a pattern with * ? [ ], or `@LIST`, a text with one of these a
 /// line. Files of folders and patterns are ordered by name, numbers in names by value (2 before
-/// 10). Throws Error{io}, Error{invalid_argument}.
-std::vector<std::string> input_files(const std::vector<std::string>& words);
+/// 10). Of a folder's files those with an unknown extension are skipped as open_sequence does.
+/// Throws Error{io}, Error{invalid_argument}.
+std::vector<std::string> input_files(const std::vector<std::string>& words,
+                                     const ReadOptions& options = {});
 
 /// The file that such a word names: FILE.npz for FILE.npz:NAME, else itself.
 std::string file_of_input(const std::string& word);

@@ -68,6 +68,10 @@ bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
 std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
 std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
+std::optional<PointLine> PointFile::first_not_finite() const noexcept {
+  const PointLine& at = impl_->data.not_finite;
+  return at.line > 0 ? std::optional(at) : std::nullopt;
+}
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 
 namespace internal::inline io {
@@ -128,9 +132,14 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
   if (extension == "laz") return "las";  // whose error names a reader for it
-  for (const char* other : {"e57", "parquet", "zarr", "copc"})
+  for (const char* other : {"e57", "parquet", "gpkg", "shp", "fgb", "gml", "kml"})
     if (extension == other)
-      fail(source, ".", extension, " is read by the Python package alone: cullhull.read(path)");
+      fail(
+          source, ".", extension,
+          " is read by the program of the Python package: python3 -m cullhull instead of cullhull");
+  for (const char* other : {"zarr", "copc"})
+    if (extension == other)
+      fail(source, ".", extension, " is read by the Python package: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
   return format_of_content(source);
 }

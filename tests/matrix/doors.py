@@ -434,5 +434,5 @@ FORMATS = {
 ELSEWHERE = {
     ".hullstate": "holds extreme points alone: the tests of streams compare states",
     ".h5 .nc": "needs h5py to be written: foreign_files",
-    ".laz .e57 .parquet .zarr .gpkg .shp": "read by the Python package: its tests",
+    ".laz .e57 .parquet .zarr .gpkg .shp .fgb .gml .kml": "read by the Python package: its tests",
 }

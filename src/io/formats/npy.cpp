@@ -387,11 +387,12 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
   }
 }
 
+}  // namespace
+
 void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarType type) {
   with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
-}  // namespace
 }  // namespace internal::inline io
 
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {

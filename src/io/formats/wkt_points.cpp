@@ -1,5 +1,6 @@
 // Points of WKT (OGC 06-103r4, and the SRID of PostGIS before it): the positions of all geometries.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -80,9 +81,14 @@ class WktReader {
     return positions_;
   }
 
+  const PointLine& not_finite() const { return not_finite_; }
+
  private:
+  std::uint64_t line_of(const char* at) const {
+    return 1 + static_cast<std::uint64_t>(std::count(source_.data, at, '\n'));
+  }
   [[noreturn]] void fault(const std::string& message) const {
-    fail_at_line(source_, 1 + std::count(source_.data, p_, '\n'), message);
+    fail_at_line(source_, line_of(p_), message);
   }
   [[noreturn]] void expected(const char* what) const {
     if (p_ == end_) fault(std::string("ends where ") + what + " is expected");
@@ -209,6 +215,9 @@ class WktReader {
     if (!fits)
       fault("a position of " + std::to_string(count) + " numbers in a " + name() +
             (tag_.has_z ? " Z" : "") + (tag_.has_m ? " M" : ""));
+    if (not_finite_.line == 0 &&
+        !std::all_of(numbers, numbers + width, [](double x) { return std::isfinite(x); }))
+      not_finite_ = {positions_.size(), line_of(start)};
     if (!positions_.add(numbers, width))
       fault("a position of " + std::to_string(width) + " coordinates, where others have " +
             std::to_string(positions_.dimension()) + "; --columns x,y takes two of each");
@@ -226,13 +235,17 @@ class WktReader {
   const char* end_;
   Positions positions_;
   std::vector<const char*>* starts_;
+  PointLine not_finite_;
   Tag tag_;
 };
 
 }  // namespace
 
 PointData read_wkt(const Source& source, const ReadOptions& options) {
-  return WktReader(source, options).read().points("wkt");
+  WktReader reader(source, options);
+  PointData data = reader.read().points("wkt");
+  data.not_finite = reader.not_finite();
+  return data;
 }
 
 bool looks_like_wkt(const char* p, const char* end) {
