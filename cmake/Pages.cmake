@@ -7,7 +7,8 @@ add_custom_command(OUTPUT "${_pages}/done"
   COMMAND "${CMAKE_COMMAND}" -E touch "${_pages}/done"
   DEPENDS cullhull_app "${PROJECT_SOURCE_DIR}/scripts/program-pages.py" VERBATIM)
 add_custom_target(cullhull_pages ALL DEPENDS "${_pages}/done")
-install(DIRECTORY "${_pages}/man1" DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+install(DIRECTORY "${_pages}/man1" "${_pages}/man7" DESTINATION ${CMAKE_INSTALL_MANDIR}
+  COMPONENT program)
 install(FILES "${_pages}/cullhull.bash" RENAME cullhull
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
 install(FILES "${_pages}/cullhull.fish"

@@ -18,6 +18,7 @@
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
@@ -30,33 +31,35 @@ using cullhull::PointView;
 using cullhull::Triangulation;
 
 constexpr const char* footer =
-    "Alpha (--alpha), the largest radius of a circle or sphere around a cell that stays:\n"
-    "  one-region            the least with a cell at every point and all of one piece (default)\n"
-    "  all-points            the least with a cell at every point\n"
-    "  NUMBER                compared exactly; inf for the convex hull\n"
+    "Alpha shape (--alpha): the Delaunay cells whose circumscribed circle or sphere has a radius "
+    "of\n"
+    "at most alpha:\n"
+    "  one-region            the least alpha that gives a single region with all points (default)\n"
+    "  all-points            the least alpha that leaves every point in a cell\n"
+    "  NUMBER                this alpha, compared exactly; inf gives the convex hull\n"
     "\n"
-    "Instead, of points in the plane, the concave hull by the length of edges: one ring without\n"
-    "holes around all points, dug out of the convex hull, the longest edges first, while they are\n"
-    "longer than\n"
-    "  --edge-length NUMBER  this, compared exactly\n"
-    "  --ratio NUMBER        this share of the way from the shortest edge of the triangulation, 0, "
-    "to\n"
-    "                        the longest, 1, which gives the convex hull\n"
+    "Concave hull of 2D points (--edge-length, --ratio): a single ring without holes around all\n"
+    "points. It starts as the convex hull; the longest boundary edge is replaced by the two other\n"
+    "sides of its triangle as long as it exceeds a limit:\n"
+    "  --edge-length NUMBER  this length, compared exactly\n"
+    "  --ratio NUMBER        0: the shortest edge of the triangulation; 1: the longest, which "
+    "gives\n"
+    "                        the convex hull; linear between\n"
     "\n"
-    "Output (-o, by extension; may be given more than once):\n"
-    "  .geojson .wkt         2D: polygons with holes, one for each piece\n"
+    "Output files (-o, by extension):\n"
+    "  .geojson .wkt         2D: polygons with holes, one per region\n"
     "  .ply .obj .off .stl .glb .vtp   3D: the boundary; 2D: the triangles\n"
-    "  .vtk                  the cells, of up to 3 dimensions\n"
-    "  .json                 alpha, cells and boundary facets as numbers of points\n"
+    "  .vtk                  cells of points of up to 3 dimensions\n"
+    "  .json                 alpha, cells and boundary facets as point ids\n"
     "\n"
     "Examples:\n"
-    "  cullhull alpha lidar.las --columns x,y -o outline.geojson   a concave hull\n"
+    "  cullhull alpha lidar.las --columns x,y -o outline.geojson   an outline with holes\n"
     "  cullhull alpha sites.csv --ratio 0.1 -o outline.wkt         one ring around all points\n"
     "  cullhull alpha scan.ply --alpha 0.05 -o surface.stl         a surface around points\n"
     "\n"
-    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of "
-    "the\n"
-    "memory budget; 130 cancelled.";
+    "All points must fit in memory.\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 memory limit exceeded; 130 cancelled.";
 
 struct AlphaArguments {
   InputArguments input;
@@ -75,7 +78,7 @@ void check_choice(const AlphaArguments& a) {
       (a.alpha.empty() ? 0 : 1) + (a.edge_length >= 0 ? 1 : 0) + (a.ratio >= 0 ? 1 : 0);
   if (given > 1)
     throw Error(ErrorCode::invalid_argument,
-                "--alpha, --edge-length and --ratio are three ways to say one thing");
+                "--alpha, --edge-length and --ratio exclude one another");
 }
 
 struct Outcome {
@@ -124,13 +127,14 @@ std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
 }
 
 /// Lengths of `out` are on the grid that the points are on.
-void find_shape(const AlphaArguments& a, const PointView& points, const cullhull::Grid& grid,
+void find_shape(const AlphaArguments& a, const Input& input, const cullhull::Grid& grid,
                 Outcome& out) {
+  const PointView& points = input.points;
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         cullhull::TriangulationOptions o{options};
-        return naming_file(a.input.path, [&] { return cullhull::delaunay(points, o); });
+        return naming_file(input.places, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
   out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
@@ -198,7 +202,7 @@ int run(AlphaArguments a) {
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
-  find_shape(a, input.points, grid, out);
+  find_shape(a, input, grid, out);
   input.to_world();
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);
@@ -214,30 +218,34 @@ int run(AlphaArguments a) {
 Command add_alpha(Parser& parent) {
   auto a = std::make_shared<AlphaArguments>();
   Parser& command =
-      *parent.add_subcommand("alpha", "The alpha shape, a concave hull, of a file of points");
-  needs_value(*command.add_option("-o,--output", a->outputs, "Write to this file"))
+      *parent.add_subcommand("alpha", "Compute the alpha shape or a concave hull of points");
+  a->input.add_many_to(command);
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->outputs,
+                                  "Write the shape; the extension chooses the format; may be\n"
+                                  "repeated"))
       .allow_extra_args(false)
       ->type_name("FILE");
-  needs_value(*command.add_option("--alpha", a->alpha, "Which cells stay, see below"))
+  add_json_option(command, a->json, "Report counts and times");
+  command.group("Shape");
+  needs_value(*command.add_option("--alpha", a->alpha,
+                                  "Largest circumradius of a cell: a number, one-region (default)\n"
+                                  "or all-points"))
       .type_name("NUMBER|WORD");
   allow_real_range(*command
                         .add_option("--edge-length", a->edge_length,
-                                    "By the length of edges instead, see below: dig where longer")
+                                    "Concave hull instead: replace boundary edges longer than this")
                         ->type_name("NUMBER"),
                    0, std::numeric_limits<double>::max());
-  allow_real_range(
-      *command.add_option("--ratio", a->ratio, "The same by a share of the lengths, from 0 to 1")
-           ->type_name("NUMBER"),
-      0, 1);
-  add_json_option(command, a->json, "Counts and times");
-  needs_value(
-      *command.add_option("--memory", a->run.memory,
-                          "Most it may take beyond the input, e.g. 2G or 512MiB; else half\n"
-                          "of the machine's. What needs more is refused, status 4"))
-      .type_name("BYTES");
+  allow_real_range(*command
+                        .add_option("--ratio", a->ratio,
+                                    "Concave hull instead, with a limit relative to the edge\n"
+                                    "lengths, from 0 to 1")
+                        ->type_name("NUMBER"),
+                   0, 1);
   a->run.add_to(command, false);
-  a->input.add_many_to(command);
-  command.footer(std::string(input_help) + "\n\n" + footer);
+  a->run.add_memory_to(command);
+  command.footer(std::string(input_footer) + "\n\n" + footer);
   return [a] { return run(*a); };
 }
 

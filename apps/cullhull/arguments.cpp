@@ -21,27 +21,6 @@ using cullhull::ErrorCode;
 using cullhull::PointView;
 using cullhull::ScalarType;
 
-const char* const input_help =
-    "Input, by extension, else by content:\n"
-    "  .npy   NumPy array of n rows and d columns, either order; read in place\n"
-    "  .ply   vertices, binary (read in place) or ASCII      .obj .off .stl   vertices\n"
-    "  .las   LAS 1.0 to 1.4, every point format: coordinates by its scale and offset, computed "
-    "on\n"
-    "         exactly where they are decimals; --raw: the file's whole numbers. The other fields "
-    "are\n"
-    "         columns: classification, intensity, return_number, gps_time, red, ...\n"
-    "  .pcd   ascii, binary (read in place) and binary_compressed: the fields x y z\n"
-    "  .h5 .nc   a dataset of HDF5 or NetCDF-4, FILE.h5:/GROUP/NAME; three of a column each:\n"
-    "         FILE.nc:x,y,z\n"
-    "  .xyz .txt .csv   a point a line, separated by blanks, commas or semicolons; Qhull's header\n"
-    "         (dimension, then count) and cdd's (rbox h) are understood. Of a line of names\n"
-    "         x,y,z, lon,lat or easting,northing are taken, else all but id, index and fid, or\n"
-    "         those that --columns names; others may be words\n"
-    "  raw    nothing but coordinates: say --input-format raw --dim D --type f64\n"
-    "  -      standard input\n"
-    "  .gz .zst   any of these, compressed      .npz   an array: FILE.npz:NAME, or the only one\n"
-    "Floats and integers up to 32 bits are taken at their exact value.";
-
 namespace {
 
 const std::vector<std::string>& scalar_names() {
@@ -92,21 +71,42 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
               " needs a whole number from 0 to 18446744073709551615, not '", text, "'");
 }
 
-std::string place_of(const std::string& path, const std::string& message) {
+namespace {
+
+/// The number in "point 7, coordinate 0 is NaN".
+std::optional<std::uint64_t> point_of(const std::string& message) {
   constexpr std::string_view begin = "point ";
   std::uint64_t point = 0;
-  if (message.starts_with(begin)) {
-    const char* const end = message.data() + message.size();
-    if (std::from_chars(message.data() + begin.size(), end, point).ec == std::errc())
-      if (const auto line = cullhull::line_of_point(path, point))
-        return input_name(path) + ":" + std::to_string(*line);
-  }
+  if (!message.starts_with(begin)) return std::nullopt;
+  const char* const end = message.data() + message.size();
+  const auto read = std::from_chars(message.data() + begin.size(), end, point);
+  return read.ec == std::errc() ? std::optional(point) : std::nullopt;
+}
+
+}  // namespace
+
+std::string place_of(const std::string& path, const std::string& message) {
+  if (const auto point = point_of(message))
+    if (const auto line = cullhull::line_of_point(path, *point))
+      return input_name(path) + ":" + std::to_string(*line);
   return input_name(path);
+}
+
+std::string Places::of(const std::string& message) const {
+  const auto point = point_of(message);
+  if (!point) return parts.size() == 1 ? parts[0].name : std::to_string(parts.size()) + " inputs";
+  auto part = parts.end();
+  while (part != parts.begin() && (--part)->first > *point) {
+  }
+  const auto& at = part->not_finite;
+  return part->name +
+         (at && at->point + part->first == *point ? ":" + std::to_string(at->line) : "");
 }
 
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 void InputArguments::add_to(Parser& command) {
+  command.group("Input");
   command.add_option("INPUT", path, "File of points, or - for standard input")
       ->type_name("")
       ->required();
@@ -114,10 +114,12 @@ void InputArguments::add_to(Parser& command) {
 }
 
 void InputArguments::add_many_to(Parser& command, const std::string& last) {
+  command.group("Input");
   command
       .add_option("INPUT", words,
-                  "Files of points: one set, in this order. Also folders, patterns in quotes,\n"
-                  "@LIST (a text with one of these a line), and - for standard input" +
+                  "Files of points, read as one set in this order; also folders, quoted\n"
+                  "patterns, @LIST (a text file with one input per line) and - for\n"
+                  "standard input" +
                       last)
       ->type_name("")
       ->required();
@@ -125,7 +127,9 @@ void InputArguments::add_many_to(Parser& command, const std::string& last) {
 }
 
 std::vector<std::string> InputArguments::files() const {
-  return words.empty() ? std::vector{path} : cullhull::input_files(words);
+  if (words.empty()) return {path};
+  cullhull::ReadOptions options = read_options(*this, 0);
+  return cullhull::input_files(words, options);
 }
 
 std::vector<std::string> InputArguments::find_files() {
@@ -136,21 +140,31 @@ std::vector<std::string> InputArguments::find_files() {
 
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
-                                  "Read INPUT as this, whatever its name and content"),
-              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw"});
-  allow_range(*command.add_option("--dim", dimension, "Coordinates of a point, for raw input"), 1,
+                                  "Read INPUT in this format, whatever its name and content"),
+              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson",
+               "wkt", "raw"});
+  allow_range(*command.add_option("--dim", dimension, "Dimension of the points of raw input"), 1,
               1U << 20);
-  allow_words(*command.add_option("--type", type, "Scalar type, for raw input"), scalar_names());
-  needs_value(*command.add_option("--columns", columns,
-                                  "Coordinates of each point: x,y,z by name, where the file names\n"
-                                  "them, or from 0: a:b without b, or 0,2,5"))
+  allow_words(*command.add_option("--type", type, "Scalar type of raw input"), scalar_names());
+  needs_value(
+      *command.add_option("--columns", columns,
+                          "Columns used as coordinates, by name (x,y,z) or by number from 0\n"
+                          "(0,2,5, or 1:4 for 1 to 3)"))
       .type_name("COLUMNS");
   add_raw_option(command, raw);
 }
 
 void add_raw_option(Parser& command, bool& raw) {
-  command.add_flag("--raw", raw,
-                   "The whole numbers of a .las as they are, without its scale and offset");
+  command.add_flag("--raw", raw, "Use the whole numbers of a .las, without its scale and offset");
+}
+
+void print_remark(const cullhull::Remark& remark) {
+  static std::mutex mutex;
+  static std::set<std::string> told;  // once, however many tiles have the same remark
+  const std::lock_guard lock(mutex);
+  if (!told.insert(remark.message).second) return;
+  const bool columns = remark.kind == cullhull::Remark::Kind::columns;
+  write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
 }
 
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
@@ -165,14 +179,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   options.grid = arguments.grid;
-  options.remark = [](const cullhull::Remark& remark) {
-    static std::mutex mutex;
-    static std::set<std::string> told;  // once, however many tiles have the same remark
-    const std::lock_guard lock(mutex);
-    if (!told.insert(remark.message).second) return;
-    const bool columns = remark.kind == cullhull::Remark::Kind::columns;
-    write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
-  };
+  options.remark = print_remark;
   return options;
 }
 
@@ -188,6 +195,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ",
                 arguments.path, " was read as ", input.file.format());
   input.points = input.file.points();
+  input.places.parts = {{input_name(arguments.path), 0, input.file.first_not_finite()}};
   const cullhull::Placement& placement = input.file.placement();
   input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
   input.weights = input.file.weights();
@@ -234,6 +242,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
     if (part.dimension != parts[0].points.dimension)
       throw Error(ErrorCode::bad_file, file, ": points of dimension ", part.dimension, ", but of ",
                   parts[0].points.dimension, " in ", files[0]);
+    all.places.parts.push_back(parts.back().places.parts[0]);
+    all.places.parts.back().first = all.points.count;
     all.points.count += part.count;
     const std::vector<double>& weights = parts.back().weights;
     all.weights.insert(all.weights.end(), weights.begin(), weights.end());
@@ -261,21 +271,35 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
 
 void RunArguments::add_to(Parser& command, bool filter) {
   if (filter) {
-    auto& method = *command.add_option("--cull", cull, "Filter; auto sees on a sample if it pays");
+    command.group("Filter and engine");
+    auto& method =
+        *command.add_option("--cull", cull,
+                            "Filter that discards interior points first; auto (default) decides\n"
+                            "from a sample whether filtering is worthwhile");
     allow_words(method, {"auto", "gauge", "pseudo-hull", "none"});
-    auto& where = *command.add_option("--backend", backend, "Where to run; auto may take the CPU");
+    auto& where = *command.add_option("--backend", backend,
+                                      "Processor that filters; auto (default) uses the\n"
+                                      "one that is expected to be faster");
     allow_words(where, {"auto", "cpu", "cuda"});
-    needs_value(
-        *command.add_option("--memory", memory,
-                            "Most it may take beyond the input, e.g. 2G or 512MiB; else half of\n"
-                            "the machine's. A result that needs more is refused, status 4"))
-        .type_name("BYTES");
+    add_memory_to(command);
   } else {
     backend = "cpu";  // nothing to choose, so the planner's file is not read
   }
-  auto& count = *command.add_option("--threads", threads, "Threads; 0: all the machine offers");
+  command.group("Limits");
+  auto& count =
+      *command.add_option("--threads", threads, "Number of threads; 0 (default): all available");
   allow_range(count, 0, 1024);
-  command.add_flag("-q,--quiet", quiet, "No summary and no progress");
+  command.group("Other");
+  command.add_flag("-q,--quiet", quiet, "Print no summary and no progress");
+}
+
+void RunArguments::add_memory_to(Parser& command) {
+  command.group("Limits");
+  needs_value(
+      *command.add_option("--memory", memory,
+                          "Memory limit beyond the input, e.g. 2G or 512MiB; default: half\n"
+                          "of the machine's memory. What needs more is refused, status 4"))
+      .type_name("BYTES");
 }
 
 // Where `bench machine --save` writes it.

@@ -42,9 +42,23 @@ struct InputArguments {
   void add_format_to(Parser& command);
 };
 
+/// The files that points come from, for messages about a point.
+struct Places {
+  struct Part {
+    std::string name;         ///< of the file
+    std::uint64_t first = 0;  ///< number of its first point
+    std::optional<cullhull::PointLine> not_finite;
+  };
+  std::vector<Part> parts;  ///< in order
+
+  /// "FILE:LINE" of the point that a message begins with ("point 7, ..."), or "FILE".
+  std::string of(const std::string& message) const;
+};
+
 /// An open file and the requested view of it.
 struct Input {
   cullhull::PointFile file;
+  Places places;
   /// Owns the points where they come from several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
@@ -67,6 +81,9 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
                   unsigned threads, std::uint64_t memory = 0);
 
+/// One line on standard error; the same remark about other files is not repeated.
+void print_remark(const cullhull::Remark& remark);
+
 /// The options with which open_input would open it.
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
                                    std::uint64_t memory = 0);
@@ -81,6 +98,8 @@ struct RunArguments {
 
   /// `filter`: with --cull and --backend, which `certify` does not have.
   void add_to(Parser& command, bool filter);
+  /// Adds `--memory`, which the filter's options include.
+  void add_memory_to(Parser& command);
   cullhull::Options options() const;
   /// The value of --memory; 0 without it.
   std::uint64_t memory_bytes() const;
@@ -102,19 +121,19 @@ std::string input_name(const std::string& path);
 
 /// The file and, where it is a text, the line of the point that such a message begins with.
 std::string place_of(const std::string& path, const std::string& message);
+inline std::string place_of(const Places& places, const std::string& message) {
+  return places.of(message);
+}
 
 /// Calls read(); an error about a point that is not finite then also names the file and its line.
-template <class Read>
-auto naming_file(const std::string& path, const Read& read) -> decltype(read()) {
+/// `source`: its path, or Places.
+template <class Source, class Read>
+auto naming_file(const Source& source, const Read& read) -> decltype(read()) {
   try {
     return read();
   } catch (const cullhull::Error& e) {
     if (e.code() != cullhull::ErrorCode::not_finite) throw;
-    throw cullhull::Error(e.code(), place_of(path, e.what()) + ": " + e.what());
+    throw cullhull::Error(e.code(), place_of(source, e.what()) + ": " + e.what());
   }
 }
-
-/// Appended to the help of every command that reads points.
-extern const char* const input_help;
-
 }  // namespace app

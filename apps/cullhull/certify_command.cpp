@@ -15,24 +15,23 @@
 #include "signals.hpp"
 #include "streaming.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
 
-constexpr const char* certify_examples =
-    "A valid certificate proves that the file holds the exact hull of the points: that its "
-    "vertices\n"
-    "are the extreme points (the lowest id of equal ones) and its facets the maximal ones, and "
-    "that\n"
-    "every number in it is as accurate as documented. The check uses exact predicates and none of\n"
-    "the engine's code.\n"
+constexpr const char* certify_footer =
+    "A valid certificate proves that the file holds the exact hull of the points: its vertices "
+    "are\n"
+    "the extreme points (of equal points the one with the lowest id), its facets are the maximal\n"
+    "ones, and every number in it is as accurate as documented. The checker uses exact predicates\n"
+    "and shares no code with the engine.\n"
     "\n"
-    "Example:\n"
+    "Examples:\n"
     "  cullhull hull scan.ply -o hull.json && cullhull certify scan.ply hull.json\n"
     "\n"
-    "Exit status: 0 certified; 1 bad input; 2 bad usage; 3 not certified, with the reason on "
-    "standard\n"
-    "error; 130 cancelled.";
+    "Exit status: 0 certified; 1 bad input; 2 bad usage; 3 not certified, with the reason on\n"
+    "standard error; 130 cancelled.";
 
 struct CertifyArguments {
   InputArguments input;
@@ -84,7 +83,7 @@ CertifyOutcome certify_in_memory(const CertifyArguments& arguments) {
   cullhull::Options options = arguments.run.options();
   options.progress = progress.callback();
   cancellable([&] {
-    naming_file(arguments.input.path, [&] {
+    naming_file(input.places, [&] {
       outcome.certificate = cullhull::certify_file(input.points, arguments.hull, options,
                                                    input.placing.grid, arguments.stream.first_id);
     });
@@ -133,7 +132,7 @@ CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
 int run(CertifyArguments arguments) {
   if (arguments.input.words.size() < 2)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "certify needs the points and, last, the hull that is to be checked");
+                          "certify needs the points and, as the last word, the hull to verify");
   arguments.hull = arguments.input.words.back();
   arguments.input.words.pop_back();
   arguments.files = arguments.input.find_files();
@@ -175,13 +174,14 @@ int run(CertifyArguments arguments) {
 
 Command add_certify(Parser& parent) {
   auto a = std::make_shared<CertifyArguments>();
-  Parser& command = *parent.add_subcommand("certify", "Check a hull against its points, exactly");
-  a->input.add_many_to(command, ";\nlast what 'cullhull hull INPUT -o HULL.json' wrote");
+  Parser& command =
+      *parent.add_subcommand("certify", "Verify a written hull against its points, exactly");
+  a->input.add_many_to(command, ";\nlast the result of 'cullhull hull INPUT -o HULL.json'");
+  add_json_option(command, a->json, "Report the outcome, counts and times");
+  a->run.add_to(command, false);
   a->stream.add_to(command, false);
   a->stream.add_first_id_to(command);
-  add_json_option(command, a->json, "The outcome, counts and times");
-  a->run.add_to(command, false);
-  command.footer(std::string(input_help) + "\n\n" + certify_examples);
+  command.footer(std::string(input_footer) + "\n\n" + certify_footer);
   return [a] { return run(*a); };
 }
 

@@ -12,30 +12,31 @@
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
 
-constexpr const char* cull_examples =
-    "In memory every extreme point, and every duplicate of one, survives; a dropped point lies\n"
-    "strictly inside the hull. In blocks (see --stream) the extreme points alone survive, of "
-    "equal\n"
-    "ones the first. Either way any hull code gives the same hull for the survivors.\n"
+constexpr const char* cull_footer =
+    "The survivors have the same hull as all points, for any hull code: every extreme point\n"
+    "survives, with its duplicates, and a discarded point is strictly inside the hull. When "
+    "points\n"
+    "are read in blocks (--stream), only the extreme points survive, of equal ones the first.\n"
     "\n"
-    "Output:\n"
-    "  -o NAME.npy .csv .txt       ids of the survivors, ascending (.npy: int64; -o -: .npy)\n"
-    "  -o NAME.ply .xyz            their coordinates\n"
-    "  -o NAME.las                 of a .las: their records, whole, with its scale and offset\n"
-    "  --points NAME               their coordinates as .npy .ply .csv .xyz .txt, or .las; .npy\n"
-    "                              and .ply keep the scalar type\n"
+    "Output files (-o and --points, by extension):\n"
+    "  -o .npy .csv .txt   ids of the survivors in ascending order (.npy: int64; -o -: .npy)\n"
+    "  -o .ply .xyz        coordinates of the survivors\n"
+    "  -o .las             of one .las: the survivors' complete records, scale and offset\n"
+    "  --points            coordinates as .npy .ply .csv .xyz .txt, or .las; .npy and .ply keep\n"
+    "                      the scalar type\n"
     "\n"
     "Examples:\n"
     "  cullhull cull big.npy -o ids.npy\n"
-    "  cullhull cull scan.ply -o fewer.ply                 a mesh tool has less to do\n"
+    "  cullhull cull scan.ply -o fewer.ply                 fewer points for a mesh tool\n"
     "  python3 -c \"import numpy, scipy.spatial as s; p = numpy.load('big.npy', mmap_mode='r');\n"
     "    ids = numpy.load('ids.npy'); print(s.ConvexHull(p[ids]).volume)\"\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of the memory budget; 5 backend not\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 memory limit exceeded; 5 backend not\n"
     "available; 130 cancelled.";
 
 struct CullArguments {
@@ -159,10 +160,10 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  CullOutcome outcome = repeat(arguments.run, arguments.repeat,
-                               [&](const cullhull::Options& options) {
-    return naming_file(arguments.input.path, [&] { return cullhull::cull(input.points, options); });
-  });
+  CullOutcome outcome =
+      repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
+        return naming_file(input.places, [&] { return cullhull::cull(input.points, options); });
+      });
   input.to_world();
   write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())
@@ -224,20 +225,23 @@ int run(CullArguments arguments) {
 Command add_cull(Parser& parent) {
   auto a = std::make_shared<CullArguments>();
   Parser& command =
-      *parent.add_subcommand("cull", "The filter alone: ids of the points that may be extreme");
+      *parent.add_subcommand("cull", "Discard interior points: the filter without the hull");
+  a->input.add_many_to(command);
+  command.group("Output");
   needs_value(
       *command.add_option("-o,--output", a->output,
-                          "Write the survivors: ids (.npy .csv .txt) or points (.ply .xyz)"))
+                          "Write the survivors: ids (.npy .csv .txt) or points (.ply .xyz .las)"))
       .type_name("FILE");
   needs_value(*command.add_option("--points", a->points, "Write the survivors' coordinates"))
       .type_name("FILE");
-  add_json_option(command, a->json, "Counts and times");
+  add_json_option(command, a->json, "Report counts and times");
   a->run.add_to(command, true);
-  allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
-              1000000);
+  command.group("Verification and timing");
+  allow_range(
+      *command.add_option("--repeat", a->repeat, "Compute N times and report the median time"), 1,
+      1000000);
   a->stream.add_to(command, true);
-  a->input.add_many_to(command);
-  command.footer(std::string(input_help) + "\n\n" + cull_examples);
+  command.footer(std::string(input_footer) + "\n\n" + cull_footer);
   return [a] { return run(*a); };
 }
 

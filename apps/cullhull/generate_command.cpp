@@ -42,22 +42,27 @@ std::string footer() {
   std::string text = "Shapes:\n";
   for (const cullhull::Shape& shape : cullhull::shapes())
     text += fmt::format("  {:<13} {}\n", shape.name, shape.description);
-  text += "Motions (--motion, with --frames T; writes an array (T, N, D), frame by frame):\n";
+  text += "\nMotions (--motion, with --frames T; writes an array (T, N, D)):\n";
   for (const cullhull::Shape& motion : cullhull::motions())
     text += fmt::format("  {:<13} {}\n", motion.name, motion.description);
   return text +
-         "The same arguments give the same bits on every machine and for any number of threads. "
+         "\nOutput files (-o, by extension):\n"
+         "  .npy .ply .raw        the scalar type of --type\n"
+         "  .xyz .txt .csv .obj .off   decimals that read back as the same numbers\n"
+         "  .geojson .wkt         one multipoint\n"
+         "  .ply .geojson .wkt hold 2D and 3D points, .obj 3D points; --frames writes .npy.\n"
+         "\nThe same arguments give the same bits on every machine, for any number of threads. "
          "f32\n"
          "rounds the f64 points.\n"
          "\n"
          "Examples:\n"
          "  cullhull generate ball -n 8M -d 3 -o ball.npy\n"
          "  cullhull generate grid:16 -n 10k -d 5 --type f32 --seed 7 -o grid.npy\n"
+         "  cullhull generate disk -n 1000 -o disk.csv          as text with a line x,y\n"
          "  cullhull generate ball -n 1M -o - | cullhull hull -\n"
          "  cullhull generate bumpy -n 1.1M --frames 30 --motion twist -o twist.npy\n"
          "\n"
-         "Exit status: 0 success; 1 the system refused; 2 bad usage; 4 out of memory; 130 "
-         "cancelled.";
+         "Exit status: 0 success; 1 system error; 2 bad usage; 4 out of memory; 130 cancelled.";
 }
 
 // Only one frame is in memory at a time.
@@ -65,7 +70,7 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
   const cullhull::MovingPoints moving(arguments.shape, arguments.motion, made.count, made.dimension,
                                       made.frames, made.seed);
   const auto total = static_cast<double>(made.frames);
-  TerminalProgress progress(arguments.quiet, total, "frames");
+  TerminalProgress progress(arguments.quiet, "frames", total);
   const cullhull::Progress report = progress.callback();
   cullhull::NpySequenceWriter writer(arguments.output, made.frames, made.count, made.dimension,
                                      made.type);
@@ -89,9 +94,9 @@ std::uint64_t piece_of(std::uint32_t dimension) {
 void write_points(const GenerateArguments& arguments, const Made& made) {
   const cullhull::PointGenerator generator(arguments.shape, made.count, made.dimension, made.seed);
   const auto total = static_cast<double>(made.count);
-  TerminalProgress progress(arguments.quiet, total, "points");
+  TerminalProgress progress(arguments.quiet, "points", total);
   const cullhull::Progress report = progress.callback();
-  cullhull::NpyPointsWriter writer(arguments.output, made.count, made.dimension, made.type);
+  cullhull::PointsWriter writer(arguments.output, made.count, made.dimension, made.type);
   const std::uint64_t piece = std::min(made.count, piece_of(made.dimension));
   std::vector<double> points(piece * made.dimension);
   for (std::uint64_t first = 0; first < made.count; first += piece) {
@@ -113,7 +118,7 @@ Made read_arguments(const GenerateArguments& arguments) {
   if (arguments.type == "f32") made.type = cullhull::ScalarType::f32;
   if (arguments.frames.empty() != arguments.motion.empty())
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          "--frames and --motion need one another");
+                          "--frames and --motion must be given together");
   if (!arguments.frames.empty()) made.frames = parse_size(arguments.frames, "--frames");
   return made;
 }
@@ -145,7 +150,10 @@ std::string summary(const GenerateArguments& arguments, const Made& made) {
 
 int run(const GenerateArguments& arguments) {
   FilePlan plan;
-  plan.writes("-o", arguments.output, {".npy"});
+  if (arguments.frames.empty())
+    plan.writes("-o", arguments.output, {OutputKind::made});
+  else
+    plan.writes("-o", arguments.output, {".npy"});
   plan.writes_json(arguments.json);
   const Made made = read_arguments(arguments);
   cancellable([&] {
@@ -163,28 +171,33 @@ int run(const GenerateArguments& arguments) {
 
 Command add_generate(Parser& parent) {
   auto a = std::make_shared<GenerateArguments>();
-  Parser& command = *parent.add_subcommand("generate", "Make a seeded set of points");
-  command.add_option("SHAPE", a->shape, "One of those below")->type_name("")->required();
-  command.add_option("-n,--count", a->count, "How many points, e.g. 100000 or 8M")
+  Parser& command =
+      *parent.add_subcommand("generate", "Generate random points of a shape, by a seed");
+  command.group("Points");
+  command.add_option("SHAPE", a->shape, "One of the shapes below")->type_name("")->required();
+  command.add_option("-n,--count", a->count, "Number of points, e.g. 100000 or 8M")
       ->type_name("N")
       ->required();
-  allow_range(*command.add_option("-d,--dim", a->dimension,
-                                  "Dimension; 3 if not given, 2 for disk and circle"),
-              1, 1U << 20);
-  command.add_option("--seed", a->seed, "Another seed, another set; 1 if not given")
-      ->type_name("S");
-  allow_words(*command.add_option("--type", a->type, "Scalar type to write; f64 if not given"),
-              {"f32", "f64"});
-  needs_value(*command.add_option("--frames", a->frames, "Moving points: how many frames"))
+  allow_range(
+      *command.add_option("-d,--dim", a->dimension, "Dimension (default: 3; of disk and circle 2)"),
+      1, 1U << 20);
+  command.add_option("--seed", a->seed, "Seed of the random numbers (default: 1)")->type_name("S");
+  allow_words(*command.add_option("--type", a->type, "Scalar type (default: f64)"), {"f32", "f64"});
+  command.group("Motion");
+  needs_value(*command.add_option("--frames", a->frames, "Number of frames of moving points"))
       .type_name("T");
   std::vector<std::string> motions;
   for (const cullhull::Shape& motion : cullhull::motions()) motions.emplace_back(motion.name);
-  allow_words(*command.add_option("--motion", a->motion, "How they move, see below"), motions);
-  needs_value(*command.add_option("-o,--output", a->output, "File to write; - for standard output"))
-      .type_name("FILE.npy")
+  allow_words(*command.add_option("--motion", a->motion, "Motion, see below"), motions);
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->output,
+                                  "Write the points in the format of the extension, see below;\n"
+                                  "- writes .npy on standard output"))
+      .type_name("FILE")
       ->required();
-  add_json_option(command, a->json, "What was made");
-  command.add_flag("-q,--quiet", a->quiet, "No summary and no progress");
+  add_json_option(command, a->json, "Report what was generated");
+  command.group("Other");
+  command.add_flag("-q,--quiet", a->quiet, "Print no summary and no progress");
   command.footer(footer());
   return [a] { return run(*a); };
 }

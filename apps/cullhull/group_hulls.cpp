@@ -19,7 +19,7 @@ int run_groups(const InputArguments& input, const std::vector<std::string>& file
   reading.read.stop = options.stop;
   cullhull::GroupReport report;
   {
-    TerminalProgress progress(run.quiet);
+    TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
     reading.progress = options.progress = progress.callback();
     cancellable([&] { report = cullhull::write_group_hulls(files, output, reading, options); });
   }

@@ -17,6 +17,7 @@
 #include "outputs.hpp"
 #include "streaming.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
@@ -26,34 +27,31 @@ using cullhull::Error;
 using cullhull::ErrorCode;
 using cullhull::Hull;
 
-constexpr const char* hull_examples =
-    "Output (-o, by extension; may be given more than once):\n"
-    "  .ply .obj .off .stl   a mesh, for points of dimension 2 and 3; with --triangles no "
-    "polygons\n"
-    "  .glb .vtp             meshes for viewers: 32-bit floats from the box's middle; doubles\n"
-    "  .geojson .wkt         the polygon of 2D points\n"
-    "  .json                 everything: vertices, facets, planes, neighbours, simplices, "
-    "measures\n"
-    "  .txt                  the coordinates of the vertices\n"
-    "  -o -                  what .json holds, on standard output\n"
-    "  --vertices IDS        ids of the extreme points, ascending: .npy (int64), .csv or .txt\n"
-    "  --format WORDS        on standard output, as qconvex prints it, several in that order:\n"
-    "                        Fx extreme points, i facets by vertices, n normals, p coordinates,\n"
-    "                        o OFF, Fs counts, FS area and volume, and more (docs/formats.md)\n"
-    "An output never replaces an input. Every option reaches the same result, bit for bit; only\n"
-    "--json tells how it was reached.\n"
+constexpr const char* hull_footer =
+    "Output files (-o, by extension):\n"
+    "  .ply .obj .off .stl   mesh of the hull of 2D or 3D points\n"
+    "  .glb .vtp             meshes for viewers: 32-bit floats relative to the centre; doubles\n"
+    "  .geojson .wkt         polygon of 2D points\n"
+    "  .json                 complete result: vertices, facets, planes, neighbours, simplices,\n"
+    "                        measures; also written by -o - on standard output\n"
+    "  .txt                  coordinates of the vertices\n"
+    "  --vertices writes .npy (int64), .csv or .txt, in ascending order.\n"
+    "  --format takes the words of qconvex: Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo\n"
+    "  Fs FS Ft Fv FV (docs/formats.md): Fx extreme points, i facets, n normals, o OFF, ...\n"
+    "An input file is never overwritten. Options change how the result is computed, never the\n"
+    "result; only --json reports how it was computed.\n"
     "\n"
     "Examples:\n"
     "  cullhull hull scan.ply -o hull.ply                  the hull as a mesh\n"
-    "  cullhull hull big.npy --certify --json              counts, times, memory; result checked\n"
-    "  cullhull hull cloud.npy --columns 0:3               x y z of longer records\n"
-    "  rbox 1000 D4 | cullhull hull - --format 'Fx n'      in the place of qconvex\n"
-    "  cullhull hull wide.npy --only vertices --vertices ids.npy   9 dimensions, say: no facets\n"
+    "  cullhull hull tile.las --columns x,y -o hull.geojson    outline of a LiDAR tile\n"
+    "  cullhull hull big.npy --certify --json              counts, times, memory; verified\n"
+    "  cullhull hull cloud.npy --columns 0:3               x, y, z of longer rows\n"
+    "  rbox 1000 D4 | cullhull hull - --format 'Fx n'      replaces qconvex\n"
+    "  cullhull hull wide.npy --only vertices --vertices ids.npy   high dimensions: no facets\n"
     "  cullhull hull points.csv --by id -o hulls.geojson   a hull for each value of id\n"
-    "  cullhull hull big.npy --repeat 7 --threads 2        the median of seven runs\n"
+    "  cullhull hull big.npy --repeat 7 --threads 2        median time of seven runs\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
-    "budget;\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
     "5 backend or engine not available; 130 cancelled.";
 
 struct HullArguments {
@@ -105,10 +103,10 @@ FilePlan plan_files(const HullArguments& arguments) {
 
 /// Runs `find` as often as requested; the result has the statistics of the run of median time.
 template <class Find>
-auto find_repeatedly(const HullArguments& arguments, const Find& find) {
+auto find_repeatedly(const HullArguments& arguments, const Places& places, const Find& find) {
   std::vector<cullhull::Statistics> statistics;
   auto found = repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
-    auto result = naming_file(arguments.input.path, [&] { return find(options); });
+    auto result = naming_file(places, [&] { return find(options); });
     statistics.push_back(result.statistics);
     return result;
   });
@@ -128,7 +126,7 @@ HullOutcome compute(const HullArguments& arguments, const Input& input) {
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
   HullOutcome outcome{find_repeatedly(
-                          arguments,
+                          arguments, input.places,
                           [&](cullhull::Options options) {
     if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
     const Placing& placing = input.placing;
@@ -147,8 +145,9 @@ HullOutcome compute(const HullArguments& arguments, const Input& input) {
 std::string hull_lines(const Hull& hull) {
   std::string text;
   if (hull.affine_dimension >= 0 && hull.affine_dimension != static_cast<int>(hull.dimension))
-    text += fmt::format("flat       the points span dimension {} only; the hull is taken there\n",
-                        hull.affine_dimension);
+    text += fmt::format(
+        "flat       the points lie in a flat of dimension {}; the hull is computed in it\n",
+        hull.affine_dimension);
   text +=
       fmt::format("vertices   {}\nfacets     {} ({} simplices)\n", grouped(hull.vertices.size()),
                   grouped(hull.facet_count()), grouped(hull.simplex_count()));
@@ -272,9 +271,10 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Extreme found = find_repeatedly(arguments, [&](const cullhull::Options& options) {
-    return cullhull::extreme_points(input.points, options);
-  });
+  const Extreme found =
+      find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
+        return cullhull::extreme_points(input.points, options);
+      });
   const cullhull::ExtremePoints& extreme = found.result;
   const std::vector<double> rows = placed_rows(input, extreme.ids);
   const cullhull::PointView placed =
@@ -537,37 +537,43 @@ Command add_hull(Parser& parent) { return add_hull_of(parent, nullptr); }
 Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
   auto a = std::make_shared<HullArguments>();
   a->elsewhere = elsewhere;
-  Parser& command = *parent.add_subcommand("hull", "The exact convex hull of a file of points");
-  needs_value(*command.add_option("-o,--output", a->outputs, "Write the hull to this file"))
+  Parser& command = *parent.add_subcommand("hull", "Compute the exact convex hull of points");
+  a->input.add_many_to(command);
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->outputs,
+                                  "Write the hull; the extension chooses the format; may be\n"
+                                  "repeated"))
       .allow_extra_args(false)
       ->type_name("FILE");
   needs_value(*command.add_option("--vertices", a->vertices, "Write the ids of the extreme points"))
       .type_name("IDS.npy|.csv|.txt");
-  add_json_option(command, a->json, "Counts, times and measures");
+  add_json_option(command, a->json, "Report counts, times and measures");
   needs_value(*command.add_option("--format", a->formats,
-                                  "Print the hull as qconvex does; several words print several"))
+                                  "Print the hull as qconvex does; several words print several\n"
+                                  "texts"))
       .allow_extra_args(false)
       ->type_name("WORDS");
   needs_value(*command.add_option("--by", a->by,
-                                  "A hull for each group: points whose column of this name or\n"
-                                  "number holds the same; -o .geojson (2D), .csv or .json"))
+                                  "Compute one hull per group: the points with the same value in\n"
+                                  "COLUMN (name or number); -o .geojson (2D), .csv or .json"))
       .type_name("COLUMN");
   command.add_flag("--triangles", a->triangles,
-                   "Meshes of triangles, for programs that read no polygons");
+                   "Write meshes of triangles, for programs that read no polygons");
+  allow_words(
+      *command.add_option("--only", a->only,
+                          "Compute only the vertices, not the facets (for high dimensions)"),
+      {"vertices"});
   a->run.add_to(command, true);
-  allow_words(*command.add_option("--engine", a->engine, "Hull code behind the filter"),
+  command.group("Filter and engine");
+  allow_words(*command.add_option("--engine", a->engine, "Hull algorithm that follows the filter"),
               {"native", "qhull"});
-  allow_words(*command.add_option("--only", a->only,
-                                  "vertices: which points are extreme, without facets (for high "
-                                  "dimensions)"),
-              {"vertices"});
-  allow_range(*command.add_option("--repeat", a->repeat, "Compute N times, report the median"), 1,
-              1000000);
-  command.add_flag("--certify", a->certify,
-                   "Check the result exactly, by none of the engine's code");
+  command.group("Verification and timing");
+  command.add_flag("--certify", a->certify, "Verify the result with an independent exact checker");
+  allow_range(
+      *command.add_option("--repeat", a->repeat, "Compute N times and report the median time"), 1,
+      1000000);
   a->stream.add_to(command, true);
-  a->input.add_many_to(command);
-  command.footer(std::string(input_help) + "\n\n" + hull_examples);
+  command.footer(std::string(input_footer) + "\n\n" + hull_footer);
   return [a] { return run(*a); };
 }
 

@@ -14,6 +14,7 @@
 #include "outputs.hpp"
 #include "streaming.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
@@ -172,12 +173,17 @@ int run(const InfoArguments& arguments) {
 Command add_info(Parser& parent) {
   auto a = std::make_shared<InfoArguments>();
   Parser& command =
-      *parent.add_subcommand("info", "What is in a file: format, count, scalar type, ranges");
-  add_json_option(command, a->json, "The same");
-  a->stream.add_to(command, false);
+      *parent.add_subcommand("info", "Describe files: format, points, scalar type, ranges");
   a->input.add_many_to(command);
-  command.footer(std::string(input_help) +
-                 "\n\nExit status: 0 success; 1 bad input; 2 bad usage; 130 cancelled.");
+  add_json_option(command, a->json, "Report the same");
+  a->stream.add_to(command, false);
+  command.footer(std::string(input_footer) +
+                 "\n\nExamples:\n"
+                 "  cullhull info cloud.npy             number of points, dimension, ranges\n"
+                 "  cullhull info tile.las --json       the same as JSON; with scale and offset\n"
+                 "  cullhull info table.csv             which columns are the coordinates\n"
+                 "\n"
+                 "Exit status: 0 success; 1 bad input; 2 bad usage; 130 cancelled.");
   return [a] { return run(*a); };
 }
 

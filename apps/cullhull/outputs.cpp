@@ -180,7 +180,9 @@ void FilePlan::writes_frame(const std::string& path) {
 }
 
 void add_json_option(Parser& command, std::string& path, const std::string& what) {
-  needs_value(*command.add_option("--json", path, what + " as JSON, on standard output or to FILE"))
+  command.group("Output");
+  needs_value(
+      *command.add_option("--json", path, what + " as JSON, on standard output\nor in FILE"))
       .type_name("[=FILE]");
 }
 

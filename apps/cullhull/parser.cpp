@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <type_traits>
@@ -59,8 +61,56 @@ void allow_real_range(Option& option, double least, double greatest) {
 
 // --------------------------------------------------------------------------------- Parser
 
+namespace {
+
+/// Sections of options with one blank line between them. A command's own sections stand between
+/// those for input and output and those that several commands share.
+class Sections : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* app, std::string name,
+                        CLI::AppFormatMode mode) const override {
+    return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
+           sections(app) + make_subcommands(app, mode) + '\n' + make_footer(app);
+  }
+
+ private:
+  std::string sections(const CLI::App* app) const {
+    std::string text;
+    std::vector<std::string> groups = app->get_groups();
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    for (const std::string& group : groups) {
+      const std::vector<const CLI::Option*> options =
+          app->get_options([&](const CLI::Option* option) {
+            return option->get_group() == group && option->nonpositional();
+          });
+      if (!group.empty() && !options.empty()) text += make_group(group, false, options);
+    }
+    return text;
+  }
+
+  static int rank(std::string_view group) {
+    constexpr std::string_view first[] = {"Input", "Output"};
+    constexpr std::string_view last[] = {"Filter and engine", "Verification and timing",
+                                         "Streaming and partial results", "Limits", "Other"};
+    const auto in = [&](const auto& list) {
+      return static_cast<int>(std::find(std::begin(list), std::end(list), group) -
+                              std::begin(list));
+    };
+    constexpr int between = 100;
+    const int early = in(first), late = in(last);
+    if (early < static_cast<int>(std::size(first))) return early;
+    return late < static_cast<int>(std::size(last)) ? between + 1 + late : between;
+  }
+};
+
+}  // namespace
+
 Parser::Parser(const std::string& name, const std::string& description)
-    : name_(name), owned_(std::make_unique<CLI::App>(description, name)), app_(owned_.get()) {}
+    : name_(name), owned_(std::make_unique<CLI::App>(description, name)), app_(owned_.get()) {
+  app_->set_help_flag();  // added when all other options are there
+  app_->formatter(std::make_shared<Sections>());
+}
 
 Parser::Parser(Parser& parent, const std::string& name, const std::string& description)
     : name_(name), parent_(&parent), app_(parent.app_->add_subcommand(name, description)) {}
@@ -78,10 +128,17 @@ void Parser::require_subcommand(std::uint32_t least, std::uint32_t most) {
   app_->require_subcommand(least, most);
 }
 
+void Parser::group(const std::string& title) { group_ = title; }
+
 void Parser::footer(const std::string& text) { app_->footer(text); }
 
 void Parser::set_version(const std::string& version) {
-  app_->set_version_flag("--version", version);
+  app_->set_version_flag("-V,--version", version, "Print the version and exit")->group("Other");
+}
+
+void Parser::add_help() {
+  app_->set_help_flag("-h,--help", "Print this help and exit")->group("Other");
+  for (const auto& subcommand : subcommands_) subcommand->add_help();
 }
 
 void Parser::set_licenses(std::string_view text) {
@@ -91,6 +148,7 @@ void Parser::set_licenses(std::string_view text) {
 }
 
 Option* Parser::keep(CLI::Option* option) {
+  option->group(group_);
   options_.emplace_back(new Option(option));
   return options_.back().get();
 }
@@ -138,6 +196,7 @@ Option* Parser::add_flag(const std::string& names, bool& value, const std::strin
 }
 
 Parsed Parser::parse(const std::vector<std::string>& words) {
+  add_help();
   try {
     // CLI11 takes words from the back.
     app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));

@@ -68,6 +68,8 @@ class Parser {
   /// The subcommand that was added last.
   Parser* last_subcommand();
   void require_subcommand(std::uint32_t least, std::uint32_t most);
+  /// The section of the help that lists the options added from here on: "Output".
+  void group(const std::string& title);
   /// The end of the help text.
   void footer(const std::string& text);
   void set_version(const std::string& version);
@@ -98,8 +100,11 @@ class Parser {
  private:
   Parser(Parser& parent, const std::string& name, const std::string& description);
   Option* keep(CLI::Option* option);
+  /// The last options of a command and of its subcommands.
+  void add_help();
 
   std::string name_;
+  std::string group_ = "Options";
   Parser* parent_ = nullptr;
   std::unique_ptr<CLI::App> owned_;  ///< of the outermost parser
   CLI::App* app_;

@@ -1,5 +1,8 @@
 #include "program.hpp"
 
+#include <fmt/format.h>
+
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,18 +17,45 @@
 namespace app {
 namespace {
 
+std::string footer_of(const Program& program) {
+  std::string text = program.topics.empty() ? "" : "Topics:\n";
+  for (const Topic& topic : program.topics)
+    text += fmt::format("  {:<26}  {}\n", topic.name, topic.about);
+  return text + (text.empty() ? "" : "\n") + program.footer;
+}
+
+/// `help TOPIC`, or a mistyped one; nothing for other command lines.
+std::optional<int> show_topic(const Program& program, const std::vector<std::string>& words,
+                              const Parser& parser) {
+  if (program.topics.empty() || words.size() < 2 || words[0] != "help" || words[1].empty() ||
+      words[1][0] == '-' || is_command(parser, words[1]))
+    return std::nullopt;
+  std::vector<std::string> known = parser.command_names();
+  for (const Topic& topic : program.topics) {
+    if (words[1] == topic.name && words.size() == 2) {
+      write_stdout(std::string(topic.text) + '\n');
+      return 0;
+    }
+    known.emplace_back(topic.name);
+  }
+  complain(with_arguments_cut(unknown_topic(words[1], known, parser), words));
+  return bad_usage;
+}
+
 int run(const Program& program, const std::vector<std::string>& given) {
   Parser parser(program.name, program.description);
   parser.set_version(CULLHULL_VERSION);
   parser.set_licenses(licenses);
-  parser.footer(program.footer);
+  parser.footer(footer_of(program));
   parser.require_subcommand(1, 1);
   std::vector<std::pair<const Parser*, Command>> commands;
   for (const auto add : program.commands) {
     Command command = add(parser);
     commands.emplace_back(parser.last_subcommand(), std::move(command));
   }
-  const std::vector<std::string> words = spell_out(given, parser);
+  if (const auto shown = show_topic(program, given, parser)) return *shown;
+  const std::vector<std::string> words =
+      given.empty() ? std::vector<std::string>{"--help"} : spell_out(given, parser);
   if (!words.empty() && !words[0].empty() && words[0][0] != '-' && !is_command(parser, words[0])) {
     complain(with_arguments_cut(unknown_command(words[0], parser), given));
     return bad_usage;

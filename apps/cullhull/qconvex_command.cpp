@@ -21,26 +21,27 @@ using cullhull::Error;
 using cullhull::ErrorCode;
 
 constexpr const char* help =
-    "WORDS are those of Qhull's qconvex. Points come from standard input, with Qhull's header or "
-    "in\n"
-    "any other format cullhull reads; texts go to standard output, in the order of the words:\n"
+    "Takes the words of Qhull's qconvex. Points are read from standard input, in Qhull's format "
+    "or\n"
+    "any other ('cullhull help formats'); results go to standard output, in the order of the "
+    "words:\n"
     "  Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo Fs FS Ft Fv FV (docs/formats.md)\n"
-    "  TI FILE   read the points from this file      TO FILE   write the texts to this file\n"
-    "  TFn       report a summary when there are n or more facets, on standard error\n"
-    "  Tv        check the result, exactly           Tz        the summary on standard output\n"
-    "The summaries s and FA go to standard error, and s is what is printed without any word.\n"
-    "Words that steer Qhull's way to its result (Pp Qs Qw Qx Qz Q0 to Q14 Tc Tf C-0 Fd) are "
-    "passed\n"
-    "over: there is no tolerance here. Words that ask for another result (QJ, Qt, Qc, QG, ...) "
-    "are\n"
-    "refused.\n"
+    "  TI FILE   read the points from FILE           TO FILE   write the results to FILE\n"
+    "  TFn       print a summary if there are n or more facets, on standard error\n"
+    "  Tv        verify the result exactly           Tz        print the summary on standard "
+    "output\n"
+    "The summaries s and FA go to standard error; s is printed if no word asks for a result.\n"
+    "Words that only tune Qhull's computation (Pp Qs Qw Qx Qz Q0 to Q14 Tc Tf C-0 Fd) are "
+    "ignored,\n"
+    "because there is no tolerance here. Words that ask for a different result (QJ, Qt, Qc, QG, "
+    "...)\n"
+    "are refused.\n"
     "\n"
     "Examples:\n"
     "  rbox 1000 D4 | cullhull qconvex Fx\n"
     "  cullhull qconvex TI points.txt TO hull.txt i n FS\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
-    "budget;\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
     "5 backend not available; 130 cancelled.";
 
 struct QconvexArguments {
@@ -83,7 +84,7 @@ Request read_words(const std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& word = words[i];
     if (word == "TI" || word == "TO") {
-      if (i + 1 == words.size() || words[i + 1].empty()) refuse(word, "a file name has to follow");
+      if (i + 1 == words.size() || words[i + 1].empty()) refuse(word, "needs a file name after it");
       (word == "TI" ? request.input : request.output) = words[++i];
     } else if (word.starts_with("TF")) {
       request.report_from = number_behind(word, 2);
@@ -94,7 +95,8 @@ Request read_words(const std::vector<std::string>& words) {
     } else if (!word.empty() && (word[0] == 'Q' || word[0] == 'C' || word[0] == 'P' ||
                                  word[0] == 'T' || word == "Fd")) {
       if (!is_passed_over(word))
-        refuse(word, "asks Qhull for another result, or for a trace of its way to it");
+        refuse(word,
+               "asks Qhull for a different result or for a trace, which cullhull does not have");
     } else {
       cullhull::check_qhull_format(word);
       request.texts.push_back(word);
@@ -130,7 +132,7 @@ int run(const QconvexArguments& arguments) {
   from.path = request.input;
   Input input = open_input(from, arguments.run.threads);
   auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
-    return naming_file(request.input, [&] { return cullhull::convex_hull(input.points, options); });
+    return naming_file(input.places, [&] { return cullhull::convex_hull(input.points, options); });
   });
   if (request.certify) {
     const auto checked = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
@@ -154,8 +156,8 @@ int run(const QconvexArguments& arguments) {
 Command add_qconvex(Parser& parent) {
   auto a = std::make_shared<QconvexArguments>();
   Parser& command =
-      *parent.add_subcommand("qconvex", "The hull by the words of Qhull's program qconvex");
-  command.add_option("WORDS", a->words, "Outputs and files, see below")->type_name("");
+      *parent.add_subcommand("qconvex", "Drop-in replacement for Qhull's program qconvex");
+  command.add_option("WORDS", a->words, "Words of qconvex, see below")->type_name("");
   a->run.add_to(command, true);
   command.footer(help);
   return [a] { return run(*a); };

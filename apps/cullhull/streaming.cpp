@@ -53,34 +53,37 @@ cullhull::BlockOptions block_options(const InputArguments& input, const RunArgum
   return blocks;
 }
 
-double megabytes(std::uint64_t bytes) { return static_cast<double>(bytes) / 1e6; }
-
 }  // namespace
 
 void StreamArguments::add_to(Parser& command, bool states) {
-  allow_words(*command.add_option("--stream", stream,
-                                  "Read in blocks, in memory that does not grow with the points;\n"
-                                  "auto: several inputs, and what exceeds half of the memory"),
-              {"auto", "on", "off"});
+  command.group("Streaming and partial results");
+  allow_words(
+      *command.add_option("--stream", stream,
+                          "Read in blocks, so that memory does not grow with the number of\n"
+                          "points; auto (default): several inputs, compressed inputs, and\n"
+                          "inputs larger than half of the memory limit"),
+      {"auto", "on", "off"});
   if (!states) return;
   needs_value(*command.add_option("--partial", partial,
-                                  "Write what these points contribute to any hull: .hullstate,\n"
-                                  "which is an INPUT like others, or .npz for NumPy"))
+                                  "Write a mergeable partial result: .hullstate, which may be an\n"
+                                  "INPUT, or .npz for NumPy"))
       .type_name("OUT.hullstate");
   command.add_flag("--global-ids", global_ids,
-                   "States among the inputs keep their ids; else they are numbered on.\n"
-                   "Parts are to have no id in common: of an overlap only two extreme\n"
-                   "points of one id are found");
+                   "Keep the ids stored in .hullstate inputs (default: renumber). Inputs\n"
+                   "must not share ids; an overlap is only detected if two extreme\n"
+                   "points have the same id");
   add_first_id_to(command);
   needs_value(*command.add_option("--checkpoint", checkpoint,
-                                  "Keep here how far it came, every minute and on Ctrl-C; go on\n"
-                                  "from it if it is there"))
+                                  "Save progress to FILE, every minute and on Ctrl-C; resume from\n"
+                                  "it if it exists"))
       .type_name("FILE");
-  allow_range(*command.add_option("--checkpoint-every", every, "Seconds"), 0, 86400);
+  allow_range(
+      *command.add_option("--checkpoint-every", every, "Seconds between checkpoints (default: 60)"),
+      0, 86400);
 }
 
 void StreamArguments::add_first_id_to(Parser& command) {
-  command.add_option("--first-id", first_id, "Id of the first point")->type_name("N");
+  command.add_option("--first-id", first_id, "Id of the first point (default: 0)")->type_name("N");
 }
 
 void StreamArguments::check_ids() const {
@@ -130,7 +133,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     blocks.from = from->position;
     from.reset();
   }
-  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   blocks.progress = progress.callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
@@ -180,7 +183,7 @@ void write_partial(const StreamArguments& stream, const cullhull::HullState& sta
 cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
     const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points) {
-  TerminalProgress progress(run.quiet, megabytes(cullhull::input_bytes(files)), "MB");
+  TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
   blocks.progress = progress.callback();

@@ -71,6 +71,33 @@ std::string duration(double seconds) {
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
 
+struct Scale {
+  double factor;
+  const char* unit;
+};
+
+/// The unit of bytes in which an amount is written.
+Scale scale_of_bytes(double bytes) {
+  if (bytes >= 1e9) return {1e9, "GB"};
+  return bytes >= 1e6 ? Scale{1e6, "MB"} : Scale{1e3, "kB"};
+}
+
+/// "310 MB", "3.1 frames".
+std::string amount(double value, const std::string& counted) {
+  if (counted != "read") return fmt::format("{:.3g} {}", value, counted);
+  const Scale scale = scale_of_bytes(value);
+  return fmt::format("{:.3g} {}", value / scale.factor, scale.unit);
+}
+
+/// "1.20 of 4.51 GB", "12 of 40 frames".
+std::string part_of(double part, double total, const std::string& counted) {
+  if (counted != "read")
+    return fmt::format("{} of {} {}", grouped(static_cast<std::uint64_t>(part)),
+                       grouped(static_cast<std::uint64_t>(total)), counted);
+  const Scale scale = scale_of_bytes(total);
+  return fmt::format("{:.2f} of {:.2f} {}", part / scale.factor, total / scale.factor, scale.unit);
+}
+
 }  // namespace
 
 void keep_standard_streams() {
@@ -113,9 +140,11 @@ void end_with_line(int status, const char* first, const char* second) noexcept {
   system::end(status);
 }
 
-TerminalProgress::TerminalProgress(bool quiet, double total, std::string unit)
-    : total_(total),
-      unit_(std::move(unit)),
+TerminalProgress::TerminalProgress(bool quiet) : TerminalProgress(quiet, "", 0) {}
+
+TerminalProgress::TerminalProgress(bool quiet, std::string counted, double total)
+    : counted_(std::move(counted)),
+      total_(total),
       active_(!quiet && system::is_terminal(system::standard_error)) {}
 
 TerminalProgress::~TerminalProgress() {
@@ -128,13 +157,14 @@ cullhull::Progress TerminalProgress::callback() {
 }
 
 // At the beginning of a phase the rate is not yet known.
-std::string TerminalProgress::rate_and_rest(double share, std::int64_t now) const {
+std::string TerminalProgress::rest(double share, std::int64_t now) const {
+  const bool counted = total_ > 0 && phase_ == counted_;
+  std::string text = counted ? "  " + part_of(share * total_, total_, counted_) : "";
   const double seconds = static_cast<double>(now - phase_began_) / 1000;
   const double pace = (share - first_share_) / seconds;
-  if (seconds < 0.2 || !(pace > 0)) return "";
-  const std::string rate = total_ > 0 ? fmt::format("{:.3g} {}/s", pace * total_, unit_)
-                                      : fmt::format("{:.3g} %/s", 100 * pace);
-  return fmt::format("  {}  {} left", rate, duration((1 - share) / pace));
+  if (seconds < 0.2 || !(pace > 0)) return text;
+  if (counted) text += "  " + amount(pace * total_, counted_) + "/s";
+  return text + "  " + duration((1 - share) / pace) + " left";
 }
 
 void TerminalProgress::show(const char* phase, double share) {
@@ -152,7 +182,7 @@ void TerminalProgress::show(const char* phase, double share) {
   const auto full = static_cast<int>(share * width);
   (void)write_all(system::standard_error,
                   fmt::format("\r\x1b[K{:<10} [{:#<{}}{:.<{}}] {:3.0f} %{}", phase, "", full, "",
-                              width - full, 100 * share, rate_and_rest(share, now)));
+                              width - full, 100 * share, rest(share, now)));
 }
 
 }  // namespace app

@@ -30,12 +30,14 @@ void complain(std::string_view message);
 inline constexpr const char* out_of_memory =
     "out of memory; a smaller --memory makes cullhull refuse earlier";
 
-/// Shows a line of progress on standard error if that is a terminal: phase, bar, share, rate and
-/// time left. The destructor erases the line.
+/// Shows a line of progress on standard error if that is a terminal: phase, bar, share and time
+/// left. The destructor erases the line.
 class TerminalProgress {
  public:
-  /// Where the total is `total` of `unit`, the rate is shown in these units, else in percent.
-  explicit TerminalProgress(bool quiet, double total = 0, std::string unit = "");
+  explicit TerminalProgress(bool quiet);
+  /// Of the phase of this name the total is known: what is done of it and the rate are shown, too.
+  /// "read" counts bytes, other phases what they are called ("frames").
+  TerminalProgress(bool quiet, std::string counted, double total);
   ~TerminalProgress();
   TerminalProgress(const TerminalProgress&) = delete;
   TerminalProgress& operator=(const TerminalProgress&) = delete;
@@ -45,9 +47,9 @@ class TerminalProgress {
 
  private:
   void show(const char* phase, double share);
-  std::string rate_and_rest(double share, std::int64_t now) const;
-  double total_;
-  std::string unit_;
+  std::string rest(double share, std::int64_t now) const;
+  std::string counted_;
+  double total_ = 0;
   bool active_;
   bool shown_ = false;
   std::int64_t last_ = 0;

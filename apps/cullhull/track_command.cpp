@@ -28,25 +28,29 @@ using cullhull::Hull;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* track_footer =
-    "SEQUENCE is an .npy array (frames, n, d), of which one frame is mapped at a time, so that it\n"
-    "may be larger than memory; or a folder, a pattern in quotes, or several files of points, one\n"
-    "for each frame, ordered by name with numbers in names by value (2 before 10). Point i of a\n"
-    "frame is point i of the next. Where count or dimension change, tracking starts afresh.\n"
+    "SEQUENCE is an .npy array (frames, n, d), of which one frame at a time is mapped, so that it "
+    "may\n"
+    "be larger than memory; or a folder, a quoted pattern or several files with one frame each,\n"
+    "ordered by name, with numbers compared by value (2 before 10). Point i of a frame is point i "
+    "of\n"
+    "the next. Where the number of points or the dimension changes, tracking restarts.\n"
+    "File formats: 'cullhull help formats'.\n"
     "\n"
-    "Output:\n"
-    "  -o out-%04d.ply    a hull for each frame, named by its number from 0; .ply .obj .off .stl\n"
-    "                     for points of dimension 2 and 3, .json and .txt for all\n"
+    "Output files:\n"
+    "  -o out-%04d.ply    one hull per frame, numbered from 0; .ply .obj .off .stl for 2D and 3D\n"
+    "                     points, .json and .txt for all\n"
     "  -o FOLDER          the same as FOLDER/frame-%06d.ply (.json beyond 3 dimensions)\n"
-    "  --json             for each frame counts, times, measures, what came and went; then totals\n"
-    "Every hull is the one 'cullhull hull' gives for that frame, bit for bit.\n"
+    "  --json             per frame: counts, times, measures, vertices and facets that appeared "
+    "and\n"
+    "                     disappeared; then totals\n"
+    "Every hull equals that of 'cullhull hull' for the frame, bit for bit.\n"
     "\n"
     "Examples:\n"
     "  cullhull track twist.npy --json=report.json         hulls of an array (frames, n, d)\n"
-    "  cullhull track scans/ -o hulls/ --certify           a folder of files, each hull checked\n"
+    "  cullhull track scans/ -o hulls/ --certify           a folder of files; hulls verified\n"
     "  cullhull track 'f*.xyz' --cull pseudo-hull          the filter of Tang et al. 2012\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 out of the memory "
-    "budget;\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
     "5 backend not available; 130 cancelled.";
 
 struct TrackArguments {
@@ -283,7 +287,7 @@ TrackOutcome track(const TrackArguments& arguments, const FrameNames& names,
   const cullhull::Options options = arguments.run.options();
   cullhull::HullTracker tracker(options);
   const auto total = static_cast<double>(sequence.frames());
-  TerminalProgress progress(arguments.run.quiet, total, "frames");
+  TerminalProgress progress(arguments.run.quiet, "frames", total);
   const cullhull::Progress report = progress.callback();
   cancellable([&] {
     while (sequence.next()) {
@@ -350,12 +354,13 @@ int run(const TrackArguments& arguments) {
   read.format = arguments.format;
   read.threads = arguments.run.threads;
   read.stop = stop_token();
+  read.remark = print_remark;
   read.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
   const FrameNames names(arguments.output);
   names.check_ending();
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
   FilePlan plan;
-  plan.reads(cullhull::sequence_files(arguments.inputs));
+  plan.reads(cullhull::sequence_files(arguments.inputs, read));
   plan.writes_json(arguments.json);
   names.check(sequence.frames(), plan);
   names.make_folder();
@@ -386,26 +391,29 @@ int run(const TrackArguments& arguments) {
 Command add_track(Parser& parent) {
   auto a = std::make_shared<TrackArguments>();
   Parser& command =
-      *parent.add_subcommand("track", "The exact convex hulls of moving points, frame by frame");
+      *parent.add_subcommand("track", "Compute the hulls of moving points, frame by frame");
+  command.group("Input");
   command
-      .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder, a pattern")
+      .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder or a pattern")
       ->type_name("")
       ->required();
-  allow_words(*command.add_option("--input-format", a->format,
-                                  "Read each file as this, whatever its name and content"),
-              {"npy", "ply", "las", "obj", "off", "stl", "xyz", "txt", "csv"});
+  allow_words(
+      *command.add_option("--input-format", a->format,
+                          "Read each file in this format, whatever its name and content"),
+      {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson", "wkt"});
   add_raw_option(command, a->raw);
-  needs_value(*command.add_option("-o,--output", a->output, "Write each frame's hull"))
-      .type_name("PATTERN|FOLDER");
-  command.add_flag("--triangles", a->triangles,
-                   "Meshes of triangles, for programs that read no polygons");
-  add_json_option(command, a->json, "What happened in each frame");
-  a->run.add_to(command, true);
-  command.add_flag("--certify", a->certify,
-                   "Check each hull exactly, by none of the engine's code");
   command.add_flag(
       "--keep-going", a->keep_going,
-      "Go on after frames with points that are not finite; the exit status is still 1");
+      "Continue after frames with NaN or infinite coordinates; the exit\nstatus is still 1");
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->output, "Write the hull of each frame"))
+      .type_name("PATTERN|FOLDER");
+  command.add_flag("--triangles", a->triangles,
+                   "Write meshes of triangles, for programs that read no polygons");
+  add_json_option(command, a->json, "Report each frame");
+  a->run.add_to(command, true);
+  command.group("Verification and timing");
+  command.add_flag("--certify", a->certify, "Verify each hull with an independent exact checker");
   command.footer(track_footer);
   return [a] { return run(*a); };
 }

@@ -19,6 +19,7 @@
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 
 namespace app {
 namespace {
@@ -31,48 +32,47 @@ using cullhull::Triangulation;
 using cullhull::Voronoi;
 
 constexpr const char* delaunay_footer =
-    "Output (-o, by extension; may be given more than once):\n"
-    "  .ply .obj .off .stl   triangles of 2D points, at the heights of --height\n"
-    "  .glb .vtp             likewise\n"
+    "Output files (-o, by extension):\n"
+    "  .ply .obj .off .stl .glb .vtp   triangles of 2D points, at the heights of --height\n"
     "  .vtk                  cells of points of up to 3 dimensions\n"
     "  .geojson .wkt         triangles of 2D points\n"
-    "  .json                 everything: cells, neighbours, groups, hull, duplicates, hidden "
-    "points\n"
-    "  --format WORDS        on standard output, as qdelaunay prints it: i cells, Fn neighbours,\n"
-    "                        Fx points of the hull, p all points\n"
+    "  .json                 complete result: cells, neighbours, groups, hull, duplicates, hidden\n"
+    "                        points\n"
+    "  --format takes: i cells, Fn neighbours, Fx points of the hull, p all points.\n"
     "\n"
     "Examples:\n"
-    "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, its cells checked\n"
+    "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, verified\n"
     "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
     "  cullhull delaunay terrain.csv --columns x,y --height z -o tin.obj   a surface (TIN)\n"
-    "  rbox 100 D2 | cullhull delaunay - --format i          in the place of qdelaunay\n"
-    "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   inside of rings\n"
+    "  rbox 100 D2 | cullhull delaunay - --format i          replaces qdelaunay\n"
+    "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   a polygon's interior\n"
     "\n"
-    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
-    "certified; 4 out of the memory budget; 130 cancelled.";
+    "All points must fit in memory.\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
+    "130 cancelled.";
 
 constexpr const char* voronoi_footer =
-    "Output (-o, by extension; may be given more than once):\n"
-    "  .geojson .wkt         the cells of 2D points within the box, a polygon for each point\n"
+    "Output files (-o, by extension):\n"
+    "  .geojson .wkt         clipped cells of 2D points, one polygon per point\n"
     "  .ply .obj .off .vtp   the same as a mesh; in 3D the faces of all cells\n"
-    "  .json                 the diagram: vertices, ridges, regions, unbounded rays\n"
-    "  --measures FILE       length, area or volume of each point's cell in the box (.npy, .csv, "
-    ".txt)\n"
-    "  --format WORDS        on standard output, as qvoronoi prints it: p vertices, o vertices "
-    "and\n"
-    "                        regions, Fv ridges\n"
-    "Cells are clipped to --box, or to the polygons of --clip, or else to the points' own box, "
-    "wider\n"
-    "by a tenth of its longest side on each side.\n"
+    "  .json                 the unclipped diagram: vertices, ridges, regions, unbounded rays\n"
+    "  --measures FILE       length, area or volume of each clipped cell (.npy, .csv, .txt)\n"
+    "  --format takes: p vertices, o vertices and regions, Fv ridges.\n"
+    "Cells are clipped to --box or --clip; default: the bounding box of the points, padded on "
+    "each\n"
+    "side by 10 % of its longest side.\n"
     "\n"
     "Examples:\n"
     "  cullhull voronoi disk.npy -o cells.geojson            the cells as polygons\n"
     "  cullhull voronoi wells.csv --box 0,0,100,100 --measures areas.csv\n"
     "  cullhull voronoi cities.csv --clip country.geojson -o cells.geojson\n"
-    "  rbox 100 D2 | cullhull voronoi - --format 'p Fv'      in the place of qvoronoi\n"
+    "  rbox 100 D2 | cullhull voronoi - --format 'p Fv'      replaces qvoronoi\n"
     "\n"
-    "All points must fit in memory. Exit status: 0 success; 1 bad input; 2 bad usage; 3 not\n"
-    "certified; 4 out of the memory budget; 130 cancelled.";
+    "All points must fit in memory.\n"
+    "\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
+    "130 cancelled.";
 
 struct DualArguments {
   InputArguments input;
@@ -122,7 +122,7 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
                               : open_inputs(from, a.files, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 1)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("{} {}: {} columns, where one number a point is wanted", option, given,
+                fmt::format("{} {}: {} columns; expected one number per point", option, given,
                             input.points.dimension));
   if (input.points.count != count)
     throw Error(ErrorCode::invalid_argument, fmt::format("{} {}: {} numbers for {} points", option,
@@ -140,16 +140,17 @@ std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t coun
   const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--edges {}: {} columns, where two points a line are wanted", a.edges,
+                fmt::format("--edges {}: {} columns; expected two point ids per line", a.edges,
                             input.points.dimension));
   std::vector<std::uint32_t> edges;
   for (std::uint64_t i = 0; i < input.points.count; ++i)
     for (std::uint32_t j = 0; j < 2; ++j) {
       const double v = input.points.at(i, j);
       if (!(v >= 0 && v < static_cast<double>(count) && v == std::floor(v)))
-        throw Error(ErrorCode::invalid_argument,
-                    fmt::format("--edges {}: edge {} has {}, which is no number of {} points",
-                                a.edges, i, v, count));
+        throw Error(
+            ErrorCode::invalid_argument,
+            fmt::format("--edges {}: edge {} has {}, which is not the id of one of {} points",
+                        a.edges, i, v, count));
       edges.push_back(static_cast<std::uint32_t>(v));
     }
   return edges;
@@ -170,10 +171,11 @@ Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid
     std::vector<double> numbers;
     for (double v; in >> v;) numbers.push_back(v);
     if (!in.eof() || numbers.size() != 2 * d)
-      throw Error(ErrorCode::invalid_argument,
-                  fmt::format("--box {}: {} numbers are wanted, the least of each axis, then the "
-                              "greatest",
-                              a.box, 2 * d));
+      throw Error(
+          ErrorCode::invalid_argument,
+          fmt::format("--box {}: expected {} numbers, the lower bound of each axis, then the "
+                      "upper bounds",
+                      a.box, 2 * d));
     for (double& v : numbers) v = grid.to_grid(v);
     box.low.assign(numbers.begin(), numbers.begin() + d);
     box.high.assign(numbers.begin() + d, numbers.end());
@@ -215,13 +217,14 @@ struct DualOutcome {
   double read_seconds = 0, dual_seconds = 0;
 };
 
-void triangulate_with_edges(const DualArguments& a, const PointView& points, DualOutcome& out) {
+void triangulate_with_edges(const DualArguments& a, const Input& input, DualOutcome& out) {
+  const PointView& points = input.points;
   const std::vector<std::uint32_t> edges = read_edges(a, points.count);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         cullhull::ConstrainedOptions o{options};
         o.inside_only = a.inside;
-        return naming_file(a.input.path, [&] {
+        return naming_file(input.places, [&] {
           cullhull::ConstrainedTriangulation made =
               cullhull::constrained_delaunay(points, edges, o);
           if (a.certify) out.certificate = cullhull::certify(points, edges, made, o);
@@ -232,12 +235,13 @@ void triangulate_with_edges(const DualArguments& a, const PointView& points, Dua
   out.triangulation = std::move(found.triangulation);
 }
 
-void triangulate(const DualArguments& a, const PointView& points, DualOutcome& out) {
-  if (!a.edges.empty()) return triangulate_with_edges(a, points, out);
+void triangulate(const DualArguments& a, const Input& input, DualOutcome& out) {
+  if (!a.edges.empty()) return triangulate_with_edges(a, input, out);
+  const PointView& points = input.points;
   out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
                         cullhull::TriangulationOptions o{options};
                         o.furthest_site = a.furthest;
-                        return naming_file(a.input.path, [&] {
+                        return naming_file(input.places, [&] {
                           return out.weights.empty()
                                      ? cullhull::delaunay(points, o)
                                      : cullhull::regular_triangulation(points, out.weights, o);
@@ -323,9 +327,9 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
   const Triangulation& t = out.triangulation;
   std::string text = points_line(input) + units_lines(input.placing, input.points);
   if (t.affine_dimension >= 0 && t.affine_dimension != static_cast<int>(t.dimension))
-    text +=
-        fmt::format("flat       the points span dimension {} only, and are triangulated there\n",
-                    t.affine_dimension);
+    text += fmt::format(
+        "flat       the points lie in a flat of dimension {}; they are triangulated in it\n",
+        t.affine_dimension);
   text += fmt::format("cells      {}, {} facets on the hull\n", grouped(t.size()),
                       grouped(t.hull_facet_count()));
   if (out.piece_count) text += fmt::format("edges      {} forced\n", grouped(*out.piece_count));
@@ -375,11 +379,11 @@ int run(DualArguments a, bool dual) {
   (void)words_of(a.formats, dual ? cullhull::voronoi_formats() : cullhull::delaunay_formats());
   if (!a.edges.empty() && (!a.weights.empty() || a.furthest))
     throw Error(ErrorCode::invalid_argument,
-                "--edges: there are none with weights or of the furthest site");
+                "--edges cannot be combined with --weights or --furthest");
   if (a.inside && a.edges.empty())
-    throw Error(ErrorCode::invalid_argument, "--inside: of which --edges?");
+    throw Error(ErrorCode::invalid_argument, "--inside needs --edges");
   if (!a.clip.empty() && !a.box.empty())
-    throw Error(ErrorCode::invalid_argument, "--clip and --box: cells are clipped to one of them");
+    throw Error(ErrorCode::invalid_argument, "--clip and --box exclude each other");
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
@@ -404,14 +408,14 @@ int run(DualArguments a, bool dual) {
     cullhull::check_triangulation_format(path, input.points.dimension, dual, !a.heights.empty());
   if (!a.heights.empty() && input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--height is of 2D points, and these are {}D; --columns x,y leaves the "
-                            "height to --height",
+                fmt::format("--height needs 2D points, but these are {}D; use --columns x,y beside "
+                            "--height z",
                             input.points.dimension));
   if (!a.box.empty()) (void)box_of(a, input.points, {});  // refused before the work
   if (!a.clip.empty() && input.points.dimension != 2)
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--clip: polygons are for cells of 2D points, and these are {}D; "
-                            "--columns x,y leaves the height out",
+                fmt::format("--clip needs 2D points, but these are {}D; --columns x,y leaves the "
+                            "height out",
                             input.points.dimension));
   DualOutcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -421,7 +425,7 @@ int run(DualArguments a, bool dual) {
   for (double& w : out.weights) w = grid.measure_to_grid(w, 2);  // squares of lengths
   out.heights = heights_beside ? std::move(input.weights)
                                : read_numbers(a, "--height", a.heights, input.points.count);
-  triangulate(a, input.points, out);
+  triangulate(a, input, out);
   if (dual) find_dual(a, input.points, grid, out);
   if (out.voronoi) cullhull::to_world(*out.voronoi, grid);
   if (out.cells) cullhull::to_world(*out.cells, grid);
@@ -433,29 +437,32 @@ int run(DualArguments a, bool dual) {
   return not_certified;
 }
 
-Parser& add_common(Parser& parent, const char* name, const char* about, DualArguments& a) {
+/// `furthest`: the help of --furthest.
+Parser& add_common(Parser& parent, const char* name, const char* about, const char* furthest,
+                   DualArguments& a) {
   Parser& command = *parent.add_subcommand(name, about);
-  needs_value(*command.add_option("-o,--output", a.outputs, "Write to this file"))
+  a.input.add_many_to(command);
+  needs_value(*command.add_option("--weights", a.weights,
+                                  "Weights of the points: a column of INPUT, or a file with one\n"
+                                  "number per point"))
+      .type_name("COLUMN|FILE");
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a.outputs,
+                                  "Write the result; the extension chooses the format; may be\n"
+                                  "repeated"))
       .allow_extra_args(false)
       ->type_name("FILE");
-  needs_value(*command.add_option("--weights", a.weights,
-                                  "Weights of points, for a regular triangulation: a file of one\n"
-                                  "number a point, or a column of INPUT"))
-      .type_name("FILE|COLUMN");
-  command.add_flag("--furthest", a.furthest, "Of the furthest site: the upper hull's cells");
-  add_json_option(command, a.json, "Counts and times");
-  needs_value(*command.add_option("--format", a.formats, "Print it as Qhull's programs do"))
+  add_json_option(command, a.json, "Report counts and times");
+  needs_value(*command.add_option("--format", a.formats, "Print the result as Qhull's programs do"))
       .allow_extra_args(false)
       ->type_name("WORDS");
-  command.add_flag("--certify", a.certify,
-                   "Check the triangulation exactly, by none of the engine's code");
-  needs_value(
-      *command.add_option("--memory", a.run.memory,
-                          "Most it may take beyond the input, e.g. 2G or 512MiB; else half\n"
-                          "of the machine's. What needs more is refused, status 4"))
-      .type_name("BYTES");
+  command.group("Kind of result");
+  command.add_flag("--furthest", a.furthest, furthest);
   a.run.add_to(command, false);
-  a.input.add_many_to(command);
+  a.run.add_memory_to(command);
+  command.group("Verification and timing");
+  command.add_flag("--certify", a.certify,
+                   "Verify the triangulation with an independent exact checker");
   return command;
 }
 
@@ -463,39 +470,47 @@ Parser& add_common(Parser& parent, const char* name, const char* about, DualArgu
 
 Command add_delaunay(Parser& parent) {
   auto a = std::make_shared<DualArguments>();
-  Parser& command =
-      add_common(parent, "delaunay", "The exact Delaunay triangulation of a file of points", *a);
+  Parser& command = add_common(
+      parent, "delaunay", "Compute the exact Delaunay or regular triangulation of points",
+      "Furthest-site triangulation: the sphere of a cell encloses all\npoints", *a);
+  command.group("Input");
   needs_value(*command.add_option("--edges", a->edges,
-                                  "Edges of 2D points that must be there: a file of pairs of\n"
-                                  "numbers of points, from 0. Points on them cut them"))
+                                  "Constraint edges of 2D points: a file of pairs of ids, from 0;\n"
+                                  "a point on an edge splits it"))
       .type_name("FILE");
   needs_value(*command.add_option("--height", a->heights,
-                                  "Heights of 2D points, which meshes, .vtk and .json of the\n"
-                                  "triangulation keep: a column of INPUT, or a file of one\n"
-                                  "number a point"))
+                                  "Heights of 2D points, kept in meshes, .vtk and .json: a column\n"
+                                  "of INPUT, or a file with one number per point"))
       .type_name("COLUMN|FILE");
+  command.group("Kind of result");
   command.add_flag("--inside", a->inside,
-                   "Keep the cells that have an odd number of these edges around them");
-  command.footer(std::string(input_help) + "\n\n" + delaunay_footer);
+                   "Keep only triangles inside the outline that --edges form (even-odd\n"
+                   "rule)");
+  command.footer(std::string(input_footer) + "\n\n" + delaunay_footer);
   return [a] { return run(*a, false); };
 }
 
 Command add_voronoi(Parser& parent) {
   auto a = std::make_shared<DualArguments>();
-  Parser& command =
-      add_common(parent, "voronoi", "The Voronoi or power diagram of a file of points", *a);
+  Parser& command = add_common(parent, "voronoi", "Compute the Voronoi or power diagram of points",
+                               "Furthest-site diagram: the cell of a point is where it is the\n"
+                               "furthest of all points",
+                               *a);
+  command.group("Kind of result");
   needs_value(*command.add_option("--box", a->box,
-                                  "Clip cells to this box: all least coordinates,"
-                                  "\nthen all greatest"))
+                                  "Clip cells to this box: the lower bounds of all axes, then the\n"
+                                  "upper bounds"))
       .type_name("X,Y,..");
   needs_value(
       *command.add_option("--clip", a->clip,
                           "Clip cells of 2D points to the polygons of a GeoJSON file, which\n"
-                          "may have dents, holes and several parts"))
+                          "may be concave, with holes and several parts"))
       .type_name("FILE");
-  needs_value(*command.add_option("--measures", a->measures, "Write the measures of clipped cells"))
+  command.group("Output");
+  needs_value(*command.add_option("--measures", a->measures,
+                                  "Write the length, area or volume of each clipped cell"))
       .type_name("FILE");
-  command.footer(std::string(input_help) + "\n\n" + voronoi_footer);
+  command.footer(std::string(input_footer) + "\n\n" + voronoi_footer);
   return [a] { return run(*a, true); };
 }
 

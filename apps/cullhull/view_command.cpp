@@ -1,6 +1,7 @@
 // cullhull view: points and their hull as one HTML page.
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
+#include "topics.hpp"
 #include "viewer/scene.hpp"
 
 namespace app {
@@ -25,19 +27,15 @@ using cullhull::viewer::Scene;
 using cullhull::viewer::SceneFrame;
 
 constexpr const char* help =
-    "INPUT may also be HULL.json, as 'cullhull hull -o' writes it: the page then shows the hull "
-    "alone.\n"
-    "Or moving points: an .npy array (frames, n, d), or a folder or a pattern in quotes of files, "
-    "a\n"
-    "frame each, of points or, as 'cullhull track -o' writes them, of hulls. The page has a "
-    "slider,\n"
-    "and at most 120 of the frames, evenly chosen.\n"
+    "INPUT may also be a hull, HULL.json of 'cullhull hull -o', shown without its points; or "
+    "moving\n"
+    "points: an .npy array (frames, n, d), or a folder or quoted pattern of files with one frame\n"
+    "each, of points or of hulls ('cullhull track -o'). The page then has a slider, and shows at\n"
+    "most 120 frames, evenly spaced.\n"
     "\n"
-    "The page is one file that needs no network. 3D sets are turned, moved and zoomed; 2D sets are "
-    "a\n"
-    "plot; of four and more dimensions three axes are chosen. It stays under 12 MB: of many points "
-    "a\n"
-    "fair sample is drawn, with the true ids and exact coordinates, and the page says how many.\n"
+    "The page is one file that needs no network. 3D points can be rotated, moved and zoomed; 2D\n"
+    "points are a plot; of more dimensions three axes are chosen. It stays below 12 MB: of many\n"
+    "points a random sample is drawn, with ids and exact coordinates, and the page says how many.\n"
     "\n"
     "Examples:\n"
     "  cullhull view scan.ply -o scan.html\n"
@@ -46,7 +44,7 @@ constexpr const char* help =
     "  cullhull hull big.npy -o hull.json && cullhull view hull.json -o hull.html\n"
     "  cullhull track twist.npy -o 'f-%03d.json' && cullhull view 'f-*.json' -o twist.html\n"
     "\n"
-    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 out of the memory budget; 5 backend not\n"
+    "Exit status: 0 success; 1 bad input; 2 bad usage; 4 memory limit exceeded; 5 backend not\n"
     "available, or built without three.js; 130 cancelled.";
 
 struct ViewArguments {
@@ -70,6 +68,16 @@ std::string title_of(const std::string& path) {
 
 bool is_json(const std::string& path) { return std::filesystem::path(path).extension() == ".json"; }
 
+/// JSON that is no GeoJSON: only that has a member "type".
+bool may_be_hull(const std::string& path) {
+  if (!is_json(path)) return false;
+  std::string head(std::size_t{1} << 16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  return head.find("\"type\"") == std::string::npos;
+}
+
 /// A folder, a pattern, or an array that may have three axes.
 bool may_be_sequence(const InputArguments& input) {
   if (input.path == "-" || input.dimension != 0 || !input.type.empty()) return false;
@@ -83,15 +91,15 @@ bool may_be_sequence(const InputArguments& input) {
 /// All files that INPUT names.
 std::vector<std::string> input_files(const InputArguments& input) {
   if (!may_be_sequence(input)) return {input.path};
-  return cullhull::sequence_files({input.path});
+  return cullhull::sequence_files({input.path}, read_options(input, 0));
 }
 
 /// The hull files that INPUT names; empty where it names points.
 std::vector<std::string> hull_files(const InputArguments& input) {
   if (!input.format.empty() || input.path == "-") return {};
   if (!may_be_sequence(input) && !is_json(input.path)) return {};
-  std::vector<std::string> files = cullhull::sequence_files({input.path});
-  return std::all_of(files.begin(), files.end(), is_json) ? files : std::vector<std::string>();
+  std::vector<std::string> files = cullhull::sequence_files({input.path}, read_options(input, 0));
+  return std::all_of(files.begin(), files.end(), may_be_hull) ? files : std::vector<std::string>();
 }
 
 /// Hull and survivors of one set of points, and the run's report for --json.
@@ -147,7 +155,7 @@ Written view_input(const ViewArguments& arguments, Input& input, const cullhull:
   Scene scene(title_of(arguments.input.path), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
   const Computed computed =
-      naming_file(arguments.input.path, [&] { return compute(input, read, options); });
+      naming_file(input.places, [&] { return compute(input, read, options); });
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
             arguments.triangulation(options), scene, input.file.colours());
   return {scene.page(), computed.report};
@@ -309,17 +317,18 @@ int run(const ViewArguments& arguments) {
 Command add_view(Parser& parent) {
   auto a = std::make_shared<ViewArguments>();
   Parser& command =
-      *parent.add_subcommand("view", "Points and their hull as an HTML page to look at");
-  needs_value(*command.add_option("-o,--output", a->output, "Write the page to this file"))
+      *parent.add_subcommand("view", "Show points and their hull in an interactive HTML page");
+  a->input.add_to(command);
+  command.group("Output");
+  needs_value(*command.add_option("-o,--output", a->output, "Write the page"))
       .type_name("PAGE.html")
       ->required();
   command.add_flag("--delaunay", a->cells,
-                   "Show the cells of the Delaunay triangulation, too:\n"
-                   "in 2D all, in 3D those that the clip plane cuts");
-  add_json_option(command, a->json, "The figures of the page");
+                   "Also show the cells of the Delaunay triangulation: in 2D all of\n"
+                   "them, in 3D those that the clipping plane cuts");
+  add_json_option(command, a->json, "Report the figures of the page");
   a->run.add_to(command, true);
-  a->input.add_to(command);
-  command.footer(std::string(input_help) + "\n\n" + help);
+  command.footer(std::string(input_footer) + "\n\n" + help);
   return [a] { return run(*a); };
 }
 

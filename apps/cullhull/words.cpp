@@ -74,6 +74,14 @@ std::string unknown_command(const std::string& word, const Parser& parser) {
          " (see " + parser.full_name() + " --help)";
 }
 
+std::string unknown_topic(const std::string& word, const std::vector<std::string>& known,
+                          const Parser& parser) {
+  const std::string meant = nearest(word, known);
+  return "no command or topic '" + word + "'" +
+         (meant.empty() ? "" : "; did you mean " + meant + "?") + " (see " + parser.full_name() +
+         " --help)";
+}
+
 std::string unexpected_words(const std::vector<std::string>& words, const Parser& command) {
   const std::vector<std::string> names = command.option_names();
   for (const std::string& word : words) {
@@ -89,7 +97,7 @@ std::string unexpected_words(const std::vector<std::string>& words, const Parser
   }
   std::string list;
   for (const std::string& word : command.remaining()) list += " '" + word + "'";
-  return "more than is expected:" + list;
+  return "unexpected words:" + list;
 }
 
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments) {

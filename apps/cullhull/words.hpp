@@ -23,6 +23,10 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 /// The message for a first word that is neither a command nor a file.
 std::string unknown_command(const std::string& word, const Parser& parser);
 
+/// The message for `help WORD` where `known`, commands and topics, do not have the word.
+std::string unknown_topic(const std::string& word, const std::vector<std::string>& known,
+                          const Parser& parser);
+
 /// The message for words that `command` does not take: which, and what may have been meant. `words`
 /// are the whole command line.
 std::string unexpected_words(const std::vector<std::string>& words, const Parser& command);

@@ -45,8 +45,8 @@ struct Remark {
 };
 
 struct ReadOptions {
-  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "raw");
-  /// empty: detected from the extension, then from the content.
+  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson",
+  /// "wkt", "raw"); empty: detected from the extension, then from the content.
   std::string format;
   /// Dimension and scalar type of raw input; required for it.
   std::uint32_t raw_dimension = 0;
@@ -85,6 +85,11 @@ struct ReadOptions {
   stop_token stop;
 };
 
+/// A point of a text file and its line, from 1.
+struct PointLine {
+  std::uint64_t point = 0, line = 0;
+};
+
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` is a view of its
 /// memory.
 class PointFile {
@@ -115,6 +120,8 @@ class PointFile {
   bool in_parts() const noexcept;
   std::uint64_t first() const noexcept;  ///< index in the file of the first of points()
   std::uint64_t total() const noexcept;  ///< points in the file
+  /// Of a text with NaN or infinities the first such point.
+  std::optional<PointLine> first_not_finite() const noexcept;
   double read_seconds() const noexcept;
 
  private:
@@ -166,12 +173,15 @@ class PointSequence {
 };
 
 /// Each of `paths` is a file, a folder (its files, without hidden ones) or a pattern with * ? [ ].
-/// Files of folders and patterns are sorted by name, numbers in names by value (2 before 10). An
-/// .npy array (frames, n, d) must be the only path. Throws Error{io}, Error{bad_file}.
+/// If some files of a folder have the extension of a known format, the others are skipped and named
+/// by options.remark, unless options.format names the format. Files of folders and patterns are
+/// sorted by name, numbers in names by value (2 before 10). An .npy array (frames, n, d) must be the
+/// only path. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 /// The files that such paths stand for, in that order.
-std::vector<std::string> sequence_files(const std::vector<std::string>& paths);
+std::vector<std::string> sequence_files(const std::vector<std::string>& paths,
+                                        const ReadOptions& options = {});
 
 /// For a SIGBUS handler (async-signal-safe; the library installs none): the name of the open
 /// PointFile whose mapping contains `address`, or nullptr. The kernel sends SIGBUS when a mapped
@@ -303,6 +313,25 @@ class NpyPointsWriter {
                   ScalarType type);
   ~NpyPointsWriter();
   /// Writes the next points: count x dimension doubles.
+  void write(const double* coordinates, std::uint64_t count);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Writes points piece by piece, in the format of the extension of `path` (without one .npy) or of
+/// `format`: .npy .ply .obj .off .raw .xyz .txt .csv, and .geojson .wkt as one multipoint.
+/// .ply .geojson .wkt hold points of dimension 2 and 3, .obj of 3. .npy .ply .raw keep `type`; the
+/// others hold decimals that read back as the same numbers. The file appears once the last point is
+/// written. Throws Error{invalid_argument} for other names and dimensions, else as the other
+/// writers do.
+class PointsWriter {
+ public:
+  PointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
+               ScalarType type, const std::string& format = "");
+  ~PointsWriter();
+  /// The next points: count x dimension doubles, which are rounded to `type`.
   void write(const double* coordinates, std::uint64_t count);
 
  private:

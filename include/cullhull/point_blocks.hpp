@@ -86,8 +86,10 @@ struct BlockOptions {
 /// The files that these words stand for, in order: a file, "-" (standard input), a folder (its
 /// files, without hidden ones), a pattern with * ? [ ], or `@LIST`, a text file with one of these
 /// per line. Files of folders and patterns are sorted by name, numbers in names by value (2 before
-/// 10). Throws Error{io}, Error{invalid_argument}.
-std::vector<std::string> input_files(const std::vector<std::string>& words);
+/// 10). Files of a folder with an unknown extension are skipped as open_sequence does. Throws
+/// Error{io}, Error{invalid_argument}.
+std::vector<std::string> input_files(const std::vector<std::string>& words,
+                                     const ReadOptions& options = {});
 
 /// The file that such a word names: FILE.npz for FILE.npz:NAME, else the word itself.
 std::string file_of_input(const std::string& word);

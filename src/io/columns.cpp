@@ -216,7 +216,7 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
     refuse(file, options.key,
            options.weights.empty()
                ? "a key is one column"
-               : std::to_string(key.size()) + " columns, where one number a point is wanted");
+               : std::to_string(key.size()) + " columns; expected one number per point");
   if (options.columns.empty()) std::erase(columns, key[0]);
   if (columns.empty()) refuse(file, options.key, "no coordinates are left beside the key");
   return key[0];

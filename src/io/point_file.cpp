@@ -6,6 +6,7 @@
 
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
+#include "io/formats/geometry_positions.hpp"
 #include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
@@ -67,6 +68,10 @@ bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
 std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
 std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
+std::optional<PointLine> PointFile::first_not_finite() const noexcept {
+  const PointLine& at = impl_->data.not_finite;
+  return at.line > 0 ? std::optional(at) : std::nullopt;
+}
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 
 }  // namespace cullhull::inline v1
@@ -105,7 +110,8 @@ std::string format_of_content(const Source& s) {
     if (word == "solid") return "stl";
     if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
-    if (word.starts_with("{")) fail(s, "looks like JSON, which holds a hull and no points");
+    if (word.starts_with("{")) return "geojson";
+    if (looks_like_wkt(lines.begin(), lines.end())) return "wkt";
     return "text";
   }
   return "text";
@@ -114,29 +120,34 @@ std::string format_of_content(const Source& s) {
 }  // namespace
 
 std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy", "ply", "las", "pcd", "obj", "off",
-                                               "stl", "xyz", "txt", "csv", "raw"};
+  static constexpr std::string_view known[] = {"npy", "ply", "las", "pcd",     "obj", "off", "stl",
+                                               "xyz", "txt", "csv", "geojson", "wkt", "raw"};
   const auto is_known = [](const std::string& f) {
     return std::find(std::begin(known), std::end(known), f) != std::end(known);
   };
   if (!options.format.empty()) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
-                  "; known are npy ply las pcd obj off stl xyz txt csv raw");
+                  "; known are npy ply las pcd obj off stl xyz txt csv geojson wkt raw");
     return options.format;
   }
   const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
   if (extension == "laz") return "las";  // whose error names a reader for it
-  for (const char* other : {"e57", "parquet", "zarr", "copc"})
+  for (const char* other : {"e57", "parquet", "gpkg", "shp", "fgb", "gml", "kml"})
     if (extension == other)
-      fail(source, ".", extension, " is read by the Python package alone: cullhull.read(path)");
+      fail(
+          source, ".", extension,
+          " is read by the program of the Python package: python3 -m cullhull instead of cullhull");
+  for (const char* other : {"zarr", "copc"})
+    if (extension == other)
+      fail(source, ".", extension, " is read by the Python package: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
   return format_of_content(source);
 }
 
 std::vector<std::string> column_names(const std::string& format) {
-  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl"})
+  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl", "geojson", "wkt"})
     if (format == named) return {"x", "y", "z"};
   return {};
 }
@@ -153,6 +164,8 @@ PointData read_format(const Source& file, const Source& text, const std::string&
   if (format == "ply") return read_ply(source, options);
   if (format == "obj") return read_obj(source, options);
   if (format == "off") return read_off(source, options);
+  if (format == "geojson") return read_geojson(source, options);
+  if (format == "wkt") return read_wkt(source, options);
   return read_stl(source, options);
 }
 
@@ -167,7 +180,8 @@ PointData read_points(const Source& file, const ReadOptions& options) {
   const Source text = behind_byte_order_mark(file);
   const std::string format = choose_format(text, options);
   if ((begins(file, "\xFF\xFE") || begins(file, "\xFE\xFF")) &&
-      (is_text(format) || format == "obj" || format == "off"))
+      (is_text(format) || format == "obj" || format == "off" || format == "geojson" ||
+       format == "wkt"))
     fail(file, "text in UTF-16; what is read is UTF-8");
   if (is_text(format)) {
     PointData data = read_text(text, options, format == "csv");
@@ -321,6 +335,7 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
     if (source.size == 0 || internal::unpacked_name(source.name) != source.name)
       return std::nullopt;
     const std::string format = internal::choose_format(source, {});
+    if (format == "wkt") return internal::line_of_wkt_point(source, point);
     if (!internal::is_text(format)) return std::nullopt;
     return internal::line_of_row(source, point, format == "csv");
   } catch (...) {

@@ -8,6 +8,7 @@
 #include "io/columns.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
+#include "io/packed/unpack.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
 
@@ -95,11 +96,39 @@ void refuse_zarr(const std::string& path) {
   for (const char* mark : {".zarray", ".zgroup", "zarr.json"})
     if (std::filesystem::exists(std::filesystem::path(path) / mark))
       throw Error(ErrorCode::bad_file, display_name(path),
-                  ": a Zarr folder is read by the Python package alone: cullhull.read(path), or "
+                  ": a Zarr folder is read by the Python package: cullhull.read(path), or "
                   "cullhull.dask");
 }
 
-void list_folder(const std::string& path, std::vector<std::string>& files) {
+/// By the extension, behind which .gz or .zst may stand. JSON may be points, hulls or anything.
+bool has_known_extension(const std::string& path) {
+  static constexpr std::string_view known[] = {
+      "npy", "npz", "ply", "las", "laz",     "pcd", "obj",  "off",      "stl",     "xyz",
+      "txt", "csv", "raw", "h5",  "hdf5",    "he5", "nc",   "nc4",      "geojson", "wkt",
+      "e57", "shp", "fgb", "gml", "parquet", "kml", "gpkg", "hullstate"};
+  const std::string extension = extension_of(unpacked_name(path));
+  return std::find(std::begin(known), std::end(known), extension) != std::end(known);
+}
+
+/// Leaves the files of known formats, if there are any.
+void skip_unknown(const std::string& folder, std::vector<std::string>& files,
+                  const ReadOptions& options) {
+  const auto known = std::stable_partition(files.begin(), files.end(), has_known_extension);
+  if (known == files.begin() || known == files.end()) return;
+  std::string list;
+  constexpr std::ptrdiff_t most = 3;
+  const std::ptrdiff_t count = files.end() - known;
+  for (std::ptrdiff_t i = 0; i < std::min(count, most); ++i)
+    list += (i > 0 ? ", " : "") + quoted_text(std::filesystem::path(known[i]).filename().string());
+  if (options.remark)
+    options.remark({Remark::Kind::left_out, display_name(folder),
+                    std::to_string(count) + (count == 1 ? " file" : " files") +
+                        " of unknown formats skipped: " + list + (count > most ? ", ..." : "")});
+  files.erase(known, files.end());
+}
+
+void list_folder(const std::string& path, std::vector<std::string>& files,
+                 const ReadOptions& options) {
   refuse_zarr(path);
   std::error_code error;
   std::vector<std::string> found;
@@ -111,6 +140,7 @@ void list_folder(const std::string& path, std::vector<std::string>& files) {
   if (found.empty())
     throw Error(ErrorCode::bad_file, display_name(path), ": a folder without files");
   std::sort(found.begin(), found.end(), natural_less);
+  if (options.format.empty() && options.raw_dimension == 0) skip_unknown(path, found, options);
   files.insert(files.end(), found.begin(), found.end());
 }
 
@@ -162,13 +192,14 @@ void list_matches(const std::string& path, std::vector<std::string>& files) {
 
 }  // namespace
 
-std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
+std::vector<std::string> sequence_files(const std::vector<std::string>& paths,
+                                        const ReadOptions& options) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     internal::system::FileStatus status{};
     const bool exists = path != "-" && internal::system::status_of(path.c_str(), status) == 0;
     if (exists && internal::system::is_folder(status))
-      internal::list_folder(path, files);
+      internal::list_folder(path, files, options);
     else if (!exists && path != "-" && path.find_first_of("*?[") != std::string::npos)
       list_matches(path, files);
     else
@@ -181,7 +212,7 @@ std::vector<std::string> sequence_files(const std::vector<std::string>& paths) {
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options) {
   auto impl = std::make_unique<PointSequence::Impl>();
   impl->options = options;
-  impl->files = sequence_files(paths);
+  impl->files = sequence_files(paths, options);
   impl->name = internal::display_name(impl->files[0]);
   if (impl->files.size() == 1 && internal::open_array(impl->files[0], *impl)) impl->files.clear();
   if (!impl->files.empty()) impl->window = internal::FileWindow();

@@ -52,6 +52,7 @@ struct PointData {
   Placement placement;    ///< of the view's axes
   Grid grid;              ///< as PointFile::grid()
   PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
+  PointLine not_finite;   ///< the first such point of a text; line 0: none
 };
 
 /// Points of a file that are read, of `total`.

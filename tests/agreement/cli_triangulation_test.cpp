@@ -113,9 +113,9 @@ TEST(CliTriangulation, HeightsThatCannotBeKept) {
   error({"--columns", "x,y", "--height", "z", "-o", f / "t.wkt"}, 2, ".wkt holds no heights");
   error({"--columns", "x,y", "--height", "w", "-o", f / "t.obj"}, 2, "no column 'w'");
   error({"--columns", "x,y", "--height", "x,z", "-o", f / "t.obj"}, 2,
-        "columns 'x,z': 2 columns, where one number a point is wanted");
+        "columns 'x,z': 2 columns; expected one number per point");
   error({"--columns", "x,y,z", "--height", "z", "-o", f / "t.json"}, 2,
-        "--height is of 2D points, and these are 3D");
+        "--height needs 2D points, but these are 3D");
   // A column of heights is no coordinate unless --columns says so.
   error({"--height", "z", "-o", f / "t.json"}, 1, "height of point 2 is NaN");
   error({"-o", f / "t.obj"}, 2,
@@ -207,10 +207,10 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "c.geojson"}, 2,
                "would overwrite the input");
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "--box", "0,0,1,1"}, 2,
-               "clipped to one of them");
+               "exclude each other");
   write_points(f / "ball.npy", "ball", 30, 3);
   expect_error({"voronoi", f / "ball.npy", "--clip", f / "c.geojson"}, 2,
-               "polygons are for cells of 2D points");
+               "--clip needs 2D points");
 }
 
 TEST(CliTriangulation, WeightsFromFilesAndColumns) {
@@ -255,8 +255,8 @@ TEST(CliTriangulation, ForcesEdges) {
   expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt"}, 2,
                "edges 0 (0, 2) and 1 (1, 3) cross");
   write_file(f / "y.txt", "0 7\n");
-  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2, "no number of 7 points");
-  expect_error({"delaunay", f / "p.csv", "--inside"}, 2, "of which --edges");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2, "is not the id of one of 7 points");
+  expect_error({"delaunay", f / "p.csv", "--inside"}, 2, "--inside needs --edges");
   expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt", "--furthest"}, 2, "furthest");
 }
 
@@ -266,7 +266,7 @@ TEST(CliTriangulation, RefusesWhatCannotBe) {
   write_points(f / "disk.npy", "disk", 30, 2);
   expect_error({"delaunay", f / "ball.npy", "-o", f / "t.off"}, 2, "triangles of 2D points");
   expect_error({"voronoi", f / "ball.npy", "-o", f / "t.wkt"}, 2, "polygons of 2D points");
-  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1"}, 2, "4 numbers are wanted");
+  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1"}, 2, "expected 4 numbers");
   expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1,0", "-o", f / "c.wkt"}, 2,
                "the box is empty");
   expect_error({"delaunay", f / "disk.npy", "-o", f / "t.xyz"}, 2, "");

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
@@ -54,6 +55,79 @@ TEST(CliUsage, HelpByCommand) {
   }
   EXPECT_EQ(run_app({"help"}).out, run_app({"--help"}).out);
   expect_error({"help", "hul"}, 2, "did you mean hull?");
+}
+
+TEST(CliUsage, TheProgramAloneShowsItsHelp) {
+  for (const char* name : {"", "cullhull-bench"}) {
+    std::vector<std::string> program, asked;
+    if (*name != 0) program.emplace_back(name);
+    asked = program;
+    asked.emplace_back("--help");
+    const Ran alone = run_app(program);
+    EXPECT_EQ(alone.status, 0) << name << alone.err;
+    EXPECT_EQ(alone.err, "");
+    EXPECT_NE(alone.out.find("Subcommands:"), std::string::npos) << alone.out;
+    EXPECT_EQ(alone.out, run_app(asked).out);
+  }
+  const Ran version = run_app({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_EQ(run_app({"-V"}).out, version.out);
+  EXPECT_EQ(version.out.find('\n') + 1, version.out.size());
+}
+
+TEST(CliUsage, HelpByTopic) {
+  const Ran formats = run_app({"help", "formats"}), units = run_app({"help", "units"});
+  EXPECT_EQ(formats.status, 0) << formats.err;
+  EXPECT_NE(formats.out.find(".pcd"), std::string::npos);
+  EXPECT_EQ(units.status, 0) << units.err;
+  EXPECT_NE(units.out.find("scale"), std::string::npos);
+  const std::string help = run_app({"--help"}).out;
+  EXPECT_NE(help.find("\nTopics:\n  formats "), std::string::npos) << help;
+  EXPECT_NE(help.find("\n  units "), std::string::npos) << help;
+  expect_error({"help", "format"}, 2, "no command or topic 'format'; did you mean formats?");
+  expect_error({"help", "formats", "units"}, 2, "");
+}
+
+TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
+  const std::string top = run_app({"--help"}).out;
+  std::istringstream listed(top.substr(top.find("Subcommands:\n") + 13));
+  std::vector<std::string> commands;
+  for (std::string line; std::getline(listed, line) && line.starts_with("  ");)
+    commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+  ASSERT_EQ(commands.size(), 11U);
+  for (const std::string& command : commands) {
+    const std::string help = run_app({command, "--help"}).out;
+    EXPECT_EQ(help.find("\nOptions:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nOther:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nExamples:\n"), std::string::npos) << help;
+    EXPECT_NE(help.find("\nExit status: "), std::string::npos) << help;
+    EXPECT_EQ(help.find("\n\n\n"), std::string::npos) << help;
+    EXPECT_EQ(help.find(".pcd"), std::string::npos) << "formats belong to help formats";
+    const bool points = command != "generate";
+    EXPECT_EQ(help.find("help formats") != std::string::npos, points) << help;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);)
+      EXPECT_LE(line.size(), 100U) << command << ": " << line;
+  }
+  const std::string hull = run_app({"hull", "--help"}).out;
+  std::size_t at = 0;
+  for (const char* section : {"Input", "Output", "Filter and engine", "Verification and timing",
+                              "Streaming and partial results", "Limits", "Other"}) {
+    const std::size_t found = hull.find("\n" + std::string(section) + ":\n  -");
+    EXPECT_TRUE(found != std::string::npos && found > at) << section << "\n" << hull;
+    at = found;
+  }
+  const auto section_of = [&](const char* option) {
+    const std::size_t here = hull.find(option);
+    const std::size_t end = hull.rfind(":\n  -", here);
+    const std::size_t begin = hull.rfind('\n', end) + 1;
+    return hull.substr(begin, end - begin);
+  };
+  EXPECT_EQ(section_of("  --columns"), "Input");
+  EXPECT_EQ(section_of("  -o,--output"), "Output");
+  EXPECT_EQ(section_of("  --cull"), "Filter and engine");
+  EXPECT_EQ(section_of("  --engine"), "Filter and engine");
+  EXPECT_EQ(section_of("  --memory"), "Limits");
 }
 
 TEST(CliUsage, AFileAloneIsHulled) {
@@ -148,6 +222,140 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
                csv + ":8: point 2, coordinate 0 is infinite; remove or repair");
 }
 
+TEST(CliUsage, NotFiniteNamesTheLineWhereverTheTextComesFrom) {
+  const Folder f;
+  write_file(f / "a.txt", "0 0\n1 0\n0 1\n");
+  write_file(f / "b.txt", "# words\n5 5\n\n0 nan\n1 1\n");
+  write_file(f / "c.wkt", "POINT (0 0)\nLINESTRING (1 1,\n2 inf)\n");
+  const std::string a = f / "a.txt", b = f / "b.txt";
+  const std::string want = b + ":4: point 4, coordinate 1 is NaN";
+  for (const char* stream : {"on", "off"}) {
+    expect_error({"hull", a, b, "--stream", stream}, 1, want);
+    expect_error({"cull", a, b, "--stream", stream}, 1, want);
+    expect_error({"hull", "-", "--stream", stream}, 1,
+                 "standard input:4: point 1, coordinate 1 is NaN", b);
+    expect_error({"hull", f / "c.wkt"}, 1, "c.wkt:3: point 2, coordinate 1 is infinite");
+  }
+  expect_error({"delaunay", a, b}, 1, want);
+  expect_error({"voronoi", a, b}, 1, want);
+  expect_error({"alpha", a, b}, 1, want);
+  expect_error({"hull", b, a, "--only", "vertices", "--stream", "off"}, 1,
+               b + ":4: point 1, coordinate 1 is NaN");
+  expect_error({"hull", a, "-"}, 1, "standard input:4: point 4", b);
+  write_points(f / "p.npy", "ball", 3, 2);
+  write_file(f / "c.csv", "id,x,y,note\n0,1,2,nan\n1,inf,2,a\n");
+  const Ran ran = run_app({"hull", f / "c.csv"});
+  EXPECT_NE(ran.err.find("c.csv:3: point 1, coordinate 0 is infinite"), std::string::npos)
+      << ran.err;
+}
+
+TEST(CliUsage, AFolderReadsWhatItKnows) {
+  const Folder f;
+  const std::string folder = f / "tiles";
+  std::filesystem::create_directory(folder);
+  write_file(folder + "/b.csv", "x,y\n0,0\n1,0\n");
+  write_file(folder + "/a.wkt", "POINT (0 1)\n");
+  write_file(f / "all.txt", "0 1\n0 0\n1 0\n");
+  const std::string want = run_app({"hull", f / "all.txt", "--format", "i"}).out;
+  const Ran alone = run_app({"hull", folder, "--format", "i"});
+  EXPECT_EQ(alone.out, want) << alone.err;
+  EXPECT_EQ(alone.err, "");
+  write_file(folder + "/README.md", "about\n");
+  write_file(folder + "/meta.json", "{}\n");
+  const Ran among = run_app({"hull", folder, "--format", "i"});
+  EXPECT_EQ(among.out, want);
+  EXPECT_EQ(among.err, "cullhull: " + folder +
+                           ": 2 files of unknown formats skipped: 'README.md', 'meta.json'\n");
+  // Without a known name all files are read, and a format that is given is that of all.
+  const std::string plain = f / "plain";
+  std::filesystem::create_directory(plain);
+  write_file(plain + "/one", "0 1\n");
+  write_file(plain + "/two", "0 0\n1 0\n");
+  EXPECT_EQ(run_app({"hull", plain, "--format", "i"}).out, want);
+  write_file(plain + "/zero.csv", "9 9\n");
+  EXPECT_NE(run_app({"hull", plain, "--input-format", "xyz", "--format", "i"}).out, want);
+  EXPECT_EQ(run_app({"hull", plain, "--input-format", "xyz"}).err, "");
+  expect_error({"hull", folder + "/README.md"}, 1, "README.md:1: 'about' is not a number");
+  for (const char* name : {"a.gpkg", "a.shp", "a.parquet", "a.kml"}) {
+    write_file(f / name, "bytes");
+    expect_error({"hull", f / name}, 1,
+                 "is read by the program of the Python package: python3 -m cullhull");
+  }
+}
+
+TEST(CliUsage, GeometriesAreReadByEveryCommand) {
+  const Folder f;
+  write_file(f / "p.txt", "0 0\n4 0\n4 4\n0 4\n1 2\n");
+  write_file(f / "p.json",
+             R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {},
+"geometry": {"type": "Polygon", "coordinates": [[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]]}},
+{"type": "Feature", "geometry": {"type": "Point", "coordinates": [1, 2]}}]})");
+  write_file(f / "p.wkt", "POLYGON ((0 0, 4 0, 4 4, 0 4, 0 0))\nPOINT (1 2)\n");
+  for (const char* command : {"hull", "delaunay", "voronoi", "alpha"}) {
+    const auto result = [&](const char* input) {
+      const Ran ran = run_app({command, f / input, "-q", "-o", f / "out.json"});
+      EXPECT_EQ(ran.status, 0) << command << ran.err;
+      EXPECT_EQ(ran.err, "") << command;
+      return read_file(f / "out.json");
+    };
+    EXPECT_EQ(result("p.json"), result("p.txt")) << command;
+    EXPECT_EQ(result("p.wkt"), result("p.txt")) << command;
+  }
+  EXPECT_EQ(run_app({"hull", "-", "--format", "Fx"}, f / "p.json").out,
+            run_app({"hull", "-", "--format", "Fx"}, f / "p.wkt").out);
+  const Ran view = run_app({"view", f / "p.json", "-o", f / "v.html"});
+  EXPECT_TRUE(view.status == 0 || view.status == 5) << view.err;
+}
+
+TEST(CliUsage, GenerateWritesWhatIsRead) {
+  const Folder f;
+  const auto ids = [&](const std::string& file) {
+    std::vector<std::string> words{"hull", file, "--format", "p"};
+    if (file.ends_with(".raw")) words.insert(words.end(), {"--dim", "3", "--type", "f64"});
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 0) << file << ran.err;
+    EXPECT_EQ(ran.err, "") << file;
+    return ran.out;
+  };
+  const std::vector<std::string> made{"generate", "ball", "-n", "5000", "--seed", "4", "-q", "-o"};
+  const auto generate = [&](const std::string& name, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = made;
+    words.push_back(f / name);
+    words.insert(words.end(), more.begin(), more.end());
+    return run_app(words);
+  };
+  ASSERT_EQ(generate("a.npy").status, 0);
+  ASSERT_EQ(generate("single.npy", {"--type", "f32"}).status, 0);
+  const std::string want = ids(f / "a.npy"), single = ids(f / "single.npy");
+  for (const std::string ending :
+       {"ply", "obj", "off", "raw", "xyz", "txt", "csv", "geojson", "wkt"}) {
+    const Ran ran = generate("a." + ending);
+    ASSERT_EQ(ran.status, 0) << ending << ran.err;
+    EXPECT_EQ(ids(f / ("a." + ending)), want) << ending;
+    if (ending == "raw") continue;
+    ASSERT_EQ(generate("b." + ending, {"--type", "f32"}).status, 0);
+    EXPECT_EQ(ids(f / ("b." + ending)), single) << ending;
+  }
+  EXPECT_TRUE(read_file(f / "a.csv").starts_with("x,y,z\n"));
+  EXPECT_EQ(std::filesystem::file_size(f / "a.raw"), 5000U * 3 * 8);
+  for (const char* name : {"c.off", "c.txt", "c.csv"})
+    EXPECT_EQ(generate(name, {"-d", "5"}).status, 0) << name;
+  EXPECT_EQ(ids(f / "c.off"), ids(f / "c.txt"));
+  for (const char* name : {"d.ply", "d.geojson", "d.wkt"})
+    expect_error({"generate", "ball", "-n", "5", "-d", "4", "-o", f / name}, 2,
+                 "holds points of dimension 2 or 3, not 4");
+  expect_error({"generate", "disk", "-n", "5", "-o", f / "d.obj"}, 2, "of dimension 3, not 2");
+  expect_error({"generate", "ball", "-n", "5", "-o", f / "d.stl"}, 2, "must end in .npy, .ply");
+  expect_error(
+      {"generate", "ball", "-n", "5", "--frames", "2", "--motion", "spin", "-o", f / "d.csv"}, 2,
+      "must end in .npy");
+  EXPECT_FALSE(std::filesystem::exists(f / "d.ply")) << "nothing is left of what was refused";
+  for (const char* name : {"e.geojson", "e.wkt", "e.ply", "e.off"}) {
+    ASSERT_EQ(run_app({"generate", "ball", "-n", "0", "-o", f / name}).status, 0) << name;
+    EXPECT_EQ(run_app({"info", f / name}).status, 0) << name;
+  }
+}
+
 TEST(CliUsage, FoldersInThePlaceOfFilesAreCalledSo) {
   const Folder f;
   const std::string p = f / "p.txt", folder = f / "folder";
@@ -198,6 +406,7 @@ TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
       {"generate", "ball", "-n", "300k", "--frames", "40", "--motion", "spin", "-o", f / "s.npy"});
   EXPECT_EQ(frames.wait(), 0) << frames.shown();
   EXPECT_NE(frames.shown().find("frames     [####"), std::string::npos) << frames.shown();
+  EXPECT_NE(frames.shown().find(" of 40 frames"), std::string::npos) << frames.shown();
   EXPECT_NE(frames.shown().find(" frames/s  "), std::string::npos) << frames.shown();
   EXPECT_NE(frames.shown().find(" s left"), std::string::npos) << frames.shown();
   EXPECT_TRUE(frames.shown().ends_with("\r\x1b[K")) << "the line is wiped";
@@ -205,7 +414,13 @@ TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
   OnTerminal hull({"hull", f / "p.npy", "--memory", "64G"});
   EXPECT_EQ(hull.wait(), 0) << hull.shown();
   EXPECT_NE(hull.shown().find("hull       ["), std::string::npos) << hull.shown();
-  EXPECT_NE(hull.shown().find(" %/s  "), std::string::npos) << hull.shown();
+  EXPECT_NE(hull.shown().find(" s left"), std::string::npos) << hull.shown();
+  EXPECT_EQ(hull.shown().find("/s"), std::string::npos) << "a rate of what?\n" << hull.shown();
+  write_points(f / "big.npy", "ball", 300000, 3);
+  OnTerminal read({"hull", f / "big.npy", "--stream", "on"});
+  EXPECT_EQ(read.wait(), 0) << read.shown();
+  EXPECT_NE(read.shown().find("read       ["), std::string::npos) << read.shown();
+  EXPECT_NE(read.shown().find(" of 7.20 MB"), std::string::npos) << read.shown();
   OnTerminal quiet({"hull", f / "p.npy", "-q", "--cull", "none", "--threads", "1"});
   EXPECT_EQ(quiet.wait(), 0);
   EXPECT_EQ(quiet.shown(), "");

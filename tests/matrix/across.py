@@ -183,7 +183,9 @@ class Across:
         for name in sorted(known | set(shapes)):
             for d in (2, 3):
                 self._shape(SIZES.get(name, name), d, name in known and name in shapes)
-        motions = re.findall(r"^  ([\w-]+) ", said.split("Motions")[1].split("\nThe same")[0], re.M)
+        for ending in (".ply", ".off", ".obj", ".xyz", ".txt", ".csv", ".geojson", ".wkt"):
+            self._format(ending)
+        motions = re.findall(r"^  ([\w-]+) ", said.split("Motions")[1].split("\nOutput")[0], re.M)
         for name in motions:
             cell = f"program/generate/--motion {name}"
             out = self.folder / "moving.npy"
@@ -204,6 +206,15 @@ class Across:
             )
             good = ran.status == 0 and np.load(out).shape == (3, 50, 3)
             self.cells.judge(cell, None if good else f"status {ran.status}: {ran.err!r}", ran.line)
+
+    def _format(self, ending: str) -> None:
+        cell, out = f"program/generate/{ending}", self.folder / f"made{ending}"
+        ran = self.program.run(["generate", "ball", "-n", "100", "--seed", "7", "-q", "-o", str(out)])
+        fault: Optional[str] = f"status {ran.status}: {ran.err!r}"
+        if ran.status == 0:
+            got = np.ascontiguousarray(self.cullhull.read(str(out)), np.float64)
+            fault = _difference(got, self.cullhull.generate("ball", 100, 3, seed=7), True)
+        self.cells.judge(cell, fault, ran.line)
 
     def _shape(self, shape: str, d: int, both: bool) -> None:
         cell = f"program/generate/{shape}/{d}d"

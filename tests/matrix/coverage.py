@@ -128,8 +128,8 @@ def _inputs(program: Program) -> None:
     for name in words[1].split("|") if words else []:
         fault = None if FORMATS.get(name) in doors else "no door of doors.py has the format"
         judge(program, f"inputs/{name}", fault, "hull --help")
-    listed = program.help_of("hull").split("Input, by extension")[-1].split("\n\n")[0]
+    listed = program.run(["help", "formats"]).out.decode().split("\n\nSeveral inputs")[0]
     held = " ".join([*(f".{name}" for name in FORMATS), ".gz .zst .npz", *ELSEWHERE])
     for ending in sorted(set(re.findall(r"(?<![\w}])\.[a-z]\w*", listed))):
         fault = None if ending in held.split() else "neither a door of doors.py nor in ELSEWHERE"
-        judge(program, f"inputs/{ending}", fault, "hull --help")
+        judge(program, f"inputs/{ending}", fault, "help formats")

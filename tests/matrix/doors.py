@@ -77,6 +77,12 @@ def not_empty(s: PointSet) -> Optional[str]:
     return None if s.count else "a text without a number has no dimension"
 
 
+def in_json(s: PointSet) -> Optional[str]:
+    if not s.finite:
+        return "JSON has no NaN and no infinity"
+    return None if s.count or s.dimension == 2 else "no position says how many coordinates it has"
+
+
 def not_on_a_line(s: PointSet) -> Optional[str]:
     return None if s.dimension > 1 else "one column has no separator"
 
@@ -255,6 +261,10 @@ DOORS = [
     Door("txt", _file(".txt", files.lines), not_empty),
     Door("txt-qhull", _file(".txt", files.qhull), always),
     Door("txt-cdd", _file(".ext", files.cdd), always),
+    Door("geojson", _file(".geojson", files.geojson), both(DIMENSIONS, in_json)),
+    Door("geojson-features", _file(".json", files.geojson_features), both(DIMENSIONS, in_json)),
+    Door("wkt", _file(".wkt", files.wkt), DIMENSIONS),
+    Door("wkt-lines", _file(".ext", files.wkt_lines), both(DIMENSIONS, not_empty)),
     Door("csv", _file(".csv", lambda p: files.lines(p, ",")), both(not_empty, not_on_a_line)),
     Door("csv-named", _file(".csv", files.csv_of_names), both(not_empty, not_on_a_line)),
     Door(
@@ -415,6 +425,8 @@ FORMATS = {
     "xyz": "xyz",
     "txt": "txt",
     "csv": "csv",
+    "geojson": "geojson",
+    "wkt": "wkt",
     "raw": "raw",
 }
 
@@ -422,5 +434,5 @@ FORMATS = {
 ELSEWHERE = {
     ".hullstate": "holds extreme points alone: the tests of streams compare states",
     ".h5 .nc": "needs h5py to be written: foreign_files",
-    ".laz .e57 .parquet .zarr": "read by the Python package alone: the tests of `read`",
+    ".laz .e57 .parquet .zarr .gpkg .shp .fgb .gml .kml": "read by the Python package: its tests",
 }

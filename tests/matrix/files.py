@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import struct
 from typing import Any
 
@@ -54,6 +55,41 @@ def cdd(p: Any) -> bytes:
     return (
         head + "".join(f"1 {row}\n" for row in lines(p).decode().splitlines()) + "end\n"
     ).encode()
+
+
+def _position(row: Any) -> list[float]:
+    return [float(x) for x in row]
+
+
+def geojson(p: Any) -> bytes:
+    return json.dumps({"type": "MultiPoint", "coordinates": [_position(r) for r in p]}).encode()
+
+
+def geojson_features(p: Any) -> bytes:
+    """A feature for each point, among members that hold no points."""
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"id": i, "coordinates": [9.0]},
+            "geometry": {"type": "Point", "coordinates": _position(row)},
+        }
+        for i, row in enumerate(p)
+    ]
+    return json.dumps({"type": "FeatureCollection", "features": features}, indent=1).encode()
+
+
+def _wkt_tag(name: str, p: Any) -> str:
+    return f"{name} Z" if p.shape[1] == 3 else name
+
+
+def wkt(p: Any) -> bytes:
+    rows = ", ".join(f"({row})" for row in lines(p).decode().splitlines())
+    return f"{_wkt_tag('MULTIPOINT', p)} {f'({rows})' if len(p) else 'EMPTY'}\n".encode()
+
+
+def wkt_lines(p: Any) -> bytes:
+    rows = lines(p).decode().splitlines()
+    return "".join(f"{_wkt_tag('POINT', p)} ({row})\n" for row in rows).encode()
 
 
 def ply(p: Any, kind: str = "binary_little_endian", dtype: str = "f8") -> bytes:

@@ -1,5 +1,6 @@
 """The man pages and completions that are made of a program's own help: pages_test.py PROGRAM."""
 
+import os
 import re
 import shutil
 import subprocess
@@ -51,11 +52,31 @@ class Pages(unittest.TestCase):
                 for name in option.split(","):
                     self.assertIn(f"\\fB{name}\\fR", page, command)
 
+    def test_sections(self) -> None:
+        page = (folder / "man1/cullhull-hull.1").read_text().replace("\\-", "-")
+        headings = re.findall(r"^\.S[HS] (.*)$", page, re.M)
+        self.assertEqual(headings[:3], ["NAME", "SYNOPSIS", "DESCRIPTION"])
+        for heading in ("OPTIONS", "Input", "Filter and engine", "EXAMPLES", "EXIT STATUS"):
+            self.assertIn(heading, headings)
+        examples = page.split(".SH EXAMPLES\n.nf\n")[1].split(".fi")[0]
+        self.assertIn("cullhull hull scan.ply -o hull.ply", examples)
+        self.assertNotIn("Examples:", page)
+        self.assertIn("\\fBcullhull-formats\\fR(7)", page)
+
+    def test_every_command_has_examples(self) -> None:
+        for page in (folder / "man1").iterdir():
+            self.assertIn("\n.SH EXAMPLES\n", page.read_text(), page.name)
+
+    def test_topics(self) -> None:
+        page = (folder / "man7/cullhull-formats.7").read_text()
+        self.assertIn(".pcd", page)
+        self.assertIn("man7", (root / "cmake/Pages.cmake").read_text(), "pages that are installed")
+
     def test_roff_is_clean(self) -> None:
         groff = shutil.which("groff")
         if groff is None:
             self.skipTest("no groff to read the pages with")
-        for page in (folder / "man1").iterdir():
+        for page in [*(folder / "man1").iterdir(), *(folder / "man7").iterdir()]:
             ran = subprocess.run(
                 [groff, "-man", "-Tascii", "-ww", "-z", page], capture_output=True, text=True
             )
@@ -67,10 +88,48 @@ class Pages(unittest.TestCase):
         self.assertIn("--certify", complete("cullhull", "hull", "--c"))
         self.assertNotIn("--certify", complete("cullhull", "info", "--c"))
 
+    def test_bash_values(self) -> None:
+        gauge = ["gauge"]
+        # As bash divides the line, and as it does with = taken out of COMP_WORDBREAKS.
+        self.assertEqual(complete("cullhull", "hull", "--cull", "=", "g"), gauge)
+        self.assertEqual(complete("cullhull", "hull", "--cull=g"), ["--cull=gauge"])
+        self.assertEqual(complete("cullhull", "p.npy", "--cull", "g"), gauge, "hull is understood")
+        every = ["auto", "gauge", "pseudo-hull", "none"]
+        self.assertEqual(complete("cullhull", "hull", "--cull", "="), every)
+        self.assertIn("sphere", complete("cullhull", "generate", "s"))
+        self.assertEqual(complete("cullhull", "generate", "ball", "--motion", "tw"), ["twist"])
+        self.assertEqual(complete("cullhull", "info", "--input-format", "np"), ["npy"])
+        self.assertIn("FV", complete("cullhull", "hull", "--format", "F"))
+        self.assertEqual(complete("cullhull", "delaunay", "--format", ""), ["i", "Fn", "Fx", "p"])
+        self.assertEqual(complete("cullhull", "voronoi", "--format", ""), ["p", "o", "Fv"])
+        self.assertEqual(complete("cullhull", "hull", "--threads", ""), [], "a number")
+        self.assertEqual(complete("cullhull", "help", "form"), ["formats"])
+        self.assertEqual(complete("cullhull", "help", "hu"), ["hull"])
+
+    def test_bash_files(self) -> None:
+        place = Path(tempfile.mkdtemp())
+        for name in ("a.npy", "b.csv"):
+            (place / name).touch()
+        here = os.getcwd()
+        os.chdir(place)
+        try:
+            both = ["a.npy", "b.csv"]
+            self.assertEqual(sorted(complete("cullhull", "hull", "")), both)
+            self.assertEqual(complete("cullhull", "hull", "-o", "a"), ["a.npy"])
+            self.assertEqual(complete("cullhull", "hull", "--vertices", "=", "b"), ["b.csv"])
+            first = complete("cullhull", "")
+            self.assertEqual(sorted(first[:2]), both, "files come first")
+            self.assertIn("hull", first)
+            self.assertIn("help", first)
+        finally:
+            os.chdir(here)
+            shutil.rmtree(place)
+
     def test_other_shells(self) -> None:
         for shell, file, option in (("zsh", "_cullhull", "-n"), ("fish", "cullhull.fish", "-n")):
             text = (folder / file).read_text()
-            self.assertIn("pseudo-hull", text)
+            for word in ("pseudo-hull", "sphere", "twist", "formats"):
+                self.assertIn(word, text)
             if shutil.which(shell):
                 subprocess.run([shell, option, folder / file], check=True)
 

@@ -100,6 +100,17 @@ TEST(Columns, OfMapsAreKnown) {
     expect_rows_and_remark(text, want, remark);
 }
 
+TEST(Columns, OfTextsWithBlanksAreKnown) {
+  for (const char* format : {"txt", "xyz", ""}) {
+    const auto read = [&](const char* text) { return rows_of(parse(text, format).view); };
+    EXPECT_EQ(read("X Y Z\n1 2 3\n4 5 6\n"), (Rows{{1, 2, 3}, {4, 5, 6}})) << format;
+    EXPECT_EQ(read("# a scan\nEasting\tNORTHING  Class\n1\t2 3\n"), (Rows{{1, 2}})) << format;
+    EXPECT_EQ(read("lat lon\n1 2\n"), (Rows{{2, 1}})) << format;
+    EXPECT_EQ(refusal("a b\n1 2\n", format), "F:1: 'a' is not a number");
+    EXPECT_EQ(refusal("x 1\n1 2\n", format), "F:1: 'x' is not a number");
+  }
+}
+
 // pandas writes the index of a frame in a first column without a name.
 TEST(Columns, ThatNumberThePointsAreNoCoordinates) {
   for (const auto& [text, want, remark] : std::vector<std::tuple<const char*, Rows, std::string>>{

@@ -1,4 +1,5 @@
-"""``python -m cullhull ...``: the command line, shipped with the package; it reads .laz, too."""
+"""``python -m cullhull ...``: the command line, shipped with the package. It also reads .laz, vector
+files such as .gpkg and .shp, .parquet and .e57, with other packages."""
 
 from __future__ import annotations
 
@@ -7,6 +8,12 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from typing import Any
+
+from . import _vectors
+
+#: Of files that the program does not read.
+_CONVERTED = (".laz", ".parquet", ".e57", *_vectors.ENDINGS)
 
 
 def program() -> str:
@@ -14,15 +21,20 @@ def program() -> str:
     return str(Path(__file__).parent / "bin" / "cullhull")
 
 
-def _is_packed(name: str) -> bool:
-    return name.lower().endswith(".laz")
+def _file_of(word: str) -> str:
+    """The file that a word names: of FILE.gpkg:LAYER the first part."""
+    return word if os.path.exists(word) else _vectors.split_layer(word)[0]
+
+
+def _is_converted(word: str) -> bool:
+    return _file_of(word).lower().endswith(_CONVERTED)
 
 
 def _inputs(word: str) -> list[str]:
-    """The files that a word of the command line stands for, if .laz are among them, else none: a
-    file, folder, pattern or, after @, a list of such."""
-    if os.path.isfile(word):
-        return [word] if _is_packed(word) else []
+    """The files that a word of the command line stands for, if some of them have to be converted,
+    else none: a file, folder, pattern or, after @, a list of such."""
+    if os.path.isfile(_file_of(word)):
+        return [word] if _is_converted(word) else []
     if word.startswith("-") or not (os.path.isdir(word) or set("@*?[") & set(word)):
         return []
     from ._core import input_files
@@ -31,17 +43,15 @@ def _inputs(word: str) -> list[str]:
         files = list(input_files([word]))
     except Exception:  # the program says what is wrong
         return []
-    return files if any(map(_is_packed, files)) else []
+    return files if any(map(_is_converted, files)) else []
 
 
-def _unpack(path: str, folder: str) -> str:
-    """The same points as a .las in `folder`."""
+def _unpack(path: str, target: Path) -> None:
+    """A .laz as a .las."""
     from ._errors import BadFile
     from ._read import _package
 
     laspy = _package("laspy", ".laz files", "'laspy[lazrs]'")
-    target = os.path.join(folder, f"{len(os.listdir(folder))}", Path(path).stem + ".las")
-    os.makedirs(os.path.dirname(target))
     try:
         with laspy.open(path) as scan, open(target, "wb") as file:
             with laspy.open(file, mode="w", header=scan.header, closefd=False) as out:
@@ -51,7 +61,54 @@ def _unpack(path: str, folder: str) -> str:
         raise
     except BaseException as error:  # lazrs panics on some damaged files
         raise BadFile(f"{path}: {error}") from None
-    return target
+
+
+def _table(path: str, columns: list[str] | None) -> Any:
+    """The points of a .parquet or .e57; what was chosen is reported as the program does."""
+    import warnings
+
+    from ._read import read
+
+    with warnings.catch_warnings(record=True) as remarks:
+        warnings.simplefilter("always")
+        points = read(path, columns=columns)
+    for remark in remarks:
+        print(f"cullhull: {remark.message}; --columns takes others", file=sys.stderr)
+    return points
+
+
+def _convert(word: str, folder: str, columns: list[str] | None) -> str:
+    """The same points as a file in `folder` that the program reads."""
+    import numpy as np
+
+    path = _file_of(word)
+    ending = os.path.splitext(path)[1].lower()
+    place = Path(folder, str(len(os.listdir(folder))))
+    place.mkdir()
+    if ending == ".laz":
+        target = place / (Path(path).stem + ".las")
+        _unpack(path, target)
+    elif ending in _vectors.ENDINGS:
+        target = place / (Path(path).stem + ".ply")
+        target.write_bytes(_vectors.as_ply(_vectors.vertices(word)))
+    else:
+        target = place / (Path(path).stem + ".npy")
+        np.save(target, _table(path, columns))
+    return str(target)
+
+
+def _columns(words: list[str]) -> tuple[list[str] | None, list[str]]:
+    """The names of --columns, and the words without that option."""
+    for i, word in enumerate(words):
+        if word == "--columns" and i + 1 < len(words):
+            return words[i + 1].split(","), words[:i] + words[i + 2 :]
+        if word.startswith("--columns="):
+            return word.partition("=")[2].split(","), words[:i] + words[i + 1 :]
+    return None, words
+
+
+def _has_columns(path: str) -> bool:
+    return path.lower().endswith(".parquet")
 
 
 def main() -> None:
@@ -60,15 +117,22 @@ def main() -> None:
     sys.stdout.flush()
     if not any(map(_inputs, words)):
         os.execv(path, [path, *words])
-    # As .las in a folder of its own, which is removed when the program has ended.
+    # In a folder of its own, which is removed when the program has ended.
     with tempfile.TemporaryDirectory(prefix="cullhull-") as folder:
         given: list[str] = []
         try:
+            files = [file for word in words for file in _inputs(word)]
+            columns = None
+            if any(map(_has_columns, files)):
+                columns, words = _columns(words)
+                if columns is not None and not all(map(_has_columns, files)):
+                    sys.exit("cullhull: --columns of .parquet files and others: give them apart")
             for word in words:
                 given += [
-                    _unpack(file, folder) if _is_packed(file) else file for file in _inputs(word)
+                    _convert(file, folder, columns) if _is_converted(file) else file
+                    for file in _inputs(word)
                 ] or [word]
-        except (ImportError, ValueError) as error:
+        except (ImportError, ValueError, OSError) as error:
             sys.exit(f"cullhull: {error}")
         status = subprocess.call([path, *given])
     sys.exit(status if status >= 0 else 128 - status)

@@ -104,8 +104,11 @@ void bind_files(nb::module_& m) {
       },
       nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
-  m.def("input_files", &cullhull::input_files, nb::arg("words"),
-        "The files that words of a command line stand for: folders, patterns, lists.");
+  m.def(
+      "input_files",
+      [](const std::vector<std::string>& words) { return cullhull::input_files(words); },
+      nb::arg("words"),
+      "The files that words of a command line stand for: folders, patterns, lists.");
   m.def(
       "grid_of",
       [](std::vector<double> scale, std::vector<double> offset) -> std::

@@ -32,7 +32,8 @@ std::vector<std::string> listed(const std::string& path) {
 
 }  // namespace
 
-std::vector<std::string> input_files(const std::vector<std::string>& words) {
+std::vector<std::string> input_files(const std::vector<std::string>& words,
+                                     const ReadOptions& options) {
   std::vector<std::string> spelled_out;
   for (const std::string& word : words) {
     internal::system::FileStatus status{};
@@ -42,7 +43,7 @@ std::vector<std::string> input_files(const std::vector<std::string>& words) {
       spelled_out.push_back(word);
   }
   if (spelled_out.empty()) throw Error(ErrorCode::invalid_argument, "no input is named");
-  std::vector<std::string> files = sequence_files(spelled_out);
+  std::vector<std::string> files = sequence_files(spelled_out, options);
   std::size_t streams = 0;
   for (const std::string& file : files) streams += file == "-";
   if (streams > 1) throw Error(ErrorCode::invalid_argument, "standard input can be read only once");

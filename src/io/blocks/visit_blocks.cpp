@@ -319,7 +319,12 @@ class Reading {
         visitor_.keyed(block.data.view, taken.first_id, block.data.keys);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
-      throw Error(e.code(), file, ": ", e.what());
+      const PointLine& at = block.data.not_finite;
+      const std::string message = e.what();
+      const bool named =
+          at.line > 0 &&
+          message.starts_with("point " + std::to_string(taken.first_id + at.point) + ",");
+      throw Error(e.code(), file, named ? ":" + std::to_string(at.line) : "", ": ", message);
     }
   }
 

@@ -386,11 +386,12 @@ void write_converted(OutputFile& out, const double* v, std::uint64_t count) {
   }
 }
 
+}  // namespace
+
 void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarType type) {
   with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
-}  // namespace
 }  // namespace cullhull::internal::inline io
 
 namespace cullhull::inline v1 {

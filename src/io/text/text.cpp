@@ -1,6 +1,11 @@
 // .xyz .txt .csv: one point a line, numbers separated by blanks, commas or semicolons.
 #include "io/text/text.hpp"
 
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
 #include "io/columns.hpp"
 #include "io/text/lines.hpp"
 
@@ -148,6 +153,28 @@ namespace {
   fail(source, "too short for its points");
 }
 
+/// The first row with a NaN or an infinity, noted by several threads.
+class FirstNotFinite {
+ public:
+  void note(std::uint64_t point, const char* line) {
+    if (point >= point_.load(std::memory_order_relaxed)) return;
+    const std::lock_guard lock(mutex_);
+    if (point >= point_) return;
+    point_ = point;
+    line_ = line;
+  }
+  PointLine place(const LineIndex& index) const {
+    if (line_ == nullptr) return {};
+    return {point_, index.lines_before + 1 +
+                        static_cast<std::uint64_t>(std::count(index.begin, line_, '\n'))};
+  }
+
+ private:
+  std::mutex mutex_;
+  std::atomic<std::uint64_t> point_{~std::uint64_t{0}};
+  const char* line_ = nullptr;
+};
+
 PointData parse_rows(const Source& source, const LineIndex& index, const Preamble& preamble,
                      const ReadOptions& options) {
   const std::uint32_t d = preamble.dimension;
@@ -155,15 +182,24 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
   double* const out = data.storage.as<double>();
   const bool keyed = !options.key.empty() && preamble.layout != nullptr;
   std::vector<std::string_view> keys(keyed ? index.points : 0);
+  FirstNotFinite first;
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-    if (preamble.layout != nullptr)
-      return preamble.layout->parse(p, end, out + point * d, keyed ? &keys[point] : nullptr);
-    if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-    if (!parse_row(p, end, d, out + point * d)) throw LineFault{explain_row(p, end, d)};
+    const char* const line = p;
+    double* const row = out + point * d;
+    if (preamble.layout != nullptr) {
+      preamble.layout->parse(p, end, row, keyed ? &keys[point] : nullptr);
+    } else {
+      if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
+      if (!parse_row(p, end, d, row)) throw LineFault{explain_row(p, end, d)};
+    }
+    if (!std::all_of(row, row + d, [](double x) { return std::isfinite(x); }))
+      first.note(point, line);
       },
       [](const char*, const char*) {});
+  // Without a layout, columns that are not asked for are parsed as well.
+  if (preamble.layout != nullptr || options.columns.empty()) data.not_finite = first.place(index);
   for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));
   // Without a layout (a header gives the dimension) columns are chosen here.
   if (preamble.layout == nullptr) choose_columns(data, source.name, {}, options);

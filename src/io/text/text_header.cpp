@@ -149,11 +149,13 @@ bool has_all(const std::vector<std::string>& names, const std::vector<std::strin
 }
 
 /// Whether the line is a header: words, none of them a number; or all the names asked for, whatever
-/// else there is.
+/// else there is. Without separators, in a text that is no CSV, the words have to name coordinates.
 bool is_header(const DataLine& line, const std::vector<std::string>& names, bool csv,
                const std::vector<std::string>& wanted) {
   if (has_all(names, wanted)) return true;
-  if (!csv && wanted.empty() && !line.fields.separators) return false;
+  if (!csv && wanted.empty() && !line.fields.separators &&
+      find_known_columns(names).columns.empty())
+    return false;
   bool any = false;
   for (const std::string& name : names) {
     double unused;
@@ -268,7 +270,8 @@ Preamble find_rows(const Source& source, DataLine first, LineScanner scanner,
   for (std::string& name : names_in(options.key)) wanted.push_back(std::move(name));
   char separator = find_separator(first.begin, first.end);
   std::vector<std::string> names;
-  const bool may_have_names = csv || first.fields.separators || !wanted.empty();
+  const bool may_have_names =
+      csv || first.fields.separators || !wanted.empty() || !first.fields.all_numbers();
   if (may_have_names) names = columns_of_line(source, first, separator);
   if (may_have_names && is_header(first, names, csv, wanted)) {
     preamble.body = scanner.rest();

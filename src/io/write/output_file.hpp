@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "cullhull/point_view.hpp"
 #include "io/write/output_formats.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -53,6 +54,9 @@ void write_little_endian(OutputFile& out, const T* items, std::size_t count) {
     }
   }
 }
+
+/// Numbers of a scalar type, little-endian. Error{invalid_argument} for one that does not fit it.
+void write_values(OutputFile& out, const double* numbers, std::uint64_t count, ScalarType type);
 
 /// `format` if given, else the extension of `path`; `unnamed` where there is none to go by: "-", a
 /// pipe or a device.

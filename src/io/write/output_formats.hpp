@@ -19,6 +19,7 @@ enum class OutputKind : std::uint8_t {
   cells,          ///< write_cells
   ids,            ///< write_ids
   points,         ///< write_points
+  made,           ///< PointsWriter
   records,        ///< write_las_records
   state,          ///< write_state
 };
@@ -49,23 +50,24 @@ struct OutputFormat {
 };
 
 inline constexpr OutputFormat OutputFormat::all[] = {
-    {".npy", {ids, points}},
-    {".ply", {hull, triangulation, cells, points}, Shape::mesh},
-    {".obj", {hull, triangulation, cells}, Shape::mesh},
-    {".off", {hull, triangulation, cells}, Shape::mesh},
+    {".npy", {ids, points, made}},
+    {".ply", {hull, triangulation, cells, points, made}, Shape::mesh},
+    {".obj", {hull, triangulation, cells, made}, Shape::mesh},
+    {".off", {hull, triangulation, cells, made}, Shape::mesh},
     {".stl", {hull, triangulation}, Shape::mesh},
     {".glb", {hull, triangulation}, Shape::mesh},
     {".vtp", {hull, triangulation, cells}, Shape::mesh},
     {".vtk", {triangulation}},
     {".las", {records}},
-    {".geojson", {hull, group_hulls, triangulation, cells}, Shape::map},
-    {".wkt", {hull, triangulation, cells}, Shape::map},
-    {".csv", {group_hulls, ids, points}},
+    {".geojson", {hull, group_hulls, triangulation, cells, made}, Shape::map},
+    {".wkt", {hull, triangulation, cells, made}, Shape::map},
+    {".csv", {group_hulls, ids, points, made}},
     {".json", {hull, group_hulls, triangulation, voronoi}},
-    {".xyz", {points}},
-    {".txt", {hull, ids, points}},
+    {".xyz", {points, made}},
+    {".txt", {hull, ids, points, made}},
     {".hullstate", {state}},
     {".npz", {state}},
+    {".raw", {made}},
 };
 
 /// The extensions, with their dots, of the formats that hold one of these kinds.

@@ -1,9 +1,11 @@
-// Ids of points, and points by their ids: .npy, .ply, .csv, .txt, .xyz.
+// Ids of points, points by their ids (.npy, .ply, .csv, .txt, .xyz), and points in pieces.
 #include <cstring>
+#include <memory>
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
+#include "io/json/json_text.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
@@ -32,13 +34,17 @@ const char* ply_type(ScalarType type) {
   return words[static_cast<std::size_t>(type)];
 }
 
+std::string ply_head(std::uint64_t count, std::uint32_t dimension, ScalarType type) {
+  std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+  append_number(head, count);
+  for (std::uint32_t j = 0; j < dimension; ++j)
+    head.append("\nproperty ").append(ply_type(type)).append({' ', "xyz"[j]});
+  return head += "\nend_header\n";
+}
+
 void write_ply_points(OutputFile& out, const Coordinates& points,
                       const std::vector<std::uint64_t>& ids) {
-  std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
-  append_number(head, std::uint64_t{ids.size()});
-  for (std::uint32_t j = 0; j < points.dimension; ++j)
-    head.append("\nproperty ").append(ply_type(points.scalar)).append({' ', "xyz"[j]});
-  out.write(head += "\nend_header\n");
+  out.write(ply_head(ids.size(), points.dimension, points.scalar));
   write_rows(out, points, ids);
 }
 
@@ -124,6 +130,121 @@ void write_points(const std::string& path, const PointView& points,
 
 void write_points(const std::string& path, const HullState& state, const std::string& format) {
   write_points_of(path, state, state.ids(), format);
+}
+
+// ---------------------------------------------------------------------------- PointsWriter
+
+namespace {
+
+/// What stands around and between the coordinates of a text of points.
+struct TextFrame {
+  std::string head, before, between, after, next, tail;
+};
+
+TextFrame text_frame(const std::string& format, std::uint64_t count, std::uint32_t dimension) {
+  const std::string number = std::to_string(count), d = std::to_string(dimension);
+  if (format == "csv") return {internal::column_names(dimension), "", ",", "", "\n", "\n"};
+  if (format == "obj") return {"", "v ", " ", "", "\n", "\n"};
+  if (format == "off") {
+    const std::string kind = dimension == 3 ? "OFF\n" : "nOFF\n" + d + "\n";
+    return {kind + number + " 0 0\n", "", " ", "", "\n", "\n"};
+  }
+  if (format == "geojson")
+    return {R"({"type": "MultiPoint", "coordinates": [)", "[", ", ", "]", ",\n", "]}\n"};
+  if (format == "wkt") {
+    const std::string tag = dimension == 3 ? "MULTIPOINT Z " : "MULTIPOINT ";
+    if (count == 0) return {tag + "EMPTY", "", "", "", "", "\n"};
+    return {tag + "(", "(", " ", ")", ",\n", ")\n"};
+  }
+  return {"", "", " ", "", "\n", "\n"};
+}
+
+void check_made_dimension(const std::string& format, std::uint32_t dimension) {
+  const bool in_space_alone = format == "obj";
+  const bool up_to_space = format == "ply" || format == "geojson" || format == "wkt";
+  if ((in_space_alone && dimension != 3) || (up_to_space && dimension != 2 && dimension != 3))
+    throw Error(ErrorCode::invalid_argument, ".", format, " holds points of dimension ",
+                in_space_alone ? "3" : "2 or 3", ", not ", dimension);
+}
+
+}  // namespace
+
+struct PointsWriter::Impl {
+  std::unique_ptr<NpyPointsWriter> npy;
+  std::unique_ptr<internal::OutputFile> out;
+  std::string format;
+  std::uint64_t count, left;
+  std::uint32_t dimension;
+  ScalarType type;
+  TextFrame frame;
+
+  bool binary() const { return format == "ply" || format == "raw"; }
+
+  void write_row(std::string& text, const double* row) const {
+    text += frame.before;
+    for (std::uint32_t j = 0; j < dimension; ++j) {
+      if (j > 0) text += frame.between;
+      const bool single = type == ScalarType::f32;
+      const double number = single ? static_cast<double>(static_cast<float>(row[j])) : row[j];
+      if (format == "geojson")
+        internal::append_json_number(text, number);
+      else
+        internal::append_number(text, number);
+    }
+    text += frame.after;
+  }
+  void end() {
+    if (!binary() && (count > 0 || format == "geojson" || format == "wkt")) out->write(frame.tail);
+    out->commit();
+  }
+};
+
+PointsWriter::PointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
+                           ScalarType type, const std::string& format)
+    : impl_(new Impl) {
+  Impl& impl = *impl_;
+  impl.format = internal::output_format(path, format, "npy");
+  impl.count = impl.left = count;
+  impl.dimension = dimension;
+  impl.type = type;
+  if (!internal::holds(impl.format, {internal::OutputKind::made}))
+    internal::refuse_format(path, impl.format, {internal::OutputKind::made});
+  check_made_dimension(impl.format, dimension);
+  if (impl.format == "npy") {
+    impl.npy = std::make_unique<NpyPointsWriter>(path, count, dimension, type);
+    return;
+  }
+  impl.out = std::make_unique<internal::OutputFile>(path);
+  if (impl.format == "ply") impl.out->write(internal::ply_head(count, dimension, type));
+  if (!impl.binary()) {
+    impl.frame = text_frame(impl.format, count, dimension);
+    impl.out->write(impl.frame.head);
+  }
+  if (count == 0) impl.end();
+}
+PointsWriter::~PointsWriter() = default;
+
+void PointsWriter::write(const double* coordinates, std::uint64_t count) {
+  Impl& impl = *impl_;
+  if (impl.npy != nullptr) return impl.npy->write(coordinates, count);
+  if (count > impl.left)
+    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
+  if (count == 0) return;
+  if (impl.binary()) {
+    internal::write_values(*impl.out, coordinates, count * impl.dimension, impl.type);
+  } else {
+    std::string text;
+    for (std::uint64_t i = 0; i < count; ++i) {
+      if (impl.left - i < impl.count) text += impl.frame.next;
+      impl.write_row(text, coordinates + i * impl.dimension);
+      constexpr std::size_t piece = std::size_t{1} << 16;
+      if (text.size() < piece) continue;
+      impl.out->write(text);
+      text.clear();
+    }
+    impl.out->write(text);
+  }
+  if ((impl.left -= count) == 0) impl.end();
 }
 
 }  // namespace cullhull::inline v1

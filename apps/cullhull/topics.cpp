@@ -1,0 +1,87 @@
+#include "topics.hpp"
+
+namespace app {
+namespace {
+
+constexpr const char* formats =
+    "Input formats, chosen by the extension of the name, otherwise by the content:\n"
+    "  .npy             NumPy array with a row per point, C or Fortran order (memory-mapped)\n"
+    "  .npz             one array of an archive: FILE.npz:NAME, or the only array\n"
+    "  .ply             vertices, binary (memory-mapped) or ASCII\n"
+    "  .obj .off .stl   vertices\n"
+    "  .las             LAS 1.0 to 1.4, all point formats; other fields (classification,\n"
+    "                   intensity, gps_time, red, ...) are columns\n"
+    "  .pcd             fields x, y, z: ascii, binary (memory-mapped), binary_compressed\n"
+    "  .geojson .wkt    the vertices of all geometries; a ring's closing position is not repeated\n"
+    "  .h5 .nc          dataset of an HDF5 or NetCDF-4 file: FILE.h5:/GROUP/NAME; or one dataset\n"
+    "                   per coordinate: FILE.nc:x,y,z\n"
+    "  .xyz .txt .csv   text with a point per line, separated by blanks, commas or semicolons;\n"
+    "                   headers of column names, of Qhull and of cdd (rbox h) are recognised\n"
+    "  .raw             coordinates without a header: needs --dim D --type T; any other name\n"
+    "                   also needs --input-format raw\n"
+    "  .hullstate       partial result of 'cullhull hull --partial'\n"
+    "  .gz .zst         any of these formats, compressed\n"
+    "  -                standard input; its format is detected from the content\n"
+    "\n"
+    "The program of the Python package, 'python3 -m cullhull', also reads:\n"
+    "  .laz             with laspy\n"
+    "  .gpkg .shp .fgb .gml .kml   vertices of all geometries, with pyogrio; FILE.gpkg:LAYER\n"
+    "  .parquet .e57    with pyarrow, with pye57\n"
+    "\n"
+    "Several inputs:\n"
+    "  Files form one set of points, in the order given. An input may also be a folder, a\n"
+    "  pattern in quotes ('tiles/*.las') or @LIST, a text file with one input per line. Files of\n"
+    "  folders and patterns are ordered by name, with numbers compared by value.\n"
+    "\n"
+    "Columns:\n"
+    "  Of a text with a line of column names, the columns x, y and z, or lon and lat, or\n"
+    "  longitude and latitude, or easting and northing (with a z, height, elevation or altitude)\n"
+    "  are the coordinates. Upper and lower case are the same. Without such names all columns\n"
+    "  are coordinates, except those named id, index or fid and those without a name. A note on\n"
+    "  standard error says which columns are used whenever that is not all of them in order.\n"
+    "  --columns chooses others, by name (x,y) or by number from 0 (0,2,5 or 1:4). Columns that\n"
+    "  are not used may contain text.\n"
+    "\n"
+    "Values:\n"
+    "  Floating-point numbers, and integers of up to 32 bits, are used at their exact value. Text\n"
+    "  is rounded once, to the nearest double. NaN and infinities are errors that name the file\n"
+    "  and, in a text, the line. Points are numbered from 0 in the order of the input.\n"
+    "\n"
+    "docs/formats.md describes every format in full, and those that are written.";
+
+constexpr const char* units =
+    "Coordinates and units:\n"
+    "  Every command reads, computes with and writes coordinates in the units of the file. The\n"
+    "  values of --box, --alpha and --edge-length are in these units, weights in their square.\n"
+    "\n"
+    "LAS files:\n"
+    "  A .las stores whole numbers with a scale and an offset per axis; the coordinate is\n"
+    "  number * scale + offset. Where scale and offset are decimals (0.01, 484000), the points\n"
+    "  lie on a decimal grid and the computation is exact on this grid. Tiles with different\n"
+    "  offsets share a grid where their offsets differ by multiples of it. Otherwise each\n"
+    "  coordinate is rounded once, to the nearest double. The summary and --json report which\n"
+    "  applies, with scale, offset, extent and, where the file names it, the unit.\n"
+    "  --raw uses the whole numbers themselves.\n"
+    "\n"
+    "Longitude and latitude:\n"
+    "  Columns lon and lat are used as plane coordinates, in degrees. Areas and lengths are then\n"
+    "  in degrees as well; project the points first if they are to be in metres.\n"
+    "\n"
+    "Measures:\n"
+    "  In the plane the perimeter and the area of the polygon are reported; in space, and in\n"
+    "  higher dimensions, the area of the boundary and the volume; of a segment its length.";
+
+}  // namespace
+
+const char* const input_footer =
+    "Input formats and columns: 'cullhull help formats'; coordinates: 'cullhull help units'.";
+
+const std::vector<Topic>& topics() {
+  static const std::vector<Topic> all{
+      {"formats", "Input formats, several inputs, columns", formats},
+      {"units", "Coordinates, units of LAS files, measures", units},
+  };
+  return all;
+}
+
+}  // namespace app

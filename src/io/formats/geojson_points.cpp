@@ -1,0 +1,239 @@
+// Points of GeoJSON (RFC 7946): the positions of all its geometries.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/formats/geometry_positions.hpp"
+
+namespace cullhull::internal::inline io {
+namespace {
+
+using nlohmann::json;
+
+struct GeometryType {
+  std::string_view name;
+  int depth;  ///< arrays around a position's numbers; 0: has no coordinates
+  bool rings;
+};
+
+constexpr GeometryType geometry_types[] = {{"Point", 1, false},
+                                           {"MultiPoint", 2, false},
+                                           {"LineString", 2, false},
+                                           {"MultiLineString", 3, false},
+                                           {"Polygon", 3, true},
+                                           {"MultiPolygon", 4, true},
+                                           {"GeometryCollection", 0, false},
+                                           {"Feature", 0, false},
+                                           {"FeatureCollection", 0, false}};
+
+/// Follows the parser's events through the members that hold geometries, and skips all others
+/// (properties may hold anything). No document is built: memory goes to the positions alone.
+class PositionReader : public nlohmann::json_sax<json> {
+ public:
+  PositionReader(const Source& source, const ReadOptions& options)
+      : source_(source), positions_(!options.columns.empty()), options_(options) {}
+
+  const Positions& positions() const { return positions_; }
+
+  bool null() override {
+    const Place place = expected();
+    if (place == Place::coordinates && !objects_.empty() && in_coordinates())
+      fail(source_, "null among coordinates");
+    if (places_.empty()) not_geojson();
+    return true;
+  }
+  bool boolean(bool) override { return other("true or false"); }
+  bool number_integer(number_integer_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_float(number_float_t value, const string_t&) override { return number(value); }
+  bool string(string_t& value) override {
+    if (!places_.empty() && places_.back() == Place::object && key_ == "type") {
+      objects_.back().type = value;
+      return true;
+    }
+    return other("a string");
+  }
+  bool binary(binary_t&) override { return other("bytes"); }
+
+  bool start_object(std::size_t) override {
+    const Place place = expected();
+    if (place == Place::coordinates) fail(source_, "an object among coordinates");
+    if (place == Place::objects) fail(source_, "not GeoJSON: ", quoted_text(key_), " is not a list");
+    if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}});
+    places_.push_back(place);
+    return true;
+  }
+  bool key(string_t& name) override {
+    if (places_.back() == Place::object) key_ = name;
+    return true;
+  }
+  bool end_object() override {
+    if (places_.back() == Place::object) end_geometry();
+    places_.pop_back();
+    return true;
+  }
+  bool start_array(std::size_t) override {
+    const Place place = expected();
+    if (place == Place::object) not_geojson();
+    if (place == Place::coordinates) {
+      if (!in_coordinates()) objects_.back().has_coordinates = true;
+      if (!levels_.empty() && levels_.back().numbers > 0)
+        fail(source_, "position ", seen_, " has a list among its coordinates");
+      if (!levels_.empty()) levels_.back().lists = true;
+      levels_.push_back({0, false, positions_.size()});
+    }
+    places_.push_back(place);
+    check_stop_sometimes();
+    return true;
+  }
+  bool end_array() override {
+    if (places_.back() == Place::coordinates) end_level();
+    places_.pop_back();
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    const std::size_t before = std::min(byte > 0 ? byte - 1 : 0, source_.size);
+    const auto line =
+        1 + static_cast<std::uint64_t>(std::count(source_.data, source_.data + before, '\n'));
+    constexpr int out_of_range = 406;
+    fail_at_line(source_, line,
+                 error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
+  }
+
+ private:
+  enum class Place { object, objects, coordinates, skipped };
+  struct Object {
+    std::string type;
+    bool has_coordinates;
+    int depth;  ///< of positions; 0 before the first
+    std::uint64_t first;
+    std::vector<std::uint64_t> lists;  ///< the first position of each list of positions
+  };
+  struct Level {
+    std::uint32_t numbers;
+    bool lists;
+    std::uint64_t first;
+  };
+
+  bool in_coordinates() const { return !places_.empty() && places_.back() == Place::coordinates; }
+
+  /// What the value that begins now is.
+  Place expected() const {
+    if (places_.empty() || places_.back() == Place::objects) return Place::object;
+    if (places_.back() != Place::object) return places_.back();
+    if (key_ == "features" || key_ == "geometries") return Place::objects;
+    if (key_ == "geometry") return Place::object;
+    return key_ == "coordinates" ? Place::coordinates : Place::skipped;
+  }
+
+  [[noreturn]] void not_geojson() const {
+    fail(source_,
+         "is JSON but not GeoJSON, and holds no points; a hull file is for certify and view");
+  }
+
+  bool other(const char* what) {
+    const Place place = expected();
+    if (place == Place::coordinates) fail(source_, what, " among coordinates");
+    if (place != Place::skipped) not_geojson();
+    return true;
+  }
+
+  bool number(double value) {
+    if (!in_coordinates()) return other("a number");
+    Level& level = levels_.back();
+    if (level.lists) fail(source_, "position ", seen_, ": a number beside lists of coordinates");
+    if (level.numbers == 3) fail(source_, "position ", seen_, " has more than three coordinates");
+    if (!std::isfinite(value)) fail(source_, "position ", seen_, " exceeds the range of doubles");
+    position_[level.numbers++] = value;
+    return true;
+  }
+
+  void end_level() {
+    const Level level = levels_.back();
+    Object& object = objects_.back();
+    if (level.numbers > 0) {
+      if (level.numbers < 2) fail(source_, "position ", seen_, " has one coordinate");
+      const int depth = static_cast<int>(levels_.size());
+      if (object.depth == 0) object.depth = depth;
+      if (object.depth != depth)
+        fail(source_, "position ", seen_, " is nested differently from those before it");
+      if (!positions_.add(position_, level.numbers))
+        fail(source_, "position ", seen_, " has ", level.numbers, " coordinates, others have ",
+             positions_.dimension(), "; --columns x,y takes two of each");
+      ++seen_;
+    } else if (positions_.size() > level.first &&
+               object.depth == static_cast<int>(levels_.size()) + 1) {
+      object.lists.push_back(level.first);
+    }
+    levels_.pop_back();
+  }
+
+  void end_geometry() {
+    Object object = std::move(objects_.back());
+    objects_.pop_back();
+    const auto* const known =
+        std::find_if(std::begin(geometry_types), std::end(geometry_types),
+                     [&](const GeometryType& type) { return type.name == object.type; });
+    if (known == std::end(geometry_types)) {
+      if (object.type.empty()) not_geojson();
+      fail(source_, "not GeoJSON: its type is ", quoted_text(object.type));
+    }
+    if (known->depth > 0 && !object.has_coordinates)
+      fail(source_, "a ", object.type, " without coordinates");
+    if (object.has_coordinates && known->depth == 0)
+      fail(source_, "a ", object.type, " with coordinates");
+    if (object.depth != 0 && object.depth != known->depth)
+      fail(source_, "the coordinates of a ", object.type, " are nested ", object.depth,
+           " deep, not ", known->depth);
+    if (known->rings) close_rings(object);
+  }
+
+  void close_rings(const Object& object) {
+    const std::uint32_t d = positions_.dimension();
+    if (object.lists.size() == 1) return positions_.close_ring(object.lists[0]);
+    if (object.lists.empty()) return;
+    const std::uint64_t end = positions_.size();
+    const std::vector<double> rows = positions_.take_from(object.first);
+    for (std::size_t i = 0; i < object.lists.size(); ++i) {
+      const std::uint64_t from = object.lists[i];
+      const std::uint64_t to = i + 1 < object.lists.size() ? object.lists[i + 1] : end;
+      const std::uint64_t begin = positions_.size();
+      positions_.append(rows.data() + (from - object.first) * d, to - from);
+      positions_.close_ring(begin);
+    }
+  }
+
+  void check_stop_sometimes() {
+    if ((++arrays_ & 0xFFFF) == 0) check_stop(options_);
+  }
+
+  const Source& source_;
+  Positions positions_;
+  const ReadOptions& options_;
+  std::vector<Place> places_;
+  std::vector<Object> objects_;
+  std::vector<Level> levels_;
+  std::string key_;
+  double position_[3] = {0, 0, 0};
+  std::uint64_t seen_ = 0, arrays_ = 0;
+};
+
+}  // namespace
+
+PointData read_geojson(const Source& source, const ReadOptions& options) {
+  PositionReader reader(source, options);
+  json::sax_parse(source.data, source.data + source.size, &reader);
+  return reader.positions().points("geojson");
+}
+
+}  // namespace cullhull::internal::inline io
