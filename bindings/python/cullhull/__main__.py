@@ -37,9 +37,9 @@ def _inputs(word: str) -> list[str]:
 def _unpack(path: str, folder: str) -> str:
     """The same points as a .las in `folder`."""
     from ._errors import BadFile
-    from ._read import _package
+    from ._extras import needed
 
-    laspy = _package("laspy", ".laz files", "'laspy[lazrs]'")
+    laspy = needed("laspy", "reading .laz files", "laz")
     target = os.path.join(folder, f"{len(os.listdir(folder))}", Path(path).stem + ".las")
     os.makedirs(os.path.dirname(target))
     try:
