@@ -13,11 +13,9 @@ from ._answers import Mesh
 from ._compared import Compared
 from ._delaunay import triangulated
 from ._errors import InvalidArgument
-from ._shown import (
-    Exported,
+from ._forms import (
     Picture,
     Rows,
-    Saved,
     Surface,
     Table,
     multipolygon_geometry,
@@ -27,6 +25,7 @@ from ._shown import (
     require_plane,
     require_surface,
 )
+from ._shown import Exported, Saved
 from ._triangulation import Triangulation
 
 

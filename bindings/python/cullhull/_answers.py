@@ -33,8 +33,6 @@ class NearestFacets(NamedTuple):
     #: (m,) float64: Euclidean distance to the boundary, negative inside; units of the points.
     distances: npt.NDArray[np.float64]
 
-    __eq__, __ne__ = tuples_equal, tuples_differ
-
 
 class Rays(NamedTuple):
     """Answer of `Hull.rays`: where the lines origin + t * direction pass through, one entry each.
@@ -65,8 +63,6 @@ class Rays(NamedTuple):
     enter_facets: npt.NDArray[np.int64]
     exit_facets: npt.NDArray[np.int64]
 
-    __eq__, __ne__ = tuples_equal, tuples_differ
-
 
 class Mesh(NamedTuple):
     """Answer of ``mesh()``: points, and simplices that count their rows.
@@ -83,7 +79,7 @@ class Mesh(NamedTuple):
     >>> import cullhull
     >>> mesh = cullhull.convex_hull([[0, 0], [1, 1], [4, 0], [0, 4]]).mesh()
     >>> mesh.vertices[mesh.faces[0]].tolist()
-    [[0.0, 0.0], [4.0, 0.0]]
+    [[0.0, 0.0], [0.0, 4.0]]
     """
 
     #: (v, d) float64: coordinates of the points that the simplices have.
@@ -91,4 +87,7 @@ class Mesh(NamedTuple):
     #: (m, k) int64: of each simplex its corners, as rows of `vertices`.
     faces: npt.NDArray[np.int64]
 
-    __eq__, __ne__ = tuples_equal, tuples_differ
+
+for _kind in (NearestFacets, Rays, Mesh):
+    setattr(_kind, "__eq__", tuples_equal)
+    setattr(_kind, "__ne__", tuples_differ)

@@ -191,7 +191,9 @@ def as_questions(
     points: Any, dimension: int, what: str, whose: str = "hull"
 ) -> tuple[npt.NDArray[Any], bool]:
     """Rows to ask about, and whether it was a single one: shape (d,) instead of (m, d)."""
-    array = points if type(points) is np.ndarray else as_array(points, what)
+    array = points
+    if type(points) is not np.ndarray or points.dtype.hasobject:
+        array = as_array(points, what)
     single = array.ndim == 1
     if single:
         array = array[np.newaxis, :]

@@ -38,7 +38,7 @@ class Compared:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        return self is other or alike(self._parts(), other._parts())  # type: ignore[attr-defined]
+        return self is other or alike(self._parts(), other._parts())
 
     def __hash__(self) -> int:
         return hash((type(self), *map(_key, self._parts())))
@@ -51,15 +51,15 @@ def _key(part: Any) -> Any:
     return tuple(map(_key, part)) if isinstance(part, (list, tuple)) else part
 
 
-def tuples_equal(mine: Any, other: object) -> bool:
+def tuples_equal(mine: tuple[Any, ...], other: object) -> Any:
     """``==`` of a named tuple with arrays."""
-    if type(other) is not type(mine):
+    if not isinstance(other, tuple) or type(other) is not type(mine):
         return NotImplemented
-    return alike(mine, other)  # type: ignore[arg-type]
+    return alike(mine, other)
 
 
-def tuples_differ(mine: Any, other: object) -> bool:
+def tuples_differ(mine: tuple[Any, ...], other: object) -> Any:
     """``!=`` of a named tuple with arrays."""
-    if type(other) is not type(mine):
+    if not isinstance(other, tuple) or type(other) is not type(mine):
         return NotImplemented
-    return not alike(mine, other)  # type: ignore[arg-type]
+    return not alike(mine, other)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from ._errors import InvalidArgument
 from ._extras import needed
 from ._lists import Lists
-from ._shown import Surface, Volume
+from ._forms import Surface, Volume
 
 _TETRAHEDRON, _POLYHEDRON = 10, 42  # as VTK numbers the types of cells
 

@@ -13,12 +13,13 @@ from . import _core
 from ._answers import Mesh
 from ._arguments import Backend, CullMethod, Progress, settings
 from ._errors import InvalidArgument, qhull_error
+from ._forms import Picture, Surface, Table
 from ._hull import Hull
 from ._incremental import IncrementalPoints, Lazy
 from ._many import GrowingHull
 from ._qhull_options import QhullOptions, parse
 from ._scipy import of_scipy
-from ._shown import Exported, Picture, Surface, Table
+from ._shown import Exported
 
 
 class ConvexHull(Exported, IncrementalPoints):

@@ -11,9 +11,7 @@ import numpy.typing as npt
 from . import _core
 from ._answers import Mesh
 from ._errors import InvalidArgument
-from ._native import Certified
-from ._shown import (
-    Exported,
+from ._forms import (
     Picture,
     Rows,
     Surface,
@@ -26,6 +24,8 @@ from ._shown import (
     require_plane,
     require_surface,
 )
+from ._native import Certified
+from ._shown import Exported
 
 
 def edges_of(cells: npt.NDArray[Any]) -> npt.NDArray[Any]:

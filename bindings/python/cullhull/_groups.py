@@ -12,9 +12,10 @@ from ._arguments import Progress, as_points, refuse_mask
 from ._answers import Mesh
 from ._compared import Compared
 from ._errors import InvalidArgument
+from ._forms import Picture, Surface, Table
 from ._hull import Hull
 from ._many import HullBatch, convex_hulls
-from ._shown import Exported, Picture, Surface, Table
+from ._shown import Exported
 
 
 class GroupHulls(Exported, Compared, Mapping[Any, Hull]):

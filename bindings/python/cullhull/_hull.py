@@ -12,11 +12,7 @@ import numpy.typing as npt
 from . import _core
 from ._answers import Mesh
 from ._arguments import Progress, as_points, settings
-from ._lists import Lists
-from ._native import Certificate, Certified
-from ._questions import Questions
-from ._shown import (
-    Exported,
+from ._forms import (
     Picture,
     Rows,
     Surface,
@@ -28,6 +24,10 @@ from ._shown import (
     require_plane,
     require_surface,
 )
+from ._lists import Lists
+from ._native import Certificate, Certified
+from ._questions import Questions
+from ._shown import Exported
 
 if TYPE_CHECKING:
     from ._show import Page
@@ -361,7 +361,7 @@ class Hull(Questions, Exported, Certified):
         array = None if points is None else as_points(points)
         _core.save(os.fspath(path), self._solid, array, format)
 
-    def view(
+    def view(  # type: ignore[override]
         self,
         points: Any = None,
         path: str | os.PathLike[str] | None = None,

@@ -21,18 +21,11 @@ from ._arguments import (
 from ._answers import Mesh
 from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
+from ._forms import Picture, Surface, Table, features, require_drawable, require_plane
 from ._hull import Hull, picture_of
 from ._lists import Lists
 from ._native import Native
-from ._shown import (
-    Exported,
-    Picture,
-    Surface,
-    Table,
-    features,
-    require_drawable,
-    require_plane,
-)
+from ._shown import Exported
 
 
 class HullBatch(Exported, Native, Sequence[Hull]):

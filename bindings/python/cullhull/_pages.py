@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import as_points
 from ._errors import BackendUnavailable, Error, InvalidArgument
-from ._shown import Surface, Table, Volume
+from ._forms import Surface, Table, Volume
 
 #: Bytes of a page's arrays; in base64 they take a third more.
 _MOST_BYTES = 9_000_000

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._extras import needed
-from ._shown import Picture, Rows, Table
+from ._forms import Picture, Rows, Table
 
 #: A notebook shows no picture of more shapes.
 MOST_SHAPES = 3000
@@ -192,7 +192,7 @@ def _projected(rows: Rows) -> Rows:
 
 def _turned(polygons: list[list[Rows]]) -> tuple[list[list[Rows]], list[float]]:
     """The polygons of space that face the viewer, the farthest first, and their shades."""
-    found = []
+    found: list[tuple[float, int, Rows, float]] = []
     for (outline, *_) in polygons:
         facing = float(_normal(outline) @ -_AXES[2])
         if len(polygons) == 1:  # flat: it has no back

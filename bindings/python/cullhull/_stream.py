@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_count, as_points, settings
+from ._forms import Picture, Table
 from ._hull import Hull
-from ._shown import Picture, Shown, Table
+from ._shown import Shown
 
 _DTYPES = {
     "f32": np.float32,

@@ -13,15 +13,9 @@ from ._answers import Mesh
 from ._constrained import constrained_delaunay
 from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
-from ._incremental import Lazy
-from ._lists import Lists, collector_paused
-from ._native import Native
-from ._shown import (
-    Exported,
+from ._forms import (
     Picture,
     Rows,
-    Saved,
-    Shown,
     Surface,
     Table,
     fan,
@@ -32,6 +26,10 @@ from ._shown import (
     require_plane,
     require_surface,
 )
+from ._incremental import Lazy
+from ._lists import Lists, collector_paused
+from ._native import Native
+from ._shown import Exported, Saved, Shown
 from ._triangulation import Triangulation, delaunay
 
 

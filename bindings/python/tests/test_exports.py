@@ -422,7 +422,7 @@ def test_viewed(name, tmp_path):
     page = viewed(ALL[name], path=tmp_path / "page.html")
     assert page == str(tmp_path / "page.html")
     text = (tmp_path / "page.html").read_text()
-    assert "<html" in text and "http" not in text.split("</head>")[0].replace("http-equiv", "")
+    assert "<html" in text and "default-src 'none'" in text
     frame = page._repr_html_()
     assert frame.startswith("<iframe srcdoc='") and "<html" not in frame and "&lt;html" in frame
 
