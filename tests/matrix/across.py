@@ -95,20 +95,9 @@ class Across:
             self.cells.judge(
                 cell, self._alike(made, s.points, json.loads(out.read_text())), ran.line
             )
-        hull = self.cullhull.convex_hull(s.points)
-        for ending in (
-            ".ply",
-            ".obj",
-            ".off",
-            ".stl",
-            ".glb",
-            ".vtp",
-            ".geojson",
-            ".wkt",
-            ".json",
-            ".txt",
-        ):
-            self._saved(hull, s, path, ending)
+        for kind, words, save, endings in _SAVED:
+            for ending in endings.split():
+                self._saved(kind, words, save, s, path, ending)
         self._state(s)
 
     def _alike(self, made: Any, points: Any, told: Any) -> Optional[str]:
@@ -127,23 +116,26 @@ class Across:
             return f"raises {type(error).__name__}: {error}"
         return None
 
-    def _saved(self, hull: Any, s: PointSet, path: Path, ending: str) -> None:
-        cell = f"python out/Hull of convex_hull/save {ending}/{s.name}"
+    def _saved(
+        self, kind: str, words: str, save: Any, s: PointSet, path: Path, ending: str
+    ) -> None:
+        cell = f"python out/{kind}/save {ending}/{s.name}"
         if not self.cells.wanted(cell):
             return
         ours, theirs = self.folder / f"ours{ending}", self.folder / f"theirs{ending}"
         for old in (ours, theirs):
             old.unlink(missing_ok=True)
-        ran = self.program.run(["hull", str(path), "-q", "-o", str(theirs)])
+        line = words.format(path, box=_box(s.points)).split()
+        ran = self.program.run([*line, "-q", "-o", str(theirs)])
         error = None
         try:
-            hull.save(ours, s.points)
+            save(self.cullhull, s.points, ours)
         except Exception as raised:
             error = Raised(raised)
         if ran.status != 0:
             fault = (
                 None
-                if error and "InvalidArgument" in error.kinds and not ours.exists()
+                if error and "ValueError" in error.kinds and not ours.exists()
                 else (
                     f"the program refuses it ({ran.err.strip()}), "
                     f"Python {error.text if error else 'writes it'}"
@@ -318,6 +310,64 @@ def _shape(cullhull: Any, p: Any) -> dict[str, Any]:
     a = cullhull.alpha_shape(p)
     return {"cells": a.cells, "facets": a.facets}
 
+
+def _corners(points: Any) -> tuple[Any, Any]:
+    """Of a box around points: doubles that a text holds exactly."""
+    known = np.where(np.isfinite(points), points, 0.0)
+    low, high = known.min(axis=0, initial=0.0), known.max(axis=0, initial=1.0)
+    return np.floor(low * 2) - 1, np.ceil(high * 2) + 1
+
+
+def _box(points: Any) -> str:
+    low, high = _corners(points)
+    return ",".join(repr(float(c)) for c in (*low, *high))
+
+
+#: Results of Python, the program's words for the same, and how Python writes them: same bytes.
+_SAVED = (
+    (
+        "Hull of convex_hull",
+        "hull {}",
+        lambda c, p, path: c.convex_hull(p).save(path, p),
+        ".ply .obj .off .stl .glb .vtp .geojson .wkt .json .txt",
+    ),
+    (
+        "ConvexHull of ConvexHull",
+        "hull {}",
+        lambda c, p, path: c.ConvexHull(p).save(path) if p.size and p.shape[1] > 1 else c.convex_hull(p).save(path, p),
+        ".ply .wkt .json",
+    ),
+    (
+        "Triangulation of delaunay",
+        "delaunay {}",
+        lambda c, p, path: c.delaunay(p).save(path),
+        ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json",
+    ),
+    (
+        "VoronoiDiagram of voronoi",
+        "voronoi {}",
+        lambda c, p, path: c.voronoi(p).save(path),
+        ".json",
+    ),
+    (
+        "ClippedCells of VoronoiDiagram.clip",
+        "voronoi {} --box={box}",
+        lambda c, p, path: c.voronoi(p).clip(*_corners(p)).save(path),
+        ".ply .obj .off .vtp .geojson .wkt",
+    ),
+    (
+        "AlphaShape of alpha_shape",
+        "alpha {}",
+        lambda c, p, path: c.alpha_shape(p).save(path),
+        ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json",
+    ),
+    (
+        "ConcaveHull of concave_hull",
+        "alpha {} --ratio 0.3",
+        lambda c, p, path: c.concave_hull(p, 0.3).save(path),
+        ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json",
+    ),
+)
 
 #: Name, command line, and the same of the package by the keys of the file.
 _BOTH = (

@@ -74,6 +74,20 @@ def with_rows(s: PointSet) -> Optional[str]:
     return None if s.count else "an empty list has no second axis"
 
 
+def as_geometries(s: PointSet) -> Optional[str]:
+    if s.dimension not in (2, 3):
+        return "geometries are of 2 or 3 coordinates"
+    if not s.finite:
+        return "Shapely takes a point that is not finite for an empty one"
+    return None if s.count else "a geometry without points has no dimension"
+
+
+def in_space(s: PointSet) -> Optional[str]:
+    if s.dimension != 3:
+        return "trimesh has points of space"
+    return None if s.finite and s.count else "trimesh drops such points itself"
+
+
 def zeros_and_ones(s: PointSet) -> Optional[str]:
     held = s.finite and set(np.unique(s.points)) <= {0.0, 1.0}
     return None if held and not s.has_minus_zero else "not all coordinates are 0 or 1"
@@ -133,6 +147,16 @@ ARRAYS = (
         fitting("i2"),
         package="pyarrow",
     ),
+    Array("multipoint", "shapely.MultiPoint(a)", as_geometries, package="shapely"),
+    Array("points", "list(shapely.points(a))", as_geometries, package="shapely"),
+    Array("geoseries", "geopandas.GeoSeries(shapely.points(a))", as_geometries, package="geopandas"),
+    Array(
+        "geodataframe",
+        "geopandas.GeoDataFrame({'n': np.arange(len(a))}, geometry=shapely.points(a))",
+        as_geometries,
+        package="geopandas",
+    ),
+    Array("trimesh", "trimesh.PointCloud(a)", in_space, package="trimesh"),
     Array("objects", "a.astype(object)", refused="TypeError"),
     Array("complex", "a.astype(complex)", refused="TypeError"),
     Array("masked", "np.ma.masked_array(a)", refused="InvalidArgument"),

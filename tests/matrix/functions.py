@@ -326,6 +326,21 @@ CALLS = (
         "(c := cullhull.voronoi(p).clip(low, high)) and [c.faces(i) for i in range(len(c))]",
         SPACE,
     ),
+    Call("Hull.mesh", "cullhull.convex_hull(p).mesh()"),
+    Call("HullBatch.mesh", "cullhull.convex_hulls([p, p]).mesh()"),
+    Call(
+        "GroupHulls.mesh",
+        "cullhull.hulls_by(p, np.zeros(len(a))).mesh()",
+    ),
+    Call("Triangulation.mesh", "cullhull.delaunay(p).mesh()"),
+    Call(
+        "ConstrainedTriangulation.mesh",
+        "cullhull.constrained_delaunay(p, [[0, 1]]).mesh()",
+        every(PLANE, enough(2)),
+    ),
+    Call("AlphaShape.mesh", "cullhull.alpha_shape(p).mesh()"),
+    Call("ClippedCells.mesh", "cullhull.voronoi(p).clip(low, high).mesh()", UP_TO_SPACE),
+    Call("ConvexHull.mesh", "cullhull.ConvexHull(p).mesh()", raises=hull_as_scipy),
     Call("Lists.lengths", "cullhull.convex_hull(p).facets.lengths()"),
     Call("Lists.tolist", "cullhull.convex_hull(p).facets.tolist()"),
 )
@@ -362,6 +377,7 @@ ELSEWHERE = {
             "Hull",
             "HullBatch",
             "Lists",
+            "Mesh",
             "NearestFacets",
             "Rays",
             "Simplified",
@@ -375,6 +391,7 @@ ELSEWHERE = {
         "needs a device: tests/gpu",
     ),
     "__version__": "a text",
+    "convex_hull_plot_2d": "an output: the cells 'plot'",
     "delaunay_plot_2d": "an output: the cells 'plot'",
     "voronoi_plot_2d": "an output: the cells 'plot'",
     "generate": "makes points: across.py",
@@ -382,12 +399,35 @@ ELSEWHERE = {
     "read": "takes files: the cells 'read' of across.py",
 }
 
+_DRAWN = (
+    "AlphaShape",
+    "ClippedCells",
+    "ConcaveHull",
+    "ConstrainedTriangulation",
+    "ConvexHull",
+    "GroupHulls",
+    "Hull",
+    "HullBatch",
+    "HullState",
+    "TolerantConvexHull",
+    "Triangulation",
+    "VoronoiDiagram",
+)
+_WRITTEN = tuple(kind for kind in _DRAWN if kind not in ("GroupHulls", "HullBatch"))
+_EXPORTED = tuple(kind for kind in _DRAWN if kind not in ("HullState", "VoronoiDiagram"))
+
 #: Public methods of results without a `Call`, and why.
 METHODS_ELSEWHERE = {
-    "Hull.plot": "an output: the cells 'plot'",
-    "Hull.save": "an output: the cells 'save'",
-    "Hull.view": "starts the program, whose row is `view`",
-    "HullState.save": "an output: the cells 'save'",
+    **{f"{kind}.plot": "an output: the cells 'plot'" for kind in _DRAWN},
+    **{f"{kind}.save": "an output: the cells 'save'" for kind in _WRITTEN},
+    **{f"{kind}.view": "starts the program, whose row is `view`" for kind in _DRAWN},
+    **{
+        f"{kind}.{way}": "an object of another package: test_exports"
+        for kind in _EXPORTED
+        for way in ("to_trimesh", "to_pyvista", "to_open3d", "to_shapely")
+    },
+    "ConcaveHull.mesh": "inherited: AlphaShape.mesh",
+    "TolerantConvexHull.mesh": "inherited: ConvexHull.mesh",
     "HullState.load": "an output: the cells 'save'",
     "HullStream.hull": "asked by HullStream.push",
     "HullStream.state": "asked by HullStream.extend",

@@ -21,6 +21,17 @@ from results import digest, first_difference
 from sets import PointSet, generic
 
 
+#: Packages whose objects are doors, and their names in the doors' expressions.
+PACKAGES = {
+    "pandas": "pd",
+    "polars": "pl",
+    "pyarrow": "pa",
+    "shapely": "shapely",
+    "geopandas": "geopandas",
+    "trimesh": "trimesh",
+}
+
+
 class Raised:
     """An error in the place of a result."""
 
@@ -64,7 +75,7 @@ class Package:
         self.cullhull, self.folder, self.cells, self.large = cullhull, folder, cells, large
         self.space: dict[str, Any] = {"np": np, "cullhull": cullhull, **vars(arrays)}
         self.missing: dict[str, str] = {}
-        for package, short in (("pandas", "pd"), ("polars", "pl"), ("pyarrow", "pa")):
+        for package, short in PACKAGES.items():
             try:
                 self.space[short] = __import__(package)
             except ImportError:
@@ -175,12 +186,8 @@ class Package:
         if not path.exists():
             np.save(path, s.points)
         extra = "" if call.derive is None else f"a = derived(a, {call.derive!r}); "
-        packages = {
-            "numpy": "",
-            "pandas": "import pandas as pd; ",
-            "polars": "import polars as pl; ",
-            "pyarrow": "import pyarrow as pa; ",
-        }[array.package]
+        short = PACKAGES.get(array.package)
+        packages = f"import {array.package} as {short}; " if short else ""
         here = Path(__file__).parent
         return (
             f'PYTHONPATH={here} python -c "import numpy as np, cullhull; from arrays import *; '
@@ -222,7 +229,7 @@ class Package:
         if not start.endswith(f" of {_PLOTTED.get(type(value).__name__, '')}"):
             self.cells.no_meaning(f"{start}/plot/{s.name}", "drawn where another function made it")
             return
-        planar = type(value).__name__ != "Hull"
+        planar = type(value).__name__ in ("Delaunay", "Voronoi")
         if s.dimension not in ((2,) if planar else (2, 3)):
             self.cells.no_meaning(f"{start}/plot/{s.name}", "pictures are of the plane or of space")
             return
@@ -233,7 +240,22 @@ class Package:
 
 
 #: The call after which each class is drawn.
-_PLOTTED = {"Hull": "convex_hull", "Delaunay": "Delaunay", "Voronoi": "Voronoi"}
+_PLOTTED = {
+    "AlphaShape": "alpha_shape",
+    "ClippedCells": "VoronoiDiagram.clip",
+    "ConcaveHull": "concave_hull",
+    "ConstrainedTriangulation": "constrained_delaunay",
+    "ConvexHull": "ConvexHull",
+    "Delaunay": "Delaunay",
+    "GroupHulls": "hulls_by",
+    "Hull": "convex_hull",
+    "HullBatch": "convex_hulls",
+    "HullState": "HullState",
+    "TolerantConvexHull": "TolerantConvexHull",
+    "Triangulation": "delaunay",
+    "Voronoi": "Voronoi",
+    "VoronoiDiagram": "voronoi",
+}
 
 
 def expected(call: Call, s: PointSet, got: Any) -> Optional[str]:

@@ -102,7 +102,9 @@ function plural(count, one, many) {
   return `${grouped.format(count)} ${count === 1 ? one : many || one + "s"}`;
 }
 
+// A page of something else than a hull has its own `summary` and `notes`.
 function summaryOf(scene, frame) {
+  if (frame.summary) return frame.summary;
   const r = frame.report;
   const count = plural(r.points.count, "point");
   if (r.points.count === 0) return "No points.";
@@ -114,6 +116,7 @@ function summaryOf(scene, frame) {
 }
 
 function notesOf(scene, frame) {
+  if (frame.notes) return frame.notes;
   const part = (drawn, all, one, many) =>
     drawn === all ? `all ${plural(all, one, many)}` : `${grouped.format(drawn)} of ${plural(all, one, many)}, a fair sample`;
   const notes = [], r = frame.report;

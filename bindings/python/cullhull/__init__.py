@@ -18,7 +18,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._alpha import AlphaShape, ConcaveHull, alpha_radii, alpha_shape, concave_hull
-from ._answers import NearestFacets, Rays
+from ._answers import Mesh, NearestFacets, Rays
 from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
 from ._delaunay import Delaunay, tsearch
@@ -58,7 +58,7 @@ from ._many import (
     convex_hulls_on_device,
 )
 from ._native import Certificate
-from ._plots import delaunay_plot_2d, voronoi_plot_2d
+from ._plots import convex_hull_plot_2d, delaunay_plot_2d, voronoi_plot_2d
 from ._read import read
 from ._spherical import SphericalVoronoi
 from ._stream import HullState, HullStream
@@ -100,6 +100,7 @@ __all__ = [
     "InvalidArgument",
     "LinearNDInterpolator",
     "Lists",
+    "Mesh",
     "NaturalNDInterpolator",
     "NearestFacets",
     "NearestNDInterpolator",
@@ -125,6 +126,7 @@ __all__ = [
     "concave_hull",
     "constrained_delaunay",
     "convex_hull",
+    "convex_hull_plot_2d",
     "convex_hulls",
     "convex_hulls_on_device",
     "cuda_status",

@@ -49,9 +49,9 @@ def _inputs(word: str) -> list[str]:
 def _unpack(path: str, target: Path) -> None:
     """A .laz as a .las."""
     from ._errors import BadFile
-    from ._read import _package
+    from ._extras import needed
 
-    laspy = _package("laspy", ".laz files", "'laspy[lazrs]'")
+    laspy = needed("laspy", "reading .laz files", "laz")
     try:
         with laspy.open(path) as scan, open(target, "wb") as file:
             with laspy.open(file, mode="w", header=scan.header, closefd=False) as out:

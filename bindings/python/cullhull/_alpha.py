@@ -9,8 +9,23 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, settings
+from ._answers import Mesh
+from ._compared import Compared
 from ._delaunay import triangulated
 from ._errors import InvalidArgument
+from ._forms import (
+    Picture,
+    Rows,
+    Surface,
+    Table,
+    multipolygon_geometry,
+    places,
+    polygon_geometry,
+    require_drawable,
+    require_plane,
+    require_surface,
+)
+from ._shown import Exported, Saved
 from ._triangulation import Triangulation
 
 
@@ -64,7 +79,7 @@ def alpha_shape(
     return AlphaShape(found, float(alpha), *_core.alpha_shape(found._cells, alpha, chosen))
 
 
-class AlphaShape:
+class AlphaShape(Exported, Saved, Compared):
     """An alpha shape, made by `alpha_shape`.
 
     Attributes
@@ -113,6 +128,19 @@ class AlphaShape:
         """(c, k + 1) int32: indices of the vertices of each cell, as `Triangulation.cells`."""
         return self.triangulation.cells[self.cell_numbers]
 
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, d): the points as they were given, as `Triangulation.points`."""
+        return self.triangulation.points
+
+    @property
+    def dimension(self) -> int:
+        """d, the number of coordinates of a point."""
+        return self.triangulation.dimension
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.triangulation, self.alpha, self.cell_numbers
+
     def polygons(self) -> list[list[npt.NDArray[np.int32]]]:
         """The shape of points in the plane as polygons, one for each piece.
 
@@ -141,6 +169,98 @@ class AlphaShape:
             [ids[rings[ring] : rings[ring + 1]] for ring in range(begin, end)]
             for begin, end in zip(polygons[:-1].tolist(), polygons[1:].tolist())
         ]
+
+    def mesh(self) -> Mesh:
+        """The boundary as a mesh: coordinates of its points, and `facets` that count them.
+
+        Time and memory are proportional to the size of the boundary, times a logarithm.
+
+        Returns
+        -------
+        Mesh
+            ``vertices``, (v, d) float64, in the order of their indices, and ``faces``, (f, k)
+            int64.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> vertices, faces = cullhull.alpha_shape([[0, 0], [0, 0], [4, 0], [0, 4]]).mesh()
+        >>> vertices.tolist(), faces.tolist()
+        ([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]], [[0, 1], [1, 2], [2, 0]])
+        """
+        return self.triangulation._mesh_of(self.facets)[0]
+
+    # As others have it
+
+    def _surface(self) -> Surface:
+        found = self.triangulation
+        require_surface(found.dimension, found.affine_dimension, "a shape")
+        return found._triangles(self.facets if found.affine_dimension == 3 else self.cells)
+
+    def _polygon_rows(self) -> list[list[Rows]]:
+        """`polygons`, as coordinates."""
+        rows = np.asarray(self.points)
+        return [
+            [rows[ring].astype(np.float64) for ring in rings] for rings in self.polygons()
+        ]
+
+    def _geometry(self) -> dict[str, Any]:
+        require_plane(self.dimension, "a shape")
+        return multipolygon_geometry(self._polygon_rows())
+
+    def _picture(self) -> Picture:
+        found = self.triangulation
+        require_drawable(found.dimension)
+        if found.affine_dimension == 3:
+            rows = np.asarray(self.points, dtype=np.float64)[self.facets]
+            return Picture([[triangle] for triangle in rows])
+        if found.affine_dimension == 2 and found.dimension == 2:
+            return Picture(self._polygon_rows())
+        rows = np.asarray(self.points, dtype=np.float64)[self.cells]
+        if found.affine_dimension == 2:
+            return Picture([[triangle] for triangle in rows])
+        return Picture(segments=rows if found.affine_dimension == 1 else (), dots=rows.reshape(-1, found.dimension))
+
+    def _shape_count(self) -> int:
+        return len(self.facet_cells)
+
+    def _table(self) -> Table:
+        found = self.triangulation
+        return Table(
+            "Alpha shape",
+            [
+                ("points", f"{found.point_count:,} in {found.dimension}D"),
+                ("alpha", f"{self.alpha:.6g}"),
+                ("cells", f"{len(self.cell_numbers):,} of {found.cell_count:,}"),
+                ("facets of the boundary", f"{len(self.facet_cells):,}"),
+            ],
+        )
+
+    def _write(self, path: str, format: str) -> None:
+        _core.save_alpha_shape(
+            path,
+            self.triangulation._cells,
+            np.ascontiguousarray(self.cell_numbers),
+            np.ascontiguousarray(self.facets).ravel(),
+            np.ascontiguousarray(self.facet_cells),
+            self._alpha_written(),
+            format,
+        )
+
+    def _alpha_written(self) -> float:
+        return self.alpha
+
+    def _page(self) -> str:
+        from ._pages import page_of_surface
+
+        return page_of_surface(self._surface(), self._page_edges(), self._table())
+
+    def _page_edges(self) -> npt.NDArray[np.int64] | None:
+        """In the plane the boundary alone is drawn by lines."""
+        found = self.triangulation
+        if found.affine_dimension != 2:
+            return None
+        return places(np.unique(self.cells), self.facets)
 
 
 def concave_hull(
@@ -235,6 +355,30 @@ class ConcaveHull(AlphaShape):
             f"<ConcaveHull of {self.triangulation.point_count} points: "
             f"{len(self.facet_cells)} edges, dug in where longer than {self.edge_length:g}>"
         )
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.triangulation, self.edge_length, self.cell_numbers
+
+    def _geometry(self) -> dict[str, Any]:
+        require_plane(self.dimension, "a hull")
+        polygons = self._polygon_rows()
+        if polygons:
+            return polygon_geometry(polygons[0])
+        return {"type": "Polygon", "coordinates": []}
+
+    def _table(self) -> Table:
+        found = self.triangulation
+        return Table(
+            "Concave hull",
+            [
+                ("points", f"{found.point_count:,} in {found.dimension}D"),
+                ("edges longer than this are dug in", f"{self.edge_length:.6g}"),
+                ("edges of the boundary", f"{len(self.facet_cells):,}"),
+            ],
+        )
+
+    def _alpha_written(self) -> float:
+        return float("nan")
 
     @property
     def ring(self) -> npt.NDArray[np.int32]:

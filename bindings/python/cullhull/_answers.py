@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ._compared import tuples_differ, tuples_equal
+
 
 class NearestFacets(NamedTuple):
     """Answer of `Hull.nearest_facets`: one entry a point.
@@ -60,3 +62,32 @@ class Rays(NamedTuple):
     #: (m,) int64: facets of entry and exit; -1 where there is no hit.
     enter_facets: npt.NDArray[np.int64]
     exit_facets: npt.NDArray[np.int64]
+
+
+class Mesh(NamedTuple):
+    """Answer of ``mesh()``: points, and simplices that count their rows.
+
+    Attributes
+    ----------
+    vertices : (v, d) float64
+        Coordinates of the points that the simplices have.
+    faces : (m, k) int64
+        Of each simplex its corners, as rows of `vertices`.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> mesh = cullhull.convex_hull([[0, 0], [1, 1], [4, 0], [0, 4]]).mesh()
+    >>> mesh.vertices[mesh.faces[0]].tolist()
+    [[0.0, 0.0], [0.0, 4.0]]
+    """
+
+    #: (v, d) float64: coordinates of the points that the simplices have.
+    vertices: npt.NDArray[np.float64]
+    #: (m, k) int64: of each simplex its corners, as rows of `vertices`.
+    faces: npt.NDArray[np.int64]
+
+
+for _kind in (NearestFacets, Rays, Mesh):
+    setattr(_kind, "__eq__", tuples_equal)
+    setattr(_kind, "__ne__", tuples_differ)

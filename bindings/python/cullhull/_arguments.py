@@ -12,6 +12,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import BackendUnavailable, InvalidArgument, NotFinite, ShapeWarning, warn
+from ._extras import needed
+from ._foreign import as_foreign, of_geometries
 
 #: ``progress=``: False or None for none, True for a tqdm bar, or a function of (phase, share).
 Progress = Union[bool, None, Callable[[str, float], object]]
@@ -36,6 +38,8 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     is exact; float16 to float32.
     """
     array = points if type(points) is np.ndarray else as_array(points, what)
+    if array.ndim != axes and array.dtype == object:
+        array = as_array(array, what)  # of geometries, perhaps
     if array.ndim != axes:
         if array.ndim == 0 and array.dtype == object:  # no array at all
             kind = type(points).__name__
@@ -81,8 +85,12 @@ def as_point_set(points: Any) -> npt.NDArray[Any]:
 def as_array(points: Any, what: str) -> npt.NDArray[Any]:
     """An array of what users hold numbers in, of any shape and type; a masked one raises."""
     refuse_mask(points, what)
+    found = as_foreign(points, what)
+    if found is not None:
+        points = found
     if isinstance(points, np.ndarray):
-        return points.view(np.ndarray)
+        array = points.view(np.ndarray)
+        return _without_objects(array, what) if array.dtype == object else array
     if hasattr(points, "__cuda_array_interface__"):
         raise _device_memory(what)
     if hasattr(points, "__dlpack_device__") and not hasattr(points, "__array_interface__"):
@@ -94,9 +102,16 @@ def as_array(points: Any, what: str) -> npt.NDArray[Any]:
     if columns is not None:
         return _from_columns(columns, what)
     try:
-        return np.asarray(points)
+        array = np.asarray(points)
     except ValueError as error:  # rows of different lengths
         raise InvalidArgument(f"`{what}` is no rectangular array: {error}") from None
+    return _without_objects(array, what) if array.dtype == object else array
+
+
+def _without_objects(array: npt.NDArray[Any], what: str) -> npt.NDArray[Any]:
+    """The coordinates of an array of Shapely's points; other objects are refused later."""
+    found = of_geometries(array, what)
+    return array if found is None else found
 
 
 def _columns(frame: Any) -> list[tuple[Any, Any]] | None:
@@ -176,7 +191,9 @@ def as_questions(
     points: Any, dimension: int, what: str, whose: str = "hull"
 ) -> tuple[npt.NDArray[Any], bool]:
     """Rows to ask about, and whether it was a single one: shape (d,) instead of (m, d)."""
-    array = points if type(points) is np.ndarray else as_array(points, what)
+    array = points
+    if type(points) is not np.ndarray or points.dtype.hasobject:
+        array = as_array(points, what)
     single = array.ndim == 1
     if single:
         array = array[np.newaxis, :]
@@ -250,13 +267,7 @@ def as_callback(progress: Progress) -> Callable[[str, float], object] | None:
 
 
 def _bar() -> Callable[[str, float], object]:
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise ImportError(
-            "progress=True draws its bar with tqdm, which is not installed; "
-            "pip install tqdm, or pass a function of (phase, share)"
-        ) from None
+    tqdm = needed("tqdm.auto", "progress=True", "progress").tqdm
     bar = tqdm(total=1.0, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}")
 
     def show(phase: str, share: float) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +10,9 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, refuse_mask, settings
 from ._errors import InvalidArgument, NotCertified
-from ._native import Certificate, FoundCells
+from ._forms import Table
+from ._found_cells import FoundCells
+from ._native import Certificate
 
 
 def constrained_delaunay(
@@ -139,10 +141,14 @@ class ConstrainedTriangulation(FoundCells):
             f"{self._cells.cell_count} cells, {n} constrained edge{'' if n == 1 else 's'}>"
         )
 
-    @property
-    def points(self) -> npt.NDArray[Any]:
-        """(n, 2): the points, as they were given; not a copy where they were read in place."""
-        return cast("npt.NDArray[Any]", self._cells.points)
+    def _parts(self) -> tuple[Any, ...]:
+        return self.points, self.cells, self.pieces, self.piece_sources, self.depths
+
+    def _table(self) -> Table:
+        rows = [*self._rows_of_table(), ("constrained edges", f"{len(self.pieces):,}")]
+        if self.certificate is not None:
+            rows.append(("certified", "yes" if self.certificate else "no"))
+        return Table("Constrained Delaunay triangulation", rows)
 
     @property
     def cells(self) -> npt.NDArray[np.int32]:

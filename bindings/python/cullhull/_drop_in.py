@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from copy import copy
 from typing import Any, NoReturn
 
@@ -9,16 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._answers import Mesh
 from ._arguments import Backend, CullMethod, Progress, settings
 from ._errors import InvalidArgument, qhull_error
+from ._forms import Picture, Surface, Table
 from ._hull import Hull
 from ._incremental import IncrementalPoints, Lazy
 from ._many import GrowingHull
 from ._qhull_options import QhullOptions, parse
 from ._scipy import of_scipy
+from ._shown import Exported
 
 
-class ConvexHull(IncrementalPoints):
+class ConvexHull(Exported, IncrementalPoints):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
     Pickles, copies and is sent between processes as SciPy's; also while incremental.
@@ -233,6 +237,68 @@ class ConvexHull(IncrementalPoints):
         if not (self._options.coplanar or self._options.interior):
             return np.empty((0, 3), dtype=np.int32)
         return _coplanar(self.hull, self._array, self._sides(), self._options)
+
+    # As the native hull has it
+
+    def mesh(self) -> Mesh:
+        """The boundary as a mesh of its vertices alone: see `Hull.mesh`.
+
+        Returns
+        -------
+        Mesh
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cullhull.ConvexHull([[0, 0], [1, 1], [4, 0], [0, 4]]).mesh().faces.tolist()
+        [[0, 2], [1, 0], [2, 1]]
+        """
+        return self.hull.mesh()
+
+    def save(self, path: str | os.PathLike[str], *, format: str = "") -> None:
+        """Writes a file of the hull and its points: see `Hull.save`.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The extension selects the format. An existing file is replaced.
+        format : str
+            The format, whatever the extension.
+
+        Raises
+        ------
+        FileError (an OSError), InvalidArgument or BadFile (ValueErrors)
+            As `Hull.save`.
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     cullhull.ConvexHull([[0, 0], [4, 0], [0, 4]]).save(os.path.join(folder, "a.wkt"))
+        ...     print(open(os.path.join(folder, "a.wkt")).read().strip())
+        POLYGON ((0 0, 4 0, 0 4, 0 0))
+        """
+        self.hull.save(path, self._array, format=format)
+
+    def _surface(self) -> Surface:
+        return self.hull._surface()
+
+    def _geometry(self) -> dict[str, Any]:
+        return self.hull._geometry()
+
+    def _picture(self) -> Picture:
+        return self.hull._picture()
+
+    def _shape_count(self) -> int:
+        return self.hull._shape_count()
+
+    def _table(self) -> Table:
+        return self.hull._table()
+
+    def _page(self) -> str:
+        from ._pages import page_of_hull
+
+        return page_of_hull(self._solid, self._array)
 
     def _sides(self) -> npt.NDArray[np.int8]:
         """-1, 0 or 1 a point: inside, on the boundary, outside."""

@@ -26,7 +26,7 @@ class InvalidArgument(Error, ValueError):
     >>> cullhull.generate("ball", -1)
     Traceback (most recent call last):
         ...
-    cullhull._errors.InvalidArgument: count must not be negative, and is -1
+    cullhull.InvalidArgument: count must not be negative, and is -1
     """
 
 
@@ -142,6 +142,23 @@ class ShapeWarning(UserWarning):
     >>> print(told[0].message)
     3 points in 200D: did you mean points.T?
     """
+
+
+for _kind in (
+    Error,
+    InvalidArgument,
+    NotFinite,
+    BadFile,
+    FileError,
+    OutOfBudget,
+    BackendUnavailable,
+    Cancelled,
+    NotCertified,
+    InternalError,
+    OptionWarning,
+    ShapeWarning,
+):
+    _kind.__module__ = "cullhull"  # where they are looked for, and shown in tracebacks
 
 
 def warn(message: str, category: type[Warning]) -> None:

@@ -9,12 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arguments import Progress, as_points, refuse_mask
+from ._answers import Mesh
+from ._compared import Compared
 from ._errors import InvalidArgument
+from ._forms import Picture, Surface, Table
 from ._hull import Hull
 from ._many import HullBatch, convex_hulls
+from ._shown import Exported
 
 
-class GroupHulls(Mapping[Any, Hull]):
+class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
     """The hulls of groups, from `hulls_by`: a mapping from key to `Hull`, ordered by key.
 
     Arrays over all groups are in `batch`, in the order of `keys`; which points a group has is in
@@ -85,21 +89,59 @@ class GroupHulls(Mapping[Any, Hull]):
         """(g,) array of the keys, ascending: group i of `batch` has ``group_keys[i]``."""
         return self._keys
 
-    def __eq__(self, other: object) -> bool:
-        """Whether both have the same keys, with the same points, and these the same hulls."""
-        if not isinstance(other, GroupHulls):
-            return NotImplemented
-        return self is other or all(
-            np.array_equal(mine, theirs) for mine, theirs in zip(self._parts(), other._parts())
-        )
-
     __hash__ = None  # type: ignore[assignment]
 
-    def _parts(self) -> tuple[npt.NDArray[Any], ...]:
-        """What all else follows from: keys, whose points, and where the hulls' vertices are."""
-        vertices = self.batch.vertices
-        corners = vertices.offsets, vertices.items, self.batch.vertex_points
-        return (self._keys, self._order, self._starts, *corners)
+    def _parts(self) -> tuple[Any, ...]:
+        return self._keys, self._order, self._starts, self.batch
+
+    def mesh(self) -> Mesh:
+        """The boundaries of all hulls as one mesh: as `HullBatch.mesh` of `batch`.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For hulls of different affine dimensions.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> points = [[0, 0], [4, 0], [0, 4], [9, 9], [8, 9], [9, 8]]
+        >>> cullhull.hulls_by(points, list("aaabbb")).mesh().faces.shape
+        (6, 2)
+        """
+        return self.batch.mesh()
+
+    def _surface(self) -> Surface:
+        surface = self.batch._surface()
+        return surface._replace(ids=self._order[surface.ids + self._row_starts()])
+
+    def _row_starts(self) -> npt.NDArray[np.int64]:
+        """Of each vertex of the batch the first row of its group's points."""
+        return np.repeat(self._starts[:-1], self.batch.vertices.lengths())
+
+    def _geometry(self) -> dict[str, Any]:
+        found = self.batch._geometry()
+        for key, feature in zip(self, found["features"]):
+            properties = feature["properties"]
+            del properties["set"]
+            feature["properties"] = {"key": key, **properties}
+        return found
+
+    def _picture(self) -> Picture:
+        return self.batch._picture()
+
+    def _shape_count(self) -> int:
+        return self.batch._shape_count()
+
+    def _table(self) -> Table:
+        return Table("Convex hulls of groups", [("groups", f"{len(self):,}"), *self.batch._table().rows[1:]])
+
+    def _page(self) -> str:
+        return self.batch._page()
 
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.

@@ -3,19 +3,37 @@
 from __future__ import annotations
 
 import os
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _show
+from . import _core
+from ._answers import Mesh
 from ._arguments import Progress, as_points, settings
+from ._forms import (
+    Picture,
+    Rows,
+    Surface,
+    Table,
+    fan,
+    places,
+    polygon_geometry,
+    require_drawable,
+    require_plane,
+    require_surface,
+)
 from ._lists import Lists
 from ._native import Certificate, Certified
 from ._questions import Questions
+from ._shown import Exported
+
+if TYPE_CHECKING:
+    from ._show import Page
 
 
-class Hull(Questions, Certified):
+class Hull(Questions, Exported, Certified):
     """An exact convex hull, made by `convex_hull`, `convex_hulls`, `GrowingHull` and others.
 
     The result is the same, bit for bit, whatever the options, threads and layout of the points.
@@ -69,6 +87,9 @@ class Hull(Questions, Certified):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _hull_of_state, (_core.state_of_solid(self._solid), self.certificate)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.dimension, self.point_count, self.vertices, self.vertex_points
 
     # What it is
 
@@ -130,6 +151,24 @@ class Hull(Questions, Certified):
     def vertex_points(self) -> npt.NDArray[np.float64]:
         """(v, d) float64: coordinates of `vertices`, in their order."""
         return self._solid.vertex_points
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """(n, d) float64: the coordinates of the vertices in the rows of their indices, so that
+        ``points[vertices]`` and ``points[simplices]`` are what they are in SciPy. A hull keeps no
+        other points: their rows are NaN. A new array; `vertex_points` takes no time."""
+        ids = self.vertices
+        count = max(self.point_count, int(ids.max(initial=-1)) + 1)  # states may count from others
+        rows = np.full((count, self.dimension), np.nan)
+        rows[ids] = self.vertex_points
+        return rows
+
+    @property
+    def equations(self) -> npt.NDArray[np.float64]:
+        """(s, d + 1) float64: the plane of each of `simplices`, as in SciPy: outward unit normal
+        and offset, ``<= 0`` inside. A new array; `facet_planes` has each plane once."""
+        planes: npt.NDArray[np.float64] = self.facet_planes[self.simplex_facets]
+        return planes
 
     @property
     def facets(self) -> Lists:
@@ -322,68 +361,123 @@ class Hull(Questions, Certified):
         array = None if points is None else as_points(points)
         _core.save(os.fspath(path), self._solid, array, format)
 
-    def plot(self, ax: Any = None, **style: Any) -> Any:
-        """Draws a hull in 2D or 3D with Matplotlib.
+    def view(  # type: ignore[override]
+        self,
+        points: Any = None,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        show: bool = True,
+    ) -> Page:
+        """Writes an interactive HTML page of the hull, in any dimension, and shows it.
 
-        Parameters
-        ----------
-        ax : Matplotlib axes, optional
-            A new figure's if not given.
-        style
-            Passed to ``PolyCollection`` or ``Poly3DCollection`` (facecolor, alpha, ...).
-
-        Returns
-        -------
-        The axes.
-
-        Raises
-        ------
-        ImportError
-            Without Matplotlib.
-        InvalidArgument (a ValueError)
-            In other dimensions.
-
-        Examples
-        --------
-        >>> import cullhull
-        >>> axes = cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).plot()  # doctest: +SKIP
-        """
-        return _show.plot(self._solid, ax, style)
-
-    def view(self, points: Any = None, path: Any = None, *, show: bool = True) -> str:
-        """Writes an interactive HTML page of the hull and opens it in a browser.
+        A notebook shows the page below the cell, in a frame; elsewhere a browser opens it. The
+        page is one file that needs no network.
 
         Parameters
         ----------
         points : (n, d) array, optional
-            Those the hull was computed from, to be drawn too (a sample of many).
-        path : str or path, optional
-            Where to write; a temporary file if not given.
+            The points that the hull was computed from, to draw them as well (of many a sample).
+        path : str or os.PathLike, optional
+            Where to write the page; by default a temporary file.
         show : bool
-            False only writes the page.
+            Open a browser, if this is no notebook.
 
         Returns
         -------
         str
-            The page's path.
+            The path of the page. A notebook shows the page in its place.
 
         Raises
         ------
         BackendUnavailable (a RuntimeError)
-            In a build without the viewer.
+            If the program was built without the viewer.
         Error
-            For what the viewer cannot draw.
+            If the viewer cannot draw the hull.
 
         Examples
         --------
         >>> import cullhull
         >>> cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).view()  # doctest: +SKIP
-        '/tmp/hull-xxxxxxxx.html'
+        '/tmp/cullhull-xxxxxxxx.html'
         """
-        return _show.view(self._solid, points, path, show)
+        from . import _show
+        from ._pages import page_of_hull
 
-    def _repr_html_(self) -> str:
-        return _show.html(self._solid, self.certificate)
+        return _show.shown(page_of_hull(self._solid, points), path, show)
+
+    def mesh(self) -> Mesh:
+        """The boundary as a mesh: coordinates of the vertices, and simplices that count them.
+
+        Time and memory are proportional to the number of vertices and simplices.
+
+        Returns
+        -------
+        Mesh
+            ``vertices``, (v, d) float64, are `vertex_points`; ``faces``, (s, k) int64, are
+            `simplices` by rows of these.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> points = [[0, 0], [1, 1], [4, 0], [0, 4]]        # the second one is inside
+        >>> vertices, faces = cullhull.convex_hull(points).mesh()
+        >>> vertices.tolist(), faces.tolist()
+        ([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]], [[0, 2], [1, 0], [2, 1]])
+        """
+        return Mesh(self.vertex_points, places(self.vertices, self.simplices))
+
+    # As others have it
+
+    def _surface(self) -> Surface:
+        k = self.affine_dimension
+        require_surface(self.dimension, k, "a hull")
+        count = len(self.vertices)
+        if k == 2:
+            ring = Lists(np.array([0, count], dtype=np.int64), np.arange(count, dtype=np.int64))
+            whole = fan(count)
+            return Surface(self.vertex_points, self.vertices, ring, whole, np.zeros(len(whole), int))
+        facets = Lists(self._solid.facet_offsets, places(self.vertices, self._solid.facet_vertices))
+        rows, simplices = self.mesh()
+        return Surface(rows, self.vertices, facets, simplices, self.simplex_facets)
+
+    def _geometry(self) -> dict[str, Any]:
+        require_plane(self.dimension, "a hull")
+        corners = self.vertex_points
+        if self.affine_dimension == 2:
+            return polygon_geometry([corners])
+        if self.affine_dimension == 1:
+            return {"type": "LineString", "coordinates": corners.tolist()}
+        if self.affine_dimension == 0:
+            return {"type": "Point", "coordinates": corners[0].tolist()}
+        return {"type": "GeometryCollection", "geometries": []}
+
+    def _picture(self) -> Picture:
+        require_drawable(self.dimension)
+        return picture_of([self])
+
+    def _outlines(self) -> list[list[Rows]]:
+        """The facets as outlines; a hull in its own plane is one polygon."""
+        if self.affine_dimension < 2:
+            return []
+        surface = self._surface()
+        return [[surface.points[polygon]] for polygon in surface.polygons]
+
+    def _shape_count(self) -> int:
+        return self.facet_count
+
+    def _table(self) -> Table:
+        rows = [
+            ("points", f"{self.point_count:,} in {self.dimension}D"),
+            ("affine dimension", str(self.affine_dimension)),
+            ("vertices", f"{len(self.vertices):,}"),
+            ("facets", f"{self.facet_count:,} ({self.simplex_count:,} simplices)"),
+            ("volume", f"{self.volume:.6g}"),
+            ("area", f"{self.area:.6g}"),
+            ("computed in", f"{self.statistics['compute_seconds'] * 1e3:.3g} ms"),
+        ]
+        if self.certificate is not None:
+            rows.append(("certified", "yes" if self.certificate else "no"))
+        return Table("Convex hull", rows)
 
     def __repr__(self) -> str:
         flat = "" if self.affine_dimension == self.dimension else (
@@ -393,6 +487,14 @@ class Hull(Questions, Certified):
             f"<Hull of {self.point_count} points in {self.dimension}D{flat}: "
             f"{len(self.vertices)} vertices, {self.facet_count} facets>"
         )
+
+
+def picture_of(hulls: Sequence[Hull]) -> Picture:
+    """Of hulls of points in the plane or in space; those on a line are drawn as such."""
+    polygons = [outline for hull in hulls for outline in hull._outlines()]
+    lines = [hull.vertex_points for hull in hulls if hull.affine_dimension == 1]
+    flat = [hull.vertex_points for hull in hulls if hull.affine_dimension < 2]
+    return Picture(polygons, lines, np.concatenate(flat) if flat else None)
 
 
 def _hull_of_state(state: dict[str, Any], certificate: Certificate | None) -> Hull:

@@ -433,7 +433,7 @@ class NearestNDInterpolator(_Interpolator):
         except ImportError:
             raise ImportError(
                 f"in more than {_MOST_DIMENSIONS} dimensions, for p != 2 and as `tree` SciPy's tree "
-                "is used, and SciPy is not installed"
+                "is used, and SciPy is not installed: pip install 'cullhull[scipy]'"
             ) from None
         return cKDTree(self.points, **self._tree_options)
 
@@ -490,7 +490,7 @@ def griddata(
         if theirs is None:
             raise ImportError(
                 f"method={method!r} in {dimension} dimension{'s'[: dimension - 1]} is SciPy's own, "
-                "which is not installed"
+                "which is not installed: pip install 'cullhull[scipy]'"
             )
         found: npt.NDArray[Any] = theirs(
             rows,

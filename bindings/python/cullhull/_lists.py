@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._arguments import as_position
+from ._compared import Compared
 
 
 @contextlib.contextmanager
@@ -27,7 +28,7 @@ def collector_paused() -> Iterator[None]:
         gc.enable()
 
 
-class Lists(Sequence[npt.NDArray[Any]]):
+class Lists(Compared, Sequence[npt.NDArray[Any]]):
     """A sequence of integer arrays: ``lists[i]`` is ``items[offsets[i]:offsets[i + 1]]``, a view.
 
     Parameters
@@ -55,6 +56,9 @@ class Lists(Sequence[npt.NDArray[Any]]):
     def __init__(self, offsets: npt.NDArray[np.int64], items: npt.NDArray[Any]) -> None:
         self.offsets = offsets
         self.items = items
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.offsets, self.items
 
     def __len__(self) -> int:
         return len(self.offsets) - 1

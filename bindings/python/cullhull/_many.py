@@ -18,14 +18,17 @@ from ._arguments import (
     refuse_mask,
     settings,
 )
+from ._answers import Mesh
 from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
-from ._hull import Hull
-from ._native import Native
+from ._forms import Picture, Surface, Table, features, require_drawable, require_plane
+from ._hull import Hull, picture_of
 from ._lists import Lists
+from ._native import Native
+from ._shown import Exported
 
 
-class HullBatch(Native, Sequence[Hull]):
+class HullBatch(Exported, Native, Sequence[Hull]):
     """The hulls of many sets, from `convex_hulls`: a sequence of `Hull`, and arrays over all.
 
     Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
@@ -68,6 +71,9 @@ class HullBatch(Native, Sequence[Hull]):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _batch_of_state, (_core.state_of_batch(self._batch),)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return self.dimension, self.point_counts, self.vertices, self.vertex_points
 
     def __len__(self) -> int:
         return len(self._batch)
@@ -139,6 +145,88 @@ class HullBatch(Native, Sequence[Hull]):
     def simplices(self) -> Lists:
         """For each set its simplices, k indices each, end to end."""
         return Lists(self._batch.simplex_offsets, self._batch.simplices)
+
+    def mesh(self) -> Mesh:
+        """The boundaries of all hulls as one mesh; all hulls must span equally many dimensions.
+
+        Returns
+        -------
+        Mesh
+            ``vertices``, (v, d) float64, are `vertex_points`; ``faces``, (s, k) int64, are the
+            simplices of all hulls by rows of these.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For hulls of different affine dimensions.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> triangle = [[0, 0], [4, 0], [0, 4]]
+        >>> cullhull.convex_hulls([triangle, triangle]).mesh().faces.tolist()
+        [[0, 2], [1, 0], [2, 1], [3, 5], [4, 3], [5, 4]]
+        """
+        if len(np.unique(self.affine_dimensions)) > 1:
+            raise InvalidArgument("hulls of different affine dimensions make no one mesh")
+        starts = self.vertices.offsets.tolist()
+        faces = [hull.mesh().faces + start for hull, start in zip(self, starts)]
+        width = max(0, *self.affine_dimensions.tolist()) if faces else 0
+        none = np.empty((0, width), dtype=np.int64)
+        return Mesh(self.vertex_points, np.concatenate([none, *faces]))
+
+    # As others have it
+
+    def _surface(self) -> Surface:
+        starts = self.vertices.offsets.tolist()
+        surfaces = [hull._surface() for hull in self]
+        polygons = [s.polygons.items + start for s, start in zip(surfaces, starts)]
+        lengths = [s.polygons.lengths() for s in surfaces]
+        numbers = [np.full(len(s.polygons), i) for i, s in enumerate(surfaces)]
+        none = np.empty(0, dtype=np.int64)
+        return Surface(
+            self.vertex_points,
+            self.vertices.items,
+            Lists(np.cumsum(np.concatenate([[0], *lengths])), np.concatenate([none, *polygons])),
+            np.concatenate(
+                [none.reshape(0, 3), *(s.triangles + start for s, start in zip(surfaces, starts))]
+            ),
+            np.concatenate([none, *(np.full(len(s.triangles), i) for i, s in enumerate(surfaces))]),
+            {"set": np.concatenate([none, *numbers])},
+        )
+
+    def _geometry(self) -> dict[str, Any]:
+        require_plane(self.dimension, "a batch")
+        return features(
+            [hull._geometry() for hull in self],
+            set=range(len(self)),
+            points=self.point_counts.tolist(),
+            perimeter=self.areas.tolist(),
+            area=self.volumes.tolist(),
+        )
+
+    def _picture(self) -> Picture:
+        require_drawable(self.dimension)
+        return picture_of(list(self))
+
+    def _shape_count(self) -> int:
+        return len(self) if self.dimension == 2 else int(self.facet_counts.sum())
+
+    def _table(self) -> Table:
+        return Table(
+            "Convex hulls",
+            [
+                ("sets", f"{len(self):,}"),
+                ("points", f"{int(self.point_counts.sum()):,} in {self.dimension}D"),
+                ("vertices", f"{len(self.vertices.items):,}"),
+                ("facets", f"{int(self.facet_counts.sum()):,}"),
+            ],
+        )
+
+    def _page(self) -> str:
+        from ._pages import page_of_surface
+
+        return page_of_surface(self._surface(), None, self._table())
 
     def __repr__(self) -> str:
         return f"<HullBatch of {len(self)} hulls in {self.dimension}D>"

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from typing import Any, ClassVar, TypeVar
 
-import numpy as np
-import numpy.typing as npt
-
 from . import _core
+from ._compared import Compared
 
 Certificate = _core.Certificate
 C = TypeVar("C", bound="Certified")
 
 
-class Native:
+class Native(Compared):
     """Of a result that a function makes and nobody can change: copies share it."""
 
     __slots__ = ("__weakref__",)
@@ -48,22 +46,3 @@ class Certified(Native):
 
     def __copy__(self) -> Any:
         return self._of(getattr(self, self._slot), self.certificate)
-
-
-class FoundCells(Certified):
-    """A triangulation, of whatever kind."""
-
-    __slots__ = ("_cells",)
-
-    _slot = "_cells"
-    _cells: _core.Cells
-
-    @property
-    def hull_cells(self) -> npt.NDArray[np.int32]:
-        """(f,) int32: the cell of each of `hull_facets`."""
-        return self._cells.hull_cells
-
-    @property
-    def duplicates(self) -> npt.NDArray[np.int32]:
-        """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
-        return self._cells.duplicates

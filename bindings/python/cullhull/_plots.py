@@ -9,6 +9,8 @@ import numpy.typing as npt
 
 from ._delaunay import Delaunay
 from ._errors import InvalidArgument
+from ._extras import needed
+from ._hull import Hull
 from ._triangulation import Triangulation
 
 
@@ -16,9 +18,7 @@ def _axes(points: npt.NDArray[np.float64], ax: Any, what: str) -> Any:
     if points.shape[1] != 2:
         raise InvalidArgument(f"{what} is not 2-D")
     if ax is None:
-        import matplotlib.pyplot as plt
-
-        ax = plt.figure().gca()
+        ax = needed("matplotlib.pyplot", "a picture", "plot").figure().gca()
     return ax
 
 
@@ -27,6 +27,45 @@ def _frame(ax: Any, points: npt.NDArray[np.float64]) -> None:
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     ax.set_xlim(low[0], high[0])
     ax.set_ylim(low[1], high[1])
+
+
+def convex_hull_plot_2d(hull: Any, ax: Any = None) -> Any:
+    """In place of `scipy.spatial.convex_hull_plot_2d`: draws points in the plane and their hull.
+
+    Parameters
+    ----------
+    hull : ConvexHull, of this package or SciPy, or the `Hull` of `convex_hull`
+        A `Hull` keeps no points but its vertices, so only these are drawn.
+    ax : matplotlib.axes.Axes, optional
+        By default the axes of a new figure.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    InvalidArgument (a ValueError)
+        If the points are not 2D.
+    ImportError
+        If Matplotlib is not installed: ``pip install 'cullhull[plot]'``.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> cullhull.convex_hull_plot_2d(cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]]))  # doctest: +SKIP
+    <Figure size 640x480 with 1 Axes>
+    """
+    points = hull.points
+    shown = hull.vertex_points if isinstance(hull, Hull) else points
+    ax = _axes(shown, ax, "Convex hull")
+    collections = needed("matplotlib.collections", "convex_hull_plot_2d()", "plot")
+    ax.plot(shown[:, 0], shown[:, 1], "o")
+    edges = [points[simplex] for simplex in hull.simplices]
+    ax.add_collection(collections.LineCollection(edges, colors="k", linestyle="solid"))
+    if len(shown):
+        _frame(ax, shown)
+    return ax.figure
 
 
 def delaunay_plot_2d(tri: Any, ax: Any = None) -> Any:

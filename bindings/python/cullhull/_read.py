@@ -15,6 +15,7 @@ from . import _core
 from ._arguments import as_count
 from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
+from ._extras import needed
 from ._parquet import choose
 
 Columns = Union[Sequence[str], Sequence[int], None]
@@ -34,13 +35,13 @@ def read(
     .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt and .csv, and these compressed (.gz, .zst,
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
-    laspy[lazrs]``), .e57 pye57, .parquet pyarrow, FOLDER.zarr or FOLDER.zarr/NAME (an array) zarr,
-    FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a column each) h5py. .las and .laz
-    give coordinates as doubles: where scale and offset are decimals the ones nearest to number *
+    'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
+    FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
+    column each) h5py (``hdf5``). .las and .laz give coordinates as doubles: where scale and offset are decimals the ones nearest to number *
     scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
 
-    Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec: .npy, .las, .laz, .parquet,
-    .zarr and .h5.
+    Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec (extra ``remote``):
+    .npy, .las, .laz, .parquet, .zarr and .h5.
 
     Parameters
     ----------
@@ -107,22 +108,11 @@ def read(
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
-def _package(name: str, ending: str, install: str) -> Any:
-    import importlib
-
-    try:
-        return importlib.import_module(name)
-    except ImportError:
-        raise ImportError(
-            f"{ending} are read with {name}, which is not installed: pip install {install}"
-        ) from None
-
-
 def _opened(name: str) -> Any:
     """What a reader is given: the name of a file here, or an open file from elsewhere."""
     if "://" not in name:
         return name
-    return _package("fsspec", "files with a protocol", "fsspec").open(name, "rb").open()
+    return needed("fsspec", "reading names with a protocol", "remote").open(name, "rb").open()
 
 
 def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[int]:
@@ -175,7 +165,7 @@ def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
 
 
 def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    h5py = _package("h5py", ".h5 files", "h5py")
+    h5py = needed("h5py", "reading .h5 files", "hdf5")
     path, dataset = name, ""
     found = re.search(r"\.(h5|hdf5|he5|nc|nc4):", name, re.IGNORECASE)
     if found and not os.path.exists(name):
@@ -256,7 +246,7 @@ def _columns_of(
 
 
 def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    array = _package("zarr", ".zarr folders", "zarr").open(name, mode="r")
+    array = needed("zarr", "reading .zarr folders", "zarr").open(name, mode="r")
     if not hasattr(array, "ndim"):
         names = ", ".join(sorted(array.array_keys()))
         raise InvalidArgument(f"{name}: say which array, as FOLDER.zarr/NAME; there are {names}")
@@ -266,7 +256,7 @@ def _zarr(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray
 def _las(
     name: str, columns: Columns, size: int | None, raw: bool = False
 ) -> Iterator[npt.NDArray[Any]]:
-    laspy = _package("laspy", ".las and .laz files", "'laspy[lazrs]'")
+    laspy = needed("laspy", "reading .las and .laz files", "laz")
     try:
         with laspy.open(_opened(name)) as file:
             taken = _las_names(columns, list(file.header.point_format.dimension_names), name)
@@ -332,7 +322,7 @@ def _scaled(value: float, decimals: int) -> float:
 
 
 def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    pye57 = _package("pye57", ".e57 files", "pye57")
+    pye57 = needed("pye57", "reading .e57 files", "e57")
     taken = _numbers(columns, 3, name, "xyz")
     try:
         with pye57.E57(name) as file:
@@ -345,8 +335,8 @@ def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[
 
 
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    parquet = _package("pyarrow.parquet", ".parquet files", "pyarrow")
-    arrow = _package("pyarrow", ".parquet files", "pyarrow")
+    parquet = needed("pyarrow.parquet", "reading .parquet files", "parquet")
+    arrow = needed("pyarrow", "reading .parquet files", "parquet")
     try:
         file = parquet.ParquetFile(_opened(name))
         wanted, rows = choose(name, file.schema_arrow, columns)

@@ -11,7 +11,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_count, as_points, settings
+from ._forms import Picture, Table
 from ._hull import Hull
+from ._shown import Shown
 
 _DTYPES = {
     "f32": np.float32,
@@ -25,7 +27,7 @@ _DTYPES = {
 }
 
 
-class HullState:
+class HullState(Shown):
     """All that some points contribute to a hull: the extreme ones, each with its index among all
     points and its coordinates; of equal points the first.
 
@@ -213,6 +215,26 @@ class HullState:
         """
         chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
         return Hull._of(self._state.solid(chosen))
+
+    def _picture(self) -> Picture:
+        return self.hull()._picture()
+
+    def _shape_count(self) -> int:
+        return len(self)
+
+    def _table(self) -> Table:
+        return Table(
+            "Hull state",
+            [
+                ("points", f"{self.point_count:,} in {self.dimension}D"),
+                ("extreme points", f"{len(self):,}"),
+            ],
+        )
+
+    def _page(self) -> str:
+        from ._pages import page_of_hull
+
+        return page_of_hull(self.hull()._solid, None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a file that appears whole or not at all.

@@ -10,7 +10,9 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, as_points, as_questions, settings
 from ._errors import InvalidArgument, NotCertified
-from ._native import Certificate, FoundCells
+from ._forms import Table
+from ._found_cells import FoundCells
+from ._native import Certificate
 
 
 def delaunay(
@@ -129,12 +131,16 @@ class Triangulation(FoundCells):
     def __len__(self) -> int:
         return self.cell_count
 
-    # What it is
+    def _parts(self) -> tuple[Any, ...]:
+        return self.points, self.weights, self.furthest_site, self.cells
 
-    @property
-    def points(self) -> npt.NDArray[Any]:
-        """(n, d): the points, as they were given; not a copy where they were read in place."""
-        return cast("npt.NDArray[Any]", self._cells.points)
+    def _table(self) -> Table:
+        rows = self._rows_of_table()
+        if self.certificate is not None:
+            rows.append(("certified", "yes" if self.certificate else "no"))
+        return Table("Triangulation" if self.weights is None else "Regular triangulation", rows)
+
+    # What it is
 
     @property
     def weights(self) -> npt.NDArray[np.float64] | None:

@@ -9,11 +9,27 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, as_points, settings
+from ._answers import Mesh
+from ._constrained import constrained_delaunay
 from ._delaunay import Lifted, as_triangulation
 from ._errors import InvalidArgument
+from ._forms import (
+    Picture,
+    Rows,
+    Surface,
+    Table,
+    fan,
+    fans,
+    features,
+    polygons_geometry,
+    require_drawable,
+    require_plane,
+    require_surface,
+)
 from ._incremental import Lazy
 from ._lists import Lists, collector_paused
 from ._native import Native
+from ._shown import Exported, Saved, Shown
 from ._triangulation import Triangulation, delaunay
 
 
@@ -72,7 +88,7 @@ def voronoi(
     return VoronoiDiagram._of(found, _core.voronoi(found._cells, chosen))
 
 
-class VoronoiDiagram(Native):
+class VoronoiDiagram(Shown, Saved, Native):
     """A Voronoi or power diagram, made by `voronoi`: the dual of a `Triangulation`.
 
     All arrays are read-only views of the result's own memory. It never changes; a pickle holds the
@@ -117,6 +133,9 @@ class VoronoiDiagram(Native):
     def __reduce__(self) -> tuple[Any, ...]:
         return voronoi, (self.triangulation,)
 
+    def _parts(self) -> tuple[Any, ...]:
+        return (self.triangulation,)  # of which all else follows
+
     def __repr__(self) -> str:
         kind = "VoronoiDiagram" if self.triangulation.weights is None else "Power diagram"
         return (
@@ -124,6 +143,11 @@ class VoronoiDiagram(Native):
             f"{self.triangulation.dimension}D: {len(self.vertices)} vertices, "
             f"{len(self.ridge_points)} ridges>"
         )
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, d): the points as they were given, as `Triangulation.points`."""
+        return self.triangulation.points
 
     @property
     def vertices(self) -> npt.NDArray[np.float64]:
@@ -208,6 +232,62 @@ class VoronoiDiagram(Native):
         region: Any = (low,) if high is None else (low, high)
         return ClippedCells._of(self, self._clip(region, bool(shapes), threads, progress), region)
 
+    def _picture(self) -> Picture:
+        """In the plane the edges, unbounded ones as far as the picture reaches; in space the
+        bounded faces."""
+        found = self.triangulation
+        require_drawable(found.dimension)
+        sites = np.asarray(found.points, dtype=np.float64)
+        vertices = self.vertices
+        good = np.append(np.isfinite(vertices).all(axis=1), False)  # the last one is at infinity
+        ridges = [ridge for ridge in self.ridges if len(ridge) and good[ridge].all()]
+        if found.dimension == 3:
+            faces = [[vertices[ridge]] for ridge in ridges if len(ridge) > 2]
+            return Picture(faces, dots=sites, frame=sites)
+        edges = [vertices[ridge] for ridge in ridges if len(ridge) == 2]
+        return Picture(segments=edges + self._rays(good), dots=sites, frame=sites)
+
+    def _rays(self, good: npt.NDArray[np.bool_]) -> list[Rows]:
+        found = self.triangulation
+        if found.affine_dimension != 2:
+            return []
+        starts = self.vertices[self.ray_vertices[good[self.ray_vertices]]]
+        directions = self.ray_directions[good[self.ray_vertices]]
+        sites = np.asarray(found.points, dtype=np.float64)
+        low, high = sites.min(axis=0), sites.max(axis=0)
+        away = np.maximum(np.abs(starts - low), np.abs(starts - high)).sum(axis=1)
+        ends = starts + 4 * away[:, np.newaxis] * directions  # beyond all points
+        return list(np.stack([starts, ends], axis=1))
+
+    def _shape_count(self) -> int:
+        return len(self.ridge_points)
+
+    def _table(self) -> Table:
+        found = self.triangulation
+        return Table(
+            "Voronoi diagram" if found.weights is None else "Power diagram",
+            [
+                ("points", f"{found.point_count:,} in {found.dimension}D"),
+                ("vertices", f"{len(self.vertices):,}"),
+                ("ridges", f"{len(self.ridge_points):,}"),
+            ],
+        )
+
+    def _write(self, path: str, format: str) -> None:
+        _core.save_diagram(path, self._diagram, format)
+
+    def _page(self) -> str:
+        return self._within_box()._page()
+
+    def _within_box(self) -> ClippedCells:
+        """The cells in the box of the points, a tenth wider, as the program clips them."""
+        sites = np.asarray(self.points, dtype=np.float64)
+        if len(sites) == 0:
+            raise InvalidArgument("a diagram without points has no cells to view")
+        low, high = sites.min(axis=0), sites.max(axis=0)
+        margin = 0.1 * float((high - low).max()) or 1.0
+        return self.clip(low - margin, high + margin)
+
     def _clip(
         self, region: tuple[Any, ...], shapes: bool, threads: int | None, progress: Progress
     ) -> _core.ClippedCells:
@@ -258,7 +338,7 @@ def _rings_of_geometry(shape: Any) -> list[npt.NDArray[np.float64]]:
     ]
 
 
-class ClippedCells(Native):
+class ClippedCells(Exported, Saved, Native):
     """Answer of `VoronoiDiagram.clip`: one cell a point.
 
     It never changes; a pickle holds the diagram's triangulation and the region, of which it is made
@@ -311,6 +391,15 @@ class ClippedCells(Native):
     def __reduce__(self) -> tuple[Any, ...]:
         shapes = len(self._clipped.vertex_offsets) > 0
         return _clip_again, (self._diagram, self._region, shapes)
+
+    def _parts(self) -> tuple[Any, ...]:
+        cells = self._clipped
+        return self._diagram, self.measures, cells.vertex_offsets, cells.vertices, cells.ring_starts
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, d): the points that the cells belong to, as `Triangulation.points`."""
+        return self._diagram.points
 
     @property
     def measures(self) -> npt.NDArray[np.float64]:
@@ -400,11 +489,200 @@ class ClippedCells(Native):
             raise IndexError(f"point {point} of {len(offsets) - 1}")
         return int(offsets[point]), int(offsets[point + 1])
 
+    def mesh(self) -> Mesh:
+        """The boundary of every cell as a mesh: corners, and simplices that count them.
+
+        In 2D the simplices are edges, counter-clockwise around a cell (clockwise around a hole); in
+        3D they are triangles, counter-clockwise seen from outside; in 1D they are the ends. The
+        corners of a cell follow one another, in the order of `corners`, so that a corner of several
+        cells is repeated. Time and memory are proportional to the size of the mesh.
+
+        Returns
+        -------
+        Mesh
+            ``vertices``, (v, d) float64, and ``faces``, (m, d) int64.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            Where ``shapes=False`` left the shapes out.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cells = cullhull.voronoi([[0, 0], [2, 0]]).clip([0, 0], [2, 1])
+        >>> vertices, faces = cells.mesh()
+        >>> len(vertices), faces[:4].tolist()
+        (8, [[0, 1], [1, 2], [2, 3], [3, 0]])
+        """
+        self._require_shapes()
+        rows = self._clipped.vertices
+        number = np.arange(len(rows), dtype=np.int64)
+        if rows.shape[1] == 3:
+            return Mesh(rows, fans(self._faces()))
+        if rows.shape[1] == 1:
+            return Mesh(rows, number[:, np.newaxis])
+        return Mesh(rows, np.column_stack([number, _following(self._clipped.ring_starts)]))
+
+    def to_pyvista(self) -> Any:
+        """The cells as an object of PyVista.
+
+        In 3D a ``pyvista.UnstructuredGrid`` of polyhedra; in 2D a ``pyvista.PolyData`` of polygons
+        at z = 0, those with dents or holes in triangles. The cell data ``point`` hold the index of each
+        cell's point, ``measure`` its volume or area.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid or pyvista.PolyData
+
+        Raises
+        ------
+        ImportError
+            If PyVista is not installed: ``pip install 'cullhull[mesh]'``.
+        InvalidArgument (a ValueError)
+            In 1D, and where ``shapes=False`` left the shapes out.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cells = cullhull.voronoi(cullhull.generate("cube", 50)).clip([-1] * 3, [1] * 3)
+        >>> cells.to_pyvista().n_cells  # doctest: +SKIP
+        50
+        """
+        from . import _convert
+
+        if self._diagram.triangulation.dimension != 3:
+            return _convert.to_pyvista(self._surface())
+        self._require_shapes()
+        faces = self._faces()
+        starts = self._clipped.face_offsets.tolist()
+        shown = [i for i, (a, b) in enumerate(zip(starts, starts[1:])) if b > a]
+        polyhedra = [faces[starts[i] : starts[i + 1]] for i in shown]
+        data = {"point": np.array(shown), "measure": self.measures[shown]}
+        return _convert.polyhedra_to_pyvista(self._clipped.vertices, polyhedra, data)
+
+    # As others have it
+
+    def _require_shapes(self) -> None:
+        if len(self._clipped.vertex_offsets) == 0:
+            raise InvalidArgument("clip() was called with shapes=False")
+
+    def _owners(self) -> npt.NDArray[np.int64]:
+        """Of each corner the point of its cell."""
+        counts = np.diff(self._clipped.vertex_offsets)
+        return np.repeat(np.arange(len(counts), dtype=np.int64), counts)
+
+    def _faces(self) -> Lists:
+        """In 3D the faces of all cells, by rows of all corners."""
+        cells = self._clipped
+        cell = np.repeat(cells.vertex_offsets[:-1], np.diff(cells.face_offsets))
+        items = cells.face_vertices + np.repeat(cell, np.diff(cells.face_starts))
+        return Lists(cells.face_starts, items)
+
+    def _surface(self) -> Surface:
+        self._require_shapes()
+        rows = self._clipped.vertices
+        require_surface(rows.shape[1], 2, "a diagram")
+        owners = self._owners()
+        if rows.shape[1] == 3:
+            faces = self._faces()
+            cell = np.repeat(np.arange(len(self)), np.diff(self._clipped.face_offsets))
+            data = {"point": cell, "measure": self.measures[cell]}
+            pieces = np.repeat(np.arange(len(faces)), faces.lengths() - 2)
+            return Surface(rows, owners, faces, fans(faces), pieces, data)
+        polygons: list[npt.NDArray[np.int64]] = []
+        triangles: list[npt.NDArray[np.int64]] = [np.empty((0, 3), dtype=np.int64)]
+        for rings in self._ring_numbers():
+            if len(rings) == 1 and _is_convex(rows[rings[0]]):
+                polygons.append(rings[0])
+                triangles.append(rings[0][fan(len(rings[0]))])
+            else:
+                triangles.append(_triangles(rows, rings))
+                polygons += list(triangles[-1])
+        ends = np.cumsum([0, *map(len, polygons)])
+        items = np.concatenate(polygons) if polygons else np.empty(0, dtype=np.int64)
+        cell = owners[items[ends[:-1]]]
+        data = {"point": cell, "measure": self.measures[cell]}
+        whole = np.concatenate(triangles)
+        return Surface(rows, owners, Lists(ends, items), whole, owners[whole[:, 0]], data)
+
+    def _ring_numbers(self) -> list[list[npt.NDArray[np.int64]]]:
+        """Of each polygon of each cell its rings, by rows of all corners."""
+        rings, starts = self._clipped.polygon_rings.tolist(), self._clipped.ring_starts.tolist()
+        return [
+            [np.arange(starts[r], starts[r + 1]) for r in range(begin, end)]
+            for begin, end in zip(rings, rings[1:])
+        ]
+
+    def _geometry(self) -> dict[str, Any]:
+        require_plane(self._diagram.triangulation.dimension, "a diagram")
+        cells = [polygons_geometry(self.polygons(i)) for i in range(len(self))]
+        return features(cells, point=range(len(self)), area=self.measures.tolist())
+
+    def _picture(self) -> Picture:
+        require_drawable(self._diagram.triangulation.dimension)
+        self._require_shapes()
+        rows = self._clipped.vertices
+        if rows.shape[1] == 3:
+            return Picture([[rows[face]] for face in self._faces()])
+        return Picture([[rows[ring] for ring in rings] for rings in self._ring_numbers()])
+
+    def _shape_count(self) -> int:
+        return len(self.measures) * self._diagram.triangulation.dimension
+
+    def _table(self) -> Table:
+        found = self._diagram.triangulation
+        what = {1: "length", 2: "area", 3: "volume"}[found.dimension]
+        return Table(
+            "Voronoi cells" if found.weights is None else "Power cells",
+            [
+                ("points", f"{found.point_count:,} in {found.dimension}D"),
+                ("cells in the region", f"{np.count_nonzero(self.measures):,}"),
+                (what, f"{self.measures.sum():.6g}"),
+            ],
+        )
+
+    def _write(self, path: str, format: str) -> None:
+        _core.save_clipped(path, self._clipped, format)
+
+    def _page(self) -> str:
+        from ._pages import page_of_surface
+
+        surface = self._surface()
+        return page_of_surface(
+            surface, self.mesh().faces if surface.points.shape[1] == 2 else None, self._table()
+        )
+
     def __len__(self) -> int:
         return len(self.measures)
 
     def __repr__(self) -> str:
         return f"<ClippedCells: {len(self)} cells>"
+
+
+def _following(starts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Of each corner of rings the next one."""
+    following = np.arange(1, int(starts[-1]) + 1 if len(starts) else 1, dtype=np.int64)
+    filled = np.flatnonzero(np.diff(starts))
+    following[starts[filled + 1] - 1] = starts[filled]
+    return following
+
+
+def _triangles(
+    rows: npt.NDArray[np.float64], rings: list[npt.NDArray[np.int64]]
+) -> npt.NDArray[np.int64]:
+    """A polygon of the plane with dents or holes in triangles, whose corners are rows."""
+    numbers = np.concatenate(rings)
+    following = _following(np.cumsum([0, *map(len, rings)]))
+    edges = np.column_stack([np.arange(len(numbers)), following])
+    found = constrained_delaunay(rows[numbers], edges, inside_only=True)
+    return numbers[found.cells]
+
+
+def _is_convex(ring: npt.NDArray[np.float64]) -> bool:
+    edges = np.roll(ring, -1, axis=0) - ring
+    after = np.roll(edges, -1, axis=0)
+    return bool((edges[:, 0] * after[:, 1] - edges[:, 1] * after[:, 0] >= 0).all())
 
 
 def _clip_again(diagram: VoronoiDiagram, region: tuple[Any, ...], shapes: bool) -> ClippedCells:

@@ -27,7 +27,9 @@ try:
     from dask.base import is_dask_collection, tokenize
     from dask.delayed import Delayed, delayed
 except ImportError:
-    raise ImportError("cullhull.dask needs Dask: pip install dask") from None
+    raise ImportError(
+        "cullhull.dask needs dask, which is not installed: pip install 'cullhull[dask]'"
+    ) from None
 
 from ._arguments import as_count, as_points, wrong_axes
 from ._errors import InvalidArgument

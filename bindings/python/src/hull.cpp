@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "arrays.hpp"
 #include "cullhull/certify.hpp"
@@ -115,6 +116,10 @@ std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
 }
 
 using Self = SolidHandle;
+
+auto parts_of(const Certificate& c) {
+  return std::tie(c.valid, c.reason, c.ridges_checked, c.points_checked, c.exact_decisions);
+}
 
 constexpr const char* certificate_text = R"(What `certify` found: true if the hull is proven.
 
@@ -240,6 +245,18 @@ void bind_hull(nb::module_& m) {
           },
           nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"))
       .def("__bool__", [](const Certificate& found) { return found.valid; })
+      .def(
+          "__eq__",
+          [](const Certificate& found, nb::handle other) {
+    return nb::isinstance<Certificate>(other) &&
+           parts_of(found) == parts_of(nb::cast<const Certificate&>(other));
+          },
+          nb::arg("other").none(), nb::sig("def __eq__(self, other: object, /) -> bool"))
+      .def(
+          "__hash__",
+          [](const Certificate& found) {
+    return static_cast<Py_hash_t>(2 * found.points_checked + (found.valid ? 1 : 0));
+          })
       .def("__repr__", [](const Certificate& found) {
         return found.valid ? std::string("<Certificate: valid>")
                            : "<Certificate: not valid: " + found.reason + ">";

@@ -25,4 +25,5 @@ NB_MODULE(_core, m) {
   binding::bind_triangulation(m);
   binding::bind_voronoi(m);
   binding::bind_cells(m);
+  binding::bind_save(m);
 }

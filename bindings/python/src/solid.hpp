@@ -80,5 +80,6 @@ void bind_files(nanobind::module_& m);
 void bind_triangulation(nanobind::module_& m);
 void bind_voronoi(nanobind::module_& m);
 void bind_cells(nanobind::module_& m);
+void bind_save(nanobind::module_& m);
 
 }  // namespace binding

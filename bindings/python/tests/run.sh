@@ -11,7 +11,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 coxeter=0.11.0
 openpnm=3.6.4
 metpy=1.7.1
-extras=(pandas pyarrow shapely polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
+extras=(pandas pyarrow shapely geopandas polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
   docrep numba pint pooch pyamg pyproj rich traitlets transforms3d
   "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 fsspec)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi

@@ -117,7 +117,7 @@ def test_progress_true_draws_a_bar(capsys):
 def test_progress_true_says_what_is_missing(monkeypatch):
     monkeypatch.setitem(sys.modules, "tqdm", None)
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
-    with pytest.raises(ImportError, match="pip install tqdm"):
+    with pytest.raises(ImportError, match=r"pip install 'cullhull\[progress\]'"):
         cullhull.convex_hull(np.eye(3), progress=True)
 
 

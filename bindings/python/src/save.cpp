@@ -1,0 +1,80 @@
+// Files of triangulations, diagrams, clipped cells and alpha shapes, as the program writes them.
+#include <nanobind/stl/string.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.hpp"
+#include "cullhull/alpha_shape.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/triangulation_io.hpp"
+#include "solid.hpp"
+#include "triangulation.hpp"
+
+namespace binding {
+
+namespace {
+
+using Numbers = Array<std::int32_t>;
+
+/// Numbers below `limit`, as the functions that made them returned them.
+cullhull::Array<std::uint32_t> copied_back(Numbers numbers, std::uint64_t limit) {
+  cullhull::Array<std::uint32_t> list;
+  list.reserve(numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::int32_t number = numbers.data()[i];
+    if (number < 0 || static_cast<std::uint64_t>(number) >= limit)
+      throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                            "the shape's arrays are not those of its triangulation");
+    list.push_back(static_cast<std::uint32_t>(number));
+  }
+  return list;
+}
+
+/// `heights`: None, or a third coordinate for each point of the plane.
+void save_cells(const std::string& path, const Cells& cells, nb::handle heights,
+                const std::string& format) {
+  const std::vector<double> rows = weights_of(heights);
+  const nb::gil_scoped_release release;
+  cullhull::write_triangulation(path, cells.points().view(), cells.triangulation(), format, rows);
+}
+
+void save_diagram(const std::string& path, const cullhull::Voronoi& diagram,
+                  const std::string& format) {
+  const nb::gil_scoped_release release;
+  cullhull::write_voronoi(path, diagram, format);
+}
+
+void save_clipped(const std::string& path, const cullhull::ClippedCells& cells,
+                  const std::string& format) {
+  const nb::gil_scoped_release release;
+  cullhull::write_cells(path, cells, format);
+}
+
+/// The shape is given as alpha_shape() or concave_hull() returned it; `alpha` is NaN for the
+/// latter.
+void save_alpha_shape(const std::string& path, const Cells& cells, Numbers cell_numbers,
+                      Numbers facets, Numbers facet_cells, double alpha,
+                      const std::string& format) {
+  const cullhull::Triangulation& t = cells.triangulation();
+  const cullhull::AlphaShape shape{copied_back(std::move(cell_numbers), t.size()),
+                                   copied_back(std::move(facets), t.point_count),
+                                   copied_back(std::move(facet_cells), t.size())};
+  const nb::gil_scoped_release release;
+  cullhull::write_alpha_shape(path, cells.points().view(), t, shape, alpha, format);
+}
+
+}  // namespace
+
+void bind_save(nb::module_& m) {
+  const auto path = nb::arg("path"), format = nb::arg("format"), cells = nb::arg("cells");
+  m.def("save_cells", save_cells, path, cells, nb::arg("heights").none(), format);
+  m.def("save_diagram", save_diagram, path, nb::arg("diagram"), format);
+  m.def("save_clipped", save_clipped, path, cells, format);
+  m.def("save_alpha_shape", save_alpha_shape, path, cells, nb::arg("cell_numbers"),
+        nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format);
+}
+
+}  // namespace binding
