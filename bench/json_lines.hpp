@@ -54,7 +54,10 @@ class JsonLines {
   double seconds_left() const {
     return seconds_ - std::chrono::duration<double>(Clock::now() - start_).count();
   }
+  /// Whether a part had an error, or fail() was called.
   bool failed() const { return failed_; }
+  /// For figures that are reported although a result is wrong.
+  void fail() { failed_ = true; }
 
  private:
   using Clock = std::chrono::steady_clock;
