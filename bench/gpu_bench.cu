@@ -1,15 +1,19 @@
-// The GPU compared with its limits and with Qhull, in one run: gpu_bench [--json FILE] [--scale S]
-// [--repeat K] [--no-qhull]
+// The GPU compared with its limits, with our CPU and with Qhull, in one run: gpu_bench [--out FILE]
+// [--scale S] [--repeat K] [--seconds T] [--no-qhull]
 //
-// Points are generated on the device and stay there: single precision, packed rows. Times are
-// medians on the host's clock, from the call to its result on the host; the first call, which loads
-// code and fills memory pools, is not counted. Qhull gets the same points as doubles, and one core.
+// Prints one line of JSON for each figure as soon as it is known, and appends it to FILE; Qhull,
+// which takes most of the time, comes last. Points are generated on the device and stay there:
+// single precision, packed rows. Times are medians on the host's clock, from the call to its result
+// on the host; the first call, which loads code and fills memory pools, is not counted. Our CPU
+// gets a copy of the same points in the host's memory and all of its threads, Qhull the same points
+// as doubles and one core. Parts that would start after T seconds are left out. Exit status 1: a
+// hull was not the device's, or a part failed; 5: no device.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -19,9 +23,9 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
-#include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 #include "flow/sample_map.hpp"
+#include "json_lines.hpp"
 #include "machine.hpp"
 #include "qhull.hpp"
 #include "timing.hpp"
@@ -36,7 +40,8 @@ struct Settings {
   double scale = 1;
   unsigned repeat = 5;
   bool qhull = true;
-  std::string json;
+  double seconds = 300;
+  std::string out;
 };
 
 enum class Shape { ball, octahedron };
@@ -106,10 +111,10 @@ class Points {
   DevicePointView view() const {
     return DevicePointView::row_major(data_.data(), n_, d_, stream_.get());
   }
-  std::vector<double> rows() const {
-    std::vector<float> single(n_ * d_);
-    cuda::download(single.data(), data_.data(), single.size(), stream_.get());
-    return {single.begin(), single.end()};
+  std::vector<float> rows() const {
+    std::vector<float> rows(n_ * d_);
+    cuda::download(rows.data(), data_.data(), rows.size(), stream_.get());
+    return rows;
   }
 
  private:
@@ -119,15 +124,12 @@ class Points {
   cuda::DeviceArray<float> data_;
 };
 
+/// The times of `repeat` calls, after one that is not counted.
 template <class Work>
 std::vector<double> timed(unsigned repeat, const Work& work) {
+  work();
   std::vector<double> times;
-  for (unsigned k = 0; k <= repeat; ++k) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (k > 0) times.push_back(took.count());
-  }
+  for (unsigned k = 0; k < repeat; ++k) times.push_back(cullhull::bench::seconds_of(work));
   return times;
 }
 
@@ -136,142 +138,190 @@ std::uint64_t scaled(std::uint64_t count, double scale) {
       1000, static_cast<std::uint64_t>(std::llround(static_cast<double>(count) * scale)));
 }
 
-ordered_json row(const char* name, std::uint64_t n, unsigned d, const std::vector<double>& times) {
-  ordered_json json;
-  json["workload"] = name;
-  json["count"] = n;
-  json["dimension"] = d;
-  json["seconds"] = cullhull::bench::median(times);
-  json["seconds_all"] = times;
-  json["points_per_second"] = static_cast<double>(n) / cullhull::bench::median(times);
-  return json;
+ordered_json times_of(std::uint64_t n, const std::vector<double>& times) {
+  const double seconds = cullhull::bench::median(times);
+  return {{"seconds", seconds},
+          {"seconds_all", times},
+          {"points_per_second", static_cast<double>(n) / seconds}};
 }
 
-/// The gauge map's pass over the points, without building the map.
-ordered_json gauge_pass(const Settings& s, const char* name, std::uint64_t n, unsigned d,
-                        const DevicePointView& view, const cullhull::internal::Run& run,
-                        double copy_rate) {
-  cullhull::internal::SampledPoints sample;
-  sample.count = n;
-  sample.dimension = d;
-  sample.gather = [&](const std::vector<std::uint64_t>& ids) {
-    return cuda::download_points(view, ids.data(), ids.size(), run.control);
-  };
-  const auto sampled = cullhull::internal::map_of_sample(
-      sample, cullhull::internal::Insist::yes, cuda::most_gauge_nodes(cuda::device()), run);
-  if (sampled.map == nullptr)
-    throw cullhull::Error(cullhull::ErrorCode::invalid_argument, "no map: " + sampled.reason);
-  std::uint64_t kept = n;
-  ordered_json json = row(name, n, d, timed(s.repeat, [&] {
-                            kept =
-                                cuda::survivors_of_device_points(sampled.map->table(), view).count;
-                          }));
-  json["filter"] = "gauge, its pass alone";
-  json["kept"] = static_cast<double>(kept) / static_cast<double>(n);
-  json["share_of_copy"] = json["points_per_second"].get<double>() * d * sizeof(float) / copy_rate;
-  std::printf("%-18s gauge, pass  %9.3f ms %8.2f G points/s  kept %7.4f %%, %.1f %% of copy\n",
-              name, json["seconds"].get<double>() * 1e3,
-              json["points_per_second"].get<double>() / 1e9, 100 * json["kept"].get<double>(),
-              100 * json["share_of_copy"].get<double>());
-  return json;
+double share(std::uint64_t part, std::uint64_t whole) {
+  return static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Both filters. For the gauge map also the rate at which it reads, 12 bytes per point, as a share
-/// of the copy bandwidth.
-ordered_json filters(const Settings& s, double copy_rate) {
-  ordered_json rows = ordered_json::array();
-  struct Case {
-    const char* name;
-    unsigned d;
-    std::uint64_t count;
-  };
-  for (const Case c : {Case{"ball-3d-8M", 3, 8'000'000}, Case{"ball-3d-100M", 3, 100'000'000},
-                       Case{"ball-4d-8M", 4, 8'000'000}}) {
-    const std::uint64_t n = scaled(c.count, s.scale);
-    const Points points(Shape::ball, c.d, n);
-    cullhull::Options options;
-    options.backend = cullhull::Backend::cuda;
-    options.cull = cullhull::CullMethod::gauge;
-    cullhull::Survivors survivors;
-    ordered_json gauge =
-        row(c.name, n, c.d,
-            timed(s.repeat, [&] { survivors = cullhull::cull(points.view(), options); }));
-    gauge["filter"] = cullhull::filter_name(survivors.filter);
-    gauge["kept"] = static_cast<double>(survivors.size(n)) / static_cast<double>(n);
-    gauge["share_of_copy"] =
-        gauge["points_per_second"].get<double>() * c.d * sizeof(float) / copy_rate;
-    std::printf("%-18s gauge        %9.3f ms %8.2f G points/s  kept %7.4f %%, %.1f %% of copy\n",
-                c.name, gauge["seconds"].get<double>() * 1e3,
-                gauge["points_per_second"].get<double>() / 1e9, 100 * gauge["kept"].get<double>(),
-                100 * gauge["share_of_copy"].get<double>());
-    rows.push_back(gauge);
+class Bench {
+ public:
+  explicit Bench(const Settings& settings)
+      : settings_(settings), lines_(settings.out, settings.seconds) {}
 
+  int run() {
+    lines_.part({{"part", "machine"}}, [&] { return machine(); });
+    for (const Workload& w : end_to_end) whole_hull(w);
+    filters("ball-3d-8M", 3, 8'000'000);
+    filters("ball-3d-100M", 3, 100'000'000);
+    filters("ball-4d-8M", 4, 8'000'000);
+    if (settings_.qhull) {
+      std::vector<Compared*> order;
+      for (Compared& c : compared_) order.push_back(&c);
+      std::stable_sort(order.begin(), order.end(), [](const Compared* a, const Compared* b) {
+        return a->work.dimension * a->work.count * a->vertices <
+               b->work.dimension * b->work.count * b->vertices;
+      });
+      for (const Compared* c : order) qhull(*c);
+    }
+    return lines_.failed() ? 1 : 0;
+  }
+
+ private:
+  /// What is known of a whole hull when Qhull's turn comes.
+  struct Compared {
+    Workload work;
+    std::uint64_t vertices = 0;
+    double volume = 0, device_seconds = 0, cpu_seconds = 0;
+  };
+
+  ordered_json machine() {
+    const cullhull::CudaStatus status = cullhull::cuda_status();
+    const auto rates = cullhull::bench::measure_machine({}, {}, {});
+    if (rates.device) copy_rate_ = rates.device->copy;
+    return {{"version", CULLHULL_VERSION},
+            {"device", status.device},
+            {"compute_capability", status.compute_capability},
+            {"driver", status.driver_version},
+            {"runtime", status.runtime_version},
+            {"machine", ordered_json::parse(cullhull::bench::machine_json(rates))}};
+  }
+
+  static ordered_json line(const char* part, const char* name, unsigned d, std::uint64_t n) {
+    return {{"part", part}, {"workload", name}, {"dimension", d}, {"count", n}};
+  }
+
+  /// The share of the copy bandwidth at which every coordinate is read once.
+  void add_share_of_copy(ordered_json& json, unsigned d) const {
+    if (copy_rate_ > 0)
+      json["share_of_copy"] =
+          json["points_per_second"].get<double>() * d * sizeof(float) / copy_rate_;
+  }
+
+  /// Both filters, and the gauge map's pass without building the map.
+  void filters(const char* name, unsigned d, std::uint64_t count) {
+    const std::uint64_t n = scaled(count, settings_.scale);
+    lines_.part(line("filter, gauge map", name, d, n), [&] {
+      const Points points(Shape::ball, d, n);
+      cullhull::Options options;
+      options.backend = cullhull::Backend::cuda;
+      options.cull = cullhull::CullMethod::gauge;
+      cullhull::Survivors survivors;
+      ordered_json json = times_of(
+          n, timed(settings_.repeat, [&] { survivors = cullhull::cull(points.view(), options); }));
+      json["filter"] = cullhull::filter_name(survivors.filter);
+      json["kept"] = share(survivors.size(n), n);
+      add_share_of_copy(json, d);
+      return json;
+    });
+    lines_.part(line("filter, the gauge map's pass", name, d, n), [&] { return pass(d, n); });
+    lines_.part(line("filter, pseudo-hull", name, d, n), [&] {
+      const Points points(Shape::ball, d, n);
+      const cullhull::Options defaults;
+      const cullhull::internal::Run run(defaults);
+      std::vector<std::uint64_t> kept;
+      std::vector<cullhull::internal::PseudoHullRound> rounds;
+      ordered_json json = times_of(n, timed(settings_.repeat, [&] {
+                                     kept = cullhull::internal::pseudo_hull_survivors_cuda(
+                                         points.view(), {}, run.control, &rounds);
+                                   }));
+      json["kept"] = share(kept.size(), n);
+      json["rounds"] = rounds.size();
+      return json;
+    });
+  }
+
+  ordered_json pass(unsigned d, std::uint64_t n) const {
+    const Points points(Shape::ball, d, n);
+    const DevicePointView view = points.view();
     const cullhull::Options defaults;
     const cullhull::internal::Run run(defaults);
-    rows.push_back(gauge_pass(s, c.name, n, c.d, points.view(), run, copy_rate));
-    std::vector<std::uint64_t> kept;
-    std::vector<cullhull::internal::PseudoHullRound> rounds;
-    ordered_json pseudo = row(c.name, n, c.d, timed(s.repeat, [&] {
-                                kept = cullhull::internal::pseudo_hull_survivors_cuda(
-                                    points.view(), {}, run.control, &rounds);
-                              }));
-    pseudo["filter"] = "pseudo-hull";
-    pseudo["kept"] = static_cast<double>(kept.size()) / static_cast<double>(n);
-    pseudo["rounds"] = rounds.size();
-    std::printf("%-18s pseudo-hull  %9.3f ms %8.2f G points/s  kept %7.4f %%, %zu rounds\n", c.name,
-                pseudo["seconds"].get<double>() * 1e3,
-                pseudo["points_per_second"].get<double>() / 1e9, 100 * pseudo["kept"].get<double>(),
-                rounds.size());
-    rows.push_back(pseudo);
-    std::fflush(stdout);
-  }
-  return rows;
-}
-
-/// From points on the device to the exact hull, compared with Qhull; both must find the same hull.
-ordered_json hulls(const Settings& s, bool& agreed) {
-  ordered_json rows = ordered_json::array();
-  for (const Workload& w : end_to_end) {
-    const std::uint64_t n = scaled(w.count, s.scale);
-    const Points points(w.shape, w.dimension, n);
-    cullhull::Options options;
-    options.backend = cullhull::Backend::cuda;
-    cullhull::Hull hull;
+    cullhull::internal::SampledPoints sample;
+    sample.count = n;
+    sample.dimension = d;
+    sample.gather = [&](const std::vector<std::uint64_t>& ids) {
+      return cuda::download_points(view, ids.data(), ids.size(), run.control);
+    };
+    const auto sampled = cullhull::internal::map_of_sample(
+        sample, cullhull::internal::Insist::yes, cuda::most_gauge_nodes(cuda::device()), run);
+    if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
+    std::uint64_t kept = n;
     ordered_json json =
-        row(w.name, n, w.dimension,
-            timed(s.repeat, [&] { hull = cullhull::convex_hull(points.view(), options); }));
-    json["vertices"] = hull.vertices.size();
-    json["facets"] = hull.facet_count();
-    json["survivors"] = hull.statistics.survivors;
-    const double ours = json["seconds"].get<double>();
-    std::printf("%-18s hull         %9.3f ms  %zu vertices", w.name, ours * 1e3,
-                hull.vertices.size());
-    std::fflush(stdout);
-    if (s.qhull) {
-      const std::vector<double> host = points.rows();
-      const auto rival = cullhull::bench::run_qhull(
-          cullhull::PointView::row_major(host.data(), n, w.dimension), {});
-      if (rival) {
-        const bool same = rival->vertices == hull.vertices.size() &&
-                          std::fabs(rival->volume / hull.volume - 1) < 1e-9;
-        agreed = agreed && same;
-        json["qhull"] = {{"seconds", rival->seconds},
-                         {"vertices", rival->vertices},
-                         {"volume_ratio", rival->volume / hull.volume},
-                         {"agrees", same}};
-        json["times_faster"] = rival->seconds / ours;
-        std::printf("; Qhull %9.1f ms, %.0f times, %s", rival->seconds * 1e3, rival->seconds / ours,
-                    same ? "same hull" : "NOT THE SAME HULL");
-      } else {
-        std::printf("; no Qhull here");
-      }
-    }
-    std::printf("\n");
-    std::fflush(stdout);
-    rows.push_back(json);
+        times_of(n, timed(settings_.repeat, [&] {
+                   kept = cuda::survivors_of_device_points(sampled.map->table(), view).count;
+                 }));
+    json["kept"] = share(kept, n);
+    add_share_of_copy(json, d);
+    return json;
   }
-  return rows;
-}
+
+  /// From points on the device to the exact hull, and our CPU on a copy of them.
+  void whole_hull(const Workload& w) {
+    const std::uint64_t n = scaled(w.count, settings_.scale);
+    lines_.part(line("hull", w.name, w.dimension, n), [&] {
+      const Points points(w.shape, w.dimension, n);
+      cullhull::Options options;
+      options.backend = cullhull::Backend::cuda;
+      cullhull::Hull there, here;
+      ordered_json json = times_of(n, timed(settings_.repeat, [&] {
+                                     there = cullhull::convex_hull(points.view(), options);
+                                   }));
+      json["vertices"] = there.vertices.size();
+      json["facets"] = there.facet_count();
+      json["survivors"] = there.statistics.survivors;
+      const std::vector<float> rows = points.rows();
+      const auto view = cullhull::PointView::row_major(rows.data(), n, w.dimension);
+      options.backend = cullhull::Backend::cpu;
+      const double cpu = cullhull::bench::median(
+          timed(settings_.repeat, [&] { here = cullhull::convex_hull(view, options); }));
+      json["cpu_seconds"] = cpu;
+      json["cpu_threads"] = here.statistics.threads;
+      if (here.vertices != there.vertices || here.volume != there.volume)
+        throw std::runtime_error("the device's hull is not the CPU's");
+      compared_.push_back({w, there.vertices.size(), there.volume, json["seconds"], cpu});
+      return json;
+    });
+  }
+
+  /// Qhull on the same points; both must find the same hull.
+  void qhull(const Compared& c) {
+    const std::uint64_t n = scaled(c.work.count, settings_.scale);
+    lines_.part(line("Qhull", c.work.name, c.work.dimension, n), [&]() -> ordered_json {
+      const Points points(c.work.shape, c.work.dimension, n);
+      const std::vector<float> rows = points.rows();
+      const std::vector<double> doubles(rows.begin(), rows.end());
+      cullhull::bench::ChildLimits limits;
+      limits.seconds = std::max(5.0, lines_.seconds_left());
+      const auto rival = cullhull::bench::run_qhull(
+          cullhull::PointView::row_major(doubles.data(), n, c.work.dimension), limits);
+      if (!rival) return {{"left_out", "no Qhull, or it failed"}};
+      if (!rival->finished)
+        return {{"left_out", "not done within " + std::to_string(limits.seconds) + " s"}};
+      ordered_json json = {{"qhull_seconds", rival->seconds},
+                           {"device_seconds", c.device_seconds},
+                           {"cpu_seconds", c.cpu_seconds},
+                           {"qhull_over_device", rival->seconds / c.device_seconds},
+                           {"qhull_over_cpu", rival->seconds / c.cpu_seconds},
+                           {"vertices", rival->vertices},
+                           {"volume_ratio", rival->volume / c.volume}};
+      const bool agrees =
+          rival->vertices == c.vertices && std::fabs(rival->volume / c.volume - 1) < 1e-9;
+      json["agrees"] = agrees;
+      if (!agrees) lines_.fail();
+      return json;
+    });
+  }
+
+  const Settings& settings_;
+  cullhull::bench::JsonLines lines_;
+  double copy_rate_ = 0;
+  std::vector<Compared> compared_;
+};
 
 Settings parse(int argc, char** argv) {
   Settings s;
@@ -286,8 +336,10 @@ Settings parse(int argc, char** argv) {
       s.scale = std::atof(value());
     } else if (a == "--repeat") {
       s.repeat = static_cast<unsigned>(std::max(1, std::atoi(value())));
-    } else if (a == "--json") {
-      s.json = value();
+    } else if (a == "--seconds") {
+      s.seconds = std::atof(value());
+    } else if (a == "--out") {
+      s.out = value();
     } else if (a == "--no-qhull") {
       s.qhull = false;
     } else {
@@ -309,22 +361,7 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "gpu_bench: %s\n", status.reason.c_str());
     return 5;
   }
-  ordered_json json;
-  json["version"] = CULLHULL_VERSION;
-  json["suite"] = "gpu";
-  for (int i = 0; i < argc; ++i) json["command"].push_back(argv[i]);
-  const auto machine = cullhull::bench::measure_machine({}, {}, {});
-  json["machine"] = ordered_json::parse(cullhull::bench::machine_json(machine));
-  std::printf("%s", cullhull::bench::machine_table(machine).c_str());
-  json["device"] = {{"name", status.device},
-                    {"compute_capability", status.compute_capability},
-                    {"driver", status.driver_version},
-                    {"runtime", status.runtime_version}};
-  json["filters"] = filters(settings, machine.device ? machine.device->copy : 1);
-  bool agreed = true;
-  json["hulls"] = hulls(settings, agreed);
-  if (!settings.json.empty()) cullhull::write_text(settings.json, json.dump(2) + '\n');
-  return agreed ? 0 : 3;
+  return Bench(settings).run();
 }
 
 }  // namespace

@@ -71,6 +71,10 @@ void QuestionsOnDevice::sides(const GaugeTable* inner, std::uint64_t first, std:
   if (distances != nullptr) tables.planes = s.planes.on_device(s.hull->planes, s.stream);
   const DeviceArray<PointAnswer> answers(count, s.stream);
   const DeviceArray<double> values(distances != nullptr ? count : 0, s.stream);
+  // The kernel writes the distances of points inside alone, and all are copied to the host.
+  if (distances != nullptr)
+    check(cudaMemsetAsync(values.data(), 0, count * sizeof(double), s.stream),
+          "clearing device memory");
   const DevicePointView part = s.part(first, count);
   DeviceIds left;
   if (inner != nullptr) {

@@ -48,7 +48,7 @@ class QuestionsOnDevice {
 
   /// Writes the sides of `count` points from `first` on. `inner`: a map of the hull that is tested
   /// first; may be null. `distances`, if not null, receives the largest value of a facet's plane
-  /// for each point inside; `inner` must be null then.
+  /// for each point inside, and 0 for the others; `inner` must be null then.
   void sides(const GaugeTable* inner, std::uint64_t first, std::uint64_t count, PointAnswer* out,
              double* distances) const;
   /// Writes, for each of `count` directions from `first` on, the index of the vertex with the

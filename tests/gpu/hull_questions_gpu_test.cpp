@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "cuda/hull_questions.hpp"
 #include "cullhull/cullhull.hpp"
+#include "query/device_questions.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/gpu/same_batch.hpp"
 #include "tests/thrown.hpp"
@@ -111,6 +113,27 @@ TEST_F(GpuQuestions, HullsThatTheCpuIsAskedAbout) {
   expect_the_same(query_of(ball_of<double>(1, 30, 5, 1), 1), ball_of<double>(1, 100, 6, 2), 1);
   expect_the_same(query_of(ball_of<double>(7, 30, 5, 1), 7), ball_of<double>(7, 20, 6, 2), 7);
   expect_the_same(query_of(points, 3), std::vector<float>(), 3);
+}
+
+// compute-sanitizer refuses a copy of words that no kernel wrote.
+TEST_F(GpuQuestions, DistancesOfPointsThatAreNotInsideAreZero) {
+  const internal::InnerPolytope triangle{2, {0, 0, 4, 0, 0, 4}, {0, 1, 1, 2, 2, 0}, {}};
+  const std::vector<double> planes{0, -1, 0, 1, 1, -4, -1, 0, 0};
+  const auto tables = internal::hull_tables(triangle, planes);
+  ASSERT_TRUE(tables);
+  const std::vector<double> rows{1, 1, 5, 5, 2, 0};  // inside, outside, on an edge
+  const OnDevice copy(rows);
+  const internal::QuestionsOnDevice questions(DevicePointView::row_major(copy.data<double>(), 3, 2),
+                                              &*tables);
+  internal::PointAnswer side[3];
+  double distance[3];
+  questions.sides(nullptr, 0, 3, side, distance);
+  EXPECT_EQ(side[0], internal::PointAnswer::inside);
+  EXPECT_EQ(distance[0], -1);
+  EXPECT_NE(side[1], internal::PointAnswer::inside);
+  EXPECT_EQ(distance[1], 0);
+  EXPECT_NE(side[2], internal::PointAnswer::inside);
+  EXPECT_EQ(distance[2], 0);
 }
 
 TEST_F(GpuQuestions, ErrorsAreTheCpus) {
