@@ -85,7 +85,7 @@ int expect_led_frames(const std::vector<std::vector<T>>& frames, unsigned d) {
         EXPECT_EQ(hull.scalar, expected.scalar);
         EXPECT_EQ(hull.statistics.survivors, left);
         EXPECT_EQ(hull.statistics.backend, Backend::cuda);
-        EXPECT_STREQ(hull.statistics.filter, "gauge");
+        EXPECT_EQ(hull.statistics.filter, UsedFilter::gauge);
       }
     }
     last = std::move(expected);

@@ -235,7 +235,7 @@ TEST_F(EmulatedEdges, APseudoHullTakesThePlaceOfASecondMap) {
   emulation::restart();
   const Hull found = convex_hull(view, on_device());
   EXPECT_EQ(canonical_hash(found), canonical_hash(expected));
-  EXPECT_STREQ(found.statistics.filter, "gauge, pseudo-hull");
+  EXPECT_EQ(found.statistics.filter, UsedFilter::gauge_pseudo_hull);
   EXPECT_LT(2 * found.statistics.survivors, expected.statistics.survivors * 3 / 2);
   EXPECT_EQ(emulation::counters().launches["count_kernel"], 1U) << "one map";
   // Its memory is full where the pseudo-hull begins: the CPU's second filter takes over.
