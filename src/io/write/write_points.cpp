@@ -143,7 +143,7 @@ struct TextFrame {
 
 TextFrame text_frame(const std::string& format, std::uint64_t count, std::uint32_t dimension) {
   const std::string number = std::to_string(count), d = std::to_string(dimension);
-  if (format == "csv") return {internal::column_names(dimension), "", ",", "", "\n", "\n"};
+  if (format == "csv") return {column_names(dimension), "", ",", "", "\n", "\n"};
   if (format == "obj") return {"", "v ", " ", "", "\n", "\n"};
   if (format == "off") {
     const std::string kind = dimension == 3 ? "OFF\n" : "nOFF\n" + d + "\n";
