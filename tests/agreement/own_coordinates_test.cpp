@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "agreement/canonical_hash.hpp"
+#include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/io.hpp"

@@ -82,7 +82,7 @@ void check(const LiftedSet& s) {
     const CellPolygons ring = cell_polygons(view_of(s), t, hull.cells);
     EXPECT_EQ(ring.polygon_count(), 1U) << s.name << ", length " << l;
     EXPECT_EQ(ring.ring_count(), 1U) << s.name << ", length " << l;
-    EXPECT_EQ(ring.ids.size(), hull.facet_cells.size()) << s.name << ", length " << l;
+    EXPECT_EQ(ring.rings.items.size(), hull.facet_cells.size()) << s.name << ", length " << l;
     std::set<std::uint32_t> met;
     for (const Corners& c : found) met.insert(c.begin(), c.end());
     EXPECT_EQ(met.size(), t.vertex_count()) << s.name << ", length " << l;
@@ -156,9 +156,9 @@ TEST(ConcaveHull, LargeSetsOfAShape) {
     const CellPolygons ring = cell_polygons(points, t, hull.cells);
     ASSERT_EQ(ring.ring_count(), 1U);
     double area = 0;
-    for (std::size_t i = 0; i < ring.ids.size(); ++i) {
-      const double *a = rows.data() + 2 * ring.ids[i],
-                   *b = rows.data() + 2 * ring.ids[(i + 1) % ring.ids.size()];
+    for (std::size_t i = 0; i < ring.rings.items.size(); ++i) {
+      const double *a = rows.data() + 2 * ring.rings[0][i],
+                   *b = rows.data() + 2 * ring.rings[0][(i + 1) % ring.rings.items.size()];
       area += (a[0] * b[1] - a[1] * b[0]) / 2;
     }
     EXPECT_NEAR(area, 1 - 0.4 * 0.8, 0.1) << n;

@@ -85,7 +85,7 @@ TEST(Json, HullsWithoutFacets) {
 TEST(Json, TheFileHoldsTheResultAndNothingOfTheRun) {
   Example a = cube(), b = cube();
   b.hull.statistics.threads = 7;
-  b.hull.statistics.filter = "gauge";
+  b.hull.statistics.filter = UsedFilter::gauge;
   b.hull.statistics.backend = Backend::cuda;
   b.hull.statistics.compute_seconds = 3;
   b.hull.statistics.survivors = 8;
