@@ -83,12 +83,13 @@ TEST(BenchMachine, WhatIsSavedIsRead) {
 
 TEST(BenchMachine, BadUsage) {
   for (const auto& words : std::vector<std::vector<std::string>>{
-           {"cullhull-bench"}, {"cullhull-bench", "nothing"}, with(quick, {"--bytes", "many"})}) {
+           {"cullhull-bench", "nothing"}, with(quick, {"--bytes", "many"})}) {
     const Ran ran = run_app(words);
     EXPECT_EQ(ran.status, 2) << words.back();
     EXPECT_TRUE(one_line(ran.err)) << ran.err;
     EXPECT_EQ(ran.out, "");
   }
+  EXPECT_EQ(run_app({"cullhull-bench"}).out, run_app({"cullhull-bench", "--help"}).out);
 }
 
 /// Every row has values that are times or shares, and says how it was checked.
