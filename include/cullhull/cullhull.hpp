@@ -23,6 +23,7 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/proximity_graphs.hpp"
 #include "cullhull/query.hpp"
+#include "cullhull/renamed.hpp"
 #include "cullhull/simplify.hpp"
 #include "cullhull/stop_token.hpp"
 #include "cullhull/stream.hpp"

@@ -1,5 +1,5 @@
-// Writing triangulations and Voronoi diagrams. docs/formats.md, "Triangulations", describes every
-// format.
+// Writing triangulations and Voronoi diagrams. docs/formats.md, "Output: triangulations, Voronoi
+// diagrams, alpha shapes", describes every format.
 #pragma once
 
 #include <cstdint>
