@@ -31,6 +31,7 @@ default_role = "code"  # `name` in docstrings
 suppress_warnings = [
     "duplicate_declaration.cpp",  # every header opens the same namespace
     "myst.header",  # a page taken whole may begin at any level
+    "autosummary.import_cycle",  # modules of the package are named whole in the tables
     "ref.python",  # a name of an attribute that two classes have, in the words for an array's shape
 ]
 
