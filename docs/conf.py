@@ -84,3 +84,13 @@ html_theme_options = {
 }
 pygments_style = "friendly"
 pygments_dark_style = "monokai"
+
+
+def setup(app):
+    """The compiled module is mocked: it has no source that the site could show."""
+
+    def forget(app, env):
+        getattr(env, "_viewcode_modules", {}).pop("cullhull._core", None)
+        return []
+
+    app.connect("env-updated", forget)
