@@ -31,6 +31,7 @@ default_role = "code"  # `name` in docstrings
 suppress_warnings = [
     "duplicate_declaration.cpp",  # every header opens the same namespace
     "myst.header",  # a page taken whole may begin at any level
+    "autosummary.import_cycle",  # modules of the package are named whole in the tables
     "ref.python",  # a name of an attribute that two classes have, in the words for an array's shape
 ]
 
@@ -83,3 +84,13 @@ html_theme_options = {
 }
 pygments_style = "friendly"
 pygments_dark_style = "monokai"
+
+
+def setup(app):
+    """The compiled module is mocked: it has no source that the site could show."""
+
+    def forget(app, env):
+        getattr(env, "_viewcode_modules", {}).pop("cullhull._core", None)
+        return []
+
+    app.connect("env-updated", forget)

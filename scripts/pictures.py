@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """pictures.py [REPORT.html]: remakes the pictures of README.md and docs/ from the built program.
 
+docs/speed.svg           the README's chart (scripts/speed_chart.py)
 docs/picture.svg         the LiDAR scan, drawn by examples/draw_svg.cpp, if that was built
 docs/view.png            the same scan in `cullhull view`
 docs/showpiece.png       the same page in the dark, the picture alone
@@ -128,6 +129,7 @@ def main():
     browser_module.require()
     if len(sys.argv) > 2 or sys.argv[1:] in (["-h"], ["--help"]):
         sys.exit(__doc__)
+    subprocess.run([sys.executable, os.path.join(root, "scripts", "speed_chart.py")], check=True)
     if os.path.exists(os.path.join(programs, "example_draw_svg")):
         program("example_draw_svg", scan, os.path.join(root, "docs", "picture.svg"), "4")
     browser = browser_module.Browser()

@@ -23,7 +23,7 @@ BARS = [  # column of the table, name, class of the bar
     ("CGAL, ms", "CGAL 5.5, 1 thread", "cgal"),
     ("cullhull, 2 threads, ms", "cullhull, 2 threads", "ours"),
 ]
-WIDTH, LEFT, RIGHT, TOP = 960, 270, 84, 84
+WIDTH, LEFT, RIGHT, TOP = 860, 260, 70, 84
 BAR, GAP = 13, 16
 FEWEST, MOST = 5, 40_000  # ms at the two ends of the axis
 STYLE = """

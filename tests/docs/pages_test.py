@@ -3,6 +3,8 @@
 pictures lead to something, lines are not long, files that are named exist, the version is one."""
 
 import re
+import subprocess
+import sys
 import unittest
 
 import samples
@@ -77,6 +79,22 @@ class Pages(unittest.TestCase):
         for page in (ROOT / "docs").glob("*.md"):
             if page.stem != "index":
                 self.assertRegex(index, rf"(?m)^(?:.*<)?{page.stem}>?$")
+
+    def test_the_commands_of_pages_are_a_script(self):
+        tutorials = sorted(f"docs/tutorials/{page.name}" for page in (ROOT / "docs" / "tutorials").glob("*.md"))
+        pages = ["README.md", "docs/install.md", "docs/install.md#python-package", *tutorials]
+        follow = [sys.executable, str(ROOT / "tests" / "docs" / "follow_pages.py"), *pages]
+        script = subprocess.run(follow, check=True, capture_output=True, text=True).stdout
+        subprocess.run(["bash", "-n"], input=script, check=True, text=True)
+        for command in ("make demo", "make static", "make deb", "make wheel", "cmake --preset install", "pipx install"):
+            self.assertIn(f"\n{command}", script)
+        self.assertGreater(script.count("\necho 'follow: docs/tutorials/"), 25)
+
+    def test_the_chart_of_speed_is_that_of_the_table(self):
+        sys.path.insert(0, str(ROOT / "scripts"))
+        import speed_chart
+
+        self.assertEqual((ROOT / "docs" / "speed.svg").read_text(), speed_chart.chart(), "run scripts/speed_chart.py")
 
     def test_pictures_of_the_gallery_are_small(self):
         pictures = [p for p in (ROOT / "docs").rglob("*") if p.suffix in (".png", ".svg")]

@@ -13,7 +13,7 @@ import unittest
 
 import samples
 
-APP = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "cullhull"
+APP = os.path.abspath(sys.argv.pop(1)) if __name__ == "__main__" and len(sys.argv) > 1 else "cullhull"
 # So that a test takes seconds: the same commands over fewer points.
 SMALLER = {"-n 8M": "-n 80k", "--scale 0.05": "--scale 0.0005"}
 
