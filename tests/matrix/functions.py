@@ -447,7 +447,7 @@ METHODS_ELSEWHERE = {
     **dict.fromkeys(
         (
             f"{c}.{m}"
-            for c in ("HullBatch", "Lists", "NearestFacets", "Rays", "Simplified")
+            for c in ("HullBatch", "Lists", "Mesh", "NearestFacets", "Rays", "Simplified")
             for m in ("count", "index")
         ),
         "of every sequence",

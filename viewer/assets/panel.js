@@ -81,8 +81,17 @@ function figureText(key, value) {
   return numberText(value);
 }
 
+// Shows the names and texts of a result that is no hull.
+function showRows(rows) {
+  document.getElementById("result-name").textContent = "Result";
+  document.querySelector("#result tbody").replaceChildren(...rows.map(([name, text]) =>
+    element("tr", {}, element("th", { scope: "row" }, name), element("td", { class: "number" }, text))));
+  document.getElementById("run-part").hidden = true;
+}
+
 // Shows every figure of the report; data-value holds the exact value.
 function showFigures(report) {
+  if (report.rows) return showRows(report.rows);
   const names = { ...figureNames, ...measureNames(report.affine_dimension) };
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
@@ -102,10 +111,9 @@ function plural(count, one, many) {
   return `${grouped.format(count)} ${count === 1 ? one : many || one + "s"}`;
 }
 
-// A page of something else than a hull has its own `summary` and `notes`.
 function summaryOf(scene, frame) {
-  if (frame.summary) return frame.summary;
   const r = frame.report;
+  if (r.rows) return "";
   const count = plural(r.points.count, "point");
   if (r.points.count === 0) return "No points.";
   let text = `${count} in ${r.points.dimension}D. Hull: ${plural(r.vertex_count, "vertex", "vertices")}, ${plural(r.facet_count, "facet")}.`;

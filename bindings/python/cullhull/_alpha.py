@@ -36,15 +36,19 @@ def alpha_shape(
     threads: int | None = None,
     progress: Progress = None,
 ) -> AlphaShape:
-    """The alpha shape of points: the cells of their Delaunay triangulation that are small enough.
+    """The alpha shape of points: the Delaunay cells whose circumscribed spheres are small.
+
+    Time is that of `delaunay`, plus a time proportional to the number of cells (times its
+    logarithm to choose alpha).
 
     Parameters
     ----------
-    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
+    points : (n, d) array, or a `Triangulation` or `Delaunay` of the points
     alpha : float or str
-        The largest radius of a cell's circumscribed sphere, compared exactly; infinite for the
-        convex hull. Or which one is looked for: ``"all-points"`` the least with a cell at every
-        point, ``"one-region"`` the least of these whose cells are of one piece.
+        A number: keep the cells whose circumscribed sphere has at most this radius, compared
+        exactly; ``inf`` keeps all cells, which is the convex hull. ``"all-points"``: choose the
+        smallest radius at which every point is a vertex of a kept cell. ``"one-region"``: choose
+        the smallest such radius at which the kept cells are connected through facets.
     threads, progress : as in `convex_hull`
 
     Returns
@@ -54,8 +58,8 @@ def alpha_shape(
     Raises
     ------
     NotFinite, InvalidArgument (ValueErrors), TypeError
-        As `delaunay`; also for an alpha that is negative or NaN, another word, and a triangulation
-        of the furthest site.
+        As `delaunay`; also if alpha is negative, NaN or an unknown word, and for a furthest-site
+        triangulation.
     KeyboardInterrupt
 
     Examples
@@ -87,12 +91,11 @@ class AlphaShape(Exported, Saved, Compared):
     triangulation : Triangulation
     alpha : float
     cell_numbers : (c,) int32 array, ascending
-        Cells of the triangulation that are in the shape.
+        The cells of the triangulation that the shape keeps.
     facets : (f, k) int32 array
-        Indices of points of the facets between a cell of the shape and none, oriented outward; rows
-        sorted.
+        The boundary: of each facet the indices of its points, oriented outward; rows sorted.
     facet_cells : (f,) int32 array
-        The cell of each of them.
+        The kept cell that each facet belongs to.
 
     Examples
     --------
@@ -271,19 +274,21 @@ def concave_hull(
     threads: int | None = None,
     progress: Progress = None,
 ) -> ConcaveHull:
-    """The concave hull of points in a plane: one ring without holes, around all of them.
+    """The concave hull of points in a plane: one ring without holes, around all points.
 
-    It is dug out of the convex hull, the longest edge of the boundary first, as long as that is
-    longer than a limit and the boundary stays one simple ring (Duckham and others, 2008).
+    The algorithm starts from the convex hull. It removes the longest edge of the boundary together
+    with its Delaunay triangle, as long as that edge is longer than a limit and the boundary remains
+    one simple ring (Duckham and others, 2008, "chi-shape"). Time O(n log n).
 
     Parameters
     ----------
-    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
+    points : (n, d) array, or a `Triangulation` or `Delaunay` of the points
     ratio : float, optional
-        The limit as a share of the way from the shortest edge of the triangulation, 0, to the
-        longest, 1, which gives the convex hull.
+        The limit, from 0, the shortest edge of the triangulation, to 1, the longest; 1 gives the
+        convex hull.
     edge_length : float, optional
-        The limit itself, compared exactly. One of both must be given.
+        The limit as a length, in the units of the points, compared exactly. Pass either ``ratio``
+        or ``edge_length``.
     threads, progress : as in `convex_hull`
 
     Returns
@@ -325,9 +330,9 @@ class ConcaveHull(AlphaShape):
     Attributes
     ----------
     edge_length : float
-        Edges of the boundary that are longer are there because the ring could not be cut there.
+        The limit. A longer edge remains where its removal would have broken the ring.
     alpha : float
-        Infinite, as cells of any size may stay. All else is as in `AlphaShape`.
+        Infinite: cells of any size may remain. All other attributes are those of `AlphaShape`.
 
     Examples
     --------
@@ -390,7 +395,7 @@ class ConcaveHull(AlphaShape):
 def alpha_radii(
     points: Any, *, threads: int | None = None, progress: Progress = None
 ) -> npt.NDArray[np.float64]:
-    """The radius from which on each cell of a Delaunay triangulation is in the alpha shape.
+    """Of each Delaunay cell the smallest alpha whose alpha shape contains the cell.
 
     Parameters
     ----------
@@ -400,8 +405,8 @@ def alpha_radii(
     Returns
     -------
     (c,) float64 array
-        For each cell the least double that is at least the radius of its circumscribed sphere, so
-        that comparing it with any alpha is exact.
+        For each cell the radius of its circumscribed sphere, rounded up to a double, so that a
+        comparison with any alpha is exact.
 
     Raises
     ------

@@ -25,20 +25,20 @@ def constrained_delaunay(
     certify: bool = False,
     progress: Progress = None,
 ) -> ConstrainedTriangulation:
-    """The Delaunay triangulation of points in the plane in which given edges are edges.
+    """The constrained Delaunay triangulation of points in the plane: it contains given edges.
 
-    Every other edge is locally Delaunay, exactly, and of points on a circle the lowest index is on
-    the edges between them: there is one result, whatever the order of the edges.
+    Every unconstrained edge is locally Delaunay, decided exactly. The result does not depend on the
+    order of the edges: points on one circle are triangulated from their lowest index.
 
     Parameters
     ----------
     points : (n, 2) array
     edges : (m, 2) array of int
-        Pairs of points. A point exactly on an edge cuts it; edges may overlap. Edges between points
-        of equal coordinates are none.
+        Pairs of points. A point that lies exactly on an edge splits it; edges may overlap. An edge
+        between two points of equal coordinates is ignored.
     inside_only : bool
-        Keep the cells inside alone, which have an odd number of edges around them, as polygons with
-        holes and islands have it.
+        Keep only the triangles inside the outline that the edges form, by the even-odd rule: so the
+        outline may have holes, and islands in them.
     threads, memory_budget, progress : as in `convex_hull`
     certify : bool
         Check the result with an independent exact test, kept as ``result.certificate``.
@@ -50,8 +50,8 @@ def constrained_delaunay(
     Raises
     ------
     NotFinite, InvalidArgument (ValueErrors), TypeError
-        As `delaunay`; also for points not in the plane, an edge of a point that is none, and edges
-        that cross where there is no point, which are named.
+        As `delaunay`; also if the points are not 2D, if an edge names an index that does not exist,
+        and if two edges cross where there is no point; the message names them.
     OutOfBudget (a MemoryError), KeyboardInterrupt
 
     Examples
@@ -94,11 +94,12 @@ class ConstrainedTriangulation(FoundCells):
     Attributes
     ----------
     pieces : (p, 2) int32 array
-        What the given edges consist of where points cut them, the lower index first; rows sorted.
+        The given edges, split at the points that lie on them, the lower index first; rows sorted.
     piece_sources : (p,) int32 array
-        The lowest of the given edges that each of them belongs to.
+        For each piece the lowest number of a given edge that contains it.
     depths : (c,) int32 array
-        How many given edges one must cross, at least, from each cell to the outside; odd inside.
+        For each cell the smallest number of given edges to cross on a way to the outside; odd
+        inside the outline.
     certificate : Certificate or None
         What ``certify=True`` found.
 

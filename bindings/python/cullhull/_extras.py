@@ -14,7 +14,7 @@ def needed(module: str, purpose: str, extra: str) -> Any:
 
     try:
         return importlib.import_module(module)
-    except ImportError as error:
+    except ModuleNotFoundError as error:
         package = module.partition(".")[0]
         missing = (error.name or package).partition(".")[0]
         if missing != package and missing != "cullhull":

@@ -35,7 +35,9 @@ def convex_hull(
 ) -> Hull:
     """The exact convex hull of any number of points in any dimension.
 
-    No option changes the result, only how it is reached.
+    No option changes the result. Expected time is O(n + m log m) in 2D and 3D if the filter leaves m
+    of n points; in d dimensions the number of facets, up to m^floor(d/2), bounds it from below. Memory
+    is proportional to m and the number of facets: the points are not copied.
 
     Parameters
     ----------
@@ -47,7 +49,7 @@ def convex_hull(
         if that is exact. It must not change during the call.
     backend : 'auto', 'cpu' or 'cuda'
     cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
-        The filter that drops points strictly inside before the hull is computed.
+        The filter that discards points strictly inside before the hull is computed.
     threads : int, optional
         Threads to use; all the machine offers if not given.
     memory_budget : int, optional
@@ -56,8 +58,8 @@ def convex_hull(
     certify : bool
         Check the result with an independent exact test, kept as ``hull.certificate``.
     progress : callable or bool
-        Called now and then as ``progress(phase, share)``, share in [0, 1]; it may raise, which
-        stops the work. True shows a tqdm bar.
+        A function, called from time to time as ``progress(phase, share)`` with a share in [0, 1];
+        an exception that it raises stops the work. True shows a tqdm bar.
 
     Returns
     -------
@@ -109,10 +111,11 @@ def cull(
     memory_budget: int | None = None,
     progress: Progress = None,
 ) -> npt.NDArray[np.int64]:
-    """Indices, ascending, of points that may be extreme: the filter alone, in front of other code.
+    """Indices, ascending, of the points that may be extreme: a filter in front of other code.
 
-    Every extreme point and every duplicate of one is among them; what is dropped lies strictly
-    inside the hull. ``points[cullhull.cull(points)]`` has the same hull as ``points``.
+    The filter keeps every extreme point and every duplicate of one, and discards only points that
+    lie strictly inside the hull. So ``points[cullhull.cull(points)]`` has the same hull as
+    ``points``. Time is proportional to the number of points, about that of reading them.
 
     Parameters
     ----------
@@ -155,7 +158,9 @@ def cull(
 def certify(
     points: Any, hull: Hull, *, threads: int | None = None, progress: Progress = None
 ) -> Certificate:
-    """An independent, exact check that ``hull`` is the hull of ``points``, with no engine code.
+    """Checks exactly, and without the code that computed it, that ``hull`` is that of ``points``.
+
+    Time is proportional to the number of points and facets, times a logarithm.
 
     Parameters
     ----------
@@ -166,12 +171,12 @@ def certify(
     Returns
     -------
     Certificate
-        True if proven, else its ``reason`` names the first thing wrong.
+        True if the hull is proven right; otherwise its ``reason`` names the first fault.
 
     Raises
     ------
     TypeError
-        Where `hull` is no `Hull`.
+        If `hull` is not a `Hull`.
     InvalidArgument, NotFinite (ValueErrors)
         For points of another shape or type.
 

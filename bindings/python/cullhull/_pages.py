@@ -128,18 +128,18 @@ def _page(
         "edges": held.add(edges, "u32"),
         "triangles": held.add(triangles, "u32"),
         "facets": held.add(facets, "u32"),
-        "summary": f"{table.caption}: " + ", ".join(f"{name} {value}" for name, value in table.rows),
-        "notes": [],
+        "notes": [f"All {count:,} points and {len(edges):,} edges."],
         "report": {
             "affine_dimension": dimension,
             "points": {"count": count, "dimension": dimension},
             "facet_count": int(facets.max(initial=-1)) + 1,
+            "rows": list(table.rows),
         },
     }
     if cells is not None:
         frame["cell_corners"], frame["cell_points"] = 4, count
         frame["cells"] = held.add(cells, "u32")
-        frame["notes"] = ["Cells are seen where the clip plane cuts them."]
+        frame["notes"].append("Cells are seen where the clip plane cuts them.")
     if len(held.data) > _MOST_BYTES:
         raise InvalidArgument(
             f"{table.caption} of {count:,} points is too large for a page of 12 MB"

@@ -25,10 +25,12 @@ def delaunay(
     certify: bool = False,
     progress: Progress = None,
 ) -> Triangulation:
-    """The exact Delaunay triangulation of points in any dimension; regular, with weights.
+    """The exact Delaunay triangulation of points in any dimension; with weights, the regular one.
 
-    It is the same, bit for bit, for any threads and layout of the points: cells of one sphere are
-    cut from the lowest index of all their vertices.
+    The result is the same, bit for bit, for any number of threads and any layout of the points:
+    points on one sphere are triangulated from their lowest index. Expected time is O(n log n) in 2D
+    and about O(n log n) in 3D for evenly spread points; the number of cells, up to n^ceil(d/2),
+    bounds it from below.
 
     Parameters
     ----------
@@ -36,11 +38,11 @@ def delaunay(
         Read in place where `convex_hull` does so, and kept: change it only when you no longer need
         the triangulation's questions.
     weights : (n,) array, optional
-        The regular triangulation, dual to the power diagram: point i is lifted to
-        ``|x|**2 - weights[i]``. Points whose cell of the diagram is empty are `hidden`.
+        Compute the regular triangulation, the dual of the power diagram: point i is lifted to
+        ``|x|**2 - weights[i]``. A point whose cell in the power diagram is empty is `hidden`.
     furthest_site : bool
-        The triangulation dual to the furthest-point Voronoi diagram; its vertices are those of the
-        convex hull.
+        Compute the dual of the furthest-point Voronoi diagram; its vertices are those of the convex
+        hull.
     threads, memory_budget, progress : as in `convex_hull`
     certify : bool
         Check the result with an independent exact test, kept as ``result.certificate``.

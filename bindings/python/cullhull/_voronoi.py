@@ -42,16 +42,17 @@ def voronoi(
     memory_budget: int | None = None,
     progress: Progress = None,
 ) -> VoronoiDiagram:
-    """The Voronoi diagram of points in any dimension; the power diagram, with weights.
+    """The Voronoi diagram of points in any dimension; with weights, the power diagram.
 
-    Which regions meet, and where, is exact: vertices that coincide are one, however many points
-    are at the same distance.
+    Which regions meet is decided exactly: vertices that coincide are one vertex, however many
+    points have the same distance from it. Time is that of `delaunay`, plus a time proportional to
+    the number of cells.
 
     Parameters
     ----------
-    points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-        As of `delaunay`.
-    weights, furthest_site : as of `delaunay`
+    points : (n, d) array, or a `Triangulation` or `Delaunay` of the points
+        As in `delaunay`.
+    weights, furthest_site : as in `delaunay`
     threads, memory_budget, progress : as in `convex_hull`
 
     Returns
@@ -195,19 +196,20 @@ class VoronoiDiagram(Shown, Saved, Native):
     ) -> ClippedCells:
         """The cells within a box, polygons or a convex region, in 1D, 2D and 3D.
 
-        Exact: cells that meet in a corner have the same bits for it, corners of the diagram are
-        those of `vertices`, and no corner is outside a box.
+        Every decision is exact: cells that share a corner have the same bits for it, vertices of
+        the diagram have those of `vertices`, and no corner lies outside the box. Time is some
+        microseconds a cell in 2D and some ten in 3D.
 
         Parameters
         ----------
         low, high : (d,) arrays
-            A box. Or `low` alone is the region: in 2D an (m, 2) array, the corners of a polygon in
-            order, which may have dents; a list of such arrays, rings of which an odd number
-            surrounds what is inside, so that polygons may have holes and several parts; or anything
-            with a ``__geo_interface__``, as shapely's polygons have. In 1D and 3D an (m, d) array,
-            of whose points the convex hull is taken.
+            The corners of a box. Or pass the region as `low` alone. In 2D: an (m, 2) array, the
+            corners of a polygon in order, which need not be convex; a list of such arrays, the
+            rings of polygons with holes and several parts, inside by the even-odd rule; or an
+            object with a ``__geo_interface__``, such as a polygon of Shapely, a `ConcaveHull` or an
+            `AlphaShape`. In 1D and 3D: an (m, d) array of points, whose convex hull is the region.
         shapes : bool
-            Whether the cells' corners and faces are wanted, or only their measures.
+            Compute the corners and faces of the cells, not only their measures.
         threads, progress : as in `convex_hull`
 
         Returns

@@ -443,7 +443,7 @@ def test_a_viewed_scene_is_that_of_the_result(tmp_path):
 
     assert np.array_equal(array("coordinates").reshape(-1, 3), SPACE)
     assert np.array_equal(array("cells").reshape(-1, 4), EXPORTED["cells-3"].cells)
-    assert scene["dimension"] == 3 and "60 in 3D" in frame["summary"]
+    assert scene["dimension"] == 3 and ["points", "60 in 3D"] in frame["report"]["rows"]
 
 
 def test_view_refuses():

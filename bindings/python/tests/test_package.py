@@ -4,6 +4,7 @@ import doctest
 import importlib.util
 import inspect
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -196,3 +197,28 @@ def test_source_archive_is_complete(tmp_path):
                 assert str(path.relative_to(ROOT)) in names
     assert {"CMakeLists.txt", "LICENSE", "README.md", "pyproject.toml"} <= names
     assert not any(name.startswith(("build/", "data/")) for name in names)
+
+
+def test_errors_are_shown_by_the_names_of_the_package():
+    import traceback
+
+    for name in cullhull.__all__:
+        kind = getattr(cullhull, name)
+        if inspect.isclass(kind) and issubclass(kind, (Exception, Warning)):
+            assert kind.__module__ == "cullhull" and kind.__qualname__ == name
+            again = pickle.loads(pickle.dumps(kind("said")))
+            assert type(again) is kind and again.args == ("said",)
+    try:
+        cullhull.convex_hull([[float("nan"), 0.0]])
+    except ValueError as error:
+        assert traceback.format_exception_only(type(error), error)[0].startswith("cullhull.NotFinite: ")
+
+
+def test_every_extra_that_an_error_names_exists():
+    text = (ROOT / "pyproject.toml").read_text()
+    extras = set(re.findall(r"^(\w+) = \[", text.split("[project.optional-dependencies]")[1], re.M))
+    named = set()
+    for path in PACKAGE.glob("*.py"):
+        named |= set(re.findall(r"needed\([^)]*, \"(\w+)\"\)", path.read_text()))
+        named |= set(re.findall(r"cullhull\[(\w+)\]", path.read_text()))
+    assert len(named) > 8 and named <= extras

@@ -122,3 +122,26 @@ def test_view(tmp_path, monkeypatch):
     assert opened == ["file://" + temporary]
     with pytest.raises(cullhull.Error):
         hull.view(path=tmp_path / "no" / "folder.html")
+
+
+def test_convex_hull_plot_2d_draws_what_scipys_does():
+    matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed")
+    spatial = pytest.importorskip("scipy.spatial", reason="scipy is not installed")
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    points = np.random.default_rng(3).random((30, 2))
+    ours = cullhull.convex_hull_plot_2d(cullhull.ConvexHull(points)).axes[0]
+    theirs = spatial.convex_hull_plot_2d(spatial.ConvexHull(points)).axes[0]
+    native = cullhull.convex_hull_plot_2d(cullhull.convex_hull(points)).axes[0]
+    assert np.array_equal(ours.lines[0].get_xydata(), theirs.lines[0].get_xydata())
+    assert ours.get_xlim() == theirs.get_xlim() and ours.get_ylim() == theirs.get_ylim()
+
+    def edges(axes):
+        return sorted(sorted(map(tuple, e)) for e in axes.collections[0].get_segments())
+
+    assert edges(ours) == edges(theirs) == edges(native)
+    assert cullhull.convex_hull_plot_2d(cullhull.ConvexHull(points), ours) is ours.figure
+    with pytest.raises(ValueError, match="Convex hull is not 2-D"):
+        cullhull.convex_hull_plot_2d(cullhull.ConvexHull(np.eye(3)))
+    plt.close("all")
