@@ -25,12 +25,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/packaging/
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcullhull-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libcullhull${_abi} (= ${PROJECT_VERSION})")
-foreach(_component PROGRAM RUNTIME DEVELOPMENT)
-  set(CPACK_DEBIAN_${_component}_DESCRIPTION "${PROJECT_DESCRIPTION}")
-endforeach()
-set(_about "cullhull computes convex hulls, Delaunay triangulations, Voronoi diagrams and alpha
-shapes with exact predicates. It first discards every point that is provably inside the hull, as
-fast as memory can be read.")
+set(_about "cullhull computes convex hulls, Delaunay triangulations, Voronoi
+diagrams and alpha shapes with exact predicates. It first discards every
+point that is provably inside the hull, as fast as memory can be read.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${_about}
 .
 This package has the program cullhull, which reads files of points.")
