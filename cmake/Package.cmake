@@ -12,6 +12,7 @@ set(CPACK_COMPONENTS_ALL program runtime development)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION math)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME cullhull)
 set(_abi "${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}")
@@ -24,12 +25,9 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA "${PROJECT_SOURCE_DIR}/packaging/
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcullhull-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libcullhull${_abi} (= ${PROJECT_VERSION})")
-foreach(_component PROGRAM RUNTIME DEVELOPMENT)
-  set(CPACK_DEBIAN_${_component}_DESCRIPTION "${PROJECT_DESCRIPTION}")
-endforeach()
-set(_about "cullhull computes convex hulls, Delaunay triangulations, Voronoi diagrams and alpha
-shapes with exact predicates. It first discards every point that is provably inside the hull, as
-fast as memory can be read.")
+set(_about "cullhull computes convex hulls, Delaunay triangulations, Voronoi
+diagrams and alpha shapes with exact predicates. It first discards every
+point that is provably inside the hull, as fast as memory can be read.")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${_about}
 .
 This package has the program cullhull, which reads files of points.")

@@ -100,7 +100,8 @@ here() {
   if [[ -e $static ]]; then
     hulls "static program" "$static"
     checks=$((checks + 1))
-    "$static" --licenses | grep -q '^==== LGPL-2.1 (glibc) ====' || broken "no licences in $static"
+    "$static" --licenses >"$scratch/licences"
+    grep -q '^==== LGPL-2.1 (glibc) ====' "$scratch/licences" || broken "no licences in $static"
   fi
   for wheel in "${wheels[@]}"; do
     mkdir "$scratch/wheel" && python3 -m zipfile -e "$wheel" "$scratch/wheel"

@@ -68,6 +68,8 @@ source_of z/zlib/zlib_1.2.13.dfsg.orig.tar.bz2 71feb7947e3c00ef125f83b79a4e529bd
 (cd zlib && CFLAGS="-O2 -fPIC" ./configure --static --prefix="$prefix" >/dev/null &&
   make -j "$jobs" libz.a >/dev/null && cp libz.a "$prefix/lib/" && cp zlib.h zconf.h "$prefix/include/")
 source_of g/gmp/gmp_6.2.1+dfsg1.orig.tar.xz 471b9e463e04362a0124f215afc5f0a4b99caedeeb62634c61bbc12988efa64c gmp
+mkdir -p gmp/doc # Debian leaves the manual out
+printf 'all install install-am install-data install-exec check clean:\n' >gmp/doc/Makefile.in
 fat=""
 case "$(uname -m)" in x86_64) fat=--enable-fat ;; esac
 (cd gmp && ./configure --prefix="$prefix" --libdir="$prefix/lib" --enable-shared --disable-static \
