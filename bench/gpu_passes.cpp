@@ -1,25 +1,27 @@
 // Times of a device's steps for each kind of points: gpu_passes [--out FILE] [--scale S] [--seconds
 // T]
 //
-// Prints one JSON object per line as soon as it is measured, so that an interrupted run reports
-// what it has done. Kernels are timed by events of their stream, everything else by the host's
-// clock; medians of five after a first run that is not counted. Parts that do not fit into the
-// device's memory, or would start after T seconds, are skipped and reported as skipped. Exit status
-// 5: no device.
+// Prints one JSON object per line as soon as it is measured, and appends it to FILE, so that an
+// interrupted run reports what it has done. A kernel's time is a tenth of that of ten calls between
+// two events of their stream; the stages of a whole call are the times between events at their
+// borders; everything else is timed by the host's clock. Medians of five after a first run that is
+// not counted. Parts that do not fit into the device's memory, or would start after T seconds, are
+// skipped and reported as skipped. Exit status 5: no device.
 #include <cuda_runtime_api.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <random>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "cuda/gauge.hpp"
@@ -29,9 +31,13 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
+#include "cullhull/generate.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
+#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
+#include "json_lines.hpp"
 
 namespace {
 
@@ -63,68 +69,140 @@ double wall(const std::function<void()>& work) {
   return median(times);
 }
 
-/// Time of the work that `work` queues on the stream, by events.
-double by_events(cudaStream_t stream, const std::function<void()>& work) {
+/// Seconds between two events of a stream around the work that `work` queues on it.
+double between_events(cudaStream_t stream, const std::function<void()>& work) {
   cudaEvent_t begin = nullptr, end = nullptr;
   cuda::check(cudaEventCreate(&begin), "making an event");
   cuda::check(cudaEventCreate(&end), "making an event");
-  std::vector<double> times;
-  for (unsigned k = 0; k <= repeats; ++k) {
-    cuda::check(cudaEventRecord(begin, stream), "recording an event");
-    work();
-    cuda::check(cudaEventRecord(end, stream), "recording an event");
-    cuda::check(cudaEventSynchronize(end), "waiting for an event");
-    float milliseconds = 0;
-    cuda::check(cudaEventElapsedTime(&milliseconds, begin, end), "reading an event");
-    if (k > 0) times.push_back(1e-3 * milliseconds);
-  }
+  cuda::check(cudaEventRecord(begin, stream), "recording an event");
+  work();
+  cuda::check(cudaEventRecord(end, stream), "recording an event");
+  cuda::check(cudaEventSynchronize(end), "waiting for an event");
+  float milliseconds = 0;
+  cuda::check(cudaEventElapsedTime(&milliseconds, begin, end), "reading an event");
   (void)cudaEventDestroy(begin);
   (void)cudaEventDestroy(end);
+  return 1e-3 * milliseconds;
+}
+
+/// Calls between two events; a run of smaller sets, which is a test, makes fewer.
+unsigned calls = 10;
+
+/// Time of the work that a call of `work` queues on the stream: several calls between two events,
+/// so that the time of a launch and the clock's step of half a microsecond do not count.
+double by_events(cudaStream_t stream, const std::function<void()>& work) {
+  const auto several = [&] {
+    for (unsigned k = 0; k < calls; ++k) work();
+  };
+  std::vector<double> times;
+  (void)between_events(stream, several);
+  for (unsigned k = 0; k < repeats; ++k) times.push_back(between_events(stream, several) / calls);
   return median(times);
 }
 
-/// Points uniform in the ball; at most a million different ones, repeated as needed.
+/// Points uniform in the ball.
 template <class T>
 std::vector<T> ball(unsigned d, std::uint64_t n) {
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> unit;
-  std::vector<T> rows(n * d);
-  for (std::uint64_t i = 0; i < n; ++i) {
-    double x[8], square = 0;
-    for (unsigned j = 0; j < d; ++j) x[j] = normal(random), square += x[j] * x[j];
-    const double scale = std::pow(unit(random), 1.0 / d) / std::sqrt(square);
-    for (unsigned j = 0; j < d; ++j) rows[i * d + j] = static_cast<T>(x[j] * scale);
-  }
-  return rows;
+  const std::vector<double> rows = generate("ball", n, d);
+  return {rows.begin(), rows.end()};
 }
+
+/// The stages of a call that is made several times: each ends at an event of the stream. The host
+/// waits for the stream at the end of each, so that a stage of the CPU lasts from event to event,
+/// too.
+class Stages {
+ public:
+  explicit Stages(cudaStream_t stream) : stream_(stream) {}
+  ~Stages() {
+    for (const Mark& m : marks_) (void)cudaEventDestroy(m.event);
+  }
+  Stages(const Stages&) = delete;
+  Stages& operator=(const Stages&) = delete;
+
+  void begin() { mark(""); }
+  /// The stage that ends here.
+  void end(const char* name) { mark(name); }
+
+  /// The median of each stage over the calls but the first; a stage that occurs twice in a call
+  /// counts with its sum. In the order in which they end, and last their sum.
+  ordered_json medians() {
+    cuda::check(cudaStreamSynchronize(stream_), "waiting for a stream");
+    std::vector<std::string> order;
+    std::map<std::string, std::vector<double>> times;
+    unsigned call = 0;
+    for (std::size_t i = 0; i < marks_.size(); ++i) {
+      const std::string& name = marks_[i].name;
+      if (name.empty()) {
+        ++call;
+        continue;
+      }
+      float milliseconds = 0;
+      cuda::check(cudaEventElapsedTime(&milliseconds, marks_[i - 1].event, marks_[i].event),
+                  "reading an event");
+      std::vector<double>& of = times[name];
+      if (of.empty()) order.push_back(name);
+      of.resize(call);
+      of[call - 1] += 1e-3 * milliseconds;
+    }
+    ordered_json json;
+    double sum = 0;
+    for (const std::string& name : order) {
+      const std::vector<double>& of = times[name];
+      const double seconds = median({of.begin() + (of.size() > 1 ? 1 : 0), of.end()});
+      json[name] = seconds;
+      sum += seconds;
+    }
+    json["sum"] = sum;
+    return json;
+  }
+
+ private:
+  struct Mark {
+    std::string name;
+    cudaEvent_t event;
+  };
+
+  void mark(const char* name) {
+    cuda::check(cudaStreamSynchronize(stream_), "waiting for a stream");
+    cudaEvent_t event = nullptr;
+    cuda::check(cudaEventCreate(&event), "making an event");
+    marks_.push_back({name, event});
+    cuda::check(cudaEventRecord(event, stream_), "recording an event");
+  }
+
+  cudaStream_t stream_;
+  std::vector<Mark> marks_;
+};
 
 class Passes {
  public:
   Passes(double scale, double seconds, const std::string& file)
-      : scale_(scale), seconds_(seconds), start_(Clock::now()) {
-    if (!file.empty()) out_.open(file, std::ios::app);
+      : scale_(scale), lines_(file, seconds) {
+    if (scale < 1) calls = 2;
   }
 
   void run() {
     part("device", [&] { return about(); });
     part("copy on the device", [&] { return copy_rate(); });
+    part("pass, f32", [&] { return pass<float>(3, Layout::packed); });
+    part("stages of a hull, points on the device", [&] { return stages(); });
+    part("hull, points on the device", [&] { return hull_there(); });
+    part("pseudo-hull", [&] { return pseudo_hull(); });
+    for (const unsigned d : {3U, 2U}) part("batch of sets of 50", [&] { return batch(d); });
+    part("questions to a hull", [&] { return questions(); });
+    part("moving points", [&] { return tracker(); });
     part("link, pinned memory", [&] { return link(); });
-    for (const unsigned d : {3U, 2U, 4U, 5U, 6U})
+    for (const unsigned d : {2U, 4U, 5U, 6U})
       part("pass, f32", [&] { return pass<float>(d, Layout::packed); });
     part("pass, f64", [&] { return pass<double>(3, Layout::packed); });
     part("pass, f32, columns", [&] { return pass<float>(3, Layout::columns); });
     part("pass, f32, misaligned", [&] { return pass<float>(3, Layout::misaligned); });
-    part("hull, points on the device", [&] { return hull_there(); });
     part("hull, points on the host", [&] { return hull_from_host(); });
     part("hulls on threads beside one another", [&] { return hulls_on_threads(); });
-    part("pseudo-hull", [&] { return pseudo_hull(); });
-    part("moving points", [&] { return tracker(); });
-    for (const unsigned d : {2U, 3U}) part("batch of sets of 50", [&] { return batch(d); });
-    part("questions to a hull", [&] { return questions(); });
     part("pass, more than 2^31 points", [&] { return many_points(); });
+    part("pass, more than 2^32 words of mask", [&] { return many_words(); });
   }
-  bool failed() const { return failed_; }
+  bool failed() const { return lines_.failed(); }
 
  private:
   enum class Layout { packed, columns, misaligned };
@@ -134,25 +212,7 @@ class Passes {
   }
 
   void part(const char* name, const std::function<ordered_json()>& work) {
-    ordered_json line;
-    line["part"] = name;
-    if (seconds_since(start_) > seconds_) {
-      line["left_out"] = "no time left";
-    } else {
-      try {
-        line.update(work());
-      } catch (const cuda::OutOfMemory& e) {
-        line["left_out"] = e.what();
-      } catch (const std::exception& e) {
-        line["error"] = e.what();
-        failed_ = true;
-      }
-    }
-    line["at_seconds"] = seconds_since(start_);
-    const std::string text = line.dump();
-    std::printf("%s\n", text.c_str());
-    std::fflush(stdout);
-    if (out_.is_open()) out_ << text << std::endl;
+    lines_.part({{"part", name}}, work);
   }
 
   ordered_json about() const {
@@ -230,8 +290,29 @@ class Passes {
     return std::move(sampled.map);
   }
 
+  /// The ids of the points that the map does not cull, in the host's memory.
+  static std::vector<std::uint64_t> survivors(const internal::GaugeMap& map,
+                                              const DevicePointView& view) {
+    const cuda::DeviceIds there = cuda::survivors_of_device_points(map.table(), view);
+    std::vector<std::uint64_t> ids(there.count);
+    cuda::download(ids.data(), there.ids.data(), ids.size(),
+                   static_cast<cudaStream_t>(view.stream));
+    return ids;
+  }
+
+  /// How many of `count` points a map keeps that are the points [0, period) again and again, from
+  /// point `first` on; `ids`: those that it keeps of [0, period).
+  static std::uint64_t kept_of_repeated(const std::vector<std::uint64_t>& ids, std::uint64_t period,
+                                        std::uint64_t first, std::uint64_t count) {
+    std::uint64_t kept = count / period * ids.size();
+    for (const std::uint64_t id : ids) kept += (id + period - first) % period < count % period;
+    return kept;
+  }
+
   /// The kernel alone, by events; and including counting and listing, by the host's clock.
-  ordered_json time_pass(const internal::GaugeMap& map, const DevicePointView& view) const {
+  /// `expected`: how many points it must keep.
+  ordered_json time_pass(const internal::GaugeMap& map, const DevicePointView& view,
+                         std::optional<std::uint64_t> expected) const {
     const auto stream = static_cast<cudaStream_t>(view.stream);
     const internal::GaugeTable& table = map.table();
     const cuda::DeviceArray<float> nodes(table.nodes.size(), stream);
@@ -243,12 +324,16 @@ class Passes {
     });
     std::uint64_t kept = 0;
     const double listed = wall([&] { kept = cuda::survivors_of_device_points(table, view).count; });
+    if (expected && kept != *expected)
+      throw std::runtime_error("the pass keeps " + std::to_string(kept) + " points, not " +
+                               std::to_string(*expected));
     const auto n = static_cast<double>(view.count);
     const double bytes = n * view.dimension * static_cast<double>(scalar_size(view.scalar));
     ordered_json json = {{"dimension", view.dimension},          {"count", view.count},
                          {"nodes", table.nodes.size()},          {"kernel_seconds", kernel},
                          {"points_per_second", n / kernel},      {"with_list_seconds", listed},
                          {"kept", static_cast<double>(kept) / n}};
+    if (expected) json["as_many_as_its_part"] = true;
     if (copy_rate_ > 0) json["share_of_copy"] = bytes / kernel / copy_rate_;
     return json;
   }
@@ -266,16 +351,182 @@ class Passes {
         layout == Layout::columns
             ? DevicePointView::column_major(there.data(), n, d, stream.get())
             : DevicePointView::row_major(there.data() + (shifted ? d : 0), n, d, stream.get());
-    return time_pass(*map, view);
+    std::optional<std::uint64_t> expected;
+    if (layout != Layout::columns) {
+      const std::uint64_t period = rows.size() / d;
+      const auto ids =
+          survivors(*map, DevicePointView::row_major(there.data(), period, d, stream.get()));
+      expected = kept_of_repeated(ids, period, shifted ? 1 : 0, n);
+    }
+    return time_pass(*map, view, expected);
   }
 
   ordered_json many_points() const {
-    const std::uint64_t n = scale_ < 1 ? scaled(1e6) : (std::uint64_t{1} << 31) + 1001;
+    const std::uint64_t n = scale_ < 1 ? scaled(1e6) + 777 : (std::uint64_t{1} << 31) + 1001;
     const std::vector<float> rows = ball<float>(3, scaled(1e6));
     const auto map = map_of(rows, 3);
     const cuda::Stream stream;
     const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
-    return time_pass(*map, DevicePointView::row_major(there.data(), n, 3, stream.get()));
+    const std::uint64_t period = rows.size() / 3;
+    const auto ids =
+        survivors(*map, DevicePointView::row_major(there.data(), period, 3, stream.get()));
+    return time_pass(*map, DevicePointView::row_major(there.data(), n, 3, stream.get()),
+                     kept_of_repeated(ids, period, 0, n));
+  }
+
+  /// One point, read so often that the mask has more than 2^32 words (17 GB): an inner one into a
+  /// mask of ones, an outer one into a mask of zeros. Word and tile numbers are counted.
+  ordered_json many_words() const {
+    const std::uint64_t words = scale_ < 1 ? 3000 : (std::uint64_t{1} << 32) + 3000;
+    const std::uint64_t n = words * 32 - 5;
+    const auto map = map_of(ball<float>(3, scaled(1e6)), 3);
+    const internal::GaugeTable& table = map->table();
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream.get());
+    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream.get());
+    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(n), stream.get());
+    ordered_json json = {{"words", words}, {"count", n}};
+    for (const bool inner : {true, false}) {
+      const std::vector<float> point =
+          inner ? std::vector<float>{0.1F, 0.05F, 0.02F} : std::vector<float>{2, 1, 0.5F};
+      const cuda::DeviceArray<float> there(3, stream.get());
+      cuda::upload(there.data(), point.data(), point.size(), stream.get());
+      DevicePointView view = DevicePointView::row_major(there.data(), n, 3, stream.get());
+      view.point_stride = 0;
+      cuda::check(cudaMemsetAsync(mask.data(), inner ? 0xFF : 0, words * sizeof(std::uint32_t),
+                                  stream.get()),
+                  "clearing");
+      const double took = between_events(stream.get(), [&] {
+        cuda::check(
+            cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream.get()),
+            "culling");
+      });
+      const std::uint64_t kept = bits_of(mask.data(), words, stream.get());
+      if (kept != (inner ? 0 : n))
+        throw std::runtime_error("the mask has " + std::to_string(kept) + " points");
+      json[inner ? "inner_seconds" : "outer_seconds"] = took;
+    }
+    return json;
+  }
+
+  /// Offsets of a mask's tiles in the list of its bits; the last one is how many there are.
+  struct Offsets {
+    cuda::DeviceArray<std::uint64_t> there;
+    std::uint64_t total = 0;
+  };
+
+  static Offsets offsets_of(const std::uint32_t* mask, std::uint64_t words, cudaStream_t stream) {
+    const std::uint64_t tiles = (words + cuda::tile_words - 1) / cuda::tile_words;
+    const cuda::DeviceArray<std::uint64_t> counts(tiles + 1, stream);
+    Offsets offsets;
+    offsets.there = cuda::DeviceArray<std::uint64_t>(tiles + 1, stream);
+    cuda::check(cudaMemsetAsync(counts.data() + tiles, 0, sizeof(std::uint64_t), stream),
+                "counting");
+    cuda::check(cuda::count_bits(mask, words, counts.data(), stream), "counting");
+    std::size_t bytes = 0;
+    cuda::check(
+        cuda::sum_counts(nullptr, bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
+        "counting");
+    const cuda::DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
+    cuda::check(cuda::sum_counts(scratch.data(), bytes, counts.data(), offsets.there.data(),
+                                 tiles + 1, stream),
+                "counting");
+    cuda::download(&offsets.total, offsets.there.data() + tiles, 1, stream);
+    return offsets;
+  }
+
+  static std::uint64_t bits_of(const std::uint32_t* mask, std::uint64_t words,
+                               cudaStream_t stream) {
+    return offsets_of(mask, words, stream).total;
+  }
+
+  /// The stages of convex_hull for points of a ball on the device, one after another as
+  /// src/cuda/device_filter.cpp runs them; the hull and the survivors must be that call's.
+  ordered_json stages() const {
+    const std::uint64_t n = scaled(8e6);
+    const std::vector<float> rows = ball<float>(3, n);
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
+    Hull hull, call;
+    Stages stages(stream.get());
+    std::uint64_t passed = 0, kept = 0;
+    for (unsigned k = 0; k <= repeats; ++k) hull = by_stages(view, stages, passed, kept);
+    const double seconds = wall([&] { call = convex_hull(view, on(Backend::cuda)); });
+    require_same(hull, call);
+    if (call.statistics.filter == UsedFilter::gauge_pseudo_hull &&
+        call.statistics.survivors != kept)
+      throw std::runtime_error("the stages are not those of the call");
+    return {{"count", n},
+            {"left_by_the_pass", passed},
+            {"survivors", kept},
+            {"stage_seconds", stages.medians()},
+            {"call_seconds", seconds}};
+  }
+
+  static Hull by_stages(const DevicePointView& view, Stages& stages, std::uint64_t& passed,
+                        std::uint64_t& kept) {
+    const auto stream = static_cast<cudaStream_t>(view.stream);
+    const std::uint64_t n = view.count;
+    const Options options = on(Backend::cuda);
+    const internal::Run run(options);
+    const auto one_thread =
+        internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
+    stages.begin();
+    internal::InnerPolytope polytope;
+    std::uint64_t size = internal::probe_sample_size(n, 3);
+    for (const bool last : {false, true}) {  // a small sample, then that of the map
+      const std::vector<std::uint64_t> ids = internal::sample_ids(n, size);
+      Array<double> sample = cuda::download_points(view, ids.data(), ids.size(), run.control);
+      stages.end("sample");
+      polytope = internal::inner_polytope(std::move(sample), 3, one_thread);
+      stages.end("hull of sample");
+      if (last) break;
+      size = std::min(internal::map_sample_size(n, 3, ids.size(), polytope.vertices.size() / 3),
+                      4 * ids.size());
+    }
+    const auto map = internal::map_of_polytope(std::move(polytope), n, internal::Insist::no,
+                                               cuda::most_gauge_nodes(cuda::device()), run);
+    if (map == nullptr) throw std::runtime_error("no map");
+    const internal::GaugeTable& table = map->table();
+    stages.end("map");
+    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream);
+    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
+    const std::uint64_t words = cuda::mask_words(n);
+    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(n), stream);
+    cuda::check(cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream),
+                "culling");
+    stages.end("pass");
+    const Offsets offsets = offsets_of(mask.data(), words, stream);
+    passed = offsets.total;
+    const cuda::DeviceArray<std::uint64_t> left(passed, stream);
+    if (passed > 0)
+      cuda::check(cuda::list_bits(mask.data(), words, offsets.there.data(), left.data(), stream),
+                  "listing");
+    const cuda::DeviceArray<float> left_rows(passed * 3, stream);
+    cuda::check(cuda::gather_rows(view, left.data(), passed, left_rows.data(), stream),
+                "gathering points");
+    const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
+    stages.end("list");
+    const cuda::DeviceIds inner = internal::pseudo_hull_survivors_there(left_view, 24, run.control);
+    kept = inner.count;
+    stages.end("pseudo-hull");
+    const cuda::DeviceArray<std::uint64_t> ids(kept, stream);
+    cuda::check(cuda::gather_ids(left.data(), inner.ids.data(), kept, ids.data(), stream),
+                "gathering ids");
+    const cuda::DeviceArray<float> kept_rows(kept * 3, stream);
+    cuda::check(cuda::gather_rows(left_view, inner.ids.data(), kept, kept_rows.data(), stream),
+                "gathering points");
+    internal::Filtered filtered;
+    filtered.survivors.ids.resize(kept);
+    cuda::download(filtered.survivors.ids.data(), ids.data(), kept, stream);
+    filtered.rows =
+        cuda::download_points(DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream),
+                              nullptr, kept, run.control);
+    stages.end("download");
+    Hull hull = internal::hull_of_rows(filtered, view, options);
+    stages.end("hull");
+    return hull;
   }
 
   static Options on(Backend backend) {
@@ -305,7 +556,7 @@ class Passes {
             {"device_seconds", d},
             {"of_that_cull", device.statistics.cull_seconds},
             {"survivors", device.statistics.survivors},
-            {"method", device.statistics.filter},
+            {"filter", filter_name(device.statistics.filter)},
             {"cpu_seconds", h},
             {"cpu_survivors", host.statistics.survivors},
             {"threads", host.statistics.threads}};
@@ -475,10 +726,8 @@ class Passes {
             {"cpu_supports_seconds", cpu_supports}};
   }
 
-  double scale_, seconds_, copy_rate_ = 0;
-  Clock::time_point start_;
-  std::ofstream out_;
-  bool failed_ = false;
+  double scale_, copy_rate_ = 0;
+  bench::JsonLines lines_;
 };
 
 [[noreturn]] void bad_usage(const std::string& what) {

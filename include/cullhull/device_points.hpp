@@ -85,6 +85,11 @@ CudaStatus cuda_status();
 /// The calling thread's current CUDA device; -1: no usable device, or no CUDA backend.
 int current_cuda_device() noexcept;
 
+/// The device that the calling thread has made current; -1: the process has not used CUDA so far,
+/// or the thread has chosen no device. Unlike current_cuda_device(), never starts the driver, which
+/// takes a quarter of a second and makes CUDA unusable in processes that are forked later.
+int chosen_cuda_device() noexcept;
+
 /// Waits for all work queued on `stream` (a cudaStream_t). Needed if another thread than the one
 /// that names the stream makes the call: each thread has its own per-thread default stream. Throws
 /// Error{backend_unavailable}.

@@ -72,6 +72,7 @@ std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const R
 namespace cullhull::inline v1 {
 
 int current_cuda_device() noexcept { return -1; }
+int chosen_cuda_device() noexcept { return -1; }
 Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {
   internal::require_cuda();
   return {};

@@ -100,9 +100,12 @@ void run_on_thread(const Settings& settings, const std::function<void(const Opti
   std::optional<nb::python_error> interruption;
   Options options = settings.options;
   options.stop = stop.get_token();
-  // The current device is a property of each thread; the caller's is meant.
-  if (options.device < 0 && options.backend != cullhull::Backend::cpu)
+  // The current device is a property of each thread; the caller's is meant. `auto` must not start
+  // the driver: the planner does if it wants a device.
+  if (options.device < 0 && options.backend == cullhull::Backend::cuda)
     options.device = cullhull::current_cuda_device();
+  else if (options.device < 0 && options.backend == cullhull::Backend::automatic)
+    options.device = cullhull::chosen_cuda_device();
   if (settings.shows_progress())
     options.progress = [&mailbox](const char* phase, double share) {
       mailbox.report(phase, share);
