@@ -215,7 +215,7 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
     expect_error({"view", p, "-o", f / "w.html"}, 1, want);
   expect_error({"track", good, p}, 1, p + ": frame 1: point 2, coordinate 1 is NaN");
   const Ran stream = run_app({"hull", "-"}, p);
-  EXPECT_NE(stream.err.find("standard input: point 2"), std::string::npos) << stream.err;
+  EXPECT_NE(stream.err.find("standard input:3: point 2"), std::string::npos) << stream.err;
   const std::string csv = f / "p.csv";
   write_file(csv, "# words\nname,x,y\n\na,0,0\n# more\nb,1,0\n\nc,inf,1\n");
   expect_error({"hull", csv, "--columns", "x,y"}, 1,

@@ -64,7 +64,7 @@ void write_text_points(OutputFile& out, const Coordinates& points,
 }
 
 /// "x,y,z", or "x0,x1,..." beyond three dimensions.
-std::string column_names(std::uint32_t dimension) {
+std::string axis_names(std::uint32_t dimension) {
   std::string names;
   for (std::uint32_t j = 0; j < dimension; ++j) {
     if (dimension <= 3)
@@ -115,7 +115,7 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
   } else if (f == "ply") {
     write_ply_points(out, points, ids);
   } else {
-    if (f == "csv") out.write(column_names(points.dimension));
+    if (f == "csv") out.write(axis_names(points.dimension));
     write_text_points(out, points, ids, f == "csv" ? ',' : ' ');
   }
   out.commit();
@@ -143,7 +143,7 @@ struct TextFrame {
 
 TextFrame text_frame(const std::string& format, std::uint64_t count, std::uint32_t dimension) {
   const std::string number = std::to_string(count), d = std::to_string(dimension);
-  if (format == "csv") return {column_names(dimension), "", ",", "", "\n", "\n"};
+  if (format == "csv") return {internal::axis_names(dimension), "", ",", "", "\n", "\n"};
   if (format == "obj") return {"", "v ", " ", "", "\n", "\n"};
   if (format == "off") {
     const std::string kind = dimension == 3 ? "OFF\n" : "nOFF\n" + d + "\n";
