@@ -113,7 +113,7 @@ if(CULLHULL_SHARED)  # packages of their own, each with its copyright, as Debian
   foreach(_part IN ITEMS program runtime development)
     set(_package_doc cullhull)
     if(_part STREQUAL "runtime")
-      set(_package_doc libcullhull${_abi})
+      set(_package_doc libcullhull${cullhull_abi})
     elseif(_part STREQUAL "development")
       set(_package_doc libcullhull-dev)
     endif()
