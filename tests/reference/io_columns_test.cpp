@@ -104,7 +104,7 @@ TEST(Columns, OfTextsWithBlanksAreKnown) {
   for (const char* format : {"txt", "xyz", ""}) {
     const auto read = [&](const char* text) { return rows_of(parse(text, format).view); };
     EXPECT_EQ(read("X Y Z\n1 2 3\n4 5 6\n"), (Rows{{1, 2, 3}, {4, 5, 6}})) << format;
-    EXPECT_EQ(read("# a scan\nEasting\tNORTHING  Class\n1\t2 3\n"), (Rows{{1, 2}})) << format;
+    EXPECT_EQ(read("# a scan\nEasting\tNORTHING\tClass\n1\t2\t3\n"), (Rows{{1, 2}})) << format;
     EXPECT_EQ(read("lat lon\n1 2\n"), (Rows{{2, 1}})) << format;
     EXPECT_EQ(refusal("a b\n1 2\n", format), "F:1: 'a' is not a number");
     EXPECT_EQ(refusal("x 1\n1 2\n", format), "F:1: 'x' is not a number");
