@@ -222,7 +222,8 @@ class AlphaShape(Exported, Saved, Compared):
         rows = np.asarray(self.points, dtype=np.float64)[self.cells]
         if found.affine_dimension == 2:
             return Picture([[triangle] for triangle in rows])
-        return Picture(segments=rows if found.affine_dimension == 1 else (), dots=rows.reshape(-1, found.dimension))
+        lines = rows if found.affine_dimension == 1 else ()
+        return Picture(segments=lines, dots=rows.reshape(-1, found.dimension))
 
     def _shape_count(self) -> int:
         return len(self.facet_cells)

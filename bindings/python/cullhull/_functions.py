@@ -35,9 +35,9 @@ def convex_hull(
 ) -> Hull:
     """The exact convex hull of any number of points in any dimension.
 
-    No option changes the result. Expected time is O(n + m log m) in 2D and 3D if the filter leaves m
-    of n points; in d dimensions the number of facets, up to m^floor(d/2), bounds it from below. Memory
-    is proportional to m and the number of facets: the points are not copied.
+    No option changes the result. In 2D and 3D expected time is O(n + m log m) if the filter leaves
+    m of n points; in d dimensions the number of facets, up to m^floor(d/2), bounds it from below.
+    Memory is proportional to m and the number of facets: the points are not copied.
 
     Parameters
     ----------

@@ -138,7 +138,8 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
         return self.batch._shape_count()
 
     def _table(self) -> Table:
-        return Table("Convex hulls of groups", [("groups", f"{len(self):,}"), *self.batch._table().rows[1:]])
+        rows = [("groups", f"{len(self):,}"), *self.batch._table().rows[1:]]
+        return Table("Convex hulls of groups", rows)
 
     def _page(self) -> str:
         return self.batch._page()

@@ -435,7 +435,8 @@ class Hull(Questions, Exported, Certified):
         if k == 2:
             ring = Lists(np.array([0, count], dtype=np.int64), np.arange(count, dtype=np.int64))
             whole = fan(count)
-            return Surface(self.vertex_points, self.vertices, ring, whole, np.zeros(len(whole), int))
+            one = np.zeros(len(whole), dtype=np.int64)
+            return Surface(self.vertex_points, self.vertices, ring, whole, one)
         facets = Lists(self._solid.facet_offsets, places(self.vertices, self._solid.facet_vertices))
         rows, simplices = self.mesh()
         return Surface(rows, self.vertices, facets, simplices, self.simplex_facets)
