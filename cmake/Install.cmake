@@ -109,7 +109,6 @@ if(CULLHULL_SHARED)  # packages of their own, each with its copyright, as Debian
     set(_others "${_before}\nThe text is in /usr/share/common-licenses/${_file}.\n${_rest}")
   endforeach()
   file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/copyright" "${_license}\n${_others}")
-  get_target_property(_abi cullhull_shared SOVERSION)
   foreach(_part IN ITEMS program runtime development)
     set(_package_doc cullhull)
     if(_part STREQUAL "runtime")
