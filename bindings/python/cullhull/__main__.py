@@ -111,6 +111,14 @@ def _has_columns(path: str) -> bool:
     return path.lower().endswith(".parquet")
 
 
+def _is_plain_input(words: list[str], i: int) -> bool:
+    """Whether word i is a file that the program itself reads: not an option's value, as a file
+    after ``-o`` is."""
+    flags = ("-q", "--quiet", "--certify", "--raw")
+    value = i > 0 and words[i - 1].startswith("-") and words[i - 1] not in flags
+    return not value and os.path.isfile(words[i]) and not _is_converted(words[i])
+
+
 def main() -> None:
     path = program()
     words = sys.argv[1:]
@@ -125,7 +133,8 @@ def main() -> None:
             columns = None
             if any(map(_has_columns, files)):
                 columns, words = _columns(words)
-                if columns is not None and not all(map(_has_columns, files)):
+                others = any(_is_plain_input(words, i) for i in range(len(words)))
+                if columns is not None and (others or not all(map(_has_columns, files))):
                     sys.exit("cullhull: --columns of .parquet files and others: give them apart")
             for word in words:
                 given += [
