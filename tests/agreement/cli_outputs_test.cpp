@@ -107,7 +107,8 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
                  "must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
   for (const char* other : {"h.ply", "h.vtk", "h.las", "h.html"})
     expect_refused(f, {"hull", absent, "--json=" + (f / other)}, "end it in .json");
-  expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.ply"}, "must end in .npy");
+  expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.stl"},
+                 "must end in .npy, .ply, .obj, .off, .geojson, .wkt, .csv, .xyz, .txt or .raw");
   expect_refused(f, {"view", absent, "-o", f / "h.png"}, "must end in .html or .htm");
   expect_refused(f, {"track", absent, "-o", f / "%d.docx"}, "must end in .ply");
   expect_refused(f, {"hull", absent, "--vertices", ""}, "empty");

@@ -416,11 +416,6 @@ TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
   EXPECT_NE(hull.shown().find("hull       ["), std::string::npos) << hull.shown();
   EXPECT_NE(hull.shown().find(" s left"), std::string::npos) << hull.shown();
   EXPECT_EQ(hull.shown().find("/s"), std::string::npos) << "a rate of what?\n" << hull.shown();
-  write_points(f / "big.npy", "ball", 300000, 3);
-  OnTerminal read({"hull", f / "big.npy", "--stream", "on"});
-  EXPECT_EQ(read.wait(), 0) << read.shown();
-  EXPECT_NE(read.shown().find("read       ["), std::string::npos) << read.shown();
-  EXPECT_NE(read.shown().find(" of 7.20 MB"), std::string::npos) << read.shown();
   OnTerminal quiet({"hull", f / "p.npy", "-q", "--cull", "none", "--threads", "1"});
   EXPECT_EQ(quiet.wait(), 0);
   EXPECT_EQ(quiet.shown(), "");
