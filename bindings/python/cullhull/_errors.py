@@ -77,6 +77,10 @@ class OutOfBudget(Error, MemoryError):
     True
     """
 
+    def __new__(cls, *words: object) -> OutOfBudget:
+        # MemoryError.__new__ refuses a class with a second base; unpickling by tblib calls it.
+        return Error.__new__(cls, *words)
+
 
 class BackendUnavailable(Error, RuntimeError):
     """The backend asked for is not in this build or not on this machine; `cuda_status` says why.

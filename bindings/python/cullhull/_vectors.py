@@ -109,4 +109,5 @@ def as_ply(points: Any) -> bytes:
     """As a PLY of doubles, which names its columns x, y and z."""
     axes = "".join(f"property double {axis}\n" for axis in "xyz"[: points.shape[1]])
     head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{axes}end_header\n"
-    return head.encode() + points.astype("<f8").tobytes()
+    rows: bytes = points.astype("<f8").tobytes()
+    return head.encode() + rows
