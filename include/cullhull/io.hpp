@@ -175,8 +175,8 @@ class PointSequence {
 /// Each of `paths` is a file, a folder (its files, without hidden ones) or a pattern with * ? [ ].
 /// If some files of a folder have the extension of a known format, the others are skipped and named
 /// by options.remark, unless options.format names the format. Files of folders and patterns are
-/// sorted by name, numbers in names by value (2 before 10). An .npy array (frames, n, d) must be the
-/// only path. Throws Error{io}, Error{bad_file}.
+/// sorted by name, numbers in names by value (2 before 10). An .npy array (frames, n, d) must be
+/// the only path. Throws Error{io}, Error{bad_file}.
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options = {});
 
 /// The files that such paths stand for, in that order.

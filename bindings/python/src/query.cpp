@@ -38,7 +38,9 @@ void require_same_dimension(const Solid& solid, const PointView& points) {
 Length length_of_questions(const Solid& solid, const PointView& view) {
   if (!solid.is_prepared()) return length_of(view, solid.hull().simplex_count());
   if (view.dimension > 4) return view.count <= 1'000 ? Length::moderate : Length::long_;
-  return view.count <= 100 ? Length::brief : view.count <= 100'000 ? Length::moderate : Length::long_;
+  return view.count <= 100       ? Length::brief
+         : view.count <= 100'000 ? Length::moderate
+                                 : Length::long_;
 }
 
 /// Calls ask(query, view, options) under run().
