@@ -16,9 +16,7 @@ struct OwnVertices {
   /// Error{invalid_argument} if the hull has no coordinates.
   explicit OwnVertices(const Hull& hull);
 
-  PointView points() const {
-    return PointView::row_major(rows.data(), ids.size(), dimension);
-  }
+  PointView points() const { return PointView::row_major(rows.data(), ids.size(), dimension); }
   std::uint32_t dimension;
   std::vector<std::uint64_t> ids;
   std::vector<double> rows;

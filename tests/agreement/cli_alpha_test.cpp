@@ -57,7 +57,8 @@ TEST(CliAlpha, ByTheLengthOfEdges) {
   const Ran half = run_app({"alpha", f / "p.txt", "--ratio", "0.5", "--json"});
   EXPECT_EQ(nlohmann::json::parse(half.out)["alpha"], nullptr);
   EXPECT_EQ(nlohmann::json::parse(half.out)["edge_length"], (1 + std::sqrt(10)) / 2);
-  expect_error({"alpha", f / "p.txt", "--ratio", "1", "--edge-length", "2"}, 2, "exclude one another");
+  expect_error({"alpha", f / "p.txt", "--ratio", "1", "--edge-length", "2"}, 2,
+               "exclude one another");
   expect_error({"alpha", f / "p.txt", "--ratio", "1", "--alpha", "2"}, 2, "exclude one another");
   expect_error({"alpha", f / "p.txt", "--ratio", "1.5"}, 2, "--ratio");
   expect_error({"alpha", f / "p.txt", "--edge-length", "-1"}, 2, "--edge-length");

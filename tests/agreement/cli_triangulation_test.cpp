@@ -209,8 +209,7 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "--box", "0,0,1,1"}, 2,
                "exclude each other");
   write_points(f / "ball.npy", "ball", 30, 3);
-  expect_error({"voronoi", f / "ball.npy", "--clip", f / "c.geojson"}, 2,
-               "--clip needs 2D points");
+  expect_error({"voronoi", f / "ball.npy", "--clip", f / "c.geojson"}, 2, "--clip needs 2D points");
 }
 
 TEST(CliTriangulation, WeightsFromFilesAndColumns) {
@@ -255,7 +254,8 @@ TEST(CliTriangulation, ForcesEdges) {
   expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt"}, 2,
                "edges 0 (0, 2) and 1 (1, 3) cross");
   write_file(f / "y.txt", "0 7\n");
-  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2, "is not the id of one of 7 points");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2,
+               "is not the id of one of 7 points");
   expect_error({"delaunay", f / "p.csv", "--inside"}, 2, "--inside needs --edges");
   expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt", "--furthest"}, 2, "furthest");
 }

@@ -67,7 +67,8 @@ class PositionReader : public nlohmann::json_sax<json> {
   bool start_object(std::size_t) override {
     const Place place = expected();
     if (place == Place::coordinates) fail(source_, "an object among coordinates");
-    if (place == Place::objects) fail(source_, "not GeoJSON: ", quoted_text(key_), " is not a list");
+    if (place == Place::objects)
+      fail(source_, "not GeoJSON: ", quoted_text(key_), " is not a list");
     if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}});
     places_.push_back(place);
     return true;
@@ -106,8 +107,9 @@ class PositionReader : public nlohmann::json_sax<json> {
     const auto line =
         1 + static_cast<std::uint64_t>(std::count(source_.data, source_.data + before, '\n'));
     constexpr int out_of_range = 406;
-    fail_at_line(source_, line,
-                 error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
+    fail_at_line(
+        source_, line,
+        error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
   }
 
  private:
