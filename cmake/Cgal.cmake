@@ -7,14 +7,14 @@ if(TARGET CGAL::CGAL)
   set(CULLHULL_HAVE_CGAL TRUE)
   if(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
     include(CheckCXXSourceCompiles)
-    set(CMAKE_REQUIRED_LIBRARIES CGAL::CGAL)
-    set(CMAKE_REQUIRED_FLAGS -fsyntax-only)
+    # By its folders: where CGAL is headers alone, CGAL::CGAL is no imported target, which a
+    # check_cxx_source_compiles could not link.
+    set(CMAKE_REQUIRED_INCLUDES ${CGAL_INCLUDE_DIRS} ${Boost_INCLUDE_DIRS})
     set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
     check_cxx_source_compiles([[#include <CGAL/Surface_mesh.h>
       int main() { return 0; }]] CULLHULL_CGAL_COMPILES)
     unset(CMAKE_TRY_COMPILE_TARGET_TYPE)
-    unset(CMAKE_REQUIRED_FLAGS)
-    unset(CMAKE_REQUIRED_LIBRARIES)
+    unset(CMAKE_REQUIRED_INCLUDES)
     if(NOT CULLHULL_CGAL_COMPILES)
       set(CULLHULL_HAVE_CGAL FALSE)
       message(STATUS "CGAL is left out of tests and benchmarks: this compiler refuses its headers")
