@@ -104,7 +104,11 @@ def test_fragments_of_the_documentation():
         for block in re.findall(r"^```python\n(.*?)^```$", page.read_text(), re.M | re.S):
             if ">>> " in block:
                 continue
-            if "trimesh" in block and importlib.util.find_spec("trimesh") is None:
+            if any(
+                importlib.util.find_spec(name) is None
+                for name in ("pandas", "shapely", "trimesh")
+                if name in block
+            ):
                 continue
             run("-c", given + block)
             ran += 1
