@@ -5,6 +5,8 @@
 # CULLHULL_ROOTS (default: /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of
 # apt and pip are copied from this machine; CUDA's folder is mounted where nvcc is found. Exit status
 # 77, with one line: no root can be made here. Otherwise that of the first command that fails, or 0.
+# While one works on the commands: REUSE_ROOT=FOLDER makes the root there, or goes on in the one that
+# is there, with the clone at today's HEAD; ROOT_CCACHE=FOLDER is the root's compiler cache.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -29,18 +31,27 @@ mirror=${CULLHULL_MIRROR:-$(sed -nE 's/^URIs: *([^ ]+).*/\1/p; s/^deb (\[[^]]*\]
   grep -m 1 '/debian/\?$' || true)}
 mirror=${mirror:-http://deb.debian.org/debian}
 
-mkdir -p "${CULLHULL_ROOTS:-/var/tmp}"
-root=$(mktemp -d "${CULLHULL_ROOTS:-/var/tmp}/cullhull-root.XXXXXX")
+if [[ -n ${REUSE_ROOT:-} ]]; then
+  KEEP_ROOT=1
+  mkdir -p "$REUSE_ROOT"
+  root=$(realpath "$REUSE_ROOT")
+else
+  mkdir -p "${CULLHULL_ROOTS:-/var/tmp}"
+  root=$(mktemp -d "${CULLHULL_ROOTS:-/var/tmp}/cullhull-root.XXXXXX")
+fi
 clean_up() { [[ ${KEEP_ROOT:-} = 1 ]] || rm -rf "$root"; }
 trap clean_up EXIT
 echo "fresh-root: $release from $mirror, in $root"
-if ! debootstrap --variant=minbase --include=make,git,ca-certificates "$release" "$root" "$mirror" \
-  >"$root.log" 2>&1; then
-  tail -n 3 "$root.log" >&2
+if [[ ! -e $root.complete ]]; then
+  if ! debootstrap --variant=minbase --include=make,git,ca-certificates "$release" "$root" "$mirror" \
+    >"$root.log" 2>&1; then
+    tail -n 3 "$root.log" >&2
+    rm -f "$root.log"
+    give_up "debootstrap failed"
+  fi
   rm -f "$root.log"
-  give_up "debootstrap failed"
+  [[ -z ${REUSE_ROOT:-} ]] || touch "$root.complete"
 fi
-rm -f "$root.log"
 
 # What this machine needs to reach the archives: sources of Debian alone, settings, certificates.
 rm -f "$root/etc/apt/sources.list"
@@ -67,7 +78,7 @@ done
 variables=(HOME=/root LANG=C.UTF-8 TERM=dumb)
 while IFS= read -r name; do
   variables+=("$name=${!name}")
-done < <(compgen -e | grep -E '^(CI|JOBS|PIP_.*|.*_proxy|.*_PROXY|SSL_CERT_FILE|REQUESTS_CA_BUNDLE)$' || true)
+done < <(compgen -e | grep -E '^(CI|JOBS|CMAKE_BUILD_PARALLEL_LEVEL|PIP_.*|.*_proxy|.*_PROXY|SSL_CERT_FILE|REQUESTS_CA_BUNDLE)$' || true)
 
 mounts=()
 path=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -80,14 +91,23 @@ if nvcc=$(command -v nvcc); then
 fi
 if [[ -d ${PIP_FIND_LINKS:-} ]]; then mounts+=("$PIP_FIND_LINKS"); fi
 
-git clone --quiet --no-hardlinks . "$root/root/cullhull"
+if [[ -n ${ROOT_CCACHE:-} ]]; then
+  mkdir -p "$root/root/.cache/ccache"
+  variables+=(CCACHE_DIR=/root/.cache/ccache CCACHE_BASEDIR=/root CCACHE_NOHASHDIR=1)
+fi
+
+if [[ -e $root/root/cullhull ]]; then
+  git -C "$root/root/cullhull" fetch --quiet "$PWD" HEAD
+else
+  git clone --quiet --no-hardlinks . "$root/root/cullhull"
+fi
 git -C "$root/root/cullhull" checkout --quiet --detach "$(git rev-parse HEAD)"
 
 # inside COMMAND: the root's own /proc, /dev and /sys; gone with the processes when it ends.
 inside() {
   unshare --mount --pid --fork --kill-child bash -euc '
-    root=$1 command=$2 path=$3
-    shift 3
+    root=$1 command=$2 path=$3 cache=$4
+    shift 4
     mount -t proc proc "$root/proc"
     mount --rbind /sys "$root/sys"
     mount --rbind /dev "$root/dev"
@@ -98,9 +118,10 @@ inside() {
       shift
     done
     shift
+    [[ -z $cache ]] || mount --bind "$cache" "$root/root/.cache/ccache"
     exec chroot "$root" /usr/bin/env -i "PATH=$path" "$@" \
       bash -c "cd /root/cullhull && $command"' fresh-root "$root" "$1" "$path" \
-    "${mounts[@]}" -- "${variables[@]}" </dev/null
+    "${ROOT_CCACHE:-}" "${mounts[@]}" -- "${variables[@]}" </dev/null
 }
 for command in "$@"; do
   echo "fresh-root: $command"
