@@ -95,7 +95,7 @@ def main():
             if re.match(r"git clone\b", line):
                 # Where a root is used again, the clone is there and is brought up to date.
                 update = "git -C cullhull fetch -q origin HEAD && git -C cullhull checkout -q FETCH_HEAD"
-                line = f"if [[ -e cullhull ]]; then {update}; else {line.split(' && ')[0]}; fi; cd cullhull"
+                line = f"if [[ -e cullhull ]]; then {update}; else {line.split(' && ')[0]}; fi && cd cullhull"
             print(f"echo {shlex.quote('follow: ' + argument + ': ' + line.splitlines()[0])}\n{line}\ncheck")
     print("echo 'follow: all of it worked'")
 
