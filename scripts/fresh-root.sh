@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Runs commands in a clone of HEAD on a Debian machine from nothing:
+# Runs commands in a clone of HEAD on a Debian or Ubuntu machine from nothing:
 #   scripts/fresh-root.sh COMMAND...       each argument is one command line, run as root by bash
-# debootstrap makes the root (minbase, with make, git and ca-certificates alone) in a folder below
-# CULLHULL_ROOTS (default: /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of
-# apt and pip are copied from this machine; CUDA's folder is mounted where nvcc is found. Exit status
-# 77, with one line: no root can be made here. Otherwise that of the first command that fails, or 0.
+# debootstrap makes the root (minbase, with make, git and ca-certificates alone) of ROOT_RELEASE
+# (default: this machine's Debian; noble is Ubuntu 24.04) in a folder below CULLHULL_ROOTS (default:
+# /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of apt and pip are copied
+# from this machine; CUDA's folder is mounted where nvcc is found. Exit status 77, with one line: no
+# root can be made here. Otherwise that of the first command that fails, or 0.
 # While one works on the commands: REUSE_ROOT=FOLDER makes the root there, or goes on in the one that
 # is there, with the clone at today's HEAD; ROOT_CCACHE=FOLDER is the root's compiler cache.
 set -euo pipefail
@@ -24,12 +25,25 @@ fi
 unshare --mount --pid --fork true 2>/dev/null || give_up "this system does not allow namespaces"
 
 # shellcheck disable=SC1091
-release=$(. /etc/os-release && [[ ${ID:-} = debian ]] && echo "${VERSION_CODENAME:-}" || true)
-release=${release:-bookworm}
-mirror=${CULLHULL_MIRROR:-$(sed -nE 's/^URIs: *([^ ]+).*/\1/p; s/^deb (\[[^]]*\] *)?([^ ]+).*/\2/p' \
-  /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list 2>/dev/null |
-  grep -m 1 '/debian/\?$' || true)}
-mirror=${mirror:-http://deb.debian.org/debian}
+here=$(. /etc/os-release && [[ ${ID:-} = debian ]] && echo "${VERSION_CODENAME:-}" || true)
+release=${ROOT_RELEASE:-${here:-bookworm}}
+making=(--variant=minbase "--include=make,git,ca-certificates")
+case "$release" in
+  bullseye | bookworm | trixie | forky | testing | sid)
+    mirror=$(sed -nE 's/^URIs: *([^ ]+).*/\1/p; s/^deb (\[[^]]*\] *)?([^ ]+).*/\2/p' \
+      /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list 2>/dev/null |
+      grep -m 1 '/debian/\?$' || true)
+    mirror=${CULLHULL_MIRROR:-${mirror:-http://deb.debian.org/debian}}
+    script=sid
+    sources="deb $mirror $release main" ;;
+  *)  # Ubuntu, whose keys a Debian may not have
+    mirror=${CULLHULL_MIRROR:-http://archive.ubuntu.com/ubuntu}
+    script=gutsy
+    sources=$(printf 'deb %s %s main universe\n' "$mirror" "$release" "$mirror" "$release-updates")
+    keys=/usr/share/keyrings/ubuntu-archive-keyring.gpg
+    if [[ -e $keys ]]; then making+=("--keyring=$keys"); else making+=(--no-check-gpg); fi ;;
+esac
+if [[ -e /usr/share/debootstrap/scripts/$release ]]; then script=$release; fi
 
 if [[ -n ${REUSE_ROOT:-} ]]; then
   KEEP_ROOT=1
@@ -43,8 +57,8 @@ clean_up() { [[ ${KEEP_ROOT:-} = 1 ]] || rm -rf "$root"; }
 trap clean_up EXIT
 echo "fresh-root: $release from $mirror, in $root"
 if [[ ! -e $root.complete ]]; then
-  if ! debootstrap --variant=minbase --include=make,git,ca-certificates "$release" "$root" "$mirror" \
-    >"$root.log" 2>&1; then
+  if ! debootstrap "${making[@]}" "$release" "$root" "$mirror" \
+    "/usr/share/debootstrap/scripts/$script" >"$root.log" 2>&1; then
     tail -n 3 "$root.log" >&2
     rm -f "$root.log"
     give_up "debootstrap failed"
@@ -56,10 +70,10 @@ fi
 # What this machine needs to reach the archives: sources of Debian alone, settings, certificates.
 rm -f "$root/etc/apt/sources.list"
 mkdir -p "$root/etc/apt/sources.list.d" "$root/etc/apt/apt.conf.d"
-if [[ -e /etc/apt/sources.list.d/debian.sources ]]; then
+if [[ $release = "$here" && -e /etc/apt/sources.list.d/debian.sources ]]; then
   cp /etc/apt/sources.list.d/debian.sources "$root/etc/apt/sources.list.d/"
 else
-  echo "deb $mirror $release main" >"$root/etc/apt/sources.list"
+  echo "$sources" >"$root/etc/apt/sources.list"
 fi
 for setting in /etc/apt/apt.conf.d/*; do  # not the hooks of other programs
   grep -q '^ *Acquire' "$setting" && ! grep -q 'Invoke' "$setting" &&
