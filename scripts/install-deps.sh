@@ -2,7 +2,8 @@
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
 # Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package (to build
-# artifacts), roots (to check them), cross. Does nothing where nothing is missing; calls apt-get as root, or through sudo.
+# artifacts), roots (to check them), cross. Does nothing where nothing is missing; calls apt-get as
+# root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
