@@ -79,7 +79,7 @@ deb static:
 	scripts/artifacts.sh $@
 
 artifacts:
-	@scripts/install-deps.sh build python package
+	@scripts/install-deps.sh build python package roots
 	scripts/artifacts.sh static wheels sdist deb sbom sums
 	scripts/check-artifacts.sh
 

@@ -13,7 +13,8 @@ set(CMAKE_SHARED_LINKER_FLAGS_INIT "${_flags}")
 foreach(_kind EXE MODULE)
   set(CMAKE_${_kind}_LINKER_FLAGS_INIT "${_flags} -static-libstdc++ -static-libgcc")
 endforeach()
-set(CMAKE_CXX_STANDARD_LIBRARIES "${CULLHULL_SYSROOT}/usr/lib/compat.o -lpthread")
+# -pthread: the compiler names libpthread behind the C++ library, which needs it.
+set(CMAKE_CXX_STANDARD_LIBRARIES "${CULLHULL_SYSROOT}/usr/lib/compat.o -pthread")
 # The same bytes wherever the sources lie.
 set(CMAKE_CXX_FLAGS_INIT "-ffile-prefix-map=${CMAKE_SOURCE_DIR}=.")
 set(CULLHULL_GMP_BY_NAME ON)

@@ -110,6 +110,8 @@ make_deb() {
 }
 
 make_sbom() {
+  # An environment says which nanobind the wheels have in them.
+  compgen -G "build/wheel/venv-*/needs" >/dev/null || venv
   python3 scripts/sbom.py "$dist/cullhull-$version.cdx.json"
 }
 

@@ -55,7 +55,7 @@ inputs=$scratch/inputs
 mkdir "$inputs"
 cp "$points" "$inputs/points.ply"
 gzip -c "$points" >"$inputs/points.ply.gz"
-zstd -q -c "$points" >"$inputs/points.ply.zst" || give_up "no zstd (scripts/install-deps.sh package)"
+zstd -q -c "$points" >"$inputs/points.ply.zst" || give_up "no zstd (scripts/install-deps.sh roots)"
 "$program" cull "$points" -q --cull none --points "$scratch/points.npy"
 python3 -m zipfile -c "$inputs/points.npz" "$scratch/points.npy" # deflated
 names=(points.ply points.ply.gz points.ply.zst points.npz)
@@ -271,7 +271,7 @@ case "${1:-}" in
   --rebuild) rebuild ;;
   "")
     [[ $(id -u) -eq 0 ]] || give_up "a root is made as root (--here needs none)"
-    command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh package)"
+    command -v debootstrap >/dev/null || give_up "no debootstrap (scripts/install-deps.sh roots)"
     here
     for codename in ${ROOTS:-bookworm bullseye trixie testing}; do
       try_root "$codename"

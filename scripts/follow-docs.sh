@@ -4,7 +4,8 @@
 # The commands come from the Markdown (tests/docs/follow_pages.py). The repository's address is turned
 # to a clone of HEAD; sudo, which a Debian has, is installed first. FOLLOW_TESTS=1 runs `make test`,
 # too. Tutorials need what docs/install.md installs: its sections `python-package` and
-# `from-source-with-cmake`. Exit status 77: no root can be made here.
+# `from-source-with-cmake`; REUSE_ROOT=FOLDER (scripts/fresh-root.sh) goes on in a root that has them.
+# Exit status 77: no root can be made here.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 pages=("$@")

@@ -1,10 +1,13 @@
 #!/usr/bin/env bash
-# Runs commands in a clone of HEAD on a Debian machine from nothing:
+# Runs commands in a clone of HEAD on a Debian or Ubuntu machine from nothing:
 #   scripts/fresh-root.sh COMMAND...       each argument is one command line, run as root by bash
-# debootstrap makes the root (minbase, with make, git and ca-certificates alone) in a folder below
-# CULLHULL_ROOTS (default: /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of
-# apt and pip are copied from this machine; CUDA's folder is mounted where nvcc is found. Exit status
-# 77, with one line: no root can be made here. Otherwise that of the first command that fails, or 0.
+# debootstrap makes the root (minbase, with make, git and ca-certificates alone) of ROOT_RELEASE
+# (default: this machine's Debian; noble is Ubuntu 24.04) in a folder below CULLHULL_ROOTS (default:
+# /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of apt and pip are copied
+# from this machine; CUDA's folder is mounted where nvcc is found. Exit status 77, with one line: no
+# root can be made here. Otherwise that of the first command that fails, or 0.
+# While one works on the commands: REUSE_ROOT=FOLDER makes the root there, or goes on in the one that
+# is there, with the clone at today's HEAD; ROOT_CCACHE=FOLDER is the root's compiler cache.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,33 +25,55 @@ fi
 unshare --mount --pid --fork true 2>/dev/null || give_up "this system does not allow namespaces"
 
 # shellcheck disable=SC1091
-release=$(. /etc/os-release && [[ ${ID:-} = debian ]] && echo "${VERSION_CODENAME:-}" || true)
-release=${release:-bookworm}
-mirror=${CULLHULL_MIRROR:-$(sed -nE 's/^URIs: *([^ ]+).*/\1/p; s/^deb (\[[^]]*\] *)?([^ ]+).*/\2/p' \
-  /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list 2>/dev/null |
-  grep -m 1 '/debian/\?$' || true)}
-mirror=${mirror:-http://deb.debian.org/debian}
+here=$(. /etc/os-release && [[ ${ID:-} = debian ]] && echo "${VERSION_CODENAME:-}" || true)
+release=${ROOT_RELEASE:-${here:-bookworm}}
+making=(--variant=minbase "--include=make,git,ca-certificates")
+case "$release" in
+  bullseye | bookworm | trixie | forky | testing | sid)
+    mirror=$(sed -nE 's/^URIs: *([^ ]+).*/\1/p; s/^deb (\[[^]]*\] *)?([^ ]+).*/\2/p' \
+      /etc/apt/sources.list.d/debian.sources /etc/apt/sources.list 2>/dev/null |
+      grep -m 1 '/debian/\?$' || true)
+    mirror=${CULLHULL_MIRROR:-${mirror:-http://deb.debian.org/debian}}
+    script=sid
+    sources="deb $mirror $release main" ;;
+  *)  # Ubuntu, whose keys a Debian may not have
+    mirror=${CULLHULL_MIRROR:-http://archive.ubuntu.com/ubuntu}
+    script=gutsy
+    sources=$(printf 'deb %s %s main universe\n' "$mirror" "$release" "$mirror" "$release-updates")
+    keys=/usr/share/keyrings/ubuntu-archive-keyring.gpg
+    if [[ -e $keys ]]; then making+=("--keyring=$keys"); else making+=(--no-check-gpg); fi ;;
+esac
+if [[ -e /usr/share/debootstrap/scripts/$release ]]; then script=$release; fi
 
-mkdir -p "${CULLHULL_ROOTS:-/var/tmp}"
-root=$(mktemp -d "${CULLHULL_ROOTS:-/var/tmp}/cullhull-root.XXXXXX")
+if [[ -n ${REUSE_ROOT:-} ]]; then
+  KEEP_ROOT=1
+  mkdir -p "$REUSE_ROOT"
+  root=$(realpath "$REUSE_ROOT")
+else
+  mkdir -p "${CULLHULL_ROOTS:-/var/tmp}"
+  root=$(mktemp -d "${CULLHULL_ROOTS:-/var/tmp}/cullhull-root.XXXXXX")
+fi
 clean_up() { [[ ${KEEP_ROOT:-} = 1 ]] || rm -rf "$root"; }
 trap clean_up EXIT
 echo "fresh-root: $release from $mirror, in $root"
-if ! debootstrap --variant=minbase --include=make,git,ca-certificates "$release" "$root" "$mirror" \
-  >"$root.log" 2>&1; then
-  tail -n 3 "$root.log" >&2
+if [[ ! -e $root.complete ]]; then
+  if ! debootstrap "${making[@]}" "$release" "$root" "$mirror" \
+    "/usr/share/debootstrap/scripts/$script" >"$root.log" 2>&1; then
+    tail -n 3 "$root.log" >&2
+    rm -f "$root.log"
+    give_up "debootstrap failed"
+  fi
   rm -f "$root.log"
-  give_up "debootstrap failed"
+  [[ -z ${REUSE_ROOT:-} ]] || touch "$root.complete"
 fi
-rm -f "$root.log"
 
 # What this machine needs to reach the archives: sources of Debian alone, settings, certificates.
 rm -f "$root/etc/apt/sources.list"
 mkdir -p "$root/etc/apt/sources.list.d" "$root/etc/apt/apt.conf.d"
-if [[ -e /etc/apt/sources.list.d/debian.sources ]]; then
+if [[ $release = "$here" && -e /etc/apt/sources.list.d/debian.sources ]]; then
   cp /etc/apt/sources.list.d/debian.sources "$root/etc/apt/sources.list.d/"
 else
-  echo "deb $mirror $release main" >"$root/etc/apt/sources.list"
+  echo "$sources" >"$root/etc/apt/sources.list"
 fi
 for setting in /etc/apt/apt.conf.d/*; do  # not the hooks of other programs
   grep -q '^ *Acquire' "$setting" && ! grep -q 'Invoke' "$setting" &&
@@ -67,7 +92,7 @@ done
 variables=(HOME=/root LANG=C.UTF-8 TERM=dumb)
 while IFS= read -r name; do
   variables+=("$name=${!name}")
-done < <(compgen -e | grep -E '^(CI|JOBS|PIP_.*|.*_proxy|.*_PROXY|SSL_CERT_FILE|REQUESTS_CA_BUNDLE)$' || true)
+done < <(compgen -e | grep -E '^(CI|JOBS|CMAKE_BUILD_PARALLEL_LEVEL|PIP_.*|.*_proxy|.*_PROXY|SSL_CERT_FILE|REQUESTS_CA_BUNDLE)$' || true)
 
 mounts=()
 path=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -80,14 +105,23 @@ if nvcc=$(command -v nvcc); then
 fi
 if [[ -d ${PIP_FIND_LINKS:-} ]]; then mounts+=("$PIP_FIND_LINKS"); fi
 
-git clone --quiet --no-hardlinks . "$root/root/cullhull"
+if [[ -n ${ROOT_CCACHE:-} ]]; then
+  mkdir -p "$root/root/.cache/ccache"
+  variables+=(CCACHE_DIR=/root/.cache/ccache CCACHE_BASEDIR=/root CCACHE_NOHASHDIR=1)
+fi
+
+if [[ -e $root/root/cullhull ]]; then
+  git -C "$root/root/cullhull" fetch --quiet "$PWD" HEAD
+else
+  git clone --quiet --no-hardlinks . "$root/root/cullhull"
+fi
 git -C "$root/root/cullhull" checkout --quiet --detach "$(git rev-parse HEAD)"
 
 # inside COMMAND: the root's own /proc, /dev and /sys; gone with the processes when it ends.
 inside() {
   unshare --mount --pid --fork --kill-child bash -euc '
-    root=$1 command=$2 path=$3
-    shift 3
+    root=$1 command=$2 path=$3 cache=$4
+    shift 4
     mount -t proc proc "$root/proc"
     mount --rbind /sys "$root/sys"
     mount --rbind /dev "$root/dev"
@@ -98,9 +132,10 @@ inside() {
       shift
     done
     shift
+    [[ -z $cache ]] || mount --bind "$cache" "$root/root/.cache/ccache"
     exec chroot "$root" /usr/bin/env -i "PATH=$path" "$@" \
       bash -c "cd /root/cullhull && $command"' fresh-root "$root" "$1" "$path" \
-    "${mounts[@]}" -- "${variables[@]}" </dev/null
+    "${ROOT_CCACHE:-}" "${mounts[@]}" -- "${variables[@]}" </dev/null
 }
 for command in "$@"; do
   echo "fresh-root: $command"

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package, cross. Does
-# nothing where nothing is missing; calls apt-get as root, or through sudo.
+# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package (to build
+# artifacts), roots (to check them), cross. Does nothing where nothing is missing; calls apt-get as
+# root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
@@ -20,7 +21,8 @@ docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)
 python=(python3 python3-dev python3-venv python3-pip)
-package=(python3 dpkg-dev file lintian zstd debootstrap debian-archive-keyring)
+package=(python3 dpkg-dev file debian-archive-keyring)
+roots=(lintian zstd debootstrap debian-archive-keyring)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
 
 wanted=("${build[@]}")
@@ -35,9 +37,10 @@ for part in "$@"; do
     format) wanted+=("${format[@]}") ;;
     python) wanted+=("${python[@]}") ;;
     package) wanted+=("${package[@]}") ;;
+    roots) wanted+=("${roots[@]}") ;;
     cross) wanted+=("${cross[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package cross" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package roots cross" >&2
       exit 2
       ;;
   esac

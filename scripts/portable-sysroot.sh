@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Makes a folder to build against, so that what is built runs on any Linux of the last years:
 #   scripts/portable-sysroot.sh FOLDER
-# It holds the C library of Debian 11 (glibc 2.31), static Highway and fmt built for it from
-# Debian's sources, and this machine's headers of what is header-only. The compiler stays this
-# machine's own; cmake/PortableToolchain.cmake points it there. Needs a Debian and its mirror
-# (CULLHULL_MIRROR names another). Exit status 77: not possible here. Does nothing where FOLDER is
-# complete.
+# It holds the C library of Debian 11 (glibc 2.31), static Highway and fmt built for it from the
+# sources of Debian 12, and the other libraries of Debian 12 (the file `versions` lists them). The
+# compiler and its C++ library stay this machine's own; cmake/PortableToolchain.cmake points them
+# there. Needs a Debian or Ubuntu and a mirror of Debian (CULLHULL_MIRROR names another). Exit status
+# 77: not possible here. Does nothing where FOLDER is complete.
 set -euo pipefail
 folder=$(realpath -m "${1:?usage: scripts/portable-sysroot.sh FOLDER}")
 root=$(realpath "$(dirname "${BASH_SOURCE[0]}")/..")
@@ -16,8 +16,7 @@ give_up() {
   echo "portable-sysroot: $*" >&2
   exit 77
 }
-[[ $(dpkg --print-architecture 2>/dev/null) == amd64 ]] || give_up "only on Debian, amd64"
-codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
+[[ $(dpkg --print-architecture 2>/dev/null) == amd64 ]] || give_up "only on Debian and Ubuntu, amd64"
 
 rm -rf "$folder"
 mkdir -p "$folder/usr/include" "$folder/download"
@@ -39,7 +38,10 @@ keys=/usr/share/keyrings/debian-archive-keyring.gpg
 [[ -e $keys ]] || give_up "no $keys (Debian: debian-archive-keyring)"
 fetch old "deb [signed-by=$keys] $mirror bullseye main" \
   download libc6 libc6-dev linux-libc-dev libcrypt1 libcrypt-dev libgcc-10-dev
-fetch source "deb-src [signed-by=$keys] $mirror $codename main" source --download-only highway fmtlib
+fetch new "deb [signed-by=$keys] $mirror bookworm main" \
+  download libgmp10 libgmp-dev zlib1g-dev libzstd-dev libcli11-dev nlohmann-json3-dev \
+  libfast-float-dev libjs-three
+fetch source "deb-src [signed-by=$keys] $mirror bookworm main" source --download-only highway fmtlib
 
 for package in libc6_* libc6-dev_* linux-libc-dev_* libcrypt1_* libcrypt-dev_*; do
   dpkg -x "$package" "$folder"
@@ -55,11 +57,12 @@ dpkg -x libgcc-10-dev_* unwinder
 mkdir "$folder/usr/lib/unwinder"
 cp unwinder/usr/lib/gcc/x86_64-linux-gnu/10/libgcc*.a "$folder/usr/lib/unwinder"
 
-# This machine's C++ library, whose archive names two things that glibc 2.31 does not have.
+# This machine's C++ library, whose archive names three things that glibc 2.31 does not have.
 ln -s /usr/include/c++ "$folder/usr/include/c++"
 ln -s /usr/include/x86_64-linux-gnu/c++ "$folder/usr/include/x86_64-linux-gnu/c++"
 cat >compat.c <<'C'
 #include <stdint.h>
+#include <stdlib.h>
 #include <sys/random.h>
 #define OURS __attribute__((visibility("hidden")))
 OURS char __libc_single_threaded = 0; /* glibc 2.32: that no lock is needed; 0 is always true */
@@ -69,16 +72,28 @@ OURS uint32_t arc4random(void) {      /* glibc 2.36 */
   }
   return value;
 }
+OURS unsigned long __isoc23_strtoul(const char* text, char** end, int base) { /* glibc 2.38 */
+  return strtoul(text, end, base);
+}
 C
 cc --sysroot="$folder" -O2 -fPIC -c compat.c -o "$folder/usr/lib/compat.o"
 
-# Header-only libraries, GMP (which asks glibc 2.14), zlib, zstd and three.js.
-copy() { mkdir -p "$folder$(dirname "$1")" && cp -rL "$1" "$folder$1"; }
+# Header-only libraries, GMP (which asks glibc 2.14), zlib, zstd and three.js, as Debian 12 has them.
+for package in libgmp10_* libgmp-dev_* zlib1g-dev_* libzstd-dev_* libcli11-dev_* \
+  nlohmann-json3-dev_* libfast-float-dev_* libjs-three_*; do
+  dpkg -x "$package" libraries
+  dpkg-deb --show "$package" >>"$folder/versions"
+done
+for package in highway fmtlib; do
+  file=$(echo "$package"_*.dsc)
+  case $package in highway) name=libhwy-dev ;; fmtlib) name=libfmt-dev ;; esac
+  printf '%s\t%s\n' "$name" "$(sed -n 's/^Version: //p' "$file" | head -n 1)" >>"$folder/versions"
+done
+copy() { mkdir -p "$folder$(dirname "$1")" && cp -rL "libraries$1" "$folder$1"; }
 for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \
   /usr/lib/cmake/FastFloat /usr/include/gmpxx.h /usr/include/x86_64-linux-gnu/gmp.h \
   /usr/lib/x86_64-linux-gnu/libgmp.{a,so,so.10} /usr/share/javascript/three \
   /usr/include/{zlib,zconf,zstd,zstd_errors}.h /usr/lib/x86_64-linux-gnu/lib{z,zstd}.a; do
-  [[ -e $path ]] || give_up "no $path (scripts/install-deps.sh build)"
   copy "$path"
 done
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """scripts/sbom.py FILE: what the artifacts contain of others, as CycloneDX JSON.
 
-The list is packaging/dependencies.json; versions are those of the Debian packages of this machine,
-which the artifacts are built from, and of nanobind in the environments of scripts/artifacts.sh.
-SOURCE_DATE_EPOCH is its time.
+The list is packaging/dependencies.json; versions are those of the Debian packages in build/sysroot,
+which the artifacts are built from (of this machine where there is none), and of nanobind in the
+environments of scripts/artifacts.sh. SOURCE_DATE_EPOCH is its time.
 """
 
 import json
@@ -21,15 +21,22 @@ root = stamp.root
 
 
 def debian_version(package: str) -> "str | None":
-    """The upstream version of an installed package."""
+    """The upstream version of a package in build/sysroot, else of an installed one."""
     try:
-        ran = subprocess.run(
-            ["dpkg-query", "-W", "-f", "${Version}", package],
-            capture_output=True, text=True, check=True,
-        )
-    except (OSError, subprocess.CalledProcessError):
-        return None
-    upstream = re.sub(r"^\d+:|-[^-]*$", "", ran.stdout)
+        listed = (root / "build/sysroot/versions").read_text(encoding="utf-8")
+    except OSError:
+        listed = ""
+    full = dict(line.split("\t") for line in listed.splitlines()).get(package)
+    if full is None:
+        try:
+            ran = subprocess.run(
+                ["dpkg-query", "-W", "-f", "${Version}", package],
+                capture_output=True, text=True, check=True,
+            )
+        except (OSError, subprocess.CalledProcessError):
+            return None
+        full = ran.stdout
+    upstream = re.sub(r"^\d+:|-[^-]*$", "", full)
     return re.sub(r"[.+~](dfsg|ds|really).*$", "", upstream)
 
 

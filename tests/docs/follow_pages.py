@@ -74,14 +74,18 @@ CMAKE = next(b.text for b in samples.blocks(samples.ROOT / "docs/tutorials/cpp.m
 def main():
     if len(sys.argv) < 2:
         sys.exit(__doc__)
-    print("set -eo pipefail")
+    # `set -e` would pass over a failing first command of `first && second`.
+    print("set -o pipefail")
+    print('check() { local status=$?; [[ $status -eq 0 ]] || { echo "follow: exit status $status"; exit 1; }; }')
     for argument in sys.argv[1:]:
         name, _, wanted = argument.partition("#")
         path = samples.ROOT / name
         folder = f"{HOME}/{path.stem.lower()}" + (f"-{wanted}" if wanted and path.stem != "install" else "")
-        print(f"mkdir -p {folder} && cd {folder}")
         if path.parent.name == "tutorials":
-            print(f"cp -r {HOME}/cullhull/data .")
+            print(f"rm -rf {folder}")
+        print(f"mkdir -p {folder} && cd {folder}; check")
+        if path.parent.name == "tutorials":
+            print(f"cp -r {HOME}/cullhull/data .; check")
             lines = list(tutorial(path))
         else:
             lines = list(installing(section(path.read_text(), wanted)))
@@ -89,8 +93,10 @@ def main():
             sys.exit(f"follow_pages: {argument} tells nobody to do anything")
         for line in lines:
             if re.match(r"git clone\b", line):
-                line = f"[[ -e cullhull ]] || {{ {line.split(' && ')[0]}; }}; cd cullhull"
-            print(f"echo {shlex.quote('follow: ' + argument + ': ' + line.splitlines()[0])}\n{line}")
+                # Where a root is used again, the clone is there and is brought up to date.
+                update = "git -C cullhull fetch -q origin HEAD && git -C cullhull checkout -q FETCH_HEAD"
+                line = f"if [[ -e cullhull ]]; then {update}; else {line.split(' && ')[0]}; fi && cd cullhull"
+            print(f"echo {shlex.quote('follow: ' + argument + ': ' + line.splitlines()[0])}\n{line}\ncheck")
     print("echo 'follow: all of it worked'")
 
 
