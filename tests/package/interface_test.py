@@ -135,6 +135,13 @@ def old_spellings(compiler, source):
             yield f"{compiler}: {statement} does not name what to write:\n{about[:800]}"
 
 
+def old_standard(compiler, source, name):
+    """What a header is to a compiler that was not told C++20."""
+    status, said = compiled(compiler, source, f"#include <cullhull/{name}>\n", [], "17")
+    if status == 0 or "cullhull needs C++20" not in said:
+        yield f"{compiler}, C++17: {name} does not say that it needs C++20:\n{said[:800]}"
+
+
 def programs(source, headers):
     """What is compiled strictly: (what, text, more options)."""
     includes = [f"#include <cullhull/{name}>\n" for name in headers if name != "mpi.hpp"]
@@ -166,6 +173,8 @@ def checks(compilers, source):
         if name != "mpi.hpp":
             text = f"#include <cullhull/{name}>\nint main() {{}}\n"
             yield strict, (compilers[0], name, text, [], "20")
+        if name not in ("mpi.hpp", "renamed.hpp"):
+            yield lambda c, n: list(old_standard(c, source, n)), (compilers[0], name)
     for compiler in compilers:
         # libc++ warns of clang 16, which it no longer supports.
         more = ["-Wno-#warnings"] if "clang" in compiler else []
