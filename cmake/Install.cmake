@@ -45,8 +45,12 @@ if(CULLHULL_BUILD_IO AND TARGET Zstd::zstd)
 endif()
 configure_package_config_file(cmake/cullhullConfig.cmake.in
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake" INSTALL_DESTINATION ${_package})
+set(_compatibility SameMajorVersion)
+if(PROJECT_VERSION_MAJOR EQUAL 0)
+  set(_compatibility SameMinorVersion)
+endif()
 write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake"
-  COMPATIBILITY SameMinorVersion)
+  COMPATIBILITY ${_compatibility})
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfig.cmake"
   "${CMAKE_CURRENT_BINARY_DIR}/cullhullConfigVersion.cmake" cmake/Gmp.cmake
   cmake/Zstd.cmake

@@ -69,6 +69,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
 }
 
 std::string unknown_command(const std::string& word, const Parser& parser) {
+  if (word == "bench" && parser.full_name() == "cullhull")
+    return "unknown command 'bench'; it is now the program cullhull-bench (make bench)";
   const std::string meant = nearest(word, parser.command_names());
   return "unknown command '" + word + "'" + (meant.empty() ? "" : "; did you mean " + meant + "?") +
          " (see " + parser.full_name() + " --help)";

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "cullhull/version.hpp"
+
 #pragma GCC visibility push(default)
 
 namespace cullhull::internal::inline parallel {

@@ -50,7 +50,7 @@ HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> o
 [[deprecated("pass the offsets as a span")]] inline HullBatch convex_hulls(
     const PointView& points, const std::uint64_t* offsets, std::uint64_t set_count,
     const Options& options = {}) {
-  return convex_hulls(points, std::span(offsets, set_count + 1), options);
+  return convex_hulls(points, std::span(offsets, static_cast<std::size_t>(set_count) + 1), options);
 }
 
 }  // namespace cullhull::inline v1

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cullhull/options.hpp"
@@ -19,6 +21,7 @@ enum class UsedFilter { none, gauge, gauge_twice, pseudo_hull, gauge_pseudo_hull
 /// "none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "stream": as reports spell
 /// them. Static storage.
 const char* filter_name(UsedFilter filter) noexcept;
+CULLHULL_WAS_TEXT(UsedFilter, filter_name)
 
 /// The points a filter kept. `ids` are ascending. They include every extreme point of the input and
 /// every duplicate of one; each discarded point is strictly inside the hull.
@@ -37,7 +40,9 @@ struct Survivors {
   std::uint64_t size(std::uint64_t count) const noexcept { return all ? count : ids.size(); }
 
   /// The id of survivor i < size(count), also if `all` is set and `ids` is empty.
-  std::uint64_t id(std::uint64_t i) const noexcept { return all ? i : ids[i]; }
+  std::uint64_t id(std::uint64_t i) const noexcept {
+    return all ? i : ids[static_cast<std::size_t>(i)];
+  }
 
   CULLHULL_RENAMED(method, "use filter, and filter_name() for its text");
 };

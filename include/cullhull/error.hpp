@@ -6,6 +6,8 @@
 #include <string_view>
 #include <type_traits>
 
+#include "cullhull/version.hpp"
+
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 

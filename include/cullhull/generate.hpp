@@ -74,7 +74,7 @@ class MovingPoints {
  private:
   friend const std::vector<Shape>& motions();
   static std::vector<Shape> list();
-  struct Impl;
+  struct [[gnu::visibility("hidden")]] Impl;
   std::unique_ptr<Impl> impl_;
 };
 

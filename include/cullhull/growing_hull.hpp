@@ -19,7 +19,6 @@ namespace cullhull::inline v1 {
 /// are outside, it computes the hull of the vertices and of these points: O(new points) plus the
 /// cost of a hull of that many points, however many were added before. A batch inside the hull
 /// costs only the tests. Not thread safe; a failed or cancelled add() leaves the object unchanged.
-/// tests. Not thread safe; a failed or cancelled add() leaves the object as it was.
 class GrowingHull {
  public:
   explicit GrowingHull(std::uint32_t dimension);

@@ -30,6 +30,7 @@ struct Statistics {
   /// Orientation tests by the stage that decided them (docs/exactness.md): cached plane, filter,
   /// exact.
   std::uint64_t rung_counts[3] = {0, 0, 0};
+  std::uint64_t reserved[4] = {};
 
   CULLHULL_RENAMED(cull_method, "use filter, and filter_name() for its text");
 };
@@ -88,10 +89,12 @@ struct Hull {
   }
 
   /// The vertex ids of facet i.
-  std::span<const std::uint64_t> facet(std::uint64_t i) const { return facets[i]; }
+  std::span<const std::uint64_t> facet(std::uint64_t i) const {
+    return facets[static_cast<std::size_t>(i)];
+  }
   /// The k vertex ids of simplex i.
   std::span<const std::uint64_t> simplex(std::uint64_t i) const noexcept {
-    const auto k = static_cast<std::uint64_t>(affine_dimension > 0 ? affine_dimension : 0);
+    const auto k = static_cast<std::size_t>(affine_dimension > 0 ? affine_dimension : 0);
     return {simplices.data() + i * k, k};
   }
   /// Facet i's outward unit normal (`dimension` numbers), then its offset.

@@ -83,6 +83,7 @@ struct ReadOptions {
   unsigned threads = 0;
   /// Checked while text is parsed.
   stop_token stop;
+  std::uint64_t reserved[8] = {};
 };
 
 /// A point of a text file and its line, from 1.

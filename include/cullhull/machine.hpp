@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "cullhull/version.hpp"
+
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 

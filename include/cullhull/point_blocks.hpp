@@ -34,8 +34,8 @@ struct PointKeys {
 
   std::size_t size() const noexcept { return ends.size(); }
   std::string_view operator[](std::size_t i) const {
-    const std::uint64_t begin = i > 0 ? ends[i - 1] : 0;
-    return std::string_view(text).substr(begin, ends[i] - begin);
+    const auto begin = static_cast<std::size_t>(i > 0 ? ends[i - 1] : 0);
+    return std::string_view(text).substr(begin, static_cast<std::size_t>(ends[i]) - begin);
   }
   void add(std::string_view key) {
     text += key;
@@ -81,6 +81,7 @@ struct BlockOptions {
   BlockPosition from;                                  ///< position to resume from
   Progress progress;                                   ///< "read" and the fraction of bytes read
   Poll poll;
+  std::uint64_t reserved[4] = {};
 };
 
 /// The files that these words stand for, in order: a file, "-" (standard input), a folder (its

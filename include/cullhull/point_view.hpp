@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <ranges>
 #include <type_traits>
 
@@ -53,7 +54,8 @@ constexpr ScalarType scalar_type_of() noexcept {
   if constexpr (std::is_same_v<T, std::uint32_t>) return ScalarType::u32;
 }
 
-/// A point of D coordinates in a row: std::array<T, D> or T[D].
+/// A point of D coordinates in a row: std::array<T, D>, T[D], or a vector of Eigen's of a fixed
+/// size.
 template <class P>
 struct PointArray {
   static constexpr std::uint32_t dimension = 0;  // none
@@ -68,6 +70,14 @@ struct PointArray<T[D]> {
   using Scalar = std::remove_cv_t<T>;
   static constexpr std::uint32_t dimension = D;
 };
+template <class V>
+concept FixedVector = V::IsVectorAtCompileTime != 0 && V::SizeAtCompileTime > 0 &&
+                      sizeof(V) == V::SizeAtCompileTime * sizeof(typename V::Scalar);
+template <FixedVector V>
+struct PointArray<V> {
+  using Scalar = typename V::Scalar;
+  static constexpr std::uint32_t dimension = V::SizeAtCompileTime;
+};
 template <class R>
 using PointOf = PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>;
 
@@ -81,6 +91,11 @@ concept ViewableRange = std::ranges::contiguous_range<R> && std::ranges::sized_r
 /// double[8][3], ...
 template <class R>
 concept PointRange = ViewableRange<R> &&(PointOf<R>::dimension != 0);
+
+/// Points whose memory would be gone after the call that made the view.
+template <class R>
+concept TemporaryPoints =
+    std::ranges::contiguous_range<R> && !ViewableRange<R> && PointOf<R>::dimension != 0;
 
 /// Scalars: std::vector<double>, std::span<const float>, ...
 template <class R>
@@ -98,9 +113,14 @@ concept PointMatrix = requires(const M& m) {
   { M::IsRowMajor ? 1 : 0 } -> std::convertible_to<int>;
   { M::RowsAtCompileTime + M::ColsAtCompileTime } -> std::convertible_to<int>;
 };
-/// One that owns its memory.
+/// One that refers to another's memory, as Eigen's blocks do; one that owns its memory.
 template <class M>
-concept OwningMatrix = PointMatrix<M> && requires(M& m) {
+concept MatrixView = requires {
+  typename M::PlainObject;
+}
+&&!std::same_as<M, typename M::PlainObject>;
+template <class M>
+concept OwningMatrix = PointMatrix<M> && !MatrixView<M> && requires(M & m) {
   m.resize(0, 0);
 };
 
@@ -134,13 +154,16 @@ struct PointView {
             reinterpret_cast<const typename PointOf<R>::Scalar*>(std::ranges::data(points)),
             std::ranges::size(points), PointOf<R>::dimension)) {}
 
+  template <TemporaryPoints R>
+  PointView(R&& points) = delete;  // a temporary, whose memory would be gone: give it a name
+
   /// A matrix of Eigen's converts, too. The points are its columns if the number of rows alone is
   /// known at compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
   template <PointMatrix M>
   PointView(const M& points) noexcept  // NOLINT: a matrix converts
       : PointView(of_matrix(points)) {}
   template <OwningMatrix M>
-  PointView(M&& points) = delete;  // a temporary, whose memory would be gone
+  PointView(M&& points) = delete;  // a temporary, whose memory would be gone: give it a name
 
   /// Point by point: x0 y0 z0 x1 y1 z1 ...
   template <class T>
@@ -159,6 +182,22 @@ struct PointView {
     if (d == 0 || size % d != 0)
       throw Error(ErrorCode::invalid_argument, size, " scalars are no points of dimension ", d);
     return row_major(std::ranges::data(scalars), size / d, d);
+  }
+  /// Points within objects of your own: `d` scalars in a row, from a member on.
+  /// records(vertices, &Vertex::x, 3). Error{invalid_argument} if an object is smaller.
+  template <ViewableRange R, class T, class C>
+  static PointView records(R&& objects, T C::*first, std::uint32_t d) {
+    using Object = std::ranges::range_value_t<R>;
+    if (d > sizeof(Object) / sizeof(T))
+      throw Error(ErrorCode::invalid_argument, "an object holds fewer than ", d, " scalars");
+    const std::uint64_t n = std::ranges::size(objects);
+    const T* p = n == 0 ? nullptr : std::addressof(std::ranges::data(objects)->*first);
+    return {reinterpret_cast<const std::byte*>(p),
+            scalar_type_of<T>(),
+            d,
+            n,
+            static_cast<std::ptrdiff_t>(sizeof(Object)),
+            static_cast<std::ptrdiff_t>(sizeof(T))};
   }
   /// Coordinate by coordinate: x0 x1 ... y0 y1 ...
   template <class T>

@@ -105,7 +105,7 @@ class HullQuery {
                         const Options& options = {}) const;
 
  private:
-  struct State;
+  struct [[gnu::visibility("hidden")]] State;
   std::unique_ptr<State> state_;
 };
 

@@ -3,6 +3,8 @@
 
 #include <version>
 
+#include "cullhull/version.hpp"
+
 #ifdef __cpp_lib_jthread
 
 #include <stop_token>

@@ -25,6 +25,7 @@ struct TriangulationOptions : RunOptions {
   /// upper hull of the lifted points instead of the lower one. Its vertices are extreme points, all
   /// others are hidden. The only option that changes the result.
   bool furthest_site = false;
+  std::uint64_t reserved_options[4] = {};
 };
 
 struct TriangulationStatistics {
@@ -40,6 +41,7 @@ struct TriangulationStatistics {
   double insert_seconds = 0;  ///< all insertions
   double write_seconds = 0;   ///< building the canonical result
   double compute_seconds = 0;
+  std::uint64_t reserved[4] = {};
 };
 
 /// A duplicate point and its representative, a point with the same coordinates.
@@ -111,7 +113,8 @@ struct Triangulation {
   }
   /// The group of a cell; its own number if cell_groups is empty.
   std::uint32_t group(std::uint64_t i) const noexcept {
-    return cell_groups.empty() ? static_cast<std::uint32_t>(i) : cell_groups[i];
+    return cell_groups.empty() ? static_cast<std::uint32_t>(i)
+                               : cell_groups[static_cast<std::size_t>(i)];
   }
   std::uint64_t vertex_count() const noexcept {
     return point_count - duplicates.size() - hidden.size();

@@ -1,6 +1,10 @@
 // The version, which CMake, pip, the program and the documentation read here.
 #pragma once
 
+#if defined(_MSVC_LANG) ? _MSVC_LANG < 202002L : __cplusplus < 202002L
+#error "cullhull needs C++20: compile with -std=c++20 or later"
+#endif
+
 #define CULLHULL_VERSION_MAJOR 0
 #define CULLHULL_VERSION_MINOR 1
 #define CULLHULL_VERSION_PATCH 0

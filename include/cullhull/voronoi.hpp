@@ -60,8 +60,12 @@ struct Voronoi {
     return dimension == 0 ? 0 : vertices.size() / dimension;
   }
   std::uint64_t ridge_count() const noexcept { return ridge_points.size() / 2; }
-  std::span<const std::uint32_t> ridge(std::uint64_t i) const { return ridges[i]; }
-  std::span<const std::uint32_t> region(std::uint64_t point) const { return regions[point]; }
+  std::span<const std::uint32_t> ridge(std::uint64_t i) const {
+    return ridges[static_cast<std::size_t>(i)];
+  }
+  std::span<const std::uint32_t> region(std::uint64_t point) const {
+    return regions[static_cast<std::size_t>(point)];
+  }
 
   CULLHULL_RENAMED(ridge_offsets, "use ridges.offsets, or ridges[i]");
   CULLHULL_RENAMED(ridge_vertices, "use ridges.items, or ridges[i]");

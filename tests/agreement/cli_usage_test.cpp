@@ -25,6 +25,8 @@ TEST(CliUsage, DidYouMean) {
   expect_error({"cullhull-bench", "rivals", "--workloads", "x"}, 2,
                "did you mean --workload? (see cullhull-bench rivals --help)");
   expect_error({"hul", p}, 2, "unknown command 'hul'; did you mean hull?");
+  expect_error({"bench", "rivals"}, 2,
+               "unknown command 'bench'; it is now the program cullhull-bench");
   expect_error({"infos"}, 2, "did you mean info?");
   expect_error({"cullhull-bench", "rival"}, 2,
                "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");

@@ -5,7 +5,11 @@ that either work with a warning or fail with a message that names the new one.
     interface_test.py SOURCE COMPILER [COMPILER ...]
 
 A compiler is a command line ("clang++-16 -stdlib=libc++"); those after the first are left out where
-they do not compile an empty program of the same standard headers."""
+they do not compile an empty program of the same standard headers. Each compiles all headers, a
+program (also in C++23) and the C++ blocks of the documentation; the first one also every header as
+the first of a program, and the examples, all in C++23, too. em++ compiles for 32-bit addresses."""
+import concurrent.futures
+import os
 import re
 import shlex
 import subprocess
@@ -13,12 +17,16 @@ import sys
 import tempfile
 from pathlib import Path
 
-STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
+STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Wsign-conversion", "-Werror"]
+# Fragments of pages declare what they do not use, and their names stand for any.
+LOOSE = ["-Wno-unused", "-Wno-shadow"]
 
 PROLOGUE = """
 #include <array>
 #include <cstdint>
+#include <iostream>
 #include <span>
+#include <string>
 #include <vector>
 #include <cullhull/cullhull.hpp>
 """
@@ -37,80 +45,162 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
   ids += cullhull::convex_hulls(points, offsets).size();
   const cullhull::Triangulation cells = cullhull::delaunay(points);
   for (const auto ridge : cullhull::voronoi(points, cells).ridges) ids += ridge.size();
+  const std::vector<float> scalars(12);
+  ids += cullhull::cull(cullhull::PointView::row_major(scalars, 3)).id(0);
+  struct Vertex {
+    double x, y, z;
+    int colour;
+  };
+  const std::vector<Vertex> vertices(4);
+  ids += cullhull::convex_hull(cullhull::PointView::records(vertices, &Vertex::x, 3)).point_count;
+  std::cout << hull.statistics.engine << hull.statistics.backend << hull.statistics.filter;
   return cullhull::certify(hull).valid ? ids + cullhull::HullState(hull).ids().size() : 0;
 }
 """
 
-# A statement of before 1.0, and what the compiler says of it.
+# What a program of before 1.0 wrote, and what the compiler says of it. These are all names and
+# signatures of the headers of 330c6c5d (the last ones before the interface of 1.0) that are no longer
+# there; what an enumeration no longer converts to is an error that names the enumeration.
 BEFORE = [
     ("voronoi.ridge_offsets[0];", "use ridges.offsets, or ridges"),
     ("voronoi.ridge_vertices[0];", "use ridges.items, or ridges"),
     ("voronoi.region_offsets[0];", "use regions.offsets, or regions"),
     ("voronoi.region_vertices[0];", "use regions.items, or regions"),
+    ("for (auto i : voronoi.region_vertices) (void)i;", "use regions.items, or regions"),
     ("polygons.ids[0];", "use rings.items, or rings"),
     ("polygons.ring_offsets[0];", "use rings.offsets, or rings"),
     ("survivors.method;", "use filter, and filter_name"),
+    ("std::cout << survivors.method;", "use filter, and filter_name"),
     ("hull.statistics.cull_method;", "use filter, and filter_name"),
+    ("std::string text = hull.statistics.cull_method;", "use filter, and filter_name"),
+    ('if (hull.statistics.engine == "qhull") return;', "or use engine_name()"),
+    ('if (hull.statistics.engine != std::string("qhull")) return;', "or use engine_name()"),
+    ('if (hull.statistics.backend == "cuda") return;', "or use backend_name()"),
+    ('if ("cuda" == survivors.backend) return;', "or use backend_name()"),
+    ('if (survivors.filter == "none") return;', "or use filter_name()"),
     ("const char* text = hull.statistics.engine;", "Engine"),
+    ("std::string text = hull.statistics.engine;", "Engine"),
     ("const char* text = hull.statistics.backend;", "Backend"),
+    ("const char* text = survivors.backend;", "Backend"),
     ("cullhull::convex_hulls(view, offsets, 1);", "pass the offsets as a span"),
+    ("cullhull::EvenArray<std::uint64_t>::Iterator it; (void)it;", "use const_iterator"),
+    # No class with constructors can say more.
+    ("cullhull::PointView designated{.data = nullptr}; (void)designated;", "PointView"),
+    ("cullhull::CertifyStream stream(cullhull::convex_hull(view), {});", "CertifyStream"),
+    ("cullhull::convex_hull(std::vector<std::array<double, 3>>(4));",
+     "a temporary, whose memory would be gone: give it a name"),
     ("std::vector<std::array<long long, 3>> wide(4); cullhull::convex_hull(wide);",
      "cullhull takes integers of at most 32 bits"),
-    ("std::vector<std::array<char32_t, 3>> odd(4); cullhull::PointView::row_major(&flag, 1, 1);",
-     "coordinates are float, double or integers"),
+    ("cullhull::PointView::row_major(&flag, 1, 1);", "coordinates are float, double or integers"),
 ]
 FUNCTION = """
-void before(const cullhull::Voronoi& voronoi, const cullhull::CellPolygons& polygons,
-            const cullhull::Survivors& survivors, const cullhull::Hull& hull,
-            const cullhull::PointView& view, const std::uint64_t* offsets, long double flag) {
-  (void)voronoi, (void)polygons, (void)survivors, (void)hull, (void)view, (void)offsets, (void)flag;
-  %s
-}
+#line 1 "statement{number}.cpp"
+void before{number}(const cullhull::Voronoi& voronoi, const cullhull::CellPolygons& polygons, const cullhull::Survivors& survivors, const cullhull::Hull& hull, const cullhull::PointView& view, const std::uint64_t* offsets, long double flag) {{ (void)voronoi, (void)polygons, (void)survivors, (void)hull, (void)view, (void)offsets, (void)flag; {statement} }}
 """
 
 
-def compiled(compiler, source, text, options=()):
+def compiled(compiler, source, text, options=(), standard="20"):
     """The exit status and all that the compiler says."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "program.cpp"
         path.write_text(text)
         done = subprocess.run(
-            [*shlex.split(compiler), "-std=c++20", "-fsyntax-only", f"-I{source}/include", *options,
-             str(path)], capture_output=True, text=True)
+            [*shlex.split(compiler), f"-std=c++{standard}", "-fsyntax-only", f"-I{source}/include",
+             *options, str(path)], capture_output=True, text=True)
     return done.returncode, done.stdout + done.stderr
 
 
-def usable(compiler, source):
+def usable(compiler, source, standard="20"):
+    """Whether it is here and compiles a program; its remarks on the standard library are no matter."""
     try:
-        return compiled(compiler, source, "#include <ranges>\n#include <vector>\nint main() {}")[0] == 0
+        return compiled(compiler, source, "#include <ranges>\n#include <vector>\nint main() {}",
+                        ["-w"], standard)[0] == 0
     except FileNotFoundError:
         return False
 
 
-def check(compiler, source):
-    problems = []
-    headers = sorted((Path(source) / "include/cullhull").glob("*.hpp"))
-    all_of_them = "".join(f"#include <cullhull/{h.name}>\n" for h in headers if h.name != "mpi.hpp")
-    for what, text in (("all headers", all_of_them), ("a program", PROLOGUE + NOW)):
-        status, said = compiled(compiler, source, text, STRICT)
-        if status != 0:
-            problems.append(f"{compiler}: {what}:\n{said}")
-    for statement, message in BEFORE:
-        status, said = compiled(compiler, source, PROLOGUE + FUNCTION % statement, ["-Wall"])
-        if not re.search(re.escape(message), said):
-            problems.append(f"{compiler}: {statement} does not name what to write:\n{said[:800]}")
-    return problems
+def old_spellings(compiler, source):
+    """Statements of BEFORE about which the compiler does not say what it should."""
+    functions = [FUNCTION.format(number=i, statement=statement)
+                 for i, (statement, _) in enumerate(BEFORE)]
+    options = ["-Wall", "-ferror-limit=0" if "clang" in compiler else "-fmax-errors=0"]
+    said = compiled(compiler, source, PROLOGUE + "".join(functions), options)[1]
+    # From one message about a statement to the next about another one, with its notes.
+    parts = re.split(r"^(?=.*?statement\d+\.cpp:)", said, flags=re.M)
+    for i, (statement, message) in enumerate(BEFORE):
+        about = "".join(p for p in parts if f"statement{i}.cpp:" in p.split("\n")[0])
+        if message not in about:  # perhaps before the line that names the statement
+            about = compiled(compiler, source, PROLOGUE + functions[i], options)[1]
+        if message not in about:
+            yield f"{compiler}: {statement} does not name what to write:\n{about[:800]}"
+
+
+def old_standard(compiler, source, name):
+    """What a header is to a compiler that was not told C++20."""
+    status, said = compiled(compiler, source, f"#include <cullhull/{name}>\n", [], "17")
+    if status == 0 or "cullhull needs C++20" not in said:
+        yield f"{compiler}, C++17: {name} does not say that it needs C++20:\n{said[:800]}"
+
+
+def programs(source, headers):
+    """What is compiled strictly: (what, text, more options)."""
+    includes = [f"#include <cullhull/{name}>\n" for name in headers if name != "mpi.hpp"]
+    yield "all headers", "".join(includes), []
+    yield "a program", PROLOGUE + NOW, []
+    for path in sorted((source / "examples").glob("*.cpp")):
+        if "mpi" not in path.name:
+            yield f"examples/{path.name}", path.read_text(), []
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / "samples.cpp"
+        subprocess.run([sys.executable, source / "tests/docs/cpp_samples.py", made], check=True)
+        samples = made.read_text()
+    # Their programs print what they show elsewhere (docs_samples_test); here they are compiled.
+    samples = re.sub(r"^#include <gtest/gtest.h>\n", "", samples, flags=re.M)
+    samples = re.sub(r"^TEST\(.*?^}\n", "", samples, flags=re.M | re.S)
+    assert "fragment()" in samples and "program()" in samples and "TEST" not in samples
+    yield "the documentation", samples, LOOSE
+
+
+def checks(compilers, source):
+    """Functions that return a problem, or nothing."""
+    headers = sorted(h.name for h in (source / "include/cullhull").glob("*.hpp"))
+
+    def strict(compiler, what, text, options, standard):
+        status, said = compiled(compiler, source, text, STRICT + options, standard)
+        return [f"{compiler}, C++{standard}: {what}:\n{said[:3000]}"] if status != 0 else []
+
+    for name in headers:
+        if name != "mpi.hpp":
+            text = f"#include <cullhull/{name}>\nint main() {{}}\n"
+            yield strict, (compilers[0], name, text, [], "20")
+        if name not in ("mpi.hpp", "renamed.hpp"):
+            yield lambda c, n: list(old_standard(c, source, n)), (compilers[0], name)
+    for compiler in compilers:
+        # libc++ warns of clang 16, which it no longer supports.
+        more = ["-Wno-#warnings"] if "clang" in compiler else []
+        later = "23" if usable(compiler, source, "23") else "2b"
+        for what, text, options in programs(source, headers):
+            first = compiler == compilers[0]
+            if first or not what.startswith("examples"):
+                yield strict, (compiler, what, text, options + more, "20")
+            if first or what == "a program":
+                yield strict, (compiler, what, text, options + more, later)
+        yield lambda c: list(old_spellings(c, source)), (compiler,)
+    if usable("em++", source):
+        for what, text, options in programs(source, headers):
+            if what in ("all headers", "a program"):
+                yield strict, ("em++", what, text, options, "20")
 
 
 def main():
-    source, *compilers = sys.argv[1:]
-    problems, left_out = [], []
-    for i, compiler in enumerate(compilers):
-        if i > 0 and not usable(compiler, source):
-            left_out.append(compiler)
-            continue
-        problems += check(compiler, source)
-        print(f"{compiler}: {len(BEFORE)} old spellings, all headers")
+    source, *named = sys.argv[1:]
+    source = Path(source).resolve()
+    here = [c for i, c in enumerate(named) if i == 0 or usable(c, source)]
+    left_out = [c for c in named + ["em++"] if c not in here and (c != "em++" or not usable(c, source))]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = [pool.submit(check, *given) for check, given in checks(here, source)]
+        problems = [problem for job in jobs for problem in job.result()]
+    print(f"{len(jobs)} programs, {len(BEFORE)} old spellings with each of: {', '.join(here)}")
     if left_out:
         print("not here:", ", ".join(left_out))
     for problem in problems:

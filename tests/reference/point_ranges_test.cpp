@@ -68,6 +68,38 @@ TEST(PointRanges, ArraysOfPoints) {
   EXPECT_EQ(PointView(std::span<const std::array<double, 2>>()).count, 0U);
 }
 
+/// The members of Eigen's Vector3f that a view reads.
+struct Vector3f {
+  using Scalar = float;
+  static constexpr int IsVectorAtCompileTime = 1, SizeAtCompileTime = 3;
+  float items[3];
+};
+
+TEST(PointRanges, VectorsOfFixedSize) {
+  std::vector<Vector3f> points(5);
+  for (unsigned i = 0; i < 5; ++i)
+    for (unsigned j = 0; j < 3; ++j) points[i].items[j] = static_cast<float>(10 * i + j);
+  expect_rows(points);
+}
+
+TEST(PointRanges, MembersOfObjects) {
+  struct Vertex {
+    int colour;
+    float x, y, z;
+    double weight;
+  };
+  std::vector<Vertex> vertices(5);
+  for (unsigned i = 0; i < 5; ++i) {
+    const auto x = static_cast<float>(10 * i);
+    vertices[i] = {7, x, x + 1, x + 2, 99};
+  }
+  expect_rows(PointView::records(vertices, &Vertex::x, 3));
+  EXPECT_EQ(PointView::records(vertices, &Vertex::weight, 1).at(4, 0), 99.0);
+  const std::span<const Vertex> none;
+  EXPECT_EQ(PointView::records(none, &Vertex::x, 3).count, 0U);
+  EXPECT_THROW(PointView::records(vertices, &Vertex::weight, 9), Error);
+}
+
 TEST(PointRanges, ScalarsInARow) {
   const std::vector<double> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   EXPECT_EQ(convex_hull(PointView::row_major(xyz, 3)).facets.size(), 4U);
@@ -107,6 +139,10 @@ TEST(PointRanges, WhatDoesNotConvert) {
   static_assert(std::is_convertible_v<Owning&, PointView>);
   static_assert(std::is_convertible_v<const Owning&, PointView>);
   static_assert(!std::is_convertible_v<Owning, PointView>);
+  struct Block : Owning {
+    using PlainObject = Owning;
+  };
+  static_assert(std::is_convertible_v<Block, PointView>);  // of memory that is another's
   static_assert(std::is_trivially_copyable_v<PointView>);
   static_assert(std::is_convertible_v<const PointView&, PointView>);
 }
