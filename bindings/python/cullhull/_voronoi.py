@@ -9,36 +9,43 @@ import numpy.typing as npt
 
 from ._delaunay import Lifted
 from ._diagram import VoronoiDiagram, voronoi
+from ._forms import Picture, Table
 from ._incremental import Lazy
 from ._lists import collector_paused
+from ._shown import Saved, Shown
 
 
-class Voronoi(Lifted):
+class Voronoi(Shown, Saved, Lifted):
     """In place of `scipy.spatial.Voronoi`: the same attributes, exact, and faster.
 
-    Pickles, copies and is sent between processes; also while incremental.
+    It can be pickled, copied and sent between processes, also while incremental. `plot`, `view` and
+    `save` show the native diagram.
 
     Parameters
     ----------
-    points : as of `Delaunay`
+    points : (n, d) array, d >= 2
+        Read in place where `convex_hull` does so.
     furthest_site : bool
-        The diagram of the furthest point.
+        Compute the furthest-site diagram.
     incremental : bool
         Allow `add_points`.
     qhull_options : str, optional
-        As in SciPy ``Qbb Qc Qz`` if not given, ``Qc`` if incremental. With ``Qz`` there is an empty
-        region, of a point at infinity; without ``Qc`` duplicates have no region. Others are
-        accepted or refused as in `ConvexHull`.
+        As in SciPy, ``Qbb Qc Qz`` if not given, ``Qc`` if incremental. With ``Qz`` the first region
+        is empty: that of a point at infinity. Without ``Qc`` duplicates have no region. Other
+        options are accepted or refused as in `ConvexHull`.
     threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
     points : (n, d) float64
-    vertices : (v, d) float64, each the nearest doubles; no two stand for one
+    vertices : (v, d) float64, each the nearest double to the exact coordinate; vertices that
+        coincide are one
     ridge_points : (r, 2) int32: pairs of points whose regions share a face
-    ridge_vertices : list of lists of int: its vertices, in 2D and 3D in order; -1 is at infinity
-    ridge_dict : dict from pairs of points to these lists
-    regions : list of lists of int: the vertices of each region; in 2D in order
+    ridge_vertices : list of lists of int: the vertices of each of these faces, in 2D and 3D in
+        order around it; -1 is infinity
+    ridge_dict : dict from pairs of points to the lists of ridge_vertices
+    regions : list of lists of int: the vertices of each region, in 2D in order around it; -1 is
+        infinity
     point_region : (n,) int64: the region of each point; -1 if it has none
     ndim, npoints : int
     min_bound, max_bound : (d,) float64
@@ -50,7 +57,7 @@ class Voronoi(Lifted):
     InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget, KeyboardInterrupt
         As `ConvexHull`.
     QhullError (a RuntimeError)
-        For points that lie in a plane or a line. `voronoi` accepts these.
+        If the points lie in a hyperplane. `voronoi` accepts these.
 
     Examples
     --------
@@ -132,3 +139,20 @@ class Voronoi(Lifted):
     def _has_empty(self) -> bool:
         """Whether the first region is that of the point at infinity."""
         return self._options.at_infinity and not self.furthest_site
+
+    # As the native diagram has it
+
+    def _write(self, path: str, format: str) -> None:
+        self.diagram._write(path, format)
+
+    def _picture(self) -> Picture:
+        return self.diagram._picture()
+
+    def _shape_count(self) -> int:
+        return self.diagram._shape_count()
+
+    def _table(self) -> Table:
+        return self.diagram._table()
+
+    def _page(self) -> str:
+        return self.diagram._page()

@@ -41,9 +41,9 @@ def wkb(kind, points, *, rings=None, order="<"):
     return head + (one + count + body if kind == 3 else count + body)
 
 
-def write(path, shapes, kind, layer=None):
+def write(path, shapes, kind, layer=None, crs="EPSG:25832"):
     pyogrio = pytest.importorskip("pyogrio")
-    shapes = np.array(shapes, dtype=object)
+    shapes = np.array([*shapes, None], dtype=object)[:-1]
     names = np.arange(len(shapes))
     in_order = {"SPATIAL_INDEX": "NO"} if str(path).endswith(".fgb") else {}
     pyogrio.raw.write(
@@ -52,7 +52,7 @@ def write(path, shapes, kind, layer=None):
         [names],
         ["name"],
         geometry_type=kind,
-        crs="EPSG:25832",
+        crs=crs,
         layer=layer,
         layer_options=in_order,
     )
