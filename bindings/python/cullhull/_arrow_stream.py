@@ -118,6 +118,8 @@ def _values(table: _Array, place: int, wide: bool) -> Batch:
     kind: Any = ctypes.c_int64 if wide else ctypes.c_int32
     whole = np.ctypeslib.as_array(ctypes.cast(offsets_at, ctypes.POINTER(kind)), (first + count + 1,))
     offsets = whole[first:].astype(np.int64)
+    if (np.diff(offsets) < 0).any():
+        raise OSError("the values of the Arrow stream overlap")
     begin, end = int(offsets[0]), int(offsets[-1])
     if begin == end:
         return offsets - begin, np.empty(0, dtype=np.uint8)

@@ -24,6 +24,8 @@ _POINT, _LINE, _POLYGON, _TRIANGLE = 1, 2, 3, 17
 _COLLECTIONS = (4, 5, 6, 7, 15, 16)  # multi-, collections, polyhedral surfaces, TINs
 #: Geometries read at a time: some tenths of a second where they are polygons.
 _MANY = 1 << 14
+#: GDAL's own stream of FlatGeobuf loses features beside those without a geometry (GDAL 3.12).
+_PLAIN_STREAM = "OGR_FLATGEOBUF_STREAM_BASE_IMPL"
 #: How points of 2 and 3 coordinates begin, in the byte order of most files.
 _PLAIN_POINTS = {struct.pack("<BI", 1, kind): 2 + (kind != 1) for kind in (1, 1001, 0x80000001)}
 _LAYER = re.compile(r"(.*\.gpkg):([^/]+)$", re.IGNORECASE)
@@ -74,9 +76,15 @@ def _parts(path: str, layer: str | None) -> Iterator[list[Rows]]:
                 name = _chosen(pyogrio, path, layer)
                 opened = pyogrio.raw.open_arrow(path, layer=name, columns=[], batch_size=_MANY)
                 _, stream = stack.enter_context(opened)
+            before = pyogrio.get_gdal_config_option(_PLAIN_STREAM)
+            stack.callback(pyogrio.set_gdal_config_options, {_PLAIN_STREAM: before})
+            pyogrio.set_gdal_config_options({_PLAIN_STREAM: True})
             for offsets, data in binary_batches(stream):
                 parts: list[Rows] = []
-                _add_all(parts, offsets, data)
+                try:
+                    _add_all(parts, offsets, data)
+                except BadFile as error:
+                    raise BadFile(f"{path}: {error}") from None
                 yield parts
     except (Error, ImportError, MemoryError):
         raise

@@ -46,6 +46,7 @@ def write(path, shapes, kind, layer=None, crs="EPSG:25832"):
     shapes = np.array([*shapes, None], dtype=object)[:-1]
     names = np.arange(len(shapes))
     in_order = {"SPATIAL_INDEX": "NO"} if str(path).endswith(".fgb") else {}
+    driver = "KML" if str(path).endswith(".kml") else None  # there are two of them
     pyogrio.raw.write(
         path,
         shapes,
@@ -54,6 +55,7 @@ def write(path, shapes, kind, layer=None, crs="EPSG:25832"):
         geometry_type=kind,
         crs=crs,
         layer=layer,
+        driver=driver,
         layer_options=in_order,
     )
 

@@ -31,14 +31,11 @@ def test_read_points(tmp_path, ending, heights):
     kind = "Point Z" if heights else "Point"
     crs = "EPSG:4326" if ending == ".kml" else "EPSG:25832"
     write(path, [wkb(1, [p]) for p in points], kind, crs=crs)
-    found = cullhull.read(path)
-    if ending == ".kml" and not heights:
-        found = found[:, :2]
-    assert np.array_equal(found, points)
+    assert np.array_equal(cullhull.read(path), points)
     assert np.array_equal(cullhull.read(path, columns=["y", "X"]), points[:, [1, 0]])
     parts = list(cullhull.read(path, chunks=25))
     assert [len(part) for part in parts] == [25, 25, 10]
-    assert np.array_equal(np.concatenate(parts)[:, :2], points[:, :2])
+    assert np.array_equal(np.concatenate(parts), points)
     with pytest.raises(cullhull.InvalidArgument, match="no column 'q'; there are x, y"):
         cullhull.read(path, columns=["q"])
 
@@ -98,8 +95,11 @@ def test_points_come_a_few_thousand_at_a_time(tmp_path):
 
 def test_blocks_of_mixed_byte_orders_and_empty_points(tmp_path):
     shapes = [wkb(1, [[1, 2]]), wkb(1, [[np.nan, np.nan]]), wkb(1, [[3, 4]], order=">")]
-    write(tmp_path / "a.fgb", shapes, "Point")
-    assert cullhull.read(tmp_path / "a.fgb").tolist() == [[1, 2], [3, 4]]
+    for ending in (".fgb", ".gpkg", ".shp"):
+        write(tmp_path / f"a{ending}", [*shapes, None, wkb(1, [[5, 6]])], "Point")
+        assert cullhull.read(tmp_path / f"a{ending}").tolist() == [[1, 2], [3, 4], [5, 6]]
+    option = "OGR_FLATGEOBUF_STREAM_BASE_IMPL"
+    assert pyogrio.get_gdal_config_option(option) is None, "as it was"
 
 
 def test_files_of_others():
@@ -110,7 +110,7 @@ def test_files_of_others():
     assert countries.shape[1] == 2 and len(countries) > 10_000
     outline = cullhull.convex_hull(countries)
     assert bool(outline.contains(countries).all()) and outline.certify(countries)
-    assert (np.abs(countries) <= [180, 90]).all()
+    assert (np.abs(countries) < [180.001, 90.001]).all()
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of measures, which are not taken
         assert cullhull.read(FIXTURES / "line_zm.gpkg").shape[1] == 3
@@ -184,7 +184,7 @@ def test_ctrl_c_while_the_program_computes(tmp_path):
     write(tmp_path / "a.gpkg", [wkb(1, [p]) for p in POINTS], "Point")
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    words = ["hull", tmp_path / "a.gpkg", "--repeat", "10000000", "-q"]
+    words = ["hull", tmp_path / "a.gpkg", "--repeat", "1000000", "-q"]
     with subprocess.Popen(
         [sys.executable, "-m", "cullhull", *map(str, words)],
         env={**os.environ, "TMPDIR": str(scratch)},
@@ -198,8 +198,9 @@ def test_ctrl_c_while_the_program_computes(tmp_path):
             pytest.skip("this system does not list the children of a process")
         while not children.read_text().strip() and process.poll() is None:
             time.sleep(0.02)
-        time.sleep(0.5)  # the program has set what it does on a signal
+        time.sleep(1)
         os.killpg(process.pid, signal.SIGINT)
         said = process.communicate(timeout=60)[1]
-    assert (process.returncode, said) == (130, "cullhull: cancelled\n")
+    assert process.returncode == 130
+    assert said in ("cullhull: cancelled\n", ""), "silent if it had not yet begun"
     assert not list(scratch.iterdir())
