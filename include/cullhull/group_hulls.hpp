@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "cullhull/batch.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_blocks.hpp"
 
@@ -29,6 +31,16 @@ struct GroupReport {
 /// beyond options.memory_budget. Throws what visit_blocks, convex_hulls and write_hull throw.
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options = {});
+
+/// Writes the hulls of a batch in the same formats: set i is the group of the key `keys[i]`. For
+/// the same points and keys the bytes are those of the function above. Groups of equal keys keep
+/// the order of their sets. `vertex_coordinates`: hulls.dimension numbers for each of
+/// hulls.vertices.items. `key_name`: the name of the keys in the file. `format`: as the extension
+/// of `path`, which it overrides. Throws Error{invalid_argument} for another number of keys or
+/// coordinates and for a format that cannot hold the hulls; Error{io}.
+void write_group_hulls(const std::string& path, const HullBatch& hulls,
+                       std::span<const double> vertex_coordinates, const PointKeys& keys,
+                       const std::string& key_name = "key", const std::string& format = "");
 
 }  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -134,6 +134,42 @@ TEST(CliGroups, TheBytesDependOnPointsAndKeysAlone) {
   }
 }
 
+TEST(CliGroups, ABatchIsWrittenAsItsFileWouldBe) {
+  for (const std::uint32_t d : {1U, 2U, 3U}) {
+    const Folder f;
+    const Table t = table(d, words(100, d == 2 ? "town " : ""), d + 30);
+    write_file(f / "p.csv", t.text);
+    std::vector<double> rows;
+    std::vector<std::uint64_t> offsets{0};
+    PointKeys keys;
+    for (const auto& [key, points] : t.groups) {
+      rows.insert(rows.end(), points.begin(), points.end());
+      offsets.push_back(rows.size() / d);
+      keys.add(key);
+    }
+    const PointView view = PointView::row_major(rows.data(), rows.size() / d, d);
+    const HullBatch batch = convex_hulls(view, offsets);
+    std::vector<double> corners;
+    for (std::size_t set = 0; set < batch.size(); ++set)
+      for (const std::uint64_t v : batch.vertices[set])
+        for (std::uint32_t j = 0; j < d; ++j) corners.push_back(view.at(offsets[set] + v, j));
+    for (const std::string format : {"csv", "json"}) {
+      ASSERT_EQ(run_app({"hull", f / "p.csv", "--by", "key", "--columns", "2:", "-o",
+                         f / ("theirs." + format)})
+                    .status,
+                0);
+      write_group_hulls(f / "ours", batch, corners, keys, "key", format);
+      EXPECT_EQ(read_file(f / "ours"), read_file(f / ("theirs." + format)));
+    }
+    EXPECT_THROW(write_group_hulls(f / "x.ply", batch, corners, keys), Error);
+    keys.add("more");
+    EXPECT_THROW(write_group_hulls(f / "x.csv", batch, corners, keys), Error);
+    corners.pop_back();
+    EXPECT_THROW(write_group_hulls(f / "x.csv", batch, corners, {}), Error);
+    EXPECT_EQ(f.entries(), 4U);  // no half file
+  }
+}
+
 TEST(CliGroups, KeysThatAreNumbersAndThoseThatAreNot) {
   const auto keys = [](const std::string& rows) {
     const Folder f;

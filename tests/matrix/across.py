@@ -97,6 +97,10 @@ class Across:
             )
         for kind, words, save, endings in _SAVED:
             for ending in endings.split():
+                if kind.startswith("GroupHulls") and s.count == 0:
+                    reason = "a file of no points has no columns for a key and coordinates"
+                    self.cells.no_meaning(f"python out/{kind}/save {ending}/{s.name}", reason)
+                    continue
                 self._saved(kind, words, save, s, path, ending)
         self._state(s)
 
@@ -323,6 +327,19 @@ def _box(points: Any) -> str:
     return ",".join(repr(float(c)) for c in (*low, *high))
 
 
+def _save_delaunay(cullhull: Any, p: Any, path: Path) -> None:
+    """Where SciPy's class would raise for flat points, the native function writes them."""
+    whole = p.size and p.shape[1] > 1 and cullhull.delaunay(p).affine_dimension == p.shape[1]
+    (cullhull.Delaunay(p) if whole else cullhull.delaunay(p)).save(path)
+
+
+def _grouped(cullhull: Any, p: Any, path: Path) -> None:
+    """Groups by the first coordinate, whose text is the key, as the program has it."""
+    keys = [str(int(x)) if x and x.is_integer() and abs(x) < 1e5 else repr(x).removesuffix(".0")
+            for x in p[:, 0].tolist()]  # fmt: skip
+    cullhull.hulls_by(p[:, 1:], keys).save(path, by="column 0")
+
+
 #: Results of Python, the program's words for the same, and how Python writes them: same bytes.
 _SAVED = (
     (
@@ -367,6 +384,8 @@ _SAVED = (
         lambda c, p, path: c.concave_hull(p, 0.3).save(path),
         ".ply .obj .off .stl .glb .vtp .vtk .geojson .wkt .json",
     ),
+    ("Delaunay of Delaunay", "delaunay {}", _save_delaunay, ".ply .vtk .json"),
+    ("GroupHulls of hulls_by", "hull {} --by 0 --columns 1:", _grouped, ".csv .json .geojson .ply"),
 )
 
 #: Name, command line, and the same of the package by the keys of the file.

@@ -7,7 +7,7 @@ from typing import Any, Callable, Optional
 
 import numpy as np
 
-from doors import always, fitting
+from doors import always, both, fitting
 from sets import PointSet
 
 
@@ -56,6 +56,50 @@ def fields(array: Any) -> Any:
     return records["at"]
 
 
+def read_back(array: Any, ending: str) -> Any:
+    """What `cullhull.read` gives of a file that another package wrote."""
+    import tempfile
+
+    import cullhull
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = f"{folder}/points{ending}"
+        _WRITERS[ending](path, array)
+        return np.array(cullhull.read(path))
+
+
+def _write_vector(path: str, array: Any) -> None:
+    import pyogrio
+    import shapely
+
+    kind = "Point" if array.shape[1] == 2 else "Point Z"
+    geometries = shapely.to_wkb(shapely.points(array), output_dimension=3)
+    # FlatGeobuf's index would put the points in another order.
+    options = {"SPATIAL_INDEX": "NO"}
+    pyogrio.raw.write(
+        path, geometries, [np.arange(len(array))], ["n"],
+        geometry_type=kind, crs="EPSG:25832", layer_options=options,
+    )  # fmt: skip
+
+
+def _write_parquet(path: str, array: Any) -> None:
+    import pyarrow
+    import pyarrow.parquet
+
+    table = pyarrow.table({n: c for n, c in zip(names(array), array.T.copy())})
+    pyarrow.parquet.write_table(table, path)
+
+
+def _write_e57(path: str, array: Any) -> None:
+    import pye57
+
+    with pye57.E57(path, mode="w") as file:
+        file.write_scan_raw({f"cartesian{'XYZ'[j]}": array[:, j].copy() for j in range(3)})
+
+
+_WRITERS = {".fgb": _write_vector, ".parquet": _write_parquet, ".e57": _write_e57}
+
+
 def names(array: Any) -> list[str]:
     return [f"x{i}" for i in range(array.shape[1])]
 
@@ -86,6 +130,16 @@ def in_space(s: PointSet) -> Optional[str]:
     if s.dimension != 3:
         return "trimesh has points of space"
     return None if s.finite and s.count else "trimesh drops such points itself"
+
+
+def with_points(s: PointSet) -> Optional[str]:
+    return None if s.count else "a file without points is refused"
+
+
+def in_scans(s: PointSet) -> Optional[str]:
+    if s.dimension != 3 or not s.count:
+        return "E57 holds points of space, at least one"
+    return None if s.finite else "E57 files have bounds of all points"
 
 
 def zeros_and_ones(s: PointSet) -> Optional[str]:
@@ -157,6 +211,9 @@ ARRAYS = (
         package="geopandas",
     ),
     Array("trimesh", "trimesh.PointCloud(a)", in_space, package="trimesh"),
+    Array("fgb", "read_back(a, '.fgb')", as_geometries, package="pyogrio"),
+    Array("parquet", "read_back(a, '.parquet')", with_points, package="pyarrow"),
+    Array("e57", "read_back(a, '.e57')", both(in_scans, fitting("f4")), package="pye57"),
     Array("objects", "a.astype(object)", refused="TypeError"),
     Array("complex", "a.astype(complex)", refused="TypeError"),
     Array("masked", "np.ma.masked_array(a)", refused="InvalidArgument"),

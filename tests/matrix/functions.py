@@ -341,6 +341,7 @@ CALLS = (
     Call("AlphaShape.mesh", "cullhull.alpha_shape(p).mesh()"),
     Call("ClippedCells.mesh", "cullhull.voronoi(p).clip(low, high).mesh()", UP_TO_SPACE),
     Call("ConvexHull.mesh", "cullhull.ConvexHull(p).mesh()", raises=hull_as_scipy),
+    Call("Delaunay.mesh", "cullhull.Delaunay(p).mesh()", raises=as_scipy),
     Call("Lists.lengths", "cullhull.convex_hull(p).facets.lengths()"),
     Call("Lists.tolist", "cullhull.convex_hull(p).facets.tolist()"),
 )
@@ -405,21 +406,25 @@ _DRAWN = (
     "ConcaveHull",
     "ConstrainedTriangulation",
     "ConvexHull",
+    "Delaunay",
     "GroupHulls",
     "Hull",
     "HullBatch",
     "HullState",
     "TolerantConvexHull",
+    "TolerantDelaunay",
+    "TolerantVoronoi",
     "Triangulation",
+    "Voronoi",
     "VoronoiDiagram",
 )
-_WRITTEN = tuple(kind for kind in _DRAWN if kind not in ("GroupHulls", "HullBatch"))
-_EXPORTED = tuple(kind for kind in _DRAWN if kind not in ("HullState", "VoronoiDiagram"))
+_DIAGRAMS = ("HullState", "TolerantVoronoi", "Voronoi", "VoronoiDiagram")
+_EXPORTED = tuple(kind for kind in _DRAWN if kind not in _DIAGRAMS)
 
 #: Public methods of results without a `Call`, and why.
 METHODS_ELSEWHERE = {
     **{f"{kind}.plot": "an output: the cells 'plot'" for kind in _DRAWN},
-    **{f"{kind}.save": "an output: the cells 'save'" for kind in _WRITTEN},
+    **{f"{kind}.save": "an output: the cells 'save'" for kind in _DRAWN},
     **{f"{kind}.view": "starts the program, whose row is `view`" for kind in _DRAWN},
     **{
         f"{kind}.{way}": "an object of another package: test_exports"
@@ -428,6 +433,7 @@ METHODS_ELSEWHERE = {
     },
     "ConcaveHull.mesh": "inherited: AlphaShape.mesh",
     "TolerantConvexHull.mesh": "inherited: ConvexHull.mesh",
+    "TolerantDelaunay.mesh": "inherited: Delaunay.mesh",
     "HullState.load": "an output: the cells 'save'",
     "HullStream.hull": "asked by HullStream.push",
     "HullStream.state": "asked by HullStream.extend",

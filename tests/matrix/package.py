@@ -29,6 +29,8 @@ PACKAGES = {
     "shapely": "shapely",
     "geopandas": "geopandas",
     "trimesh": "trimesh",
+    "pyogrio": "pyogrio",
+    "pye57": "pye57",
 }
 
 
@@ -219,18 +221,17 @@ class Package:
 
     def _plot(self, start: str, value: Any, s: PointSet, line: str) -> None:
         draw = getattr(value, "plot", None)
-        if type(value).__name__ == "Delaunay":
-            draw = lambda: self.cullhull.delaunay_plot_2d(value)
-        elif type(value).__name__ == "Voronoi":
-            draw = lambda: self.cullhull.voronoi_plot_2d(value)
+        if type(value).__name__ == "Delaunay" and s.dimension == 2:
+            draw = lambda: (value.plot(), self.cullhull.delaunay_plot_2d(value))[-1]
+        elif type(value).__name__ == "Voronoi" and s.dimension == 2:
+            draw = lambda: (value.plot(), self.cullhull.voronoi_plot_2d(value))[-1]
         if draw is None:
             self.cells.no_meaning(f"{start}/plot/{s.name}", "the class has no picture")
             return
         if not start.endswith(f" of {_PLOTTED.get(type(value).__name__, '')}"):
             self.cells.no_meaning(f"{start}/plot/{s.name}", "drawn where another function made it")
             return
-        planar = type(value).__name__ in ("Delaunay", "Voronoi")
-        if s.dimension not in ((2,) if planar else (2, 3)):
+        if s.dimension not in (2, 3):
             self.cells.no_meaning(f"{start}/plot/{s.name}", "pictures are of the plane or of space")
             return
         if s.kind in ("huge", "wide", "tiny"):
@@ -252,6 +253,8 @@ _PLOTTED = {
     "HullBatch": "convex_hulls",
     "HullState": "HullState",
     "TolerantConvexHull": "TolerantConvexHull",
+    "TolerantDelaunay": "TolerantDelaunay",
+    "TolerantVoronoi": "TolerantVoronoi",
     "Triangulation": "delaunay",
     "Voronoi": "Voronoi",
     "VoronoiDiagram": "voronoi",

@@ -9,7 +9,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 python=$folder/venv/bin/python
 "$python" -c 'import cullhull, scipy, matplotlib' 2>/dev/null ||
   "$here/../../scripts/python-venv.sh" "$folder" test
-for extra in pandas polars pyarrow shapely geopandas; do
+for extra in pandas polars pyarrow shapely geopandas pyogrio pye57; do
   "$python" -c "import importlib.metadata as m; m.version('$extra')" 2>/dev/null ||
     "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
     echo "matrix: PyPI has not given $extra; its cells are left out" >&2

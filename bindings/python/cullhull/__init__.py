@@ -19,10 +19,12 @@ from typing import TYPE_CHECKING, Any
 
 from ._alpha import AlphaShape, ConcaveHull, alpha_radii, alpha_shape, concave_hull
 from ._answers import Mesh, NearestFacets, Rays
+from ._clipped_cells import ClippedCells
 from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
 from ._delaunay import Delaunay, tsearch
 from ._device import DeviceArray, cuda_status
+from ._diagram import VoronoiDiagram, voronoi
 from ._drop_in import ConvexHull
 from ._errors import (
     BackendUnavailable,
@@ -65,7 +67,7 @@ from ._stream import HullState, HullStream
 from ._tolerant import TolerantConvexHull, TolerantDelaunay, TolerantVoronoi
 from ._tracker import HullTracker
 from ._triangulation import Triangulation, delaunay
-from ._voronoi import ClippedCells, Voronoi, VoronoiDiagram, voronoi
+from ._voronoi import Voronoi
 
 if TYPE_CHECKING:
 

@@ -1,9 +1,11 @@
 """``python -m cullhull ...``: the command line, shipped with the package. It also reads .laz, vector
-files such as .gpkg and .shp, .parquet and .e57, with other packages."""
+files such as .gpkg and .shp, .parquet and .e57, with other packages: as files in a temporary folder,
+block by block, so that the program's ``--memory`` holds for them too."""
 
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -12,6 +14,9 @@ from typing import Any
 
 from . import _vectors
 
+#: Points that are read at a time.
+_MANY = 1 << 20
+_CANCELLED = 130
 #: Of files that the program does not read.
 _CONVERTED = (".laz", ".parquet", ".e57", *_vectors.ENDINGS)
 
@@ -63,23 +68,18 @@ def _unpack(path: str, target: Path) -> None:
         raise BadFile(f"{path}: {error}") from None
 
 
-def _table(path: str, columns: list[str] | None) -> Any:
-    """The points of a .parquet or .e57; what was chosen is reported as the program does."""
-    import warnings
-
-    from ._read import read
-
-    with warnings.catch_warnings(record=True) as remarks:
-        warnings.simplefilter("always")
-        points = read(path, columns=columns)
+def _reported(remarks: list[Any]) -> None:
+    """Says what a reader has chosen, as the program does."""
     for remark in remarks:
         print(f"cullhull: {remark.message}; --columns takes others", file=sys.stderr)
-    return points
 
 
 def _convert(word: str, folder: str, columns: list[str] | None) -> str:
     """The same points as a file in `folder` that the program reads."""
-    import numpy as np
+    import warnings
+
+    from ._read import read
+    from ._rows_file import write_npy, write_ply
 
     path = _file_of(word)
     ending = os.path.splitext(path)[1].lower()
@@ -88,12 +88,14 @@ def _convert(word: str, folder: str, columns: list[str] | None) -> str:
     if ending == ".laz":
         target = place / (Path(path).stem + ".las")
         _unpack(path, target)
-    elif ending in _vectors.ENDINGS:
-        target = place / (Path(path).stem + ".ply")
-        target.write_bytes(_vectors.as_ply(_vectors.vertices(word)))
-    else:
-        target = place / (Path(path).stem + ".npy")
-        np.save(target, _table(path, columns))
+        return str(target)
+    named = ending != ".parquet"  # columns of x, y and z, which --columns asks for
+    target = place / (Path(path).stem + (".ply" if named else ".npy"))
+    with warnings.catch_warnings(record=True) as remarks:
+        warnings.simplefilter("always")
+        blocks = read(word, columns=columns, chunks=_MANY)
+        (write_ply if named else write_npy)(target, blocks, path)
+    _reported(remarks)
     return str(target)
 
 
@@ -143,8 +145,20 @@ def main() -> None:
                 ] or [word]
         except (ImportError, ValueError, OSError) as error:
             sys.exit(f"cullhull: {error}")
-        status = subprocess.call([path, *given])
+        except KeyboardInterrupt:
+            print("cullhull: cancelled", file=sys.stderr)
+            sys.exit(_CANCELLED)
+        status = _run([path, *given])
     sys.exit(status if status >= 0 else 128 - status)
+
+
+def _run(command: list[str]) -> int:
+    """Runs the program to its end: on Ctrl-C, which a terminal sends to both, it saves its progress
+    and says so itself. SIGTERM is passed on."""
+    child = subprocess.Popen(command)
+    signal.signal(signal.SIGINT, lambda *_: None)
+    signal.signal(signal.SIGTERM, lambda *_: child.terminate())
+    return child.wait()
 
 
 if __name__ == "__main__":

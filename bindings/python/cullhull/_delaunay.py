@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
 from typing import Any
 
 import numpy as np
@@ -11,27 +11,21 @@ import numpy.typing as npt
 from ._arguments import Progress, as_array, as_coordinates
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument, NotFinite
+from ._forms import Table
 from ._incremental import IncrementalPoints, Lazy
+from ._lifted_planes import planes, spheres, transforms
 from ._qhull_options import QhullOptions, parse
+from ._shown_cells import ShownCells
 from ._triangulation import Triangulation, delaunay
 
 #: SciPy's own where none are given: of triangulations that do not grow, and of others.
 _DEFAULTS = QhullOptions(coplanar=True, scaled_last=True, at_infinity=True)
 _DEFAULTS_INCREMENTAL = QhullOptions(coplanar=True)
 
-#: `find_simplex`'s tolerance and the reciprocal condition number below which `transform` is NaN, as
-#: SciPy documents and has them. Neither decides about the triangulation.
+#: `find_simplex`'s tolerance, as SciPy documents it. It decides nothing about the triangulation.
 _DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
 #: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
 _LARGEST_PULL = 2.0**-20
-_LEAST_RECIPROCAL_CONDITION = 1000 * np.finfo(np.float64).eps
-#: Simplices computed on at once: between two blocks Ctrl-C is heard.
-_BLOCK = 2**14
-
-
-def _blocks(count: int) -> Iterator[slice]:
-    return (slice(begin, begin + _BLOCK) for begin in range(0, count, _BLOCK))
-
 
 class Lifted(IncrementalPoints):
     """What `Delaunay` and `Voronoi` share: points, options, adding, copies."""
@@ -87,38 +81,39 @@ class Lifted(IncrementalPoints):
         return bound
 
 
-class Delaunay(Lifted):
+class Delaunay(ShownCells, Lifted):
     """In place of `scipy.spatial.Delaunay`: the same attributes, exact, and faster.
 
-    Pickles, copies and is sent between processes; also while incremental.
+    It can be pickled, copied and sent between processes, also while incremental.
 
     Parameters
     ----------
     points : (n, d) array, d >= 2
         Read in place where `convex_hull` does so.
     furthest_site : bool
-        The triangulation dual to the furthest-site Voronoi diagram.
+        Compute the dual of the furthest-site Voronoi diagram.
     incremental : bool
         Allow `add_points`.
     qhull_options : str, optional
-        As in SciPy ``Qbb Qc Qz Q12`` if not given, ``Qc`` if incremental. ``Qbb`` and ``Qz`` set
-        `paraboloid_scale` and `paraboloid_shift`, without ``Qc`` `coplanar` is empty; others are
-        accepted or refused as in `ConvexHull`.
+        As in SciPy, ``Qbb Qc Qz Q12`` if not given, ``Qc`` if incremental. ``Qbb`` and ``Qz`` set
+        `paraboloid_scale` and `paraboloid_shift`; without ``Qc`` `coplanar` is empty. Other options
+        are accepted or refused as in `ConvexHull`.
     threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
     points : (n, d) float64
-    simplices : (s, d + 1) int32, oriented positively: in 2D counter-clockwise
-    neighbors : (s, d + 1) int32, entry j opposite to vertex j, -1 outside
+    simplices : (s, d + 1) int32: indices of points, oriented positively: in 2D counter-clockwise
+    neighbors : (s, d + 1) int32: entry j is the simplex opposite to vertex j, -1 outside
     equations : (s, d + 2) float64: planes of the lifted simplices, unit normal and offset
     paraboloid_scale, paraboloid_shift : float: points are lifted to ``scale * |x|**2 + shift``
-    transform : (s, d + 1, d) float64: barycentric coordinates; NaN where nearly flat
-    vertex_to_simplex : (n,) int32: a simplex of each vertex, -1 for points that are none
-    convex_hull : (f, d) int32: facets of the hull
-    coplanar : (c, 3) int32: points equal to others; simplex and vertex that stand in
-    vertex_neighbor_vertices : two int32 arrays, offsets and indices of neighbours
-    good : (s,) int32, ones
+    transform : (s, d + 1, d) float64: maps to barycentric coordinates; NaN where nearly flat
+    vertex_to_simplex : (n,) int32: a simplex of each vertex, -1 for points that are no vertices
+    convex_hull : (f, d) int32: indices of the vertices of the facets of the convex hull
+    coplanar : (c, 3) int32: points equal to others: index of the point, of a simplex, of the equal
+        vertex
+    vertex_neighbor_vertices : two int32 arrays: offsets (n + 1,) and indices of neighbours
+    good : (s,) int32: ones
     ndim, npoints, nsimplex : int
     min_bound, max_bound : (d,) float64
     furthest_site : bool
@@ -129,7 +124,7 @@ class Delaunay(Lifted):
     InvalidArgument, NotFinite (ValueErrors), TypeError
         For another shape or type, no points, an unknown option, a NaN or an infinity.
     QhullError (a RuntimeError)
-        For points that lie in a plane or a line. `delaunay` triangulates these.
+        If the points lie in a hyperplane. `delaunay` triangulates these.
     OutOfBudget (a MemoryError), KeyboardInterrupt
 
     Examples
@@ -210,44 +205,14 @@ class Delaunay(Lifted):
     @Lazy
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 2) float64: outward unit normal and offset of each lifted simplex."""
-        scale, shift = self._paraboloid
-        centres, powers = self._spheres
-        out = np.empty((self.nsimplex, self.ndim + 2))
-        for block in _blocks(self.nsimplex):
-            planes = out[block]
-            planes[:, :-2] = 2 * scale * centres[block]
-            planes[:, -2] = -1
-            planes[:, -1] = shift - scale * powers[block]
-            planes /= np.sqrt((planes[:, :-1] ** 2).sum(axis=1))[:, np.newaxis]
-            if self.furthest_site:
-                np.negative(planes, out=planes)
-        return out
-
-    @Lazy
-    def _spheres(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Centre c of each simplex' sphere of radius r, and the power |c|^2 - r^2 of the origin."""
-        points, cells = self.points, self._cells
-        centres, powers = np.empty((len(cells), self.ndim)), np.empty(len(cells))
-        for block in _blocks(len(cells)):
-            corners = points[cells[block]]
-            first = corners[:, 0]
-            edges = corners[:, 1:] - first[:, np.newaxis]
-            away = _solutions(edges, 0.5 * (edges**2).sum(axis=2))
-            # |first + away|^2 - |away|^2, in which |away|^2, large for a flat simplex, cancels
-            with np.errstate(invalid="ignore"):
-                centres[block] = first + away
-                powers[block] = (first * (first + 2 * away)).sum(axis=1)
-        return centres, powers
+        found = spheres(self.points, self._cells)
+        return planes(found, *self._paraboloid, upper=self.furthest_site)
 
     @Lazy
     def transform(self) -> npt.NDArray[np.float64]:
         """(s, d + 1, d) float64: ``transform[i, :d] @ (x - transform[i, d])`` are the first d
         barycentric coordinates of x in simplex i; NaN where it is nearly flat."""
-        points, cells = self.points, self._cells
-        out = np.empty((self.nsimplex, self.ndim + 1, self.ndim))
-        for block in _blocks(len(cells)):
-            _write_transforms(points[cells[block]], out[block])
-        return out
+        return transforms(self.points, self._cells)
 
     @Lazy
     def vertex_to_simplex(self) -> npt.NDArray[np.int32]:
@@ -293,17 +258,18 @@ class Delaunay(Lifted):
     ) -> npt.NDArray[np.int32]:
         """The simplex that each point is in.
 
-        Inside the hull it is exact: of simplices that share the point the first. Points outside by
-        rounding alone are in the hull for SciPy, and so they are here.
+        Exact inside the hull; of several simplices that share a point it is the first. SciPy finds
+        a simplex for points that are outside by rounding alone, and so does this method.
 
         Parameters
         ----------
         xi : (..., d) array
         bruteforce : bool
-            The result does not depend on it.
+            Without effect.
         tol : float, optional
-            A point outside is in a simplex of which no barycentric coordinate is below ``-tol``.
-            100 times the machine's epsilon if not given, as in SciPy; 0 for none.
+            A point outside the hull is in a simplex if none of its barycentric coordinates there is
+            below ``-tol``. As in SciPy, 100 times the machine epsilon if not given; 0 finds exact
+            containment alone.
 
         Returns
         -------
@@ -444,6 +410,56 @@ class Delaunay(Lifted):
             raise InvalidArgument("wrong dimensionality in xi")
         return as_coordinates(array, "xi")
 
+    # As the native triangulation has it
+
+    def save(
+        self, path: str | os.PathLike[str], heights: Any = None, *, format: str = ""
+    ) -> None:
+        """Writes a file of the simplices: see `Triangulation.save`.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The extension selects the format. An existing file is replaced.
+        heights : (n,) array, optional
+            Third coordinates of 2D points.
+        format : str
+            The format, whatever the extension.
+
+        Raises
+        ------
+        FileError (an OSError), InvalidArgument or BadFile (ValueErrors)
+            As `Triangulation.save`.
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     cullhull.Delaunay([[0, 0], [4, 0], [0, 4]]).save(os.path.join(folder, "a.wkt"))
+        ...     print(open(os.path.join(folder, "a.wkt")).read().strip())
+        GEOMETRYCOLLECTION (POLYGON ((0 0, 4 0, 0 4, 0 0)))
+        """
+        self.triangulation.save(path, heights, format=format)
+
+    def _coordinates(self) -> npt.NDArray[Any]:
+        return np.asarray(self.triangulation.points)
+
+    def _flat(self) -> int:
+        return self.triangulation.affine_dimension
+
+    def _simplices(self) -> npt.NDArray[np.int32]:
+        return self._cells
+
+    def _boundary(self) -> npt.NDArray[np.int32]:
+        return self.convex_hull
+
+    def _groups(self) -> npt.NDArray[np.int32]:
+        return self.triangulation.cell_groups
+
+    def _table(self) -> Table:
+        rows = [("points", f"{self.npoints:,} in {self.ndim}D"), ("simplices", f"{self.nsimplex:,}")]
+        return Table("Delaunay triangulation", rows)
+
 
 
 def as_triangulation(points: Any) -> Triangulation | None:
@@ -487,43 +503,3 @@ def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     0
     """
     return tri.find_simplex(xi)
-
-
-def _solutions(
-    matrices: npt.NDArray[np.float64], right: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
-    """Of each system the solution, of least length for fewer equations than unknowns; not finite
-    where the matrix is singular in doubles."""
-    if matrices.shape[1] != matrices.shape[2]:
-        inverses = np.linalg.pinv(matrices)
-        return (inverses @ right[:, :, np.newaxis])[:, :, 0]
-    out = np.full(right.shape, np.nan)
-    good = _regular(matrices)
-    out[good] = np.linalg.solve(matrices[good], right[good][:, :, np.newaxis])[:, :, 0]
-    return out
-
-
-def _write_transforms(corners: npt.NDArray[np.float64], out: npt.NDArray[np.float64]) -> None:
-    """`Delaunay.transform` of simplices whose corners are given."""
-    last = corners[:, -1]
-    edges = np.swapaxes(corners[:, :-1] - last[:, np.newaxis], 1, 2)
-    out[:, :-1] = _inverses(edges)
-    out[:, -1] = last
-    norms = np.abs(edges).sum(axis=1).max(axis=1), np.abs(out[:, :-1]).sum(axis=1).max(axis=1)
-    with np.errstate(all="ignore"):
-        flat = ~(1 / (norms[0] * norms[1]) >= _LEAST_RECIPROCAL_CONDITION)
-    out[flat] = np.nan
-
-
-def _inverses(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    out = np.full(matrices.shape, np.nan)
-    good = _regular(matrices)
-    out[good] = np.linalg.inv(matrices[good])
-    return out
-
-
-def _regular(matrices: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-    """Those that LAPACK can factor: one singular matrix would make it refuse all of them."""
-    sign, _ = np.linalg.slogdet(matrices)
-    regular: npt.NDArray[np.bool_] = sign != 0
-    return regular

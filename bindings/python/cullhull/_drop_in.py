@@ -25,7 +25,7 @@ from ._shown import Exported
 class ConvexHull(Exported, IncrementalPoints):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
-    Pickles, copies and is sent between processes as SciPy's; also while incremental.
+    It can be pickled, copied and sent between processes, also while incremental.
 
     Parameters
     ----------
@@ -34,27 +34,29 @@ class ConvexHull(Exported, IncrementalPoints):
     incremental : bool
         Allow `add_points`.
     qhull_options : str, optional
-        ``Qc``, ``Qi``, ``QGn`` and ``QG-n`` work as in Qhull. Options that only steer its work have
-        no effect (``Qt``, ``Qx``, ``Pp``, ``Q12``, ...); where Qhull's own result would differ, as
-        with ``QJ`` and ``QbB``, with an `OptionWarning`. What would change the answer raises.
+        ``Qc``, ``Qi``, ``QGn`` and ``QG-n`` work as in Qhull. Options that only steer Qhull's work
+        have no effect (``Qt``, ``Qx``, ``Pp``, ``Q12``, ...). If Qhull's own result would differ, as
+        with ``QJ`` and ``QbB``, there is an `OptionWarning`. Options that ask for another result
+        raise.
     strict : bool
-        Raise `QhullError` for flat input as SciPy does, and with its text where SciPy is installed.
-        By default the hull is that of the points inside the k-dimensional flat they span: then
-        `simplices` and `neighbors` have k columns, and `volume` and `area` are k- and
+        Raise `QhullError` for flat input as SciPy does, with its text where SciPy is installed. By
+        default the hull of flat input is computed within the k-dimensional flat that the points
+        span: then `simplices` and `neighbors` have k columns, and `volume` and `area` are k- and
         (k-1)-dimensional.
     backend, cull, threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
     points : (n, d) float64
-    vertices : (v,) int32, ascending; in 2D counter-clockwise
-    simplices : (s, k) int32, oriented outward
-    neighbors : (s, k) int32, entry j opposite to vertex j
-    equations : (s, d + 1) float64: outward unit normal and offset; <= 0 inside
+    vertices : (v,) int32: indices of points, ascending; in 2D counter-clockwise
+    simplices : (s, k) int32: indices of points, oriented outward
+    neighbors : (s, k) int32: entry j is the simplex opposite to vertex j
+    equations : (s, d + 1) float64: outward unit normal and offset of each simplex;
+        ``normal @ x + offset <= 0`` inside
     coplanar : (c, 3) int32: with ``Qc`` points on the boundary that are no vertices, with ``Qi``
         points inside: index of the point, of the nearest simplex, of its nearest vertex
     good : (s,) bool with ``QGn``, else None
-    area, volume : float; in 2D perimeter and area
+    area, volume : float: surface area and volume; in 2D perimeter and area
     ndim, npoints, nsimplex : int
     min_bound, max_bound : (d,) float64
     hull : the native `Hull`, with merged facets and questions

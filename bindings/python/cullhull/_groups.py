@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -144,6 +145,43 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
     def _page(self) -> str:
         return self.batch._page()
 
+    def save(self, path: str | os.PathLike[str], *, format: str = "", by: str = "key") -> None:
+        """Writes the hulls to a file, a record for each group, as ``cullhull hull --by`` does.
+
+        .csv and .json hold hulls of any dimension, .geojson those of 2D points: docs/formats.md, "A
+        hull for each group", describes them. Keys are written as text. If all are numbers they are
+        written as numbers, in ascending order; otherwise the groups are in the order of the text.
+        An error leaves no part of a file behind.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The extension selects the format. An existing file is replaced.
+        format : str
+            The format, whatever the extension.
+        by : str
+            The name of the keys in the file.
+
+        Raises
+        ------
+        FileError (an OSError)
+            If the operating system refuses to write the file.
+        InvalidArgument (a ValueError)
+            If the format is unknown, or cannot hold the hulls.
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> hulls = cullhull.hulls_by([[0, 0], [9, 9], [1, 0], [0, 1]], ["a", "b", "a", "a"])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     hulls.save(os.path.join(folder, "hulls.csv"), by="town")
+        ...     print(open(os.path.join(folder, "hulls.csv")).read().strip())
+        town,points,vertices,perimeter,area,wkt
+        a,3,3,3.414213562373095,0.5,"POLYGON ((0 0, 1 0, 0 1, 0 0))"
+        b,1,1,0,0,"POINT (9 9)"
+        """
+        self.batch._write_by(_texts(self._keys), by, os.fspath(path), format)
+
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.
 
@@ -171,6 +209,19 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
 
     def __repr__(self) -> str:
         return f"<GroupHulls of {len(self)} groups in {self.batch.dimension}D>"
+
+
+def _texts(keys: npt.NDArray[Any]) -> list[str]:
+    """Keys as they are written: whole numbers without a decimal point."""
+    if keys.dtype.kind in "mM":
+        return [str(key) for key in keys]  # tolist() gives integers for nanoseconds
+    return list(map(_text, keys.tolist()))
+
+
+def _text(key: Any) -> str:
+    if isinstance(key, float) and key.is_integer() and abs(key) < 1e16:
+        return str(int(key))
+    return key.decode(errors="replace") if isinstance(key, bytes) else str(key)
 
 
 def _is_missing(key: Any) -> bool:

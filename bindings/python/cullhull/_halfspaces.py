@@ -16,18 +16,21 @@ from ._qhull_options import parse
 
 
 class HalfspaceIntersection(Incremental):
-    """In place of `scipy.spatial.HalfspaceIntersection`.
+    """In place of `scipy.spatial.HalfspaceIntersection`: the polyhedron that halfspaces bound.
+
+    The dual points are rounded to doubles; the combinatorial result is exact for the halfspaces of
+    these rounded points. Pickles and copies, also while incremental.
 
     Parameters
     ----------
     halfspaces : (m, d + 1) array
-        Rows ``[a, b]`` of inequalities ``a @ x + b <= 0``.
+        Rows ``[a, b]`` of the inequalities ``a @ x + b <= 0``.
     interior_point : (d,) array, optional
-        Strictly inside all of them. Found by linear programming if not given.
+        A point strictly inside all halfspaces. Linear programming finds one if it is not given.
     incremental : bool
         Allow `add_halfspaces`.
     qhull_options : str, optional
-        As in `ConvexHull`; ``QGn`` raises, ``Qc`` and ``Qi`` show nothing.
+        As in `ConvexHull`; ``QGn`` raises, ``Qc`` and ``Qi`` have no effect.
     threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
@@ -36,20 +39,21 @@ class HalfspaceIntersection(Incremental):
     min_bound, max_bound : (d + 1,) float64: of the rows of halfspaces
     halfspaces : (m, d + 1) float64
     interior_point : (d,) float64
-    intersections : (v, d) float64: the vertices of the polyhedron, one a dual facet; not finite
-        where the polyhedron is unbounded and has no such vertex
-    dual_points : (m, d) float64
+    intersections : (v, d) float64: the vertices of the polyhedron, one for each dual facet; not
+        finite where the polyhedron is unbounded
+    dual_points : (m, d) float64: ``-a / (a @ interior_point + b)`` of each row
     dual_facets : list of lists of int: the dual hull's facets, coplanar pieces merged
     dual_vertices : (w,) int64, ascending: halfspaces that bound the polyhedron
-    dual_equations : (v, d + 1) float64
-    dual_area, dual_volume : float
-    is_bounded : bool
+    dual_equations : (v, d + 1) float64: planes of the dual facets, outward unit normal and offset
+    dual_area, dual_volume : float: of the dual hull
+    is_bounded : bool: whether the polyhedron is bounded
     dual : the dual's native `Hull`
+    polyhedron : the native `Hull` of `intersections`, if bounded
 
     Raises
     ------
     QhullError (a RuntimeError)
-        Where the interior point is not strictly inside.
+        If the interior point is not strictly inside a halfspace.
     InvalidArgument, NotFinite (ValueErrors), TypeError
         For another shape or type, a NaN or an infinity, and where no interior point is found.
     OutOfBudget (a MemoryError), KeyboardInterrupt
@@ -153,6 +157,23 @@ class HalfspaceIntersection(Incremental):
             f"{np.isfinite(self.intersections).all(axis=1).sum()} vertices, "
             f"{'bounded' if self.is_bounded else 'unbounded'}>"
         )
+
+    @Lazy
+    def polyhedron(self) -> Hull:
+        """The hull of `intersections`, whose `Hull.mesh`, `Hull.plot` and `Hull.save` draw and write
+        the polyhedron: exact for the rounded vertices, so that a face may be several facets. Raises
+        `InvalidArgument` where the polyhedron is unbounded.
+
+        >>> import cullhull
+        >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]
+        >>> cullhull.HalfspaceIntersection(square).polyhedron.volume
+        4.0
+        """
+        if not self.is_bounded:
+            raise InvalidArgument("an unbounded polyhedron is no hull of its vertices")
+        threads, memory_budget, progress = self._choices
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        return Hull._of(_core.convex_hull(self.intersections, chosen))
 
     @property
     def nineq(self) -> int:

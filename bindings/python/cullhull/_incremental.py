@@ -68,8 +68,10 @@ class Incremental:
         return state
 
     def close(self) -> None:
-        """Ends incremental use; nothing can be added any more.
+        """Ends incremental use: nothing can be added afterwards. Leaving a ``with`` block does it.
 
+        Examples
+        --------
         >>> import cullhull
         >>> with cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]], incremental=True) as hull:
         ...     hull.add_points([[1, 1]])
@@ -114,14 +116,14 @@ class IncrementalPoints(Incremental):
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Adds points; only with ``incremental=True``.
 
-        The result is that of all points at once, including those that were dropped before.
+        The result is that of all points at once, in whatever order they came.
 
         Parameters
         ----------
         points : (m, d) array
         restart : bool
-            Compute a hull anew instead of from its vertices; the result is the same.
-            Triangulations and diagrams are always computed anew.
+            Compute a hull from all points instead of from its vertices and the new points; the
+            result is the same. Triangulations and diagrams are always computed from all points.
 
         Raises
         ------

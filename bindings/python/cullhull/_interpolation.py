@@ -137,16 +137,30 @@ class _OnCells(_Interpolator):
             )
 
     def __call__(self, *args: Any) -> npt.NDArray[Any]:
-        """The values at points.
+        """The interpolated values at points.
 
         Parameters
         ----------
         args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+            The points.
 
         Returns
         -------
-        array of the points' shape and that of a value
-            ``fill_value`` outside the hull.
+        (...) + `values_shape` array
+            float64 or complex128; ``fill_value`` outside the hull of the data points, and where a
+            coordinate is NaN.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError), TypeError
+            For another number of coordinates, or another type.
+
+        Examples
+        --------
+        >>> import cullhull, numpy as np
+        >>> plane = cullhull.LinearNDInterpolator([[0, 0], [4, 0], [0, 4]], [0.0, 4.0, 8.0])
+        >>> plane(np.array([0, 1, 2]), 1.0).tolist()         # x of three points, and y of all
+        [2.0, 3.0, 4.0]
         """
         return self._values(self._questions(args))
 
@@ -156,34 +170,40 @@ class _OnCells(_Interpolator):
 
 
 class LinearNDInterpolator(_OnCells):
-    """In place of `scipy.interpolate.LinearNDInterpolator`: linear on each simplex.
+    """In place of `scipy.interpolate.LinearNDInterpolator`: linear on each Delaunay simplex.
+
+    Which simplex contains a point is decided exactly. Calling the object interpolates. Pickles and
+    copies.
 
     Parameters
     ----------
     points : (n, d) array, tuple of d arrays, `Delaunay` or `Triangulation`
+        The data points, d >= 2.
     values : (n, ...) array of float or complex
+        The values at the data points: numbers, or arrays of one shape.
     fill_value : float
-        The value outside the points' hull.
+        The value outside the hull of the data points.
     rescale : bool
-        Divide each coordinate by its range first; the triangulation is another then.
+        Divide each coordinate by its range before triangulating, which gives another triangulation:
+        for coordinates in different units.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
     points : (n, d) float64; with `rescale` those that are triangulated
-    values : (n, m) float64 or complex128: a row for the numbers of each value, in C's order
-    values_shape : tuple of int: the shape of a value, m numbers
+    values : (n, m) float64 or complex128: the m numbers of each value, in C order
+    values_shape : tuple of int: the shape of a value
     is_complex : bool
     fill_value : float or complex
     tri : Delaunay
     scale : (d,) float64, or None without `rescale`
-    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
+    offset : (d,) float64, only with `rescale`: a point x is looked up at ``(x - offset) / scale``
 
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), QhullError
-        As `Delaunay`; also for another number of values than of points.
+        As `Delaunay`; InvalidArgument also if the number of values is not that of the points.
 
     Examples
     --------
@@ -209,27 +229,32 @@ class LinearNDInterpolator(_OnCells):
 
 
 class NaturalNDInterpolator(_OnCells):
-    """Natural neighbour interpolation (Sibson) in 2 or 3 dimensions, called as SciPy's classes are.
+    """Natural neighbour interpolation (Sibson) in 2 and 3 dimensions, with the interface of SciPy's
+    interpolators.
 
-    A value is the mean of those of its neighbours, weighted by what its Voronoi cell would take
-    from theirs: smooth but at the points, through all values, and linear values stay linear. Each
-    weight is within 2**-51 of the exact one.
+    The value at a point is a weighted mean of the values of its natural neighbours. The weight of a
+    neighbour is the area or volume that the point's Voronoi cell would take from the neighbour's
+    cell. The result passes through all values, reproduces linear functions, and is smooth except at
+    the data points. Each weight is within 2**-51 of the exact one.
 
     Parameters
     ----------
     points : (n, d) array, tuple of d arrays, `Delaunay` or `Triangulation`
-        d is 2 or 3.
+        The data points; d is 2 or 3.
     values : (n, ...) array of float or complex
+        The values at the data points: numbers, or arrays of one shape.
     fill_value : float
-        The value outside the points' hull.
+        The value outside the hull of the data points.
     rescale : bool
-        Divide each coordinate by its range first; neighbours are others then.
+        Divide each coordinate by its range before triangulating, which gives other neighbours: for
+        coordinates in different units.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
-    As of `LinearNDInterpolator`.
+    points, values, values_shape, is_complex, fill_value, tri, scale, offset :
+        as of `LinearNDInterpolator`
 
     Raises
     ------
@@ -285,7 +310,7 @@ class NaturalNDInterpolator(_OnCells):
         return self._spread(xi, inside, found.reshape(len(found), *self.values_shape))
 
     def neighbours(self, point: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
-        """The points that a value comes from, and their weights.
+        """The natural neighbours of a point, and their weights.
 
         Parameters
         ----------
@@ -294,7 +319,8 @@ class NaturalNDInterpolator(_OnCells):
         Returns
         -------
         (m,) int32 array, (m,) float64 array
-            Indices, ascending, and weights that add up to 1 within m * 2**-51; both empty outside.
+            Indices of data points, ascending, and their weights, which add up to 1 within
+            m * 2**-51. Both are empty outside the hull of the data points.
 
         Raises
         ------
@@ -317,31 +343,34 @@ class NaturalNDInterpolator(_OnCells):
 class NearestNDInterpolator(_Interpolator):
     """In place of `scipy.interpolate.NearestNDInterpolator`: the value of the nearest point.
 
-    Nearest is decided exactly, and of several nearest points the first counts. In more than 4
-    dimensions, and for other distances than Euclid's, SciPy's tree is asked.
+    The nearest point is found exactly; of several nearest points the first is used. In more than 4
+    dimensions, and for distances other than Euclidean, SciPy's cKDTree is used. Calling the object
+    interpolates. Pickles and copies.
 
     Parameters
     ----------
     x : (n, d) array, or tuple of d arrays
+        The data points, d >= 2.
     y : (n, ...) array
+        The values at the data points: numbers, or arrays of one shape.
     rescale : bool
-        Divide each coordinate by its range first.
+        Divide each coordinate by its range before searching: for coordinates in different units.
     tree_options : dict, optional
-        Options of SciPy's tree, where it is asked.
+        Options of SciPy's cKDTree, where it is used.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
     points : (n, d) float64; with `rescale` those that are searched
-    values : the array
+    values : (n, ...) array, as it was passed
     values_shape : tuple of int: the shape of a value
     is_complex : bool
-    tree : scipy.spatial.cKDTree of `points`, made when it is first asked for
+    tree : scipy.spatial.cKDTree of `points`, built on first use
     tri : None
     fill_value : NaN, float or complex
     scale : (d,) float64, or None without `rescale`
-    offset : (d,) float64; with `rescale` alone: questions x are looked up at (x - offset) / scale
+    offset : (d,) float64, only with `rescale`: a point x is looked up at ``(x - offset) / scale``
 
     Raises
     ------
@@ -384,23 +413,40 @@ class NearestNDInterpolator(_Interpolator):
         distance_upper_bound: float = np.inf,
         workers: int = 1,
     ) -> npt.NDArray[Any]:
-        """The values at points.
+        """The value of the nearest data point at each of some points.
 
         Parameters
         ----------
         args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
+            The points. Finite.
         eps : float
-            Allows SciPy's tree to be wrong by that share.
+            SciPy's tree may return a point that is farther than the nearest one by this fraction.
+            Without effect where the tree is not used.
         p : float
-            Whose distance: 2 is Euclid's.
+            The Minkowski norm that measures distances: 2 is the Euclidean distance.
         distance_upper_bound : float
-            NaN where no point is nearer than that.
+            The value is NaN where no data point is nearer than this.
         workers : int
-            Threads of SciPy's tree.
+            Threads that SciPy's tree uses.
 
         Returns
         -------
-        array of the points' shape and that of a value
+        (...) + `values_shape` array
+            float64 or complex128.
+
+        Raises
+        ------
+        InvalidArgument (a ValueError), TypeError
+            For a NaN or an infinity, another number of coordinates, or another type.
+        ImportError
+            If SciPy's tree is needed and SciPy is not installed: ``pip install 'cullhull[scipy]'``.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> nearest = cullhull.NearestNDInterpolator([[0, 0], [4, 0], [0, 4]], [1, 2, 3])
+        >>> nearest([[1, 0], [9, 9]], distance_upper_bound=5).tolist()
+        [1.0, nan]
         """
         xi = self._questions(args)
         rows = xi.reshape(-1, xi.shape[-1])
@@ -448,31 +494,37 @@ def griddata(
     *,
     threads: int | None = None,
 ) -> npt.NDArray[Any]:
-    """In place of `scipy.interpolate.griddata`: values at `xi` from those at scattered points.
+    """In place of `scipy.interpolate.griddata`: values at `xi` from values at scattered points.
 
     Parameters
     ----------
     points : (n, d) array, or tuple of d arrays
+        The data points.
     values : (n, ...) array of float or complex
+        The values at the data points: numbers, or arrays of one shape.
     xi : (..., d) array, or tuple of d arrays that are broadcast together
+        The points at which to interpolate.
     method : 'linear', 'nearest', 'natural' or 'cubic'
-        'natural' is `NaturalNDInterpolator`, which SciPy lacks. 'cubic', and any of SciPy's in one
-        dimension, is SciPy's own, which must be installed.
+        'natural' is `NaturalNDInterpolator`, which SciPy lacks. 'cubic', and every method of SciPy
+        in one dimension, calls SciPy, which must be installed.
     fill_value : float
-        The value outside the points' hull; 'nearest' has none.
+        The value outside the hull of the data points; 'nearest' ignores it.
     rescale : bool
-        Divide each coordinate by its range first.
+        Divide each coordinate by its range first: for coordinates in different units.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
     Returns
     -------
     array
+        Of the shape of the points `xi`, followed by the shape of a value.
 
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), QhullError
-        As `LinearNDInterpolator`; also for another method.
+        As `LinearNDInterpolator`; InvalidArgument also for an unknown method.
+    ImportError
+        If the method is SciPy's and SciPy is not installed.
 
     Examples
     --------

@@ -25,10 +25,10 @@ from ._forms import Picture, Surface, Table, features, require_drawable, require
 from ._hull import Hull, picture_of
 from ._lists import Lists
 from ._native import Native
-from ._shown import Exported
+from ._shown import Exported, Saved
 
 
-class HullBatch(Exported, Native, Sequence[Hull]):
+class HullBatch(Exported, Saved, Native, Sequence[Hull]):
     """The hulls of many sets, from `convex_hulls`: a sequence of `Hull`, and arrays over all.
 
     Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
@@ -227,6 +227,12 @@ class HullBatch(Exported, Native, Sequence[Hull]):
         from ._pages import page_of_surface
 
         return page_of_surface(self._surface(), None, self._table())
+
+    def _write(self, path: str, format: str) -> None:
+        self._write_by([str(i) for i in range(len(self))], "set", path, format)
+
+    def _write_by(self, keys: list[str], name: str, path: str, format: str) -> None:
+        _core.save_batch(path, self._batch, keys, name, format)
 
     def __repr__(self) -> str:
         return f"<HullBatch of {len(self)} hulls in {self.dimension}D>"

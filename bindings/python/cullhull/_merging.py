@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from ._diagram import VoronoiDiagram
 from ._errors import InvalidArgument
 from ._lists import Lists
 from ._triangulation import Triangulation
-from ._voronoi import VoronoiDiagram
 
 Doubles = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]

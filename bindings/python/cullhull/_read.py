@@ -1,5 +1,5 @@
 """Points from files: by the program's own readers, or by Python packages (LAZ, E57, Parquet, HDF5,
-Zarr)."""
+Zarr, GeoPackage and other vector files)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
+from . import _core, _e57, _vectors
 from ._arguments import as_count
 from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
@@ -37,8 +37,12 @@ def read(
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
     FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
-    column each) h5py (``hdf5``). .las and .laz give coordinates as doubles: where scale and offset are decimals the ones nearest to number *
-    scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
+    column each) h5py (``hdf5``). .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
+    pyogrio (``vector``); the points are the vertices of all geometries, without the last one of a
+    ring, which is its first again.
+
+    .las and .laz give coordinates as doubles: where scale and offset are decimals the ones nearest
+    to number * scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec (extra ``remote``):
     .npy, .las, .laz, .parquet, .zarr and .h5.
@@ -90,12 +94,15 @@ def read(
         ending = ".h5"
     if re.search(r"\.zarr(/|$)", name, re.IGNORECASE):
         ending = ".zarr"
+    if _vectors.split_layer(name)[1] is not None and not os.path.exists(name):
+        ending = ".gpkg"
     remote = "://" in name
     reader = _READERS.get(ending, _native)
     if ending == ".las" and not remote:
         reader = _native
-    if remote and reader is _native:
-        raise BadFile(f"{name}: by fsspec read reads {' '.join(_READERS)}")
+    if remote and reader in (_native, _e57_scans, _vector):
+        known = [e for e, of in _READERS.items() if of not in (_e57_scans, _vector)]
+        raise BadFile(f"{name}: by fsspec read reads {' '.join(known)}")
     if reader in (_native, _las):
         pieces = reader(name, columns, size, raw)
     else:
@@ -321,17 +328,20 @@ def _scaled(value: float, decimals: int) -> float:
     return float(Decimal(repr(value)).scaleb(decimals))
 
 
-def _e57(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    pye57 = needed("pye57", "reading .e57 files", "e57")
+def _e57_scans(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     taken = _numbers(columns, 3, name, "xyz")
-    try:
-        with pye57.E57(name) as file:
-            for scan in range(file.scan_count):
-                axes = file.read_scan(scan, ignore_missing_fields=True)
-                rows = np.column_stack([axes[f"cartesian{'XYZ'[j]}"] for j in taken])
-                yield from _blocks(rows, size)
-    except pye57.libe57.E57Exception as error:
-        raise BadFile(f"{name}: {error}") from None
+    empty = True
+    for block in _e57.blocks(name):
+        empty = False
+        yield from _blocks(block[:, taken], size)
+    if empty:
+        yield np.empty((0, len(taken)))
+
+
+def _vector(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
+    for block in _vectors.blocks(name, size):
+        width = block.shape[1]
+        yield block if columns is None else block[:, _numbers(columns, width, name, "xyz"[:width])]
 
 
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -381,7 +391,8 @@ _READERS = {
     ".npy": _npy,
     ".las": _las,
     ".laz": _las,
-    ".e57": _e57,
+    ".e57": _e57_scans,
+    **dict.fromkeys(_vectors.ENDINGS, _vector),
     ".parquet": _parquet,
     ".zarr": _zarr,
     ".h5": _hdf5,

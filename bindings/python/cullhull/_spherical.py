@@ -13,26 +13,28 @@ from ._errors import InvalidArgument, NotFinite
 
 
 class SphericalVoronoi:
-    """In place of `scipy.spatial.SphericalVoronoi`: the diagram of points on a sphere.
+    """In place of `scipy.spatial.SphericalVoronoi`: the Voronoi diagram of points on a sphere.
 
-    Its vertices are the normals of the facets of the points' exact convex hull.
+    The vertices of the diagram lie above the facets of the exact convex hull of the points.
 
     Parameters
     ----------
     points : (n, d) array
+        Points on the sphere.
     radius : float
+        Of the sphere.
     center : (d,) array, optional
-        The origin if not given.
+        Of the sphere; the origin if not given.
     threshold : float
-        How far points may be from the sphere, and which points count as equal, in units of the
-        radius; as in SciPy.
+        A fraction of the radius: how far points may be from the sphere, and how near to each other
+        they count as equal; as in SciPy.
 
     Attributes
     ----------
     points : (n, d) float64
     radius : float
     center : (d,) float64
-    vertices : (v, d) float64: one a simplex of the hull
+    vertices : (v, d) float64: one for each simplex of the hull
     regions : list of lists of int: the vertices of the region of each point
 
     Raises
@@ -97,12 +99,12 @@ class SphericalVoronoi:
         return [part.tolist() for part in np.split(simplices, ends[:-1])]
 
     def sort_vertices_of_regions(self) -> None:
-        """Puts the vertices of each of `regions` in order, counter-clockwise seen from outside.
+        """Sorts the vertices of each of `regions` counter-clockwise, seen from outside, in place.
 
         Raises
         ------
         TypeError
-            In other dimensions than three.
+            If the points are not 3D.
 
         Examples
         --------
@@ -110,6 +112,8 @@ class SphericalVoronoi:
         >>> found = cullhull.SphericalVoronoi(
         ...     [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]])
         >>> found.sort_vertices_of_regions()
+        >>> found.regions[0]
+        [0, 1, 2, 3]
         """
         if self._dim != 3:
             raise TypeError("Only supported for three-dimensional point sets")
@@ -141,14 +145,15 @@ class SphericalVoronoi:
         return points, steps, simplices
 
     def calculate_areas(self) -> npt.NDArray[np.float64]:
-        """The area of each region; in 2D its length.
+        """The area of each region; in 2D the length of its arc.
 
-        Sorts the regions' vertices in 3D.
+        In 3D it sorts the vertices of the regions first.
 
         Returns
         -------
         (n,) float64 array
-            They add up to the sphere's area.
+            In the square of the unit of the points (in 2D in their unit); they add up to the area
+            of the sphere.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Hulls of points that come in pieces: more than memory holds, from many threads or machines."""
+"""Hulls of points that come in blocks: more than memory holds, from many threads or machines."""
 
 from __future__ import annotations
 
@@ -28,24 +28,26 @@ _DTYPES = {
 
 
 class HullState(Shown):
-    """All that some points contribute to a hull: the extreme ones, each with its index among all
-    points and its coordinates; of equal points the first.
+    """What some points contribute to a hull: the extreme points, with their indices.
 
-    States merge: any order and any tree of merging gives the same state, and `hull` of it is that of
-    `convex_hull` of all points at once, bit for bit. So parts can be worked on anywhere. States are
-    values: nothing changes one. They pickle, and compare by their content.
+    A state holds the index among all points and the coordinates of each extreme point, and of equal
+    points the first. States merge: any order and any tree of merging gives the same state, and its
+    `hull` is bit for bit that of `convex_hull` of all points at once. So parts of the points can be
+    processed anywhere. States are immutable. They pickle, and ``==`` compares their content.
 
     Parameters
     ----------
     points : (n, d) array, optional
-        None: the state of no points, which merges with any.
+        None: the state of no points, which merges with any other.
     first_id : int
-        The index of the first of them among all points.
+        The index of the first of these points among all points.
     threads, memory_budget, progress : as in `convex_hull`
 
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+        As `convex_hull`; InvalidArgument also for a negative ``first_id``.
+    KeyboardInterrupt
 
     Examples
     --------
@@ -85,32 +87,40 @@ class HullState(Shown):
 
     @property
     def dimension(self) -> int:
-        """d; 0 while it is not known."""
+        """d, the number of coordinates of a point; 0 for the state of no points."""
         return self._state.dimension
 
     @property
     def point_count(self) -> int:
-        """How many points were given to it."""
+        """Number of points that the state stands for."""
         return self._state.point_count
 
     def __len__(self) -> int:
-        """How many of them are extreme."""
+        """Number of extreme points."""
         return self._state.count
 
     @property
     def ids(self) -> npt.NDArray[np.uint64]:
-        """Indices of the extreme points among all, ascending."""
+        """(m,) uint64: indices of the extreme points among all points, ascending."""
         return np.frombuffer(self._state.ids(), dtype=np.uint64)
 
     @property
     def points(self) -> npt.NDArray[Any]:
-        """Their coordinates in that order, of the type they were given in."""
+        """(m, d): coordinates of the extreme points, in the order of `ids` and of the type of the
+        points that were passed."""
         rows = np.frombuffer(self._state.rows(), dtype=_DTYPES[self._state.scalar])
         return rows.reshape(len(self), self.dimension)
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
-        """``ids``, ``points`` and ``point_count``, as any engine can carry them.
+        """The state as plain arrays, for programs that store or transport arrays.
 
+        Returns
+        -------
+        dict
+            ``ids``, (m,) uint64; ``points``, (m, d); ``point_count``, (1,) uint64.
+
+        Examples
+        --------
         >>> import cullhull
         >>> sorted(cullhull.HullState([[0, 0], [1, 0], [0, 1]]).to_arrays())
         ['ids', 'point_count', 'points']
@@ -129,12 +139,12 @@ class HullState(Shown):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> HullState:
-        """The state of both sets of points; ``a | b`` is the same.
+        """The state of the points of both states; ``a | b`` is the same.
 
         Parameters
         ----------
         other : HullState
-            Of other points, with other indices.
+            Its points must have other indices.
         threads, memory_budget, progress : as in `convex_hull`
 
         Returns
@@ -144,8 +154,10 @@ class HullState(Shown):
         Raises
         ------
         InvalidArgument (a ValueError)
-            Where dimensions differ.
-        OutOfBudget (a MemoryError)
+            If the dimensions differ.
+        TypeError
+            If `other` is no HullState.
+        OutOfBudget (a MemoryError), KeyboardInterrupt
 
         Examples
         --------
@@ -165,7 +177,7 @@ class HullState(Shown):
         return self.merge(other)
 
     def shifted(self, offset: int) -> HullState:
-        """With ``offset`` added to every index: a part that was counted from 0, in its place.
+        """The state with ``offset`` added to every index: for a part whose indices began at 0.
 
         Parameters
         ----------
@@ -175,6 +187,11 @@ class HullState(Shown):
         Returns
         -------
         HullState
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            For an offset out of range.
 
         Examples
         --------
@@ -191,7 +208,7 @@ class HullState(Shown):
         memory_budget: int | None = None,
         progress: Progress = None,
     ) -> Hull:
-        """The hull of all the points given; indices count among all of them.
+        """The hull of all points; its indices are those of the state.
 
         Parameters
         ----------
@@ -204,8 +221,8 @@ class HullState(Shown):
         Raises
         ------
         InvalidArgument (a ValueError)
-            Where no points and so no dimension are known.
-        OutOfBudget (a MemoryError)
+            For the state of no points, which has no dimension.
+        OutOfBudget (a MemoryError), KeyboardInterrupt
 
         Examples
         --------
@@ -237,16 +254,21 @@ class HullState(Shown):
         return page_of_hull(self.hull()._solid, None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a file that appears whole or not at all.
+        """Writes the state to a file: .hullstate (compact, with a checksum) or .npz (`to_arrays`).
+
+        An error leaves no part of a file behind.
 
         Parameters
         ----------
-        path : str or path
-            Its name; an existing file is replaced.
+        path : str or os.PathLike
+            The extension selects the format. An existing file is replaced.
 
         Raises
         ------
-        FileError (an OSError), InvalidArgument (a ValueError)
+        FileError (an OSError)
+            If the operating system refuses to write the file.
+        InvalidArgument (a ValueError)
+            For another extension.
 
         Examples
         --------
@@ -261,16 +283,23 @@ class HullState(Shown):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> HullState:
-        """Reads a .hullstate, which `save` or ``cullhull hull --partial`` wrote.
+        """Reads a file that `save` or ``cullhull hull --partial`` wrote.
 
         Parameters
         ----------
-        path : str or path
-            The name of the file.
+        path : str or os.PathLike
+            A .hullstate or .npz file.
+
+        Returns
+        -------
+        HullState
 
         Raises
         ------
-        FileError (an OSError), BadFile (a ValueError)
+        FileError (an OSError)
+            If the operating system refuses to read the file.
+        BadFile (a ValueError)
+            If the file holds no state, or is damaged.
 
         Examples
         --------
@@ -305,18 +334,20 @@ def _state_of(data: bytes) -> HullState:
 
 
 class HullStream:
-    """The hull of points pushed block by block, in any order, from any threads: one pass, in memory
-    for the extreme points and a block. The GIL is free while a block is worked on.
+    """The hull of points that are pushed block by block, in one pass over all points.
+
+    Blocks may come in any order and from several threads at once. Memory holds the extreme points
+    found so far and one block. The GIL is released while a block is processed.
 
     Parameters
     ----------
-    threads, memory_budget : as in `convex_hull`, for every call
-        With several pushing threads ``threads=1`` is best.
+    threads, memory_budget : as in `convex_hull`
+        They hold for every call. If several threads push, ``threads=1`` is fastest.
 
     Raises
     ------
     InvalidArgument (a ValueError), TypeError
-        For an unknown option.
+        For an option out of range.
 
     Examples
     --------
@@ -337,24 +368,26 @@ class HullStream:
         self._stream = _core.Stream(settings(threads=threads, memory_budget=memory_budget))
 
     def push(self, points: Any, first_id: int | None = None) -> None:
-        """Takes in a block.
+        """Adds a block of points.
 
-        A push that raises an `Error` leaves the stream as it was; one that is interrupted
-        (KeyboardInterrupt) has been done.
+        A push that raises an `Error` leaves the stream unchanged; a push that is interrupted
+        (KeyboardInterrupt) has been completed.
 
         Parameters
         ----------
         points : (n, d) array, or HullState
-            Read in place. A state counts for all the points it was made of.
+            Read in place. A state stands for all the points that it was made of.
         first_id : int, optional
-            The index of the block's first point among all; by default the one after the highest so
-            far.
+            The index of the block's first point among all points; by default one more than the
+            highest index so far.
 
         Raises
         ------
         InvalidArgument, NotFinite (ValueErrors), TypeError
+            As `convex_hull`; InvalidArgument also for points of another dimension than before.
         OutOfBudget (a MemoryError)
-            Where the points that may be extreme exceed the memory.
+            If the points that may be extreme need more than the memory budget.
+        KeyboardInterrupt
 
         Examples
         --------
@@ -379,7 +412,11 @@ class HullStream:
         Parameters
         ----------
         blocks : iterable
-            Of what `push` takes.
+            Yields arrays or states, as `push` takes them: ``cullhull.read(path, chunks=...)``.
+
+        Raises
+        ------
+        As `push`. Blocks before the one that raises have been added.
 
         Examples
         --------
@@ -393,8 +430,18 @@ class HullStream:
             self.push(block)
 
     def state(self) -> HullState:
-        """The state of all that was pushed.
+        """The state of all points pushed so far.
 
+        Returns
+        -------
+        HullState
+
+        Raises
+        ------
+        OutOfBudget (a MemoryError), KeyboardInterrupt
+
+        Examples
+        --------
         >>> import cullhull
         >>> stream = cullhull.HullStream()
         >>> stream.push([[0, 0], [1, 0], [0, 1]])
@@ -404,18 +451,24 @@ class HullStream:
         return HullState._of(self._stream.state())
 
     def hull(self, *, progress: Progress = None) -> Hull:
-        """The hull of all that was pushed, as `convex_hull` of it gives.
+        """The hull of all points pushed so far: bit for bit that of `convex_hull` of them.
+
+        More points may be pushed afterwards.
 
         Parameters
         ----------
-        progress : callable, optional
+        progress : callable or bool, optional
             As in `convex_hull`.
+
+        Returns
+        -------
+        Hull
 
         Raises
         ------
         InvalidArgument (a ValueError)
             Before the first block.
-        OutOfBudget (a MemoryError)
+        OutOfBudget (a MemoryError), KeyboardInterrupt
 
         Examples
         --------
@@ -430,13 +483,14 @@ class HullStream:
 
     @property
     def point_count(self) -> int:
-        """How many points were pushed."""
+        """Number of points pushed so far."""
         return self.report["point_count"]
 
     @property
     def report(self) -> dict[str, int]:
-        """Statistics: ``point_count``, ``extreme`` points found exactly so far, points ``waiting``
-        beside them, ``reductions`` (exact hulls of both) and ``maps`` (filters built)."""
+        """Statistics: ``point_count``; ``extreme``, points found to be extreme so far; ``waiting``,
+        points that passed the filter and wait for the next exact hull; ``reductions``, exact hulls
+        computed; ``maps``, filters built."""
         return self._stream.report
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import numpy as np
@@ -297,6 +298,42 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         return cells
 
 
+    def save(
+        self, path: str | os.PathLike[str], heights: Any = None, *, format: str = ""
+    ) -> None:
+        """As `Delaunay.save`, if no simplex was dropped: files are of exact triangulations.
+
+        Parameters
+        ----------
+        path, heights, format : as of `Delaunay.save`
+
+        Raises
+        ------
+        InvalidArgument (a ValueError)
+            Where simplices were dropped; ``triangulation.save()`` writes all of them.
+        FileError (an OSError), BadFile (a ValueError)
+            As `Triangulation.save`.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.TolerantDelaunay([[0, 0], [1, 1e-17], [2, 0], [1, 1]])
+        >>> found.save("found.ply")
+        Traceback (most recent call last):
+        cullhull.InvalidArgument: 1 flat simplex was dropped; triangulation.save() writes all of them
+        """
+        if self.dropped:
+            were = "simplex was" if self.dropped == 1 else "simplices were"
+            raise InvalidArgument(
+                f"{self.dropped} flat {were} dropped; triangulation.save() writes all of them"
+            )
+        super().save(path, heights, format=format)
+
+    def _groups(self) -> npt.NDArray[np.int32]:
+        groups: npt.NDArray[np.int32] = self.triangulation.cell_groups[self._peeled.kept]
+        return groups
+
+
 class TolerantVoronoi(_TolerantLifted, Voronoi):
     """`Voronoi` within a stated distance, for programs that assume Qhull's tolerances.
 
@@ -327,7 +364,8 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     dropped : int: vertices of the exact diagram that were merged with others or with infinity
     distance : float: by how much the distances of a vertex from the points around it differ at most
     vertices, ridge_points, ridge_vertices, ridge_dict, regions : as of `Voronoi`, merged
-    triangulation, diagram : the native `Triangulation` and `VoronoiDiagram`, exact
+    triangulation, diagram : the native `Triangulation` and `VoronoiDiagram`, exact; pictures, pages
+        and files are of this diagram
     others : as of `Voronoi`
 
     Raises

@@ -13,19 +13,23 @@ from ._hull import Hull
 
 
 class HullTracker:
-    """The exact hull of points that move, each frame using the hull of the one before.
+    """The exact hull of moving points, frame by frame: each frame reuses the hull of the last one.
 
-    Every hull is the one `convex_hull` gives for the same points, bit for bit, whatever the motion:
-    the last frame only says which points to look at first. One thread at a time may use a tracker.
+    Every hull is bit for bit the one that `convex_hull` gives for the same points, whatever the
+    motion: the last hull only yields a filter for the next frame. One thread at a time may use a
+    tracker. Copies and pickles hold the last hull, its report and the number of frames; their next
+    frame is computed from scratch, with the same result.
 
     Parameters
     ----------
     cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
-        How the last frame is used; 'none' computes every frame afresh.
+        Which filter is built from the last hull; 'none' computes every frame from scratch.
     backend, threads, memory_budget : as in `convex_hull`, for every frame
 
-    Copies and pickles have the last hull, its report and the number of frames; their next frame is
-    computed afresh, with the same result.
+    Raises
+    ------
+    InvalidArgument (a ValueError), TypeError
+        For an unknown option or one out of range.
 
     Examples
     --------
@@ -67,14 +71,14 @@ class HullTracker:
         return _tracker_of, (self._choices, self._hull, report, self._tracker.frames)
 
     def update(self, points: Any, *, progress: Progress = None) -> Hull:
-        """The hull of the points at their new places.
+        """The hull of the points at their new positions.
 
         Parameters
         ----------
         points : (n, d) array
-            Read in place; of an array in a CUDA device's memory only the last hull's vertices and
-            what survives the filter are copied. Point i is the point i of the frame before if n and d are the same; else
-            tracking starts afresh.
+            Row i is the new position of the point that was row i before; if n or d differs from the
+            last frame, tracking starts again. Read in place; of an array in a CUDA device's memory
+            only the vertices of the last hull and the points that survive the filter are copied.
         progress : callable or bool
             As in `convex_hull`.
 
@@ -84,9 +88,10 @@ class HullTracker:
 
         Raises
         ------
-        Error
-            As `convex_hull`, beginning with ``frame N:``; the tracker then keeps the last
-            hull that succeeded. An update that is interrupted makes the next frame start afresh.
+        InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
+            As `convex_hull`, with ``frame N:`` before the message; the tracker keeps the last hull.
+        KeyboardInterrupt
+            The next frame is then computed from scratch.
 
         Examples
         --------
@@ -110,15 +115,18 @@ class HullTracker:
 
     @property
     def report(self) -> dict[str, Any]:
-        """What the last update that succeeded did: ``index`` of the frame, ``method`` ('gauge' or
-        'pseudo-hull': from the last frame; 'static'), points left by the pass over all
-        (``scan_survivors``) and by the whole filter (``survivors``), ``vertices_came``,
-        ``vertices_went``, ``facets_came``, ``facets_went`` against the frame before, seconds."""
+        """Statistics of the last successful update: ``index`` of the frame; ``method``, the filter
+        ('gauge' or 'pseudo-hull' if built from the last hull, else 'static'); ``scan_survivors``,
+        points left by the pass over all points; ``survivors``, points left by the whole filter;
+        ``vertices_came``, ``vertices_went``, ``facets_came``, ``facets_went`` compared with the last
+        frame; times in seconds."""
         return self._tracker.report if self._report is None else self._report
 
     def reset(self) -> None:
-        """Forgets the last frame; frames are numbered from 0 again.
+        """Discards the last frame; frames are numbered from 0 again.
 
+        Examples
+        --------
         >>> import cullhull
         >>> tracker = cullhull.HullTracker()
         >>> tracker.reset()

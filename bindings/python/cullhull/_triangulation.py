@@ -12,6 +12,7 @@ from ._arguments import Progress, as_point_set, as_points, as_questions, setting
 from ._errors import InvalidArgument, NotCertified
 from ._forms import Table
 from ._found_cells import FoundCells
+from ._lifted_planes import planes, spheres
 from ._native import Certificate
 
 
@@ -207,6 +208,23 @@ class Triangulation(FoundCells):
     def cell_groups(self) -> npt.NDArray[np.int32]:
         """(c,) int32: cells of one sphere share a number; numbers ascend by first cell."""
         return self._cells.cell_groups
+
+    @property
+    def equations(self) -> npt.NDArray[np.float64]:
+        """(c, d + 2) float64: the plane of each of `cells` lifted to ``|x|**2``, with weights to
+        ``|x|**2 - weight``: outward unit normal and offset, as ``equations`` of SciPy's Delaunay
+        with ``qhull_options="Qc"``. Computed in doubles: not finite where a cell is flat for them.
+        A new array. For k < d normals are those of the spheres whose centres lie in the flat.
+
+        >>> import cullhull
+        >>> found = cullhull.delaunay([[0, 0], [1, 0], [1, 1], [0, 1]])
+        >>> normal, offset = found.equations[0, :-1], found.equations[0, -1]
+        >>> bool(abs(normal @ [1, 1, 1**2 + 1**2] + offset) < 1e-15)    # point 2 is on it
+        True
+        """
+        rows = np.ascontiguousarray(self.points, dtype=np.float64)
+        found = spheres(rows, self.cells, self.weights)
+        return planes(found, 1.0, 0.0, upper=self.furthest_site)
 
     @property
     def hull_facets(self) -> npt.NDArray[np.int32]:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import os
 import re
 import struct
+import warnings
+from collections.abc import Iterator
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import BadFile
+from ._arrow_stream import binary_batches
+from ._errors import BadFile, Error
 
 Rows = npt.NDArray[np.float64]
 
@@ -18,6 +22,12 @@ ENDINGS = (".gpkg", ".shp", ".fgb", ".gml", ".kml")
 
 _POINT, _LINE, _POLYGON, _TRIANGLE = 1, 2, 3, 17
 _COLLECTIONS = (4, 5, 6, 7, 15, 16)  # multi-, collections, polyhedral surfaces, TINs
+#: Geometries read at a time: some tenths of a second where they are polygons.
+_MANY = 1 << 14
+#: GDAL's own stream of FlatGeobuf loses features beside those without a geometry (GDAL 3.12).
+_PLAIN_STREAM = "OGR_FLATGEOBUF_STREAM_BASE_IMPL"
+#: How points of 2 and 3 coordinates begin, in the byte order of most files.
+_PLAIN_POINTS = {struct.pack("<BI", 1, kind): 2 + (kind != 1) for kind in (1, 1001, 0x80000001)}
 _LAYER = re.compile(r"(.*\.gpkg):([^/]+)$", re.IGNORECASE)
 
 
@@ -27,10 +37,62 @@ def split_layer(word: str) -> tuple[str, str | None]:
     return (found[1], found[2]) if found else (word, None)
 
 
-def vertices(word: str) -> Rows:
-    """The positions of all geometries, (n, 2) or (n, 3); a ring's last, which is its first again,
-    is not taken. Raises `BadFile`, or `ImportError` without pyogrio."""
+def blocks(word: str, size: int | None = None) -> Iterator[Rows]:
+    """The positions of all geometries, (n, 2) or (n, 3) a block, of at most `size` rows if given; a
+    ring's last, which is its first again, is not taken.
+
+    A block is of a few thousand geometries, so that memory stays small and Ctrl-C is heard. At
+    least one block comes, perhaps of no rows. Raises `BadFile`, or `ImportError` without pyogrio.
+    """
     path, layer = split_layer(word)
+    before: Rows | None = None
+    empty = True
+    for parts in _parts(path, layer):
+        if not parts:
+            continue
+        before = rows = _together(parts, path, before)
+        empty = empty and not len(rows)
+        for start in range(0, len(rows), size or len(rows) or 1):
+            yield rows[start : start + size] if size else rows
+    if empty:
+        yield np.empty((0, 2)) if before is None else before
+
+
+def _together(parts: list[Rows], path: str, before: Rows | None = None) -> Rows:
+    """One array, of as many coordinates as the block before has."""
+    widths = {part.shape[1] for part in parts} | ({before.shape[1]} if before is not None else set())
+    if len(widths) > 1:
+        raise BadFile(f"{path}: some geometries have heights and others have none")
+    return np.concatenate(parts) if parts else np.empty((0, 2))
+
+
+def _parts(path: str, layer: str | None) -> Iterator[list[Rows]]:
+    """The vertices of some thousand geometries at a time."""
+    pyogrio = _pyogrio(path)
+    try:
+        with ExitStack() as stack:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of measures, which are not taken
+                name = _chosen(pyogrio, path, layer)
+                opened = pyogrio.raw.open_arrow(path, layer=name, columns=[], batch_size=_MANY)
+                _, stream = stack.enter_context(opened)
+            before = pyogrio.get_gdal_config_option(_PLAIN_STREAM)
+            stack.callback(pyogrio.set_gdal_config_options, {_PLAIN_STREAM: before})
+            pyogrio.set_gdal_config_options({_PLAIN_STREAM: True})
+            for offsets, data in binary_batches(stream):
+                parts: list[Rows] = []
+                try:
+                    _add_all(parts, offsets, data)
+                except BadFile as error:
+                    raise BadFile(f"{path}: {error}") from None
+                yield parts
+    except (Error, ImportError, MemoryError):
+        raise
+    except Exception as error:  # pyogrio's, which have no common base
+        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
+
+
+def _pyogrio(path: str) -> Any:
     try:
         import pyogrio
     except ImportError:
@@ -38,28 +100,39 @@ def vertices(word: str) -> Rows:
             f"{path}: reading {os.path.splitext(path)[1]} files needs pyogrio, which is not "
             "installed: pip install 'cullhull[vector]'"
         ) from None
-    try:
-        layers = [str(name) for name, _ in pyogrio.list_layers(path)]
-        if layer is None and len(layers) > 1:
-            named = ", ".join(f"{path}:{name}" for name in layers)
-            raise BadFile(f"{path}: has several layers: {named}")
-        shapes = pyogrio.raw.read(path, layer=layer, columns=[])[2]
-    except BadFile:
-        raise
-    except Exception as error:  # pyogrio's, which have no common base
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
-    parts: list[Rows] = []
-    for shape in () if shapes is None else shapes:
-        if shape is not None:
-            _add(parts, bytes(shape), 0)
-    return _together(parts, path)
+    return pyogrio
 
 
-def _together(parts: list[Rows], path: str) -> Rows:
-    widths = {part.shape[1] for part in parts}
-    if len(widths) > 1:
-        raise BadFile(f"{path}: some geometries have heights and others have none")
-    return np.concatenate(parts) if parts else np.empty((0, 2))
+def _chosen(pyogrio: Any, path: str, layer: str | None) -> str:
+    """The layer to read: the one that is named, or the only one with geometries."""
+    found = {str(name): kind for name, kind in pyogrio.list_layers(path)}
+    spatial = [name for name, kind in found.items() if kind is not None]
+    if layer is not None and layer not in found:
+        raise BadFile(f"{path}: has no layer {layer!r}; there are {', '.join(found) or 'none'}")
+    if not spatial or (layer is not None and layer not in spatial):
+        raise BadFile(f"{path}: {'no layer has' if layer is None else f'layer {layer!r} has no'} geometries")
+    if layer is None and len(spatial) > 1:
+        named = ", ".join(f"{path}:{name}" for name in spatial)
+        raise BadFile(f"{path}: has several layers: {named}")
+    return layer or spatial[0]
+
+
+def _add_all(parts: list[Rows], offsets: npt.NDArray[np.int64], data: npt.NDArray[np.uint8]) -> None:
+    """Adds the vertices of many geometries in WKB; of points at once."""
+    lengths = np.diff(offsets)
+    size = int(lengths[0]) if len(lengths) else 0
+    if size >= 21 and (lengths == size).all():
+        rows = data.reshape(-1, size)
+        head = rows[0, :5].tobytes()
+        if head in _PLAIN_POINTS and (rows[:, :5] == rows[0, :5]).all():
+            width = _PLAIN_POINTS[head]
+            points = np.ascontiguousarray(rows[:, 5 : 5 + 8 * width]).view("<f8")
+            parts.append(points[~np.isnan(points).all(axis=1)])  # no POINT EMPTY
+            return
+    whole = data.tobytes()
+    for at, length in zip(offsets[:-1].tolist(), lengths.tolist()):
+        if length:  # a feature may have no geometry
+            _add(parts, whole, at)
 
 
 def _add(parts: list[Rows], data: bytes, at: int) -> int:
@@ -103,11 +176,3 @@ def _add(parts: list[Rows], data: bytes, at: int) -> int:
     else:
         raise BadFile(f"curves (WKB type {base}) have no vertices to take")
     return at
-
-
-def as_ply(points: Any) -> bytes:
-    """As a PLY of doubles, which names its columns x, y and z."""
-    axes = "".join(f"property double {axis}\n" for axis in "xyz"[: points.shape[1]])
-    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n{axes}end_header\n"
-    rows: bytes = points.astype("<f8").tobytes()
-    return head.encode() + rows

@@ -1,5 +1,7 @@
-// Files of triangulations, diagrams, clipped cells and alpha shapes, as the program writes them.
+// Files of triangulations, diagrams, clipped cells, alpha shapes and batches of hulls, as the
+// program writes them.
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstdint>
 #include <string>
@@ -7,8 +9,10 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "batch.hpp"
 #include "cullhull/alpha_shape.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/group_hulls.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "solid.hpp"
 #include "triangulation.hpp"
@@ -66,6 +70,15 @@ void save_alpha_shape(const std::string& path, const Cells& cells, Numbers cell_
   cullhull::write_alpha_shape(path, cells.points().view(), t, shape, alpha, format);
 }
 
+/// `words`: a key for each hull, as text.
+void save_batch(const std::string& path, const Batch& batch, const std::vector<std::string>& words,
+                const std::string& key_name, const std::string& format) {
+  const nb::gil_scoped_release release;
+  cullhull::PointKeys keys;
+  for (const std::string& word : words) keys.add(word);
+  cullhull::write_group_hulls(path, batch.hulls, batch.vertex_rows, keys, key_name, format);
+}
+
 }  // namespace
 
 void bind_save(nb::module_& m) {
@@ -75,6 +88,8 @@ void bind_save(nb::module_& m) {
   m.def("save_clipped", save_clipped, path, cells, format);
   m.def("save_alpha_shape", save_alpha_shape, path, cells, nb::arg("cell_numbers"),
         nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format);
+  m.def("save_batch", save_batch, path, nb::arg("batch"), nb::arg("keys"), nb::arg("key_name"),
+        format);
 }
 
 }  // namespace binding

@@ -38,11 +38,15 @@ ROW_ORDER = {
     "test_furthest_site",
     "test_simple",
     "test_sort_vertices_of_regions_flattened",
+    "test_gh_19653",
+    "test_gh_19653_smaller_aspect",
 }
 
 #: Classes and functions that test modules import by name.
 IMPORTED = (
-    *("Voronoi", "SphericalVoronoi", "griddata", "LinearNDInterpolator", "NearestNDInterpolator"),
+    *("ConvexHull", "Delaunay", "Voronoi", "SphericalVoronoi"),
+    *("griddata", "LinearNDInterpolator", "NearestNDInterpolator"),
+    *("convex_hull_plot_2d", "delaunay_plot_2d", "voronoi_plot_2d"),
 )
 
 
@@ -78,7 +82,7 @@ class HalfspaceIntersection(cullhull.HalfspaceIntersection):
 
 
 class Voronoi(cullhull.Voronoi):
-    """With vertices and what goes round a region in the order of Qhull's."""
+    """With vertices, ridges and what goes round a region in the order of Qhull's."""
 
     def __init__(self, points, furthest_site=False, incremental=False, qhull_options=None):
         super().__init__(points, furthest_site, incremental, qhull_options)
@@ -93,7 +97,9 @@ class Voronoi(cullhull.Voronoi):
             cyclic = [ours[i:] + ours[:i] for i in range(len(ours) or 1)]
             assert any(way in theirs.regions or way[::-1] in theirs.regions for way in cyclic)
         self.vertices, self.regions = self.vertices[order], theirs.regions
-        self.ridge_vertices = [place[ridge].tolist() for ridge in self.ridge_vertices]
+        rows = permutation(theirs.ridge_points, self.ridge_points)
+        self.ridge_vertices = [place[self.ridge_vertices[i]].tolist() for i in rows]
+        self.ridge_points = self.ridge_points[rows]
 
 
 class SphericalVoronoi(cullhull.SphericalVoronoi):
@@ -160,7 +166,9 @@ def pytest_runtest_setup(item):
     for name in IMPORTED:  # what test modules have imported by name
         if hasattr(item.module, name):
             setattr(item.module, name, getattr(cullhull, name))
-    if item.name in ROW_ORDER and hasattr(item.module, "SphericalVoronoi"):
+    if sorted_rows and hasattr(item.module, "Voronoi"):
+        item.module.Voronoi = Voronoi
+    if sorted_rows and hasattr(item.module, "SphericalVoronoi"):
         item.module.SphericalVoronoi = SphericalVoronoi
     parameters = getattr(getattr(item, "callspec", None), "params", {})
     for name, value in parameters.items():  # classes that tests are run with

@@ -11,9 +11,12 @@ here=$(cd "$(dirname "$0")" && pwd)
 coxeter=0.11.0
 openpnm=3.6.4
 metpy=1.7.1
+libpysal=4.14.1
+pyvista=0.49.1
 extras=(pandas pyarrow shapely geopandas polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
   docrep numba pint pooch pyamg pyproj rich traitlets transforms3d
-  "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 fsspec)
+  "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 pyogrio fsspec
+  scikit-learn "libpysal==$libpysal")
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
 for extra in "${extras[@]}"; do
@@ -30,7 +33,7 @@ for extra in "openpnm==$openpnm" "metpy==$metpy"; do
     echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
 done
 
-# Other projects' own tests are in their source archives alone.
+# Other projects' own tests are in their source archives alone, but for libpysal's.
 fetch() { # PROJECT VERSION: prints the folder of its tests
   local archive=$folder/$1-$2
   if [[ ! -d $archive ]]; then
@@ -51,6 +54,17 @@ CULLHULL_COXETER_TESTS=$(fetch coxeter "$coxeter")
 CULLHULL_OPENPNM_TESTS=$(fetch openpnm "$openpnm")
 CULLHULL_METPY_TESTS=$(fetch metpy "$metpy")
 export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS CULLHULL_OPENPNM_TESTS CULLHULL_METPY_TESTS
+
+# PyVista's example meshes are in its wheel; the package itself asks for a hundred megabytes of VTK.
+examples=$folder/pyvista-$pyvista/pyvista/examples
+if [[ ! -d $examples ]]; then
+  "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
+    --only-binary :all: --dest "$folder/download" "pyvista==$pyvista" >&2 &&
+    "$folder/venv/bin/python" -m zipfile -e "$folder/download/pyvista-$pyvista"-*.whl \
+      "$folder/pyvista-$pyvista" ||
+    echo "run.sh: PyPI has not given pyvista; its meshes are left out" >&2
+fi
+if [[ -d $examples ]]; then export CULLHULL_PYVISTA_EXAMPLES=$examples; fi
 
 # scikit-image's too. pip would build it to learn its name; without the build's tools in reach it
 # stops once the archive is unpacked, which is all that is wanted.

@@ -41,19 +41,21 @@ def wkb(kind, points, *, rings=None, order="<"):
     return head + (one + count + body if kind == 3 else count + body)
 
 
-def write(path, shapes, kind, layer=None):
+def write(path, shapes, kind, layer=None, crs="EPSG:25832"):
     pyogrio = pytest.importorskip("pyogrio")
-    shapes = np.array(shapes, dtype=object)
+    shapes = np.array([*shapes, None], dtype=object)[:-1]
     names = np.arange(len(shapes))
     in_order = {"SPATIAL_INDEX": "NO"} if str(path).endswith(".fgb") else {}
+    driver = "KML" if str(path).endswith(".kml") else None  # there are two of them
     pyogrio.raw.write(
         path,
         shapes,
         [names],
         ["name"],
         geometry_type=kind,
-        crs="EPSG:25832",
+        crs=crs,
         layer=layer,
+        driver=driver,
         layer_options=in_order,
     )
 

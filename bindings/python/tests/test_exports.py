@@ -34,6 +34,7 @@ def results():
         yield f"batch-{d}", cullhull.convex_hulls([points, points[:20]])
         yield f"groups-{d}", cullhull.hulls_by(points, np.arange(len(points)) % 3)
         yield f"drop-in-{d}", cullhull.ConvexHull(points)
+        yield f"delaunay-{d}", cullhull.Delaunay(points)
     yield "concave", cullhull.concave_hull(PLANE, 0.3)
     yield "constrained", cullhull.constrained_delaunay(PLANE, [[0, 1]])
     yield "polygons", cullhull.voronoi(PLANE).clip(RINGS)
@@ -44,9 +45,14 @@ ALL = {
     **EXPORTED,
     "diagram-2": cullhull.voronoi(PLANE),
     "diagram-3": cullhull.voronoi(SPACE),
+    "voronoi-2": cullhull.Voronoi(PLANE),
+    "voronoi-3": cullhull.Voronoi(SPACE),
     "state-2": cullhull.HullState(PLANE),
     "state-3": cullhull.HullState(SPACE),
 }
+#: As SciPy's classes each of these is equal to itself alone.
+OF_SCIPY = ("drop-in", "delaunay", "voronoi")
+TETRAHEDRA = ("cells-3", "regular-3", "delaunay-3")
 SOLID = [name for name in EXPORTED if name.endswith("-3")]
 FLAT = [name for name in EXPORTED if not name.endswith("-3")]
 each = pytest.mark.parametrize("name", EXPORTED)
@@ -67,7 +73,7 @@ def area_in_plane(name):
         return getattr(result, "batch", result).volumes.sum()
     if name.startswith(("clipped", "polygons")):
         return result.measures.sum()
-    return area_of(result.points[result.cells])
+    return area_of(result.points[result.simplices if name == "delaunay-2" else result.cells])
 
 
 # Meshes
@@ -134,6 +140,55 @@ def test_points_and_equations_of_a_hull(points):
     assert np.array_equal(hull.equations, theirs.equations)
 
 
+@pytest.mark.parametrize("points", [PLANE, SPACE, RNG.random((30, 4))], ids=str)
+@pytest.mark.parametrize("furthest", [False, True])
+def test_equations_of_a_triangulation(points, furthest):
+    found = cullhull.delaunay(points, furthest_site=furthest)
+    theirs = cullhull.Delaunay(points, furthest, qhull_options="Qc")
+    assert np.array_equal(found.equations, theirs.equations)
+    weights = np.arange(len(points)) % 5 / 50
+    regular = cullhull.delaunay(points, weights, furthest_site=furthest)
+    lifted = np.column_stack([points, (points**2).sum(axis=1) - weights])
+    normals, offsets = regular.equations[:, :-1], regular.equations[:, -1]
+    heights = normals @ lifted.T + offsets[:, np.newaxis]
+    assert np.allclose(np.take_along_axis(heights, regular.cells, axis=1), 0, atol=1e-9)
+    assert (heights < 1e-9).all() and np.allclose((normals**2).sum(axis=1), 1)
+    if not furthest:
+        assert len(regular.hidden) == 0 or (heights[:, regular.hidden] < 0).all()
+
+
+def test_equations_of_flat_and_empty_triangulations():
+    flat = cullhull.delaunay([[0.0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+    rows = flat.equations
+    assert rows.shape == (2, 5) and np.allclose(rows[0], rows[1])
+    assert cullhull.delaunay(np.empty((0, 2))).equations.shape == (0, 4)
+
+
+def test_polyhedron_of_halfspaces(tmp_path):
+    cube = np.column_stack([np.vstack([np.eye(3), -np.eye(3)]), [-2.0, -2, -2, 0, 0, 0]])
+    cut = cullhull.HalfspaceIntersection(cube, incremental=True)
+    assert cut.polyhedron.volume == 8 and cut.polyhedron.facet_count == 6
+    cut.polyhedron.save(tmp_path / "cube.ply")
+    cut.add_halfspaces([1.0, 1, 1, -4])
+    assert np.isclose(cut.polyhedron.volume, 8 - 8 / 6)
+    open_one = cullhull.HalfspaceIntersection(cube[:5], [1.0, 1, 1])
+    with pytest.raises(cullhull.InvalidArgument, match="unbounded"):
+        open_one.polyhedron
+
+
+def test_tolerant_triangulations_show_what_is_left(tmp_path):
+    points = [[0, 0], [1, 1e-17], [2, 0], [1, 1]]
+    found = cullhull.TolerantDelaunay(points)
+    assert found.mesh().faces.tolist() == [[0, 1, 3], [1, 2, 3]]
+    assert len(found.__geo_interface__["features"]) == 2
+    with pytest.raises(cullhull.InvalidArgument, match="1 flat simplex was dropped"):
+        found.save(tmp_path / "a.ply")
+    whole = cullhull.TolerantDelaunay(PLANE)
+    whole.save(tmp_path / "a.json")
+    cullhull.delaunay(PLANE).save(tmp_path / "b.json")
+    assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
+
+
 def test_points_of_other_results():
     for name in ("cells-2", "alpha-2", "concave", "clipped-2", "constrained"):
         assert EXPORTED[name].points is not None
@@ -147,8 +202,9 @@ def test_points_of_other_results():
 def test_equality():
     again = {**dict(results()), "diagram-2": cullhull.voronoi(PLANE), "diagram-3": cullhull.voronoi(SPACE)}
     for name, result in again.items():
-        if name.startswith("drop-in"):
-            continue  # as SciPy's: each is itself alone
+        if name.startswith(OF_SCIPY):
+            assert result == result != ALL[name]
+            continue
         assert result == ALL[name] and not result != ALL[name], name
         if not name.startswith("groups"):
             assert hash(result) == hash(ALL[name])
@@ -195,7 +251,7 @@ def test_without_the_packages(monkeypatch):
 def test_trimesh(name):
     trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
     result = EXPORTED[name]
-    if name in ("cells-3", "regular-3"):
+    if name in TETRAHEDRA:
         with pytest.raises(cullhull.InvalidArgument, match="tetrahedra"):
             result.to_trimesh()
         return
@@ -235,8 +291,9 @@ def test_pyvista(name):
     pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed")
     result = EXPORTED[name]
     found = result.to_pyvista()
-    if name in ("cells-3", "regular-3"):
-        assert isinstance(found, pyvista.UnstructuredGrid) and found.n_cells == result.cell_count
+    if name in TETRAHEDRA:
+        assert isinstance(found, pyvista.UnstructuredGrid)
+        assert found.n_cells == len(result.mesh().faces)
         assert np.isclose(found.volume, cullhull.convex_hull(SPACE).volume)
     elif name == "clipped-3":
         sizes = found.compute_cell_sizes(length=False, area=False)["Volume"]
@@ -253,9 +310,9 @@ def test_pyvista(name):
 def test_open3d(name):
     open3d = pytest.importorskip("open3d", reason="open3d is not installed")
     found = EXPORTED[name].to_open3d()
-    if name in ("cells-3", "regular-3"):
+    if name in TETRAHEDRA:
         assert isinstance(found, open3d.geometry.TetraMesh)
-        assert len(found.tetras) == EXPORTED[name].cell_count
+        assert len(found.tetras) == len(EXPORTED[name].mesh().faces)
     elif name in FLAT:
         assert np.isclose(found.get_surface_area(), area_in_plane(name))
     else:
@@ -361,6 +418,12 @@ WRITTEN = {
     "diagram-2": "json",
     "diagram-3": "json",
     "drop-in-3": "ply obj off stl glb vtp json txt",
+    "delaunay-2": "ply obj off stl glb vtp vtk geojson wkt json",
+    "voronoi-3": "json",
+    "batch-2": "geojson csv json",
+    "batch-3": "csv json",
+    "groups-2": "geojson csv json",
+    "groups-3": "csv json",
 }
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import pickle
+import subprocess
+import sys
 
 import cullhull
 import numpy as np
@@ -168,3 +171,75 @@ def test_groups_are_equal_where_keys_members_and_hulls_are():
     assert cullhull.hulls_by(points[:0], keys[:0]) == cullhull.hulls_by(points[:0], keys[:0])
     with pytest.raises(TypeError, match="unhashable"):
         hash(hulls)
+
+
+def written_by_the_program(tmp_path, points, keys, ending):
+    """What ``cullhull hull --by`` writes of the same points and keys."""
+    names = "xyzw"[: points.shape[1]]
+    rows = [f"{key}," + ",".join(map(repr, p)) for key, p in zip(keys, points.tolist())]
+    (tmp_path / "a.csv").write_text("\n".join([f"town,{','.join(names)}", *rows, ""]))
+    out = tmp_path / f"theirs{ending}"
+    command = ["hull", tmp_path / "a.csv", "--by", "town", "--columns", ",".join(names), "-q"]
+    subprocess.run(
+        [sys.executable, "-m", "cullhull", *map(str, command), "-o", str(out)], check=True
+    )
+    return out.read_bytes()
+
+
+@pytest.mark.parametrize("ending", [".csv", ".json", ".geojson"])
+@pytest.mark.parametrize("kind", ["numbers", "words", "halves"])
+def test_saved_as_the_program_writes_groups(tmp_path, ending, kind):
+    for dimension in (2,) if ending == ".geojson" else (1, 2, 3, 4):
+        points, numbers = table(dimension=dimension)
+        keys = {"numbers": numbers, "words": [f"town {k}" for k in numbers], "halves": numbers / 2}
+        hulls = cullhull.hulls_by(points, keys[kind])
+        hulls.save(tmp_path / f"ours{ending}", by="town")
+        texts = [f"{k:g}" for k in numbers / 2] if kind == "halves" else keys[kind]
+        theirs = written_by_the_program(tmp_path, points, texts, ending)
+        assert (tmp_path / f"ours{ending}").read_bytes() == theirs
+        pickle.loads(pickle.dumps(hulls)).save(tmp_path / "again", format=ending[1:], by="town")
+        assert (tmp_path / "again").read_bytes() == theirs
+
+
+def test_keys_as_they_are_written(tmp_path):
+    def keys(values):
+        points = np.zeros((len(values), 2))
+        cullhull.hulls_by(points, values).save(tmp_path / "a.json")
+        saved = json.loads((tmp_path / "a.json").read_text())
+        assert saved["by"] == "key"
+        return [group["key"] for group in saved["groups"]]
+
+    assert keys([10, 9, -1]) == [-1, 9, 10]
+    assert keys([1e300, 2.0, 2.5]) == [2, 2.5, 1e300]
+    assert keys(["10", "9"]) == [9, 10], "all are numbers"
+    assert keys(["10", "9", "b"]) == ["10", "9", "b"]
+    assert keys([True, False]) == ["False", "True"]
+    assert keys([b"a", b"b"]) == ["a", "b"]
+    assert keys(["\u00fc\"", ""]) == ["", "\u00fc\""]
+    days = np.array(["2026-01-02", "2026-01-01"], dtype="datetime64[ns]")
+    assert keys(days) == ["2026-01-01T00:00:00.000000000", "2026-01-02T00:00:00.000000000"]
+
+
+def test_batches_are_saved_by_the_number_of_the_set(tmp_path):
+    points, _ = table()
+    batch = cullhull.convex_hulls(points, [0, 5, 5, 300])
+    batch.save(tmp_path / "a.csv")
+    head, *rows = (tmp_path / "a.csv").read_text().splitlines()
+    assert head == "set,points,vertices,perimeter,area,wkt"
+    assert [row.split(",")[:2] for row in rows] == [["0", "5"], ["1", "0"], ["2", "295"]]
+    batch.save(tmp_path / "a.json")
+    saved = json.loads((tmp_path / "a.json").read_text())
+    assert [group["area"] for group in saved["groups"] if "area" in group] == [
+        volume for volume, k in zip(batch.volumes, batch.affine_dimensions) if k == 2
+    ]
+    assert saved["points"] == {"count": 300, "dimension": 2, "scalar": "f64"}
+    single = cullhull.convex_hulls(points.astype(np.float32), [0, 300])
+    single.save(tmp_path / "b.json")
+    assert json.loads((tmp_path / "b.json").read_text())["points"]["scalar"] == "f32"
+    with pytest.raises(cullhull.InvalidArgument, match="known are .geojson .csv .json"):
+        batch.save(tmp_path / "a.ply")
+    with pytest.raises(cullhull.InvalidArgument, match="not 3D"):
+        cullhull.convex_hulls(np.zeros((2, 4, 3))).save(tmp_path / "c.geojson")
+    assert not (tmp_path / "a.ply").exists() and not (tmp_path / "c.geojson").exists()
+    cullhull.convex_hulls(np.empty((0, 4, 3))).save(tmp_path / "none.csv")
+    assert (tmp_path / "none.csv").read_text().count("\n") == 1

@@ -14,6 +14,7 @@ pytest.importorskip("scipy.spatial.tests.test_qhull")
 SUITES = (
     ("scipy.spatial.tests.test_qhull", "", 180),
     ("scipy.spatial.tests.test_spherical_voronoi", "", 60),
+    ("scipy.spatial.tests.test__plotutils", "", 5),
     ("scipy.interpolate.tests.test_interpnd", "TestLinearNDInterpolation", 10),
     ("scipy.interpolate.tests.test_ndgriddata", "not Clough", 30),
 )

@@ -70,31 +70,26 @@ bool is_json_number(std::string_view word) {
   return scan_number(p, p + word.size(), value) == Scan::ok && p == word.data() + word.size();
 }
 
-std::vector<std::uint32_t> CollectedPoints::order_of_words() {
-  std::vector<std::uint32_t> order(words_.size());
+KeyOrder::KeyOrder(const PointKeys& keys) : order(keys.size()) {
   std::iota(order.begin(), order.end(), 0U);
   std::vector<double> values;
-  numeric_ = true;
-  for (std::uint32_t i = 0; i < words_.size() && numeric_; ++i) {
-    numeric_ = is_json_number(words_[i]);
-    const char* p = words_[i].data();
+  for (std::uint32_t i = 0; i < keys.size() && numeric; ++i) {
+    numeric = is_json_number(keys[i]);
+    const char* p = keys[i].data();
     double value = 0;
-    if (numeric_) (void)scan_number(p, p + words_[i].size(), value);
+    if (numeric) (void)scan_number(p, p + keys[i].size(), value);
     values.push_back(value);
   }
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    if (numeric_ && values[a] != values[b]) return values[a] < values[b];
-    return words_[a] < words_[b];
+    if (numeric && values[a] != values[b]) return values[a] < values[b];
+    return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
   });
-  return order;
 }
 
 SortedGroups CollectedPoints::sort() {
-  SortedGroups sorted;
-  sorted.dimension = dimension_;
-  sorted.order = order_of_words();
+  SortedGroups sorted{.dimension = dimension_, .keys = KeyOrder(words()), .coordinates = {}};
   std::vector<std::uint32_t> rank(words_.size());
-  for (std::uint32_t i = 0; i < rank.size(); ++i) rank[sorted.order[i]] = i;
+  for (std::uint32_t i = 0; i < rank.size(); ++i) rank[sorted.keys.order[i]] = i;
   std::sort(blocks_.begin(), blocks_.end(),
             [](const Block& a, const Block& b) { return a.first_id < b.first_id; });
   sorted.offsets.assign(rank.size() + 1, 0);

@@ -17,7 +17,7 @@ class WordNumbers {
  public:
   std::uint32_t number(std::string_view word);
   std::size_t size() const { return words_.size(); }
-  std::string_view operator[](std::size_t i) const { return words_[i]; }
+  const PointKeys& words() const { return words_; }
   std::uint64_t bytes() const { return words_.text.size() + 8 * words_.size() + 8 * slots_.size(); }
 
  private:
@@ -30,12 +30,20 @@ class WordNumbers {
   std::vector<Slot> slots_;
 };
 
+/// Groups by their keys: by value if all keys are JSON numbers, else by bytes; equal keys by
+/// number.
+struct KeyOrder {
+  explicit KeyOrder(const PointKeys& keys);
+  bool numeric = true;               ///< whether all keys are JSON numbers
+  std::vector<std::uint32_t> order;  ///< the numbers of the keys
+};
+
 /// The points of a group are consecutive, ordered by id.
 struct SortedGroups {
   std::uint32_t dimension = 0;
   std::vector<std::uint64_t> offsets{0};  ///< of each group's points
-  std::vector<std::uint32_t> order;       ///< number of each group's word
-  Buffer coordinates;                     ///< rows of doubles
+  KeyOrder keys;
+  Buffer coordinates;  ///< rows of doubles
 };
 
 class CollectedPoints {
@@ -45,8 +53,7 @@ class CollectedPoints {
   void add(const PointView& block, std::uint64_t first_id, const PointKeys& keys);
   /// Sorts and hands over all points.
   SortedGroups sort();
-  const WordNumbers& words() const { return words_; }
-  bool numeric() const { return numeric_; }
+  const PointKeys& words() const { return words_.words(); }
 
  private:
   struct Block {
@@ -54,11 +61,9 @@ class CollectedPoints {
     std::vector<std::uint32_t> groups;
     std::vector<double> rows;
   };
-  std::vector<std::uint32_t> order_of_words();
 
   std::uint64_t budget_, bytes_ = 0;
   std::uint32_t dimension_ = 0;
-  bool numeric_ = false;
   std::mutex mutex_;
   std::vector<Block> blocks_;
   WordNumbers words_;

@@ -1,6 +1,7 @@
-// write_group_hulls: points sorted by group, hulls in slices, a record for each.
+// write_group_hulls: points sorted by group, hulls in slices, a record for each; and of a batch.
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,14 +20,13 @@
 namespace cullhull::internal::inline io {
 namespace {
 
-/// One hull of a batch, and the rows of its points.
+/// One hull of a batch, and the coordinates of its vertices, a row each.
 struct GroupHull {
   std::string_view key;
   bool numeric = false;
   const HullBatch& batch;
   std::size_t set = 0;
-  const double* rows = nullptr;
-  std::uint32_t dimension = 0;
+  const double* corners = nullptr;
   const Grid& grid;
 
   std::span<const std::uint64_t> vertices() const { return batch.vertices[set]; }
@@ -40,9 +40,7 @@ struct GroupHull {
   double within() const { return affine_dimension() == 2 ? volume() : 0; }
 
   std::vector<double> boundary() const {
-    std::vector<double> out;
-    for (const std::uint64_t v : vertices())
-      out.insert(out.end(), rows + v * dimension, rows + (v + 1) * dimension);
+    std::vector<double> out(corners, corners + vertices().size() * batch.dimension);
     to_world(out, grid);
     return out;
   }
@@ -198,13 +196,27 @@ class GroupRecords {
   bool first_ = true;
 };
 
+void write_if_long(std::string& text, OutputFile& out) {
+  if (text.size() <= std::size_t{1} << 20) return;
+  out.write(text);
+  text.clear();
+}
+
+std::string checked_format(const std::string& path, const std::string& format) {
+  std::string found = output_format(path, format, "json");
+  if (!holds(found, {OutputKind::group_hulls}))
+    refuse_format(path, found, {OutputKind::group_hulls});
+  return found;
+}
+
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
                   GroupRecords& records, std::string& text, const Grid& grid,
                   const Options& options, OutputFile& out) {
   // Hulled and written at a time: some 100 MB of text at most. Not tuned.
   constexpr std::uint64_t slice_points = std::uint64_t{1} << 20;
   const std::uint32_t d = sorted.dimension;
-  const std::size_t groups = sorted.order.size();
+  const std::size_t groups = sorted.keys.order.size();
+  std::vector<double> corners;  // of the hulls of a slice, end to end
   records.begin();
   for (std::size_t begin = 0, end = 0; begin < groups; begin = end) {
     const std::uint64_t first = sorted.offsets[begin];
@@ -214,13 +226,17 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
     const double* const rows = sorted.coordinates.as<const double>() + first * d;
     const HullBatch batch =
         convex_hulls(PointView::row_major(rows, offsets.back(), d), offsets, options);
-    for (std::size_t i = begin; i < end; ++i) {
-      records.add({collected.words()[sorted.order[i]], collected.numeric(), batch, i - begin,
-                   rows + offsets[i - begin] * d, d, grid});
-      if (text.size() > std::size_t{1} << 20) {
-        out.write(text);
-        text.clear();
+    corners.clear();
+    for (std::size_t set = 0; set < batch.size(); ++set)
+      for (const std::uint64_t v : batch.vertices[set]) {
+        const double* const row = rows + (offsets[set] + v) * d;
+        corners.insert(corners.end(), row, row + d);
       }
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t set = i - begin;
+      records.add({collected.words()[sorted.keys.order[i]], sorted.keys.numeric, batch, set,
+                   corners.data() + batch.vertices.offsets[set] * d, grid});
+      write_if_long(text, out);
     }
     if (options.progress)
       options.progress("hulls", static_cast<double>(end) / static_cast<double>(groups));
@@ -245,9 +261,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   using Clock = std::chrono::steady_clock;
   if (reading.read.key.empty())
     throw Error(ErrorCode::invalid_argument, "groups need a column that tells them apart");
-  const std::string format = output_format(path, "", "json");
-  if (!holds(format, {OutputKind::group_hulls}))
-    refuse_format(path, format, {OutputKind::group_hulls});
+  const std::string format = checked_format(path, "");
   const Clock::time_point start = Clock::now();
   CollectedPoints collected(resolve_budget(options.memory_budget));
   BlockVisitor visitor;
@@ -258,7 +272,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   const SortedGroups sorted = collected.sort();
   GroupReport report;
   report.points = read.end.points;
-  report.groups = sorted.order.size();
+  report.groups = sorted.keys.order.size();
   report.dimension = read.dimension;
   const Clock::time_point sorted_at = Clock::now();
   report.read_seconds = std::chrono::duration<double>(sorted_at - start).count();
@@ -270,6 +284,35 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   out.commit();
   report.hull_seconds = std::chrono::duration<double>(Clock::now() - sorted_at).count();
   return report;
+}
+
+void write_group_hulls(const std::string& path, const HullBatch& hulls,
+                       std::span<const double> vertex_coordinates, const PointKeys& keys,
+                       const std::string& key_name, const std::string& format) {
+  using namespace internal;
+  if (keys.size() != hulls.size())
+    throw Error(ErrorCode::invalid_argument, hulls.size(), " hulls have ", keys.size(), " keys");
+  const std::size_t numbers = hulls.vertices.items.size() * hulls.dimension;
+  if (vertex_coordinates.size() != numbers)
+    throw Error(ErrorCode::invalid_argument, "the vertices of the hulls have ", numbers,
+                " coordinates, not ", vertex_coordinates.size());
+  const std::uint64_t points =
+      std::accumulate(hulls.point_counts.begin(), hulls.point_counts.end(), std::uint64_t{0});
+  std::string text;
+  GroupRecords records(checked_format(path, format), key_name,
+                       {points, hulls.dimension, hulls.scalar}, text);
+  const KeyOrder order(keys);
+  const Grid grid;
+  OutputFile out(path);
+  records.begin();
+  for (const std::uint32_t set : order.order) {
+    const std::uint64_t first = hulls.vertices.offsets[set] * hulls.dimension;
+    records.add({keys[set], order.numeric, hulls, set, vertex_coordinates.data() + first, grid});
+    write_if_long(text, out);
+  }
+  records.end();
+  out.write(text);
+  out.commit();
 }
 
 }  // namespace cullhull::inline v1
