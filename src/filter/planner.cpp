@@ -48,6 +48,9 @@ constexpr double pinned_piece = 32 << 20;
 /// only near break-even.
 constexpr double device_call = 100e-6;
 
+/// Seconds of one thread for a question about a point that is near the boundary or outside.
+double question_seconds(unsigned d) { return d <= 3 ? 20e-9 : 1e-6; }
+
 std::string seconds_text(double seconds) {
   char text[32];
   if (seconds < 1e-3)
@@ -139,6 +142,22 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
                   ": a pass takes about " + seconds_text(host) + " on the CPU";
   p.reason = p.host_reason + ", " + seconds_text(device) + " on a CUDA device";
   return p;
+}
+
+// The CPU's search walks over few facets, however many there are; a device tests all of them, in
+// 11 d instructions of a warp for 32 points (docs/gpu.md, "Questions about points on a device").
+bool device_answers_sooner(const AskedPoints& points, const MachineConstants& m) {
+  // An H200 issues 0.9 T warp-instructions a second and copies 4.1 TB/s; a device of another rate
+  // of copying is taken to have both in this ratio.
+  constexpr double instructions_per_byte = 0.9e12 / 4.1e12;
+  const auto n = static_cast<double>(points.count);
+  const unsigned threads = m.cores > 0 ? std::min(points.threads, m.cores) : points.threads;
+  const double host = n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
+                      n * question_seconds(points.dimension) / std::max(1U, threads);
+  const double tests = n * static_cast<double>(points.tests);
+  const double device = device_call + tests * 11 * points.dimension / 32 /
+                                          (m.device_copy_bytes_per_second * instructions_per_byte);
+  return device < host;
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi

@@ -153,6 +153,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
         const auto there = DevicePointView::row_major(copy.data<double>(), 3100, 3);
         Options options;
         options.backend = backend;
+        options.machine.link_bytes_per_second = 1;  // stay on the device
         const auto ask = [&](auto&& question) {
           emulation::restart();
           (all ? emulation::settings().failing_allocations_from
