@@ -48,8 +48,21 @@ constexpr double pinned_piece = 32 << 20;
 /// only near break-even.
 constexpr double device_call = 100e-6;
 
-/// Seconds of one thread for a question about a point that is near the boundary or outside.
-double question_seconds(unsigned d) { return d <= 3 ? 20e-9 : 1e-6; }
+/// Nanoseconds of one thread for a question to a hull of 2,000 (2D), 40,000, 20,000, 13,000 and
+/// 12,000 (6D) facets of a sphere, the mean over points of a ball of 1.4 times its volume; measured
+/// from Python on an idle core (AMD EPYC).
+struct QuestionCosts {
+  double side, support, distance;
+};
+constexpr QuestionCosts question_costs[] = {
+    {12, 170, 8.7e3}, {70, 400, 22e3}, {60, 310, 10e3}, {150, 480, 14e3}, {210, 1700, 28e3}};
+
+double question_seconds(Question question, unsigned d) {
+  const QuestionCosts& c = question_costs[std::clamp(d, 2U, 6U) - 2];
+  return 1e-9 * (question == Question::sides      ? c.side
+                 : question == Question::supports ? c.support
+                                                  : c.distance);
+}
 
 std::string seconds_text(double seconds) {
   char text[32];
@@ -152,8 +165,9 @@ bool device_answers_sooner(const AskedPoints& points, const MachineConstants& m)
   constexpr double instructions_per_byte = 0.9e12 / 4.1e12;
   const auto n = static_cast<double>(points.count);
   const unsigned threads = m.cores > 0 ? std::min(points.threads, m.cores) : points.threads;
-  const double host = n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
-                      n * question_seconds(points.dimension) / std::max(1U, threads);
+  const double host =
+      n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
+      n * question_seconds(points.question, points.dimension) / std::max(1U, threads);
   const double tests = n * static_cast<double>(points.tests);
   const double device = device_call + tests * 11 * points.dimension / 32 /
                                           (m.device_copy_bytes_per_second * instructions_per_byte);

@@ -57,8 +57,11 @@ struct Placement {
 /// Whether the device would cull the points faster; does not check that there is a device.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
 
+enum class Question { sides, supports, distances };
+
 /// The data that decide where questions to a hull about points on a device are answered.
 struct AskedPoints {
+  Question question = Question::sides;
   std::uint64_t count = 0;
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;

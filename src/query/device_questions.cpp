@@ -6,7 +6,6 @@
 
 #include "cuda/backend.hpp"
 #include "exact/determinants/cofactors.hpp"
-#include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
@@ -122,11 +121,11 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::Hull
 /// there(first, count, open): gets the device's answers about a piece, and appends to `open` the
 /// ids of the points that it left undecided, about which the host is asked.
 template <class Out, class There>
-void DeviceQuestions::answer(Out* out, std::uint64_t tests, const There& there,
+void DeviceQuestions::answer(Out* out, Question question, std::uint64_t tests, const There& there,
                              const Here<Out>& here) {
   if (points_.count == 0) return;
   const std::uint64_t bytes = points_.dimension * scalar_size(points_.scalar);
-  const AskedPoints asked{points_.count, points_.dimension, bytes, run_.threads, tests};
+  const AskedPoints asked{question, points_.count, points_.dimension, bytes, run_.threads, tests};
   if (tables_ != nullptr && (must_ || device_answers_sooner(asked, options_.machine))) try {
       for (std::uint64_t first = 0; first < points_.count; first += piece) {
         run_.report("query", static_cast<double>(first) / static_cast<double>(points_.count));
@@ -164,7 +163,7 @@ void DeviceQuestions::refuse(std::uint64_t id) const {
 void DeviceQuestions::sides(const GaugeTable* inner, Side* out, const Here<Side>& here) {
   std::vector<cuda::PointAnswer> found;
   answer(
-      out, tables_ != nullptr ? tables_->simplex_count() : 0,
+      out, Question::sides, tables_ != nullptr ? tables_->simplex_count() : 0,
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->sides(inner, first, count, found.data(), nullptr);
@@ -183,7 +182,7 @@ void DeviceQuestions::supports(const std::vector<std::uint64_t>& ids, std::uint6
                                const Here<std::uint64_t>& here) {
   std::vector<std::uint32_t> found;
   answer(
-      out, ids.size(),
+      out, Question::supports, ids.size(),
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->supports(first, count, found.data());
@@ -200,7 +199,8 @@ void DeviceQuestions::distances(double* out, const Here<double>& here) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
   std::vector<cuda::PointAnswer> found;
   answer(
-      out, tables_ != nullptr ? 2 * tables_->simplex_count() : 0,  // and as many planes
+      out, Question::distances,
+      tables_ != nullptr ? 2 * tables_->simplex_count() : 0,  // and as many planes
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->sides(nullptr, first, count, found.data(), out + first);

@@ -10,6 +10,7 @@
 #include "cuda/hull_questions.hpp"
 #include "cullhull/query.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline query {
@@ -41,7 +42,8 @@ class DeviceQuestions {
  private:
   /// `tests`: how many facets or vertices the device tests for each point.
   template <class Out, class There>
-  void answer(Out* out, std::uint64_t tests, const There& there, const Here<Out>& here);
+  void answer(Out* out, Question question, std::uint64_t tests, const There& there,
+              const Here<Out>& here);
   template <class Out>
   void ask_rest(const std::vector<std::uint64_t>& open, Out* out, const Here<Out>& here) const;
   void refuse(std::uint64_t id) const;

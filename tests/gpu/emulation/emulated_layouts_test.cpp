@@ -139,7 +139,8 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
     auto view = DevicePointView::row_major(point.data<float>(), 32 * words, 3);
     view.point_stride = 0;  // the same one for all ids
     const internal::cuda::DeviceArray<std::uint32_t> mask(words, nullptr);
-    check(gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
+    check(
+        internal::cuda::gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
     std::vector<std::uint32_t> last(tail);
     internal::cuda::download(last.data(), mask.data() + words - tail, tail, nullptr);
     EXPECT_EQ(last, std::vector<std::uint32_t>(tail, ~0U));
@@ -148,12 +149,12 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
         (words + internal::cuda::tile_words - 1) / internal::cuda::tile_words;
     const internal::cuda::DeviceArray<std::uint64_t> counts(tiles, nullptr),
         ids(32 * tail, nullptr);
-    check(count_bits(mask.data(), words, counts.data(), nullptr));
+    check(internal::cuda::count_bits(mask.data(), words, counts.data(), nullptr));
     std::uint64_t count = 0;
     internal::cuda::download(&count, counts.data() + tiles - 1, 1, nullptr);
     EXPECT_EQ(count, 32 * tail);
     check(cudaMemsetAsync(counts.data(), 0, tiles * sizeof(std::uint64_t), nullptr));
-    check(list_bits(mask.data(), words, counts.data(), ids.data(), nullptr));
+    check(internal::cuda::list_bits(mask.data(), words, counts.data(), ids.data(), nullptr));
     std::vector<std::uint64_t> listed(32 * tail), expected(32 * tail);
     std::iota(expected.begin(), expected.end(), 32 * (words - tail));
     internal::cuda::download(listed.data(), ids.data(), listed.size(), nullptr);
