@@ -138,13 +138,15 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
     const OnDevice nodes(table.nodes), point(outside);
     auto view = DevicePointView::row_major(point.data<float>(), 32 * words, 3);
     view.point_stride = 0;  // the same one for all ids
-    const internal::cuda::DeviceArray<std::uint32_t> mask(words, nullptr);
+    const internal::cuda::DeviceArray<std::uint32_t> mask(internal::cuda::mask_room(32 * words),
+                                                          nullptr);
     check(
         internal::cuda::gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
     std::vector<std::uint32_t> last(tail);
     internal::cuda::download(last.data(), mask.data() + words - tail, tail, nullptr);
     EXPECT_EQ(last, std::vector<std::uint32_t>(tail, ~0U));
 
+    emulation::settings().most_blocks = 1;  // tiles before the last one hold garbage
     const std::uint64_t tiles =
         (words + internal::cuda::tile_words - 1) / internal::cuda::tile_words;
     const internal::cuda::DeviceArray<std::uint64_t> counts(tiles, nullptr),

@@ -341,7 +341,7 @@ def with_switches(text: str, file: str) -> str:
         for name in places[begin, end]:
             wrong, test = PLANTED[name].wrong, f"::emulation::planted_error == {number_of(name)}U"
             if text[begin:end].endswith(";"):
-                switched = f"if ({test}) {{ {wrong} }} else {{ {switched} }}"
+                switched = f"{{ if ({test}) {{ {wrong} }} else {{ {switched} }} }}"
             else:
                 switched = f"({test} ? ({wrong}) : ({switched}))"
         text = text[:begin] + switched + text[end:]
