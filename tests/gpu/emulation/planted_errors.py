@@ -196,13 +196,6 @@ PLANTED = {
         "",
         *SETS,
     ),
-    "late-unmark": Planted(
-        "no `__syncwarp` between clearing edges and the next point",
-        KERNELS + "warp_hull.cuh",
-        "unmark(c, a);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
     "early-facets": Planted(
         "no `__syncwarp` between new facets and the next point",
         KERNELS + "warp_hull.cuh",
@@ -214,13 +207,6 @@ PLANTED = {
         "no `__syncwarp` between points' distances and their ranks",
         KERNELS + "warp_hull.cuh",
         "key[i] = __float_as_uint(square);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "early-start": Planted(
-        "no `__syncwarp` behind the first facets",
-        KERNELS + "warp_hull.cuh",
-        "(mine >> 4 & 3) & 0xFF);\n      }\n    }\n    «__syncwarp();»",
         "",
         *SETS,
     ),
