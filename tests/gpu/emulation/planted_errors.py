@@ -295,7 +295,7 @@ PLANTED = {
         "best - second > «2.01 * bound» ?",
         "0",
         "emulated_hull_questions_gpu_test",
-        "GpuQuestions.PointsOnACube",
+        "GpuQuestions.Directions*",
     ),
 }
 
