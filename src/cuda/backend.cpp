@@ -13,7 +13,10 @@ namespace cullhull::internal::inline cuda {
 void require_cuda(int device) { (void)device_or_current(device); }
 bool cuda_started() noexcept { return started(); }
 std::size_t kept_pinned_memory() noexcept { return kept_pinned(); }
-void drop_pinned_memory() noexcept { drop_kept_pinned(); }
+void drop_device_memory() noexcept {
+  drop_kept_pinned();
+  trim_pools();
+}
 
 // Checks for the device files of Linux, WSL and Jetson boards. Starting the driver would take
 // longer than many hulls.
@@ -58,6 +61,7 @@ int chosen_cuda_device() noexcept {
 
 void wait_for_cuda_stream(void* stream) {
   internal::require_cuda();
+  internal::cuda::refuse_capture(static_cast<cudaStream_t>(stream));
   internal::cuda::synchronise(static_cast<cudaStream_t>(stream), "waiting for the caller's stream");
 }
 

@@ -24,8 +24,8 @@ bool cuda_started() noexcept;
 
 /// Bytes of unused pinned memory that are kept between calls.
 std::size_t kept_pinned_memory() noexcept;
-/// Frees that memory.
-void drop_pinned_memory() noexcept;
+/// Frees that memory, and what the pools of the devices keep. Starts no device.
+void drop_device_memory() noexcept;
 /// Whether this machine seems to have a CUDA device: a quick check that affects only messages.
 bool cuda_in_sight() noexcept;
 

@@ -30,6 +30,7 @@ int device_of(const DevicePointView& points) {
       points.point_stride % size != 0 || points.coordinate_stride % size != 0)
     throw Error(ErrorCode::invalid_argument,
                 "points and strides on a device must be aligned to the scalar's size");
+  refuse_capture(static_cast<cudaStream_t>(points.stream));
   return device;
 }
 

@@ -14,7 +14,7 @@ void require_cuda(int) {
 }
 bool cuda_started() noexcept { return false; }
 std::size_t kept_pinned_memory() noexcept { return 0; }
-void drop_pinned_memory() noexcept {}
+void drop_device_memory() noexcept {}
 bool cuda_in_sight() noexcept { return false; }
 
 std::uint32_t most_map_nodes(int) {

@@ -44,6 +44,13 @@ std::mutex& devices_mutex() {
   return mutex;
 }
 
+/// Never destroyed, since the devices' pools must outlive every array.
+std::map<int, std::unique_ptr<Device>>& known_devices() {
+  static std::map<int, std::unique_ptr<Device>>& known =
+      *new std::map<int, std::unique_ptr<Device>>;
+  return known;
+}
+
 const ForkGuard poison_guard(
     ForkGuard::Order::inner, [] { poison().lock(); }, [] { poison().unlock(); });
 const ForkGuard devices_guard(
@@ -72,6 +79,17 @@ bool sticky(cudaError_t error) {
     default:
       return false;
   }
+}
+
+constexpr const char* capture_refused =
+    "a CUDA graph is being captured from the stream of this call, which waits for its results and "
+    "cannot be captured; make the call before or after the capture";
+
+/// Whether an error says that a stream is being captured into a graph. The caller's stream is asked
+/// before work is submitted to it (refuse_capture); the default stream reports the captures of
+/// others.
+bool of_capture(cudaError_t error) {
+  return error >= cudaErrorStreamCaptureUnsupported && error <= cudaErrorStreamCaptureWrongThread;
 }
 
 std::atomic<bool> found_one{false};
@@ -117,7 +135,7 @@ Device query(int ordinal) {
                   std::to_string(count) + " numbered from 0");
   Device d;
   if (probe.error == cudaSuccess && ordinal < count) {
-    const DeviceScope scope(ordinal);
+    const DeviceScope scope(ordinal, Unread::ignored);
     cudaDeviceProp properties = {};
     probe.error = cudaGetDeviceProperties(&properties, ordinal);
     d.name = properties.name;
@@ -152,6 +170,7 @@ void check(cudaError_t status, const char* doing) {
     poison().set(text);
     throw Failure("CUDA failed " + std::string(doing) + ": " + text);
   }
+  if (of_capture(status)) throw Failure(capture_refused);
   if (status == cudaErrorMemoryAllocation)
     throw OutOfMemory("the CUDA device ran out of memory " + std::string(doing) +
                       "; use the backend auto or cpu");
@@ -162,11 +181,8 @@ const Device& device(int ordinal) {
   if (const std::string why = poison().get(); !why.empty())
     throw Failure("CUDA failed earlier in this process (" + why +
                   ") and cannot be used until it is restarted");
-  // Never destroyed, since the devices' pools must outlive every array.
-  static std::map<int, std::unique_ptr<Device>>& known =
-      *new std::map<int, std::unique_ptr<Device>>;
   const std::lock_guard lock(devices_mutex());
-  std::unique_ptr<Device>& d = known[ordinal];
+  std::unique_ptr<Device>& d = known_devices()[ordinal];
   if (d == nullptr) d = std::make_unique<Device>(query(ordinal));
   return *d;
 }
@@ -182,10 +198,28 @@ const Device& device() {
 
 bool started() noexcept { return found_one; }
 
-DeviceScope::DeviceScope(int ordinal) {
-  (void)cudaGetLastError();
+DeviceScope::DeviceScope(int ordinal, Unread unread) {
+  // Such an error would be taken for that of the next launch. It is not cleared: it is the
+  // caller's.
+  if (const cudaError_t left = cudaPeekAtLastError();
+      left != cudaSuccess && unread == Unread::reported && !sticky(left))
+    throw Failure("an earlier CUDA call of this thread failed and nobody read its error (" +
+                  std::string(cudaGetErrorString(left)) +
+                  "); read it with cudaGetLastError before this call");
   check(cudaGetDevice(&before_), "asking for the current device");
   if (before_ != ordinal) check(cudaSetDevice(ordinal), "choosing the device");
+}
+
+void refuse_capture(cudaStream_t stream) {
+  cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
+  check(cudaStreamIsCapturing(stream, &status), "asking for the state of a stream");
+  if (status != cudaStreamCaptureStatusNone) throw Failure(capture_refused);
+}
+
+void trim_pools() noexcept {
+  const std::lock_guard lock(devices_mutex());
+  for (const auto& [ordinal, device] : known_devices())
+    if (device != nullptr && device->pool != nullptr) (void)cudaMemPoolTrimTo(device->pool, 0);
 }
 
 DeviceScope::~DeviceScope() { (void)cudaSetDevice(before_); }

@@ -43,11 +43,16 @@ inline const Device& device_or_current(int ordinal) {
 /// Whether a usable device was found before.
 bool started() noexcept;
 
-/// Makes a device current, and restores the former one when destroyed. The constructor also clears
-/// an error that the caller has left unread, which the next launch would report otherwise.
+/// What DeviceScope does about an error of the run-time library that the caller has left unread.
+enum class Unread {
+  reported,  ///< throws Failure; the error stays unread, and the caller can still ask for it
+  ignored,
+};
+
+/// Makes a device current, and restores the former one when destroyed.
 class DeviceScope {
  public:
-  explicit DeviceScope(int ordinal);
+  explicit DeviceScope(int ordinal, Unread unread = Unread::reported);
   ~DeviceScope();
   DeviceScope(const DeviceScope&) = delete;
   DeviceScope& operator=(const DeviceScope&) = delete;
@@ -94,6 +99,8 @@ class DeviceArray {
 /// it is released.
 void* allocate_pinned(std::size_t bytes);
 void release_pinned(void* memory, std::size_t bytes) noexcept;
+/// Returns the freed memory that the devices' pools keep to the devices. Starts no device.
+void trim_pools() noexcept;
 /// Bytes of released pinned memory that are kept.
 std::size_t kept_pinned() noexcept;
 /// Returns that memory to the system.
@@ -137,6 +144,23 @@ class Stream {
 
  private:
   cudaStream_t stream_ = nullptr;
+};
+
+/// Throws Failure if work on this stream is being captured into a graph: a call waits for results,
+/// which would end the capture. Leaves the capture intact.
+void refuse_capture(cudaStream_t stream);
+
+/// Its destructor waits for the stream, so that no copy is in flight afterwards, even after an
+/// exception.
+class Settled {
+ public:
+  explicit Settled(cudaStream_t stream) : stream_(stream) {}
+  ~Settled() { (void)cudaStreamSynchronize(stream_); }
+  Settled(const Settled&) = delete;
+  Settled& operator=(const Settled&) = delete;
+
+ private:
+  cudaStream_t stream_;
 };
 
 /// Waits for all work of a stream, and throws if any of it failed.

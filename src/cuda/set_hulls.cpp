@@ -30,19 +30,6 @@ void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
         "copying hulls from the device");
 }
 
-/// Its destructor waits for the stream, so that no copy is in flight afterwards, even after an
-/// exception.
-class Settled {
- public:
-  explicit Settled(cudaStream_t stream) : stream_(stream) {}
-  ~Settled() { (void)cudaStreamSynchronize(stream_); }
-  Settled(const Settled&) = delete;
-  Settled& operator=(const Settled&) = delete;
-
- private:
-  cudaStream_t stream_;
-};
-
 /// A copy of the items on the device.
 template <class T>
 DeviceArray<T> uploaded(const std::vector<T>& items, cudaStream_t stream) {
@@ -78,7 +65,7 @@ class ResultMemory {
       : ordinal_(device().ordinal), data_(allocate(bytes, stream)) {}
   ~ResultMemory() {
     try {
-      const DeviceScope scope(ordinal_);
+      const DeviceScope scope(ordinal_, Unread::ignored);
       (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
       release(data_, nullptr);
     } catch (const Error&) {
@@ -175,7 +162,12 @@ std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offs
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
   cudaPointerAttributes attributes = {};
   check(cudaPointerGetAttributes(&attributes, offsets), "asking where the offsets are");
-  if (attributes.type != cudaMemoryTypeDevice) return {offsets, offsets + count};
+  if (attributes.type != cudaMemoryTypeDevice) {
+    // Pinned and managed memory: work on the stream may still be writing it.
+    if (attributes.type != cudaMemoryTypeUnregistered && state_->scope)
+      synchronise(state_->stream, "waiting for the offsets");
+    return {offsets, offsets + count};
+  }
   if (state_->scope && attributes.device != device().ordinal)
     throw Error(ErrorCode::invalid_argument, "points and offsets are on different devices");
   std::vector<std::uint64_t> here(count);

@@ -48,6 +48,22 @@ constexpr double pinned_piece = 32 << 20;
 /// only near break-even.
 constexpr double device_call = 100e-6;
 
+/// Nanoseconds of one thread for a question to a hull of 2,000 (2D), 40,000, 20,000, 13,000 and
+/// 12,000 (6D) facets of a sphere, the mean over points of a ball of 1.4 times its volume; measured
+/// from Python on an idle core (AMD EPYC).
+struct QuestionCosts {
+  double side, support, distance;
+};
+constexpr QuestionCosts question_costs[] = {
+    {12, 170, 8.7e3}, {70, 400, 22e3}, {60, 310, 10e3}, {150, 480, 14e3}, {210, 1700, 28e3}};
+
+double question_seconds(Question question, unsigned d) {
+  const QuestionCosts& c = question_costs[std::clamp(d, 2U, 6U) - 2];
+  return 1e-9 * (question == Question::sides      ? c.side
+                 : question == Question::supports ? c.support
+                                                  : c.distance);
+}
+
 std::string seconds_text(double seconds) {
   char text[32];
   if (seconds < 1e-3)
@@ -139,6 +155,23 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
                   ": a pass takes about " + seconds_text(host) + " on the CPU";
   p.reason = p.host_reason + ", " + seconds_text(device) + " on a CUDA device";
   return p;
+}
+
+// The CPU's search walks over few facets, however many there are; a device tests all of them, in
+// 11 d instructions of a warp for 32 points (docs/gpu.md, "Questions about points on a device").
+bool device_answers_sooner(const AskedPoints& points, const MachineConstants& m) {
+  // An H200 issues 0.9 T warp-instructions a second and copies 4.1 TB/s; a device of another rate
+  // of copying is taken to have both in this ratio.
+  constexpr double instructions_per_byte = 0.9e12 / 4.1e12;
+  const auto n = static_cast<double>(points.count);
+  const unsigned threads = m.cores > 0 ? std::min(points.threads, m.cores) : points.threads;
+  const double host =
+      n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
+      n * question_seconds(points.question, points.dimension) / std::max(1U, threads);
+  const double tests = n * static_cast<double>(points.tests);
+  const double device = device_call + tests * 11 * points.dimension / 32 /
+                                          (m.device_copy_bytes_per_second * instructions_per_byte);
+  return device < host;
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi

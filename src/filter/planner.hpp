@@ -57,4 +57,18 @@ struct Placement {
 /// Whether the device would cull the points faster; does not check that there is a device.
 Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
 
+enum class Question { sides, supports, distances };
+
+/// The data that decide where questions to a hull about points on a device are answered.
+struct AskedPoints {
+  Question question = Question::sides;
+  std::uint64_t count = 0;
+  unsigned dimension = 0;
+  std::uint64_t point_bytes = 0;
+  unsigned threads = 1;
+  std::uint64_t tests = 0;  ///< facets or vertices that the device tests for each point
+};
+/// Whether the device would answer sooner than the CPU, to which all points would be copied.
+bool device_answers_sooner(const AskedPoints& points, const MachineConstants& machine);
+
 }  // namespace cullhull::internal::inline filter

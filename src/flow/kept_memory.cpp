@@ -1,4 +1,5 @@
-// The memory that the library keeps between calls: pages, pinned memory, scratch of threads.
+// The memory that the library keeps between calls: pages, pinned and device memory, scratch of
+// threads.
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
 #include "parallel/memory/pages.hpp"
@@ -9,7 +10,7 @@ namespace cullhull::inline v1 {
 void keep_memory(std::size_t limit) noexcept {
   internal::keep_pages(limit);
   if (limit > 0) return;
-  internal::drop_pinned_memory();
+  internal::drop_device_memory();
   internal::drop_thread_memory();
 }
 

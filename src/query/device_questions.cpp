@@ -121,9 +121,12 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::Hull
 /// there(first, count, open): gets the device's answers about a piece, and appends to `open` the
 /// ids of the points that it left undecided, about which the host is asked.
 template <class Out, class There>
-void DeviceQuestions::answer(Out* out, const There& there, const Here<Out>& here) {
+void DeviceQuestions::answer(Out* out, Question question, std::uint64_t tests, const There& there,
+                             const Here<Out>& here) {
   if (points_.count == 0) return;
-  if (tables_ != nullptr) try {
+  const std::uint64_t bytes = points_.dimension * scalar_size(points_.scalar);
+  const AskedPoints asked{question, points_.count, points_.dimension, bytes, run_.threads, tests};
+  if (tables_ != nullptr && (must_ || device_answers_sooner(asked, options_.machine))) try {
       for (std::uint64_t first = 0; first < points_.count; first += piece) {
         run_.report("query", static_cast<double>(first) / static_cast<double>(points_.count));
         run_.check();
@@ -160,7 +163,7 @@ void DeviceQuestions::refuse(std::uint64_t id) const {
 void DeviceQuestions::sides(const GaugeTable* inner, Side* out, const Here<Side>& here) {
   std::vector<cuda::PointAnswer> found;
   answer(
-      out,
+      out, Question::sides, tables_ != nullptr ? tables_->simplex_count() : 0,
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->sides(inner, first, count, found.data(), nullptr);
@@ -179,7 +182,7 @@ void DeviceQuestions::supports(const std::vector<std::uint64_t>& ids, std::uint6
                                const Here<std::uint64_t>& here) {
   std::vector<std::uint32_t> found;
   answer(
-      out,
+      out, Question::supports, ids.size(),
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->supports(first, count, found.data());
@@ -196,7 +199,8 @@ void DeviceQuestions::distances(double* out, const Here<double>& here) {
   constexpr double least = std::numeric_limits<double>::denorm_min();
   std::vector<cuda::PointAnswer> found;
   answer(
-      out,
+      out, Question::distances,
+      tables_ != nullptr ? 2 * tables_->simplex_count() : 0,  // and as many planes
       [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
     found.resize(count);
     device_->sides(nullptr, first, count, found.data(), out + first);

@@ -10,6 +10,7 @@
 #include "cuda/hull_questions.hpp"
 #include "cullhull/query.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "filter/planner.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline query {
@@ -25,7 +26,8 @@ class DeviceQuestions {
   template <class Out>
   using Here = std::function<void(const PointView&, Out*, const Options&)>;
 
-  /// `tables`: null where kernels do not support the hull. Points and tables must outlive this
+  /// `tables`: null where kernels do not support the hull. With Backend::automatic the host answers
+  /// where that is estimated to take less time. Points and tables must outlive this
   /// object.
   DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
                   const Options& options);
@@ -38,8 +40,10 @@ class DeviceQuestions {
   void distances(double* out, const Here<double>& here);
 
  private:
+  /// `tests`: how many facets or vertices the device tests for each point.
   template <class Out, class There>
-  void answer(Out* out, const There& there, const Here<Out>& here);
+  void answer(Out* out, Question question, std::uint64_t tests, const There& there,
+              const Here<Out>& here);
   template <class Out>
   void ask_rest(const std::vector<std::uint64_t>& open, Out* out, const Here<Out>& here) const;
   void refuse(std::uint64_t id) const;

@@ -100,6 +100,23 @@ TEST_F(GpuQuestions, PointsOnACube) {
   }
 }
 
+// The products of two vertices of a sphere with their sum are equal but for rounding.
+TEST_F(GpuQuestions, DirectionsBetweenTwoVertices) {
+  for (const unsigned d : {2U, 3U}) {
+    SCOPED_TRACE(std::to_string(d) + "D");
+    Sets<double> sphere(d);
+    sphere.add_sphere(300, 7);
+    const auto view = PointView::row_major(sphere.rows.data(), 300, d);
+    const Hull hull = convex_hull(view);
+    std::vector<double> directions;
+    for (std::size_t f = 0; f < hull.simplices.size(); f += d)
+      for (unsigned j = 0; j < d; ++j)
+        directions.push_back(sphere.rows[hull.simplices[f] * d + j] +
+                             sphere.rows[hull.simplices[f + 1] * d + j]);
+    expect_the_same(HullQuery(view, hull), directions, d);
+  }
+}
+
 TEST_F(GpuQuestions, HullsThatTheCpuIsAskedAbout) {
   Options cpu;
   cpu.backend = Backend::cpu;

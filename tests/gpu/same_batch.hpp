@@ -39,6 +39,27 @@ struct Sets {
     for (std::size_t i = 0; i < n * d; ++i) rows.push_back(static_cast<T>(random() % side));
     end_set();
   }
+  /// On a sphere around `middle` (of every axis), within `cap` of the last axis's pole: 2 is the
+  /// whole sphere. Rounding moves points off it, and at a far middle gives some the same place.
+  void add_sphere(std::size_t n, std::uint64_t seed, double cap = 2, double middle = 0) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> height(1 - cap, 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      double x[8], square = 0;
+      for (unsigned j = 0; j + 1 < d; ++j) x[j] = normal(random), square += x[j] * x[j];
+      const double h = height(random), scale = std::sqrt((1 - h * h) / square);
+      for (unsigned j = 0; j + 1 < d; ++j) x[j] *= scale;
+      x[d - 1] = h;
+      for (unsigned j = 0; j < d; ++j) rows.push_back(static_cast<T>(middle + x[j]));
+    }
+    end_set();
+  }
+  /// Of the last `n` points every fifth loses a coordinate: it becomes -0, or at times +0.
+  void zero_last(std::size_t n) {
+    for (std::size_t i = rows.size() / d - n, k = 0; i < rows.size() / d; ++i, ++k)
+      if (k % 5 == 0) rows[i * d + k / 5 % d] = k % 3 == 0 ? T(0) : -T(0);
+  }
   /// Copies of the last `n` points join their set.
   void repeat_last_points(std::size_t n) {
     for (std::size_t i = 0; i < n * d; ++i) rows.push_back(rows[rows.size() - n * d]);

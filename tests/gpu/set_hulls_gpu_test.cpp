@@ -55,6 +55,40 @@ TEST_F(GpuSets, AllSizesAreTheCpusBatch) {
   }
 }
 
+/// The sizes of sets from 4 to one beyond what a warp takes; in a short run those around the
+/// borders of words and classes.
+std::vector<std::size_t> sizes_of_sets() {
+  std::vector<std::size_t> sizes;
+  for (std::size_t n = 4; n <= 129; ++n)
+    if (!short_run() || n <= 8 || (n + 1) % 32 <= 2 || n % 10 == 7) sizes.push_back(n);
+  return sizes;
+}
+
+// All points are vertices or nearly: as many facets, edges and bits as there can be.
+template <class T>
+Sets<T> extreme_sets(unsigned d) {
+  Sets<T> sets(d);
+  for (const std::size_t n : sizes_of_sets()) {
+    sets.add_sphere(n, n);
+    sets.add_sphere(n, n + 1000);
+    sets.stretch_last(n, d - 1, n % 2 == 0 ? 0x1p-12 : 0x1p-30);  // thin ellipsoids
+    sets.add_sphere(n, n + 2000);
+    sets.stretch_last(n, 0, 0x1p8);
+    sets.add_sphere(n, n + 3000, n % 2 == 0 ? 0x1p-3 : 0x1p-9);      // caps
+    sets.add_sphere(n, n + 4000, 2, n % 2 == 0 ? 0x1p10 : -0x1p16);  // far from the origin
+    sets.add_sphere(n, n + 5000, 2, 0x1p-2);
+    sets.zero_last(n);
+  }
+  return sets;
+}
+
+TEST_F(GpuSets, SpheresEllipsoidsCapsFarPointsAndNegativeZeros) {
+  for (const unsigned d : {2U, 3U}) {
+    expect_the_cpus(extreme_sets<float>(d), "f32, " + std::to_string(d) + "D");
+    expect_the_cpus(extreme_sets<double>(d), "f64, " + std::to_string(d) + "D");
+  }
+}
+
 template <class T>
 std::size_t open_sets(const Sets<T>& sets) {
   const OnDevice there(sets.rows);
@@ -76,6 +110,9 @@ TEST_F(GpuSets, OrdinarySetsAreDecidedThere) {
     }
     EXPECT_EQ(open_sets(sets), 0U) << d;
     EXPECT_LT(open_sets(thin), 50U) << d;
+    Sets<double> spheres(d);
+    for (std::size_t n = 4; n <= 128; n += 4) spheres.add_sphere(n, n);
+    EXPECT_EQ(open_sets(spheres), 0U) << d;  // up to 252 facets
     expect_the_cpus(thin, "thin");
   }
 }

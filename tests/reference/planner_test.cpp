@@ -143,6 +143,24 @@ TEST(Planner, PinnedMemoryHasItsPrice) {
   EXPECT_TRUE(choose_place(q, m).device);
 }
 
+// A device tests every facet for every point, the CPU a few.
+TEST(Planner, QuestionsAreAnsweredWhereThatIsSooner) {
+  MachineConstants fast;
+  fast.device_copy_bytes_per_second = 4.1e12;
+  fast.link_bytes_per_second = 50e9;
+  const auto sooner = [&](Question question, std::uint64_t count, std::uint64_t tests) {
+    return device_answers_sooner({question, count, 3, 24, 1, tests}, fast);
+  };
+  EXPECT_TRUE(sooner(Question::sides, 1'000'000, 300));
+  EXPECT_FALSE(sooner(Question::sides, 1'000'000, 400'000)) << "458 ms there, 70 ms here";
+  EXPECT_FALSE(sooner(Question::sides, 100, 300)) << "a launch takes longer";
+  EXPECT_TRUE(sooner(Question::supports, 1'000'000, 1000));
+  EXPECT_FALSE(sooner(Question::supports, 1'000'000, 1'000'000));
+  EXPECT_TRUE(sooner(Question::distances, 1'000'000, 400'000)) << "22 us each on the CPU";
+  EXPECT_FALSE(device_answers_sooner({Question::sides, 1'000'000, 3, 24, 16, 40'000}, fast))
+      << "sixteen threads";
+}
+
 TEST(Planner, FindingsAreSaid) {
   EXPECT_EQ(sample_finding(1000, 132), "132 of 1000 sampled points are extreme");
 }

@@ -22,9 +22,14 @@ def as_device_points(points: Any, *, sets: bool = False) -> _core.DevicePoints |
     if hasattr(points, "__array_interface__"):
         return None
     interface = getattr(points, "__cuda_array_interface__", None)
-    if interface is not None:
+    dlpack = (
+        hasattr(points, "__dlpack_device__") and points.__dlpack_device__()[0] in _DLPACK_CUDA
+    )
+    # DLPack orders its maker's work before ours. The interface does so only where it names a stream:
+    # else all work of the device would have to be waited for.
+    if interface is not None and not (dlpack and _names_no_stream(interface)):
         return _from_interface(_of_sets(interface) if sets else interface, points)
-    if hasattr(points, "__dlpack_device__") and points.__dlpack_device__()[0] in _DLPACK_CUDA:
+    if dlpack:
         status = _core.cuda_status()
         if not status["available"]:
             raise BackendUnavailable(f"points in a device's memory: {status['reason']}")
@@ -33,6 +38,10 @@ def as_device_points(points: Any, *, sets: bool = False) -> _core.DevicePoints |
             raise wrong_axes("points", 2, 3)
         return view
     return None
+
+
+def _names_no_stream(interface: Any) -> bool:
+    return isinstance(interface, dict) and interface.get("stream") is None
 
 
 def _of_sets(interface: Any) -> Any:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._answers import NearestFacets, Rays
-from ._arguments import Progress, as_questions, settings
+from ._arguments import Backend, Progress, as_questions, settings
 from ._device import as_device_points
 from ._errors import InvalidArgument
 
@@ -22,25 +22,43 @@ class Questions:
     _solid: _core.Solid
 
     def _ask(
-        self, question: str, points: Any, what: str, one: type, chosen: _core.Settings | None
+        self,
+        question: str,
+        points: Any,
+        what: str,
+        one: type,
+        chosen: _core.Settings | None,
+        backend: Backend,
     ) -> Any:
         """The answers of ``_solid`` for many points, or the only one as a ``one``."""
         there = None if type(points) is np.ndarray else as_device_points(points)
         if there is not None:
             return getattr(self._solid, f"{question}_there")(there, chosen)
+        if backend == "cuda":
+            raise InvalidArgument(
+                f"`{what}` in the host's memory are asked about on the CPU; use backend 'auto' or 'cpu'"
+            )
         array, single = as_questions(points, self._solid.dimension, what)
         answers = getattr(self._solid, question)(array, chosen)
         return one(answers[0]) if single else answers
 
     def contains(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
+        self,
+        points: Any,
+        *,
+        backend: Backend = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Any:
         """Whether each point lies in the hull or on its boundary; exact.
 
         Parameters
         ----------
         points : (m, d) or (d,) array
-            (m, d) also in a CUDA device's memory, where they are then asked about.
+            (m, d) also in a CUDA device's memory.
+        backend : 'auto', 'cpu' or 'cuda'
+            Where points in a device's memory are asked about: 'auto' estimates which takes less
+            time. Others are asked about on the CPU.
         threads, progress : as in `convex_hull`
 
         Returns
@@ -59,14 +77,22 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
-        return self._ask("contains", points, "points", bool, settings(threads=threads, progress=progress))
+        chosen = settings(backend=backend, threads=threads, progress=progress)
+        return self._ask("contains", points, "points", bool, chosen, backend)
 
-    def sides(self, points: Any, *, threads: int | None = None, progress: Progress = None) -> Any:
+    def sides(
+        self,
+        points: Any,
+        *,
+        backend: Backend = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Any:
         """Where each point lies, exactly: -1 inside, 0 on the boundary, 1 outside.
 
         Parameters
         ----------
-        points, threads, progress : as of `contains`, as is what is raised
+        points, backend, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -79,16 +105,22 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
-        return self._ask("sides", points, "points", int, settings(threads=threads, progress=progress))
+        chosen = settings(backend=backend, threads=threads, progress=progress)
+        return self._ask("sides", points, "points", int, chosen, backend)
 
     def distance(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
+        self,
+        points: Any,
+        *,
+        backend: Backend = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Any:
         """Euclidean distance to the hull in the points' units; inside, minus that to the boundary.
 
         Parameters
         ----------
-        points, threads, progress : as of `contains`, as is what is raised
+        points, backend, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -102,7 +134,8 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
-        return self._ask("distances", points, "points", float, settings(threads=threads, progress=progress))
+        chosen = settings(backend=backend, threads=threads, progress=progress)
+        return self._ask("distances", points, "points", float, chosen, backend)
 
     def nearest_facets(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
@@ -133,16 +166,20 @@ class Questions:
         return NearestFacets(facets, distances)
 
     def support(
-        self, directions: Any, *, threads: int | None = None, progress: Progress = None
+        self,
+        directions: Any,
+        *,
+        backend: Backend = "auto",
+        threads: int | None = None,
+        progress: Progress = None,
     ) -> Any:
         """Index of the vertex farthest along each direction; exact, the lowest index of several.
 
         Parameters
         ----------
         directions : (m, d) or (d,) array
-            (m, d) also in a CUDA device's memory, where they are then asked about.
-            Of any length.
-        threads, progress : as of `contains`, as is what is raised
+            (m, d) also in a CUDA device's memory. Of any length.
+        backend, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -155,7 +192,8 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
-        return self._ask("supports", directions, "directions", int, settings(threads=threads, progress=progress))
+        chosen = settings(backend=backend, threads=threads, progress=progress)
+        return self._ask("supports", directions, "directions", int, chosen, backend)
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
         """The facets that a point lies strictly above; exact.

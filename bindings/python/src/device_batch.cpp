@@ -41,6 +41,17 @@ nb::ndarray<> dlpack(nb::handle_t<DeviceItems> self) {
                        nb::device::cuda::value, items.device);
 }
 
+/// The memory of a result, for objects of Python: the last of them frees it, which waits for all
+/// work of its device, and other threads run meanwhile. Python destroys its objects with the GIL
+/// held.
+std::shared_ptr<const void> freed_without_gil(std::shared_ptr<const void> memory) {
+  const void* const address = memory.get();
+  return {address, [kept = std::move(memory)](const void*) mutable {
+            const nb::gil_scoped_release release;
+            kept.reset();
+          }};
+}
+
 /// The offsets that Python hands in: an array of the host, or an address on a device.
 class Offsets {
  public:
@@ -84,6 +95,7 @@ DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle ar
   run(settings, Length::long_, [&](const Options& options) {
     batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), options);
   });
+  batch.memory = freed_without_gil(std::move(batch.memory));
   return batch;
 }
 

@@ -277,6 +277,27 @@ def test_dlpack_is_told_the_stream_that_reads(fake_core):
     assert fake_core.waited == [("device", 1 << 20)]
 
 
+def test_dlpack_comes_before_an_interface_that_names_no_stream(fake_core):
+    from cullhull._device import as_device_points
+
+    class Both(Device):
+        asked = None
+
+        def __dlpack_device__(self):
+            return (2, 0)
+
+        def __dlpack__(self, **arguments):
+            self.asked = arguments
+            return "capsule"
+
+    for changes in ({}, {"stream": None}):
+        maker = Both(**changes)
+        assert isinstance(as_device_points(maker), FakeCore.DevicePoints)
+        assert maker.asked == {"stream": 1} and fake_core.waited == []
+    named = Both(stream=1234)
+    assert as_device_points(named)[6] == 1234 and named.asked is None
+
+
 def test_sets_of_points_on_a_device_are_one_view(fake_core):
     from cullhull._device import as_device_offsets, as_device_points, set_shape
 

@@ -9,6 +9,9 @@
 #include <cub/block/block_reduce.cuh>
 #include <cub/block/block_scan.cuh>
 #include <cub/device/device_scan.cuh>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/gauge_kernel.hpp"
@@ -94,6 +97,25 @@ __global__ void __launch_bounds__(mask_threads, resident_blocks<Layout::D>())
   }
 }
 
+/// Raises the limit of the shared memory of a kernel to at least `bytes`. The limit belongs to the
+/// function, and all threads of the process share it: it is the device's maximum where the driver
+/// grants that, and never less than another thread has asked for.
+template <class Kernel>
+cudaError_t allow_shared(Kernel kernel, std::size_t bytes, const Device& device) {
+  const auto limit = cudaFuncAttributeMaxDynamicSharedMemorySize;
+  if (cudaFuncSetAttribute(kernel, limit, static_cast<int>(device.shared_per_block)) == cudaSuccess)
+    return cudaSuccess;
+  (void)cudaGetLastError();  // the driver keeps a part, as tools that watch kernels make it do
+  static std::mutex mutex;
+  static std::map<std::pair<Kernel, int>, std::size_t> granted;
+  const std::lock_guard lock(mutex);
+  std::size_t& most = granted[{kernel, device.ordinal}];
+  const cudaError_t status =
+      cudaFuncSetAttribute(kernel, limit, static_cast<int>(std::max(most, bytes)));
+  if (status == cudaSuccess) most = std::max(most, bytes);
+  return status;
+}
+
 template <bool Shared, class Layout, class C>
 cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layout& layout,
                         std::uint64_t count, std::uint32_t* mask, const Device& device,
@@ -101,11 +123,7 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
   const auto kernel = mask_kernel<Shared, Layout, C>;
   const std::size_t shared = Shared ? table.nodes.size() * sizeof(float) : 0;
   cudaError_t status = cudaSuccess;
-  // This limit belongs to the function, and all threads of the process share it: always the
-  // device's maximum, as another thread with a smaller table would otherwise make this launch fail.
-  if (Shared)
-    status = cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                  static_cast<int>(device.shared_per_block));
+  if (Shared) status = allow_shared(kernel, shared, device);
   // The preferred share of shared memory in the memory that it divides with the cache: for two
   // blocks, each with the KiB that the system takes. Only a hint.
   const std::size_t percent = (200 * (shared + 1024) + device.shared_per_multiprocessor - 1) /

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "emulation.hpp"
+#include "races.hpp"
 
 namespace emulation {
 
@@ -73,6 +74,12 @@ struct Block {
   std::vector<unsigned> order;
   std::vector<unsigned char> shared;
   unsigned char* shared_begin = nullptr;
+  std::size_t shared_used = 0;
+  struct Static {
+    const char* where;
+    std::size_t begin, bytes;
+  };
+  std::vector<Static> statics;
   const std::function<void()>* body = nullptr;
   void* scheduler = nullptr;
   unsigned current = 0, threads = 0, alive = 0, arrived = 0;
@@ -86,6 +93,7 @@ Block& block() {
 }
 
 void suspend() {
+  thread_stops();
   Block& b = block();
   emulation_switch(&b.fibers[b.current].stack_pointer, b.scheduler);
 }
@@ -138,19 +146,39 @@ bool advance(Block& b) {
     b.current = thread;
     thread_index = {thread, 0, 0};
     moved = true;
+    thread_runs(thread);
     emulation_switch(&b.scheduler, fiber.stack_pointer);
   }
   return moved;
 }
 
+constexpr std::size_t shared_alignment = 64, most_static = 48 << 10, most_dynamic = 227 << 10;
+
+/// Garbage, and what shows a write behind it.
+void spoil(unsigned char* begin, std::size_t bytes) {
+  std::memset(begin, garbage, bytes);
+  std::memset(begin + bytes, canary, canary_bytes);
+}
+void check_end(const unsigned char* begin, std::size_t bytes) {
+  const unsigned char* end = begin + bytes;
+  if (!std::all_of(end, end + canary_bytes, [](unsigned char c) { return c == canary; }))
+    violation("a write behind the block's shared memory");
+}
+std::size_t shared_room(std::size_t bytes) {
+  return (bytes + canary_bytes + shared_alignment - 1) / shared_alignment * shared_alignment;
+}
+
 void lay_shared(Block& b, std::size_t bytes) {
-  constexpr std::size_t alignment = 64;
-  if (b.shared.size() < bytes + canary_bytes + alignment)
-    b.shared.resize(bytes + canary_bytes + alignment);
+  if (b.shared.empty())
+    b.shared.resize(2 * (shared_room(most_dynamic) + most_static) + shared_alignment);
   const auto address = reinterpret_cast<std::uintptr_t>(b.shared.data());
-  b.shared_begin = b.shared.data() + (alignment - address % alignment) % alignment;
-  std::memset(b.shared_begin, garbage, bytes);
-  std::memset(b.shared_begin + bytes, canary, canary_bytes);
+  b.shared_begin =
+      b.shared.data() + (shared_alignment - address % shared_alignment) % shared_alignment;
+  b.shared_used = shared_room(bytes);
+  b.statics.clear();
+  spoil(b.shared_begin, bytes);
+  block_begins(static_cast<unsigned>(b.warps.size()), b.shared_begin,
+               b.shared.size() - shared_alignment);
 }
 
 }  // namespace
@@ -167,9 +195,29 @@ void run_block(const std::function<void()>& body, unsigned threads, std::size_t 
   vary_order(b.order, threads);
   while (b.alive > 0)
     if (!advance(b)) violation("threads wait for others that have left");
-  const unsigned char* end = b.shared_begin + shared;
-  if (!std::all_of(end, end + canary_bytes, [](unsigned char c) { return c == canary; }))
-    violation("a write behind the block's shared memory");
+  check_end(b.shared_begin, shared);
+  for (const Block::Static& s : b.statics) check_end(b.shared_begin + s.begin, s.bytes);
+}
+
+void let_others_run() { suspend(); }
+
+void require_threads(unsigned most, const char* kernel) {
+  if (block().threads > most)
+    violation(std::string(kernel) + " is launched with " + std::to_string(block().threads) +
+              " threads, its launch bounds are " + std::to_string(most));
+}
+
+void* static_shared_memory(std::size_t bytes, const char* where) {
+  Block& b = block();
+  for (const Block::Static& s : b.statics)
+    if (s.where == where) return b.shared_begin + s.begin;
+  b.statics.push_back({where, b.shared_used, bytes});
+  unsigned char* begin = b.shared_begin + b.shared_used;
+  b.shared_used += shared_room(bytes);
+  if (b.shared_used > b.shared.size() - shared_alignment)
+    violation("more static shared memory than a block may have");
+  spoil(begin, bytes);
+  return begin;
 }
 
 void* dynamic_shared_memory() { return block().shared_begin; }
@@ -185,6 +233,7 @@ void barrier(const char* where) {
   if (++b.arrived == b.threads) {
     b.arrived = 0;
     ++b.turn;
+    block_is_synchronised();
     return;
   }
   b.fibers[b.current].waits = Waits::for_block;
@@ -209,6 +258,7 @@ std::uint64_t warp_operation(WarpOperation which, unsigned mask, std::uint64_t v
   if (++warp.arrived == warp_lanes) {
     warp.arrived = 0;
     ++warp.turn;
+    if (which == WarpOperation::wait) warp_is_synchronised(b.current / warp_lanes);
   } else {
     b.fibers[b.current].waits = Waits::for_warp;
     b.fibers[b.current].turn = turn;

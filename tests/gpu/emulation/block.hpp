@@ -1,5 +1,6 @@
-// One block of threads at a time: fibers that take turns at barriers and warp operations only, in
-// varied orders, so that what depends on an order of threads shows.
+// One block of threads at a time: fibers that take turns at barriers, at warp operations and, in
+// some blocks, before any access to memory that threads share (races.hpp), in varied orders, so
+// that what depends on an order of threads shows.
 #pragma once
 
 #include <cstddef>
@@ -26,5 +27,11 @@ void barrier(const char* where);
 std::uint64_t warp_operation(WarpOperation which, unsigned mask, std::uint64_t value, int argument,
                              const char* where);
 void* dynamic_shared_memory();
+/// The block's static shared memory of one declaration, which `where` tells from others.
+void* static_shared_memory(std::size_t bytes, const char* where);
+/// __launch_bounds__: a violation if the block has more threads than the kernel was compiled for.
+void require_threads(unsigned most, const char* kernel);
+/// The running thread goes on later.
+void let_others_run();
 
 }  // namespace emulation

@@ -13,6 +13,7 @@
 
 #include "block.hpp"
 #include "memory.hpp"
+#include "races.hpp"
 
 // The run-time library's type behind cudaStream_t.
 struct CUstream_st {
@@ -110,6 +111,14 @@ void run_some_stream() {
 void run_grid(const Launch& launch, const std::function<void()>& body) {
   block_size = {launch.block, 1, 1};
   grid_size = {launch.grid, 1, 1};
+  launch_begins();
+  if (launch.grid > the_settings.most_blocks) {
+    for (unsigned k = 0; k < the_settings.most_blocks; ++k) {
+      block_index = {launch.grid - 1 - k, 0, 0};
+      run_block(body, launch.block, launch.shared);
+    }
+    return;
+  }
   const auto start = static_cast<unsigned>(random64() % launch.grid);
   const bool down = random64() % 2 == 1;
   for (unsigned k = 0; k < launch.grid; ++k) {
@@ -190,6 +199,10 @@ bool count_pinned() {
   return the_settings.failing_pinned_from == 0 || number < the_settings.failing_pinned_from;
 }
 void count_copy() { ++the_counters.copies; }
+bool count_strided_copy() {
+  return static_cast<long>(++the_counters.strided_copies) != the_settings.failing_strided_copy;
+}
+void count_trim() { ++the_counters.trims; }
 void count_wait() { ++the_counters.waits; }
 
 cudaStream_t create_stream(bool blocking) {
@@ -231,6 +244,11 @@ void drain_device() {
 }
 
 bool idle(cudaStream_t stream) { return resolve(stream)->queue.empty(); }
+
+void forget_shared_limits() {
+  const Lock lock(mutex());
+  dynamic_shared_limits().clear();
+}
 
 void allow_dynamic_shared(const void* function, std::size_t bytes) {
   dynamic_shared_limits()[{device_now, function}] = bytes;

@@ -29,6 +29,9 @@ void count_allocation(std::ptrdiff_t bytes);
 /// False: the test wants this allocation of pinned memory to fail.
 bool count_pinned();
 void count_copy();
+/// False: the test wants this strided copy to be refused.
+bool count_strided_copy();
+void count_trim();
 void count_wait();
 
 // Streams. Null and cudaStreamLegacy are the current device's default stream, which waits for all

@@ -14,6 +14,8 @@
 
 #include "block.hpp"
 #include "device.hpp"
+#include "planted.hpp"
+#include "races.hpp"
 
 #undef __grid_constant__
 #undef __launch_bounds__
@@ -22,7 +24,6 @@
 #undef __device__
 #undef __global__
 #define __grid_constant__
-#define __launch_bounds__(...)
 #define __host__
 #define __device__
 #define __global__
@@ -78,31 +79,37 @@ T load(const T* p) {
   return *p;
 }
 
-// Threads switch at barriers and warp operations alone: plain reads and writes are atomic.
+// Other threads may run before an atomic operation and not within it. Its accesses are reported as
+// one, so the compiler must not report them.
+#define EMULATION_ATOMIC __attribute__((noinline, no_sanitize_thread))
 template <class T, class U>
-T atomic_max(T* target, U value) {
+EMULATION_ATOMIC T atomic_max(T* target, U value) {
   require_aligned(target, "an atomic operation");
+  atomic_access(target, sizeof(T));
   const T before = *target;
   if (static_cast<T>(value) > before) *target = static_cast<T>(value);
   return before;
 }
 template <class T, class U>
-T atomic_min(T* target, U value) {
+EMULATION_ATOMIC T atomic_min(T* target, U value) {
   require_aligned(target, "an atomic operation");
+  atomic_access(target, sizeof(T));
   const T before = *target;
   if (static_cast<T>(value) < before) *target = static_cast<T>(value);
   return before;
 }
 template <class T, class U>
-T atomic_or(T* target, U value) {
+EMULATION_ATOMIC T atomic_or(T* target, U value) {
   require_aligned(target, "an atomic operation");
+  atomic_access(target, sizeof(T));
   const T before = *target;
   *target = before | static_cast<T>(value);
   return before;
 }
 template <class T, class U>
-T atomic_add(T* target, U value) {
+EMULATION_ATOMIC T atomic_add(T* target, U value) {
   require_aligned(target, "an atomic operation");
+  atomic_access(target, sizeof(T));
   const T before = *target;
   *target = before + static_cast<T>(value);
   return before;

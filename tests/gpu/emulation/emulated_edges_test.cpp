@@ -16,11 +16,13 @@
 #include "emulation.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull::testing {
 namespace {
 
 using testing_support::canonical_hash;
+using testing_support::error_of;
 
 class EmulatedEdges : public ::testing::Test {
  protected:
@@ -155,19 +157,156 @@ TEST_F(EmulatedEdges, ASmallerTableOnAnotherThreadJustBeforeALaunch) {
   EXPECT_TRUE(met);
 }
 
-TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsNotOurs) {
+TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsReportedAndStays) {
   const auto rows = ball(3, 20000, 5);
   const OnDevice there(rows);
   const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
   const std::uint64_t expected = plain_hash(rows, 3);
+  const auto here = PointView::row_major(rows.data(), 20000, 3);
   void* none = nullptr;
-  for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull}) {
-    EXPECT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
+  ASSERT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
+  for (const std::string& said :
+       {error_of([&] { convex_hull(view, on_device()); }),
+        error_of([&] { convex_hull(view, on_device(CullMethod::pseudo_hull)); }),
+        error_of([&] { convex_hull(here, on_device()); })})
+    EXPECT_NE(said.find("nobody read its error"), std::string::npos) << said;
+  Options automatic;
+  automatic.machine.link_bytes_per_second = 1e15;  // to the device, were it not for the error
+  automatic.machine.host_read_bytes_per_second = 1;
+  EXPECT_EQ(canonical_hash(convex_hull(here, automatic)), expected);
+  EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation) << "it is still the caller's to read";
+  for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull})
     EXPECT_EQ(canonical_hash(convex_hull(view, on_device(method))), expected);
+  EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
+}
+
+// Nor is memory lost where a result is freed while the caller has an unread error.
+TEST_F(EmulatedEdges, AResultIsFreedDespiteAnUnreadError) {
+  const auto rows = ball(3, 1000, 5);
+  const std::vector<std::uint64_t> offsets{0, 50, 100};
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 1000, 3);
+  const std::size_t before = emulation::counters().live_bytes;
+  DeviceHullBatch batch = convex_hulls_on_device(view, offsets.data(), 2);
+  EXPECT_GT(emulation::counters().live_bytes, before);
+  void* none = nullptr;
+  ASSERT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
+  batch = {};
+  EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation);
+  check(cudaDeviceSynchronize());
+  EXPECT_EQ(emulation::counters().live_bytes, before);
+}
+
+// A driver may keep a part of a block's memory, under tools that watch kernels for one.
+TEST_F(EmulatedEdges, ADriverThatDoesNotGrantAllSharedMemory) {
+  const auto build = [](unsigned cells) {
+    return internal::GaugeMap::build(testing_support::cross_polytope(3, 0.125, 1), cells);
+  };
+  const auto small = build(50), large = build(58);
+  const auto rows = ball(3, 2000, 3);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3);
+  const auto count = [&](const internal::GaugeMap& map) {
+    return internal::cuda::survivors_of_device_points(map.table(), view).count;
+  };
+  const std::uint64_t expected = count(*large), of_small = count(*small);
+  const std::size_t needed = large->table().nodes.size() * sizeof(float);
+  ASSERT_GT(small->table().nodes.size() * sizeof(float), std::size_t{48} << 10);
+  emulation::settings().most_dynamic_shared = static_cast<long>(needed);
+  emulation::forget_shared_limits();
+  std::uint64_t met = 0;  // a smaller table must not lower the limit before this launch
+  emulation::settings().before_launch = [&] { std::thread([&] { met = count(*small); }).join(); };
+  EXPECT_EQ(count(*large), expected);
+  EXPECT_EQ(met, of_small);
+  emulation::settings().most_dynamic_shared = static_cast<long>(needed) - 4;
+  EXPECT_THROW((void)count(*large), Error);
+}
+
+// A call waits for its results, which a capture does not allow: it must say so, and end no capture.
+TEST_F(EmulatedEdges, AStreamThatIsBeingCapturedIsRefused) {
+  const auto rows = ball(3, 20000, 6);
+  const std::vector<std::uint64_t> offsets{0, 50, 100};
+  const OnDevice there(rows);
+  const Stream stream;
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3, stream);
+  const HullQuery query(PointView::row_major(rows.data(), 100, 3),
+                        convex_hull(PointView::row_major(rows.data(), 100, 3)));
+  std::vector<Side> sides(20000);
+  const std::uint64_t id = 7;
+  emulation::settings().captured_stream = stream;
+  const std::function<void()> calls[] = {
+      [&] { convex_hull(view); },
+      [&] { convex_hull(view, on_device(CullMethod::pseudo_hull)); },
+      [&] { cull(view); },
+      [&] { HullTracker(on_device()).update(view); },
+      [&] { convex_hulls(view, offsets.data(), 2); },
+      [&] { convex_hulls_on_device(view, offsets.data(), 2); },
+      [&] { query.sides(view, sides.data()); },
+      [&] {
+    fetch_points(view, {&id, 1});
+      },
+      [&] { wait_for_cuda_stream(stream); },
+  };
+  for (const auto& call : calls) {
+    const std::string said = error_of(call);
+    EXPECT_NE(said.find("CUDA graph is being captured"), std::string::npos) << said;
   }
-  EXPECT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
-  EXPECT_EQ(canonical_hash(convex_hull(PointView::row_major(rows.data(), 20000, 3), on_device())),
-            expected);
+  emulation::settings().captured_stream = nullptr;
+  EXPECT_EQ(canonical_hash(convex_hull(view)), plain_hash(rows, 3));
+}
+
+// Offsets in pinned memory that the stream of the points writes.
+TEST_F(EmulatedEdges, OffsetsThatTheHostCanReadAreWaitedFor) {
+  const auto rows = ball(3, 1000, 5);
+  const std::vector<std::uint64_t> offsets{0, 50, 400, 1000};
+  const OnDevice there(rows), offsets_there(offsets);
+  const Stream stream;
+  const auto view = DevicePointView::row_major(there.data<float>(), 1000, 3, stream);
+  void* pinned = nullptr;
+  const std::size_t bytes = offsets.size() * sizeof(std::uint64_t);
+  check(cudaMallocHost(&pinned, bytes));
+  std::memset(pinned, 0, bytes);
+  check(cudaMemcpyAsync(pinned, offsets_there.data<std::uint64_t>(), bytes, cudaMemcpyDeviceToHost,
+                        stream));
+  const HullBatch found = convex_hulls(view, static_cast<std::uint64_t*>(pinned), 3);
+  EXPECT_EQ(
+      found.vertices.items.size(),
+      convex_hulls(PointView::row_major(rows.data(), 1000, 3), offsets).vertices.items.size());
+  check(cudaFreeHost(pinned));
+}
+
+// Copies that were submitted before the one that is refused still write their target.
+TEST_F(EmulatedEdges, ARefusedStridedCopyLeavesNoneInFlight) {
+  const std::size_t n = 3000;
+  const auto rows = ball(3, n, 5);
+  std::vector<float> columns(n * 3);
+  for (std::size_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < 3; ++j) columns[j * n + i] = rows[i * 3 + j];
+  const OnDevice there(columns);
+  const auto view = DevicePointView::column_major(there.data<float>(), n, 3);
+  for (const long failing : {1L, 2L, 3L}) {
+    keep_memory(0);
+    emulation::restart();
+    emulation::settings().failing_allocations_from = 1;  // no memory to gather rows in
+    emulation::settings().failing_strided_copy = failing;
+    Options options;
+    options.cull = CullMethod::none;
+    EXPECT_THROW((void)convex_hull(view, options), Error);
+    keep_memory(0);  // the target of the copies is gone
+    check(cudaDeviceSynchronize());
+    emulation::settings() = {};
+  }
+}
+
+TEST_F(EmulatedEdges, ThePoolOfADeviceIsTrimmed) {
+  const auto rows = ball(3, 20000, 6);
+  const OnDevice there(rows);
+  (void)convex_hull(DevicePointView::row_major(there.data<float>(), 20000, 3), on_device());
+  emulation::restart();
+  keep_memory(std::size_t{1} << 20);
+  EXPECT_EQ(emulation::counters().trims, 0U);
+  keep_memory(0);
+  EXPECT_GE(emulation::counters().trims, 1U);
 }
 
 // While the caller records a graph, asking the default stream fails; that is no broken device.

@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/runtime.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"
 #include "filter/gauge/gauge_map.hpp"
@@ -120,6 +122,47 @@ TEST(EmulatedLayouts, ATableBeyondSharedMemory) {
     expect_all_layouts<float>(*map, 3, n);
     expect_all_layouts<double>(*map, 3, n);
   }
+}
+
+// Only the last blocks of each launch are run, and most of the mask's memory is never touched.
+TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
+  emulation::settings().memory = std::size_t{1} << 36;
+  emulation::settings().most_blocks = 3;
+  const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1));
+  const internal::GaugeTable& table = map->table();
+  internal::cuda::Device device = internal::cuda::device();
+  device.multiprocessors = 1U << 30;  // as many blocks at a time as the points need
+  constexpr std::uint64_t tail = 70, words = (std::uint64_t{1} << 32) + tail;
+  const std::vector<float> outside{9, 9, 9};
+  {
+    const OnDevice nodes(table.nodes), point(outside);
+    auto view = DevicePointView::row_major(point.data<float>(), 32 * words, 3);
+    view.point_stride = 0;  // the same one for all ids
+    const internal::cuda::DeviceArray<std::uint32_t> mask(internal::cuda::mask_room(32 * words),
+                                                          nullptr);
+    check(
+        internal::cuda::gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
+    std::vector<std::uint32_t> last(tail);
+    internal::cuda::download(last.data(), mask.data() + words - tail, tail, nullptr);
+    EXPECT_EQ(last, std::vector<std::uint32_t>(tail, ~0U));
+
+    emulation::settings().most_blocks = 1;  // tiles before the last one hold garbage
+    const std::uint64_t tiles =
+        (words + internal::cuda::tile_words - 1) / internal::cuda::tile_words;
+    const internal::cuda::DeviceArray<std::uint64_t> counts(tiles, nullptr),
+        ids(32 * tail, nullptr);
+    check(internal::cuda::count_bits(mask.data(), words, counts.data(), nullptr));
+    std::uint64_t count = 0;
+    internal::cuda::download(&count, counts.data() + tiles - 1, 1, nullptr);
+    EXPECT_EQ(count, 32 * tail);
+    check(cudaMemsetAsync(counts.data(), 0, tiles * sizeof(std::uint64_t), nullptr));
+    check(internal::cuda::list_bits(mask.data(), words, counts.data(), ids.data(), nullptr));
+    std::vector<std::uint64_t> listed(32 * tail), expected(32 * tail);
+    std::iota(expected.begin(), expected.end(), 32 * (words - tail));
+    internal::cuda::download(listed.data(), ids.data(), listed.size(), nullptr);
+    EXPECT_EQ(listed, expected);
+  }
+  emulation::settings() = {};
 }
 
 }  // namespace

@@ -153,6 +153,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
         const auto there = DevicePointView::row_major(copy.data<double>(), 3100, 3);
         Options options;
         options.backend = backend;
+        options.machine.link_bytes_per_second = 1;  // stay on the device
         const auto ask = [&](auto&& question) {
           emulation::restart();
           (all ? emulation::settings().failing_allocations_from
@@ -184,6 +185,35 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
           expect_same_bits(found, vertices, "supports");
         });
       }
+}
+
+// A device tests all facets for each point: with Backend::automatic the CPU answers where that takes
+// longer than its search.
+TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
+  emulation::settings() = {};
+  Sets<double> sets(3);
+  sets.add_sphere(300, 1);
+  sets.add_ball(3000, 2);
+  const auto base = PointView::row_major(sets.rows.data(), 300, 3);
+  const HullQuery query(base, convex_hull(base));
+  const OnDevice copy(sets.rows);
+  const auto there = DevicePointView::row_major(copy.data<double>(), 3300, 3);
+  std::vector<Side> sides(3300), found(3300);
+  query.sides(PointView::row_major(sets.rows.data(), 3300, 3), sides.data());
+  const auto launches = [&](double link, double device, Backend backend) {
+    Options options;
+    options.backend = backend;
+    options.threads = 1;
+    options.machine.link_bytes_per_second = link;
+    options.machine.device_copy_bytes_per_second = device;
+    emulation::restart();
+    query.sides(there, found.data(), options);
+    EXPECT_EQ(found, sides);
+    return emulation::counters().launches["hull_sides<D, T>"];
+  };
+  EXPECT_EQ(launches(1, 1e15, Backend::automatic), 1U);
+  EXPECT_EQ(launches(1e15, 1e9, Backend::automatic), 0U) << "596 facets";
+  EXPECT_EQ(launches(1e15, 1e9, Backend::cuda), 1U);
 }
 
 // A result outlives the stream of its call, and its last copy frees it.

@@ -9,12 +9,15 @@
 
 #include "device.hpp"
 #include "emulation.hpp"
+#include "races.hpp"
 
 namespace emulation {
 namespace {
 
 constexpr std::size_t page = 4096, alignment = 256;
 constexpr unsigned char fresh = 0xCB, fresh_pinned = 0xDA;
+/// Larger ones are filled at their ends only.
+constexpr std::size_t most_filled = std::size_t{1} << 28, filled_ends = std::size_t{1} << 20;
 
 /// One key a device; -1: this processor or kernel has none, and the host's accesses go unnoticed.
 int key_of(int device) {
@@ -91,16 +94,19 @@ void* allocate_device(std::size_t bytes, int device, bool ready) {
   region.device = device;
   region.ready = ready;
   region.map_bytes = (bytes + page - 1) / page * page + 2 * page;
-  void* map = mmap(nullptr, region.map_bytes, PROT_NONE,
-                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (map == MAP_FAILED) return nullptr;
-  region.map = static_cast<char*>(map);
+  static std::size_t arena_used = 0;
+  if (region.map_bytes > device_arena_bytes - arena_used)
+    violation("the addresses of device memory, none of which is used twice, are used up");
+  region.map = device_arena() + arena_used;
+  arena_used += region.map_bytes;
   // As near to the guard page behind as the alignment of device memory allows.
   char* begin = region.body() + (region.body_bytes() - bytes) / alignment * alignment;
   protect(region, PROT_READ | PROT_WRITE);
   {
     const DeviceAccess access(device);
-    std::memset(region.body(), fresh, region.body_bytes());
+    const std::size_t body = region.body_bytes(), ends = body > most_filled ? filled_ends : body;
+    std::memset(region.body(), fresh, ends);
+    std::memset(region.body() + body - ends, fresh, ends);
   }
   if (!ready) protect(region, PROT_NONE);
   regions()[address(begin)] = region;
@@ -126,6 +132,7 @@ void release_device(void* memory) {
       violation("a write behind an allocation");
   }
   close(region.map, region.map_bytes);
+  forget_accesses(region.map, region.map_bytes);
   count_allocation(-static_cast<std::ptrdiff_t>(region.bytes));
   regions().erase(at);
 }

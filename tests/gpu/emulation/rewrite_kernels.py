@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Turns the text of kernels into C++ for the host, to run on the emulated device.
 
-    rewrite_kernels.py FROM TO [--plant NAME] [--host]
+    rewrite_kernels.py ROOT FILE TO [--host]
 
-Only what no macro can say is changed: launches, shared memory, inline assembly and the macros that
-tell a device's compiler. ``--plant`` also makes one of the errors below, which the tests must notice.
+Only what no macro can say is changed: launches and their bounds, shared memory, inline assembly and
+the macros that tell a device's compiler. The errors of planted_errors.py are written into the text
+as well, each behind a switch.
 """
 
 from __future__ import annotations
@@ -14,65 +15,9 @@ import re
 import sys
 from pathlib import Path
 
-# name: (the file's end, the text, what stands in its place)
-PLANTED = {
-    "no-barrier": ("gauge_kernel.cu", "    __syncthreads();\n", ""),
-    "swapped-words": ("gauge_kernel.cu", "words[k] = word;", "words[k ^ 1] = word;"),
-    "one-shuffle-less": (
-        "gauge_kernel.cu",
-        "apart < lanes_a_word; apart *= 2",
-        "apart * 2 < lanes_a_word; apart *= 2",
-    ),
-    "short-tile": ("gauge_kernel.cu", "first + k < words ? mask", "first + k + 1 < words ? mask"),
-    "read-beyond": ("gauge_kernel.cu", "first + k < words ? mask", "first + k <= words ? mask"),
-    "small-shared": (
-        "gauge_kernel.cu",
-        "Shared ? table.nodes.size() * sizeof(float) : 0",
-        "Shared ? (table.nodes.size() - 1) * sizeof(float) : 0",
-    ),
-    "short-mask": (
-        "gauge.cpp",
-        "mask(mask_room(points.count), stream)",
-        "mask(mask_words(points.count), stream)",
-    ),
-    "no-wait": (
-        "gauge.cpp",
-        'synchronise(stream_.get(), "culling");',
-        "",
-    ),
-    "other-stream": (
-        "gauge.cpp",
-        "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream)",
-        "check(gather_rows(part, piece_ids_.data(), n, packed_.data(), nullptr)",
-    ),
-    "no-block-barrier": ("executor.cuh", "    __syncthreads();\n", ""),
-    "no-warp-wait": (
-        "warp_hull.cuh",
-        "      mark(c, a);\n    }\n    __syncwarp();\n",
-        "      mark(c, a);\n    }\n",
-    ),
-    "early-facets": (
-        "warp_hull.cuh",
-        "      spares_ += seen - edges;\n    }\n    __syncwarp();\n",
-        "      spares_ += seen - edges;\n    }\n",
-    ),
-    "loose-bound": ("warp_hull.cuh", ": 0x1p-18F;", ": 0x1p-60F;"),
-    "no-open-side": (
-        "hull_questions_kernel.cu",
-        "open = open || !(sum < -bound);",
-        "open = open && !(sum < -bound);",
-    ),
-    "small-warp-memory": (
-        "set_hulls_kernel.cu",
-        "warps * WarpMemory<D>::bytes(room);",
-        "warps * WarpMemory<D>::bytes(room) - 16;",
-    ),
-    "sets-other-stream": (
-        "set_hulls.cpp",
-        "simplices.data(), rows.data(), s.stream)",
-        "simplices.data(), rows.data(), nullptr)",
-    ),
-}
+from planted_errors import with_switches
+
+DEVICE_HEAD = '#define CULLHULL_EMULATED_DEVICE 1\n#include "device_text.hpp"\n'
 
 
 def end_of_name(text: str, at: int) -> int:
@@ -108,8 +53,49 @@ def with_launches(text: str) -> str:
     return text
 
 
+STATIC_SHARED = re.compile(
+    r"__shared__ (?:alignas\([^;]*?\)\) )?((?:typename )?\w[\w:]*(?: char)?) (\w+)(?:\[([^\]]*)\])?;"
+)
+
+
+def static_shared(found: re.Match[str]) -> str:
+    """A variable in a block's shared memory as the block's piece of the emulation's."""
+    kind, name, count = found.groups()
+    bytes_of = f"sizeof({kind})" + (f" * ({count})" if count else "")
+    memory = f"::emulation::static_shared_memory({bytes_of}, EMULATION_HERE)"
+    if count:
+        return f"auto* const {name} = static_cast<{kind}*>({memory});"
+    return f"auto& {name} = *static_cast<{kind}*>({memory});"
+
+
+def closing(text: str, at: int) -> int:
+    """The place after the parenthesis that closes the one at ``at``."""
+    depth = 0
+    while True:
+        depth += {"(": 1, ")": -1}.get(text[at], 0)
+        at += 1
+        if depth == 0:
+            return at
+
+
+def with_launch_bounds(text: str) -> str:
+    """``__launch_bounds__(N, ...)`` as a call of the emulation in the kernel's body."""
+    while (at := text.find("__launch_bounds__(")) >= 0:
+        opening = text.index("(", at)
+        end = closing(text, opening)
+        most = text[opening + 1 : end - 1]
+        depth = [most[:i].count("(") - most[:i].count(")") for i in range(len(most))]
+        comma = next((i for i, c in enumerate(most) if c == "," and depth[i] == 0), len(most))
+        parameters = text.index("(", end)
+        name = text[end:parameters].strip()
+        body = text.index("{", closing(text, parameters)) + 1
+        check = f' ::emulation::require_threads({most[:comma]}, "{name}");'
+        text = text[:at] + text[end:body] + check + text[body:]
+    return text
+
+
 def rewritten(text: str) -> str:
-    text = with_launches(text)
+    text = with_launches(with_launch_bounds(text))
     text = text.replace("__CUDA_ARCH__", "CULLHULL_EMULATED_DEVICE")
     text = text.replace("__CUDACC__", "CULLHULL_EMULATED_DEVICE")
     text = re.sub(
@@ -117,8 +103,9 @@ def rewritten(text: str) -> str:
         r"\1* \2 = static_cast<\1*>(emulation::dynamic_shared_memory());",
         text,
     )
-    text = text.replace("__shared__ alignas(alignof(T))", "alignas(alignof(T)) static")
-    text = text.replace("__shared__", "static")  # one block runs at a time
+    text = re.sub(STATIC_SHARED, static_shared, text)
+    if "__shared__" in text:
+        sys.exit("rewrite_kernels: a declaration of shared memory that is not understood")
     return re.sub(
         r'asm\("rcp\.approx\.ftz\.f32 .*\);',
         "r = emulation::approximate_reciprocal(v);",
@@ -128,26 +115,18 @@ def rewritten(text: str) -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("source", type=Path)
+    parser.add_argument("root", type=Path)
+    parser.add_argument("file", help="its name from the root on")
     parser.add_argument("target", type=Path)
-    parser.add_argument("--plant", choices=PLANTED)
-    parser.add_argument("--host", action="store_true", help="host code: nothing but the error")
+    parser.add_argument("--host", action="store_true", help="host code: nothing but the errors")
     arguments = parser.parse_args()
-    text = arguments.source.read_text()
-    if arguments.plant is not None:
-        file, right, wrong = PLANTED[arguments.plant]
-        if str(arguments.source).endswith(file):
-            if right not in text:
-                sys.exit(f"rewrite_kernels: {arguments.source} has no {right!r}")
-            text = text.replace(right, wrong, 1)
+    text = with_switches((arguments.root / arguments.file).read_text(), arguments.file)
+    head = '#include "planted.hpp"\n' if arguments.host else DEVICE_HEAD
     arguments.target.parent.mkdir(parents=True, exist_ok=True)
-    if arguments.host:
-        arguments.target.write_text(text)
-        return 0
     arguments.target.write_text(
-        '#define CULLHULL_EMULATED_DEVICE 1\n#include "device_text.hpp"\n'
-        + f'#line 1 "{arguments.source.name}"\n'
-        + rewritten(text)
+        head
+        + f'#line 1 "{Path(arguments.file).name}"\n'
+        + (text if arguments.host else rewritten(text))
     )
     return 0
 

@@ -183,6 +183,10 @@ cudaError_t cudaMemPoolCreate(cudaMemPool_t* pool, const cudaMemPoolProps* prope
   });
 }
 cudaError_t cudaMemPoolSetAttribute(cudaMemPool_t, cudaMemPoolAttr, void*) { return cudaSuccess; }
+cudaError_t cudaMemPoolTrimTo(cudaMemPool_t, std::size_t) {
+  count_trim();
+  return cudaSuccess;
+}
 cudaError_t cudaMemPoolDestroy(cudaMemPool_t pool) {
   delete pool;
   return cudaSuccess;
@@ -244,6 +248,7 @@ cudaError_t cudaMemcpy2DAsync(void* to, std::size_t to_pitch, const void* from,
                               cudaMemcpyKind kind, cudaStream_t stream) {
   return call_on(stream, [&] {
     // The limit of pitches that a device names is 2^31 - 1.
+    if (!count_strided_copy()) return cudaErrorInvalidValue;
     if (width > to_pitch || width > from_pitch || from_pitch > 0x7FFFFFFF || to_pitch > 0x7FFFFFFF)
       return cudaErrorInvalidPitchValue;
     return copy(to, from, {width, height, to_pitch, from_pitch}, kind, stream);
@@ -285,9 +290,19 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 }
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
   return call_on(stream, [&] {
+    if (stream != nullptr && stream == settings().captured_stream)
+      violation("a stream that is being captured is waited for");
     count_wait();
     drain(stream);
     return lasting_error();
+  });
+}
+cudaError_t cudaStreamIsCapturing(cudaStream_t stream, cudaStreamCaptureStatus* status) {
+  return call_on(stream, [&] {
+    *status = stream != nullptr && stream == settings().captured_stream
+                  ? cudaStreamCaptureStatusActive
+                  : cudaStreamCaptureStatusNone;
+    return cudaSuccess;
   });
 }
 cudaError_t cudaStreamQuery(cudaStream_t stream) {
@@ -338,7 +353,8 @@ cudaError_t cudaFuncSetAttribute(const void* function, cudaFuncAttribute attribu
   return call([&] {
     if (attribute == cudaFuncAttributePreferredSharedMemoryCarveout)
       return value < -1 || value > 100 ? cudaErrorInvalidValue : cudaSuccess;
-    if (value < 0 || value > shared_per_block) return cudaErrorInvalidValue;
+    const long most = settings().most_dynamic_shared;
+    if (value < 0 || value > (most >= 0 ? most : shared_per_block)) return cudaErrorInvalidValue;
     allow_dynamic_shared(function, static_cast<std::size_t>(value));
     return cudaSuccess;
   });

@@ -1,0 +1,396 @@
+#!/usr/bin/env python3
+"""Errors in the CUDA backend that the tests on the emulated device must notice.
+
+    planted_errors.py PROGRAMS [NAME ...]       run them: PROGRAMS is the folder of the test programs
+    planted_errors.py --list                    the names
+    planted_errors.py PROGRAMS --write FILE     run all; write the table into FILE (docs/gpu.md)
+
+rewrite_kernels.py writes all errors into the texts that the emulated tests are built of, each behind
+a switch; a program makes the one that the environment variable CULLHULL_PLANTED names. So one build
+serves all of them. A text that has changed, so that an error does not apply, ends the build.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Planted(NamedTuple):
+    what: str  # for the table
+    file: str
+    right: str  # what is replaced, between « and », with enough around it to be found once
+    wrong: str  # in its place: a statement if what is replaced ends in a semicolon
+    program: str
+    tests: str  # a filter of GoogleTest
+
+
+KERNELS = "src/cuda/kernels/"
+LAYOUTS = ("emulated_layouts_test", "EmulatedLayouts.EveryBorder*")
+WIDE = ("emulated_layouts_test", "EmulatedLayouts.MoreThan*")
+PRIMITIVES = ("emulated_primitives_gpu_test", "PrimitivesGpu.*")
+SETS = (
+    "emulated_set_hulls_gpu_test",
+    "GpuSets.AnyStrides*:GpuSets.Ordinary*:GpuSets.SetsThat*:GpuSets.Spheres*",
+)
+SIZES = ("emulated_set_hulls_gpu_test", "GpuSets.AllSizes*")
+
+PLANTED = {
+    # ------------------------------------------------------------------------------ the mask
+    "no-barrier": Planted(
+        "no barrier between copying the table to shared memory and reading it",
+        KERNELS + "gauge_kernel.cu",
+        "table[i] = nodes[i];\n    «__syncthreads();»",
+        "",
+        *LAYOUTS,
+    ),
+    "swapped-words": Planted(
+        "two words of a mask exchanged",
+        KERNELS + "gauge_kernel.cu",
+        "«words[k] = word;»",
+        "words[k ^ 1] = word;",
+        *LAYOUTS,
+    ),
+    "one-shuffle-less": Planted(
+        "one shuffle too few where lanes' bits become words",
+        KERNELS + "gauge_kernel.cu",
+        "«apart < lanes_a_word»; apart *= 2",
+        "apart * 2 < lanes_a_word",
+        *LAYOUTS,
+    ),
+    "short-tile": Planted(
+        "the last word of a mask is not read",
+        KERNELS + "gauge_kernel.cu",
+        "«first + k < words» ? mask",
+        "first + k + 1 < words",
+        *LAYOUTS,
+    ),
+    "read-beyond": Planted(
+        "a word behind a mask is read",
+        KERNELS + "gauge_kernel.cu",
+        "«first + k < words» ? mask",
+        "first + k <= words",
+        *LAYOUTS,
+    ),
+    "small-shared": Planted(
+        "shared memory for one node too few",
+        KERNELS + "gauge_kernel.cu",
+        "«Shared ? table.nodes.size() * sizeof(float) : 0»",
+        "Shared ? (table.nodes.size() - 1) * sizeof(float) : 0",
+        *LAYOUTS,
+    ),
+    "narrow-mask-word": Planted(
+        "the index of a mask's word in 32 bits where words are written",
+        KERNELS + "gauge_kernel.cu",
+        "lane, mask + «group * words»);",
+        "static_cast<std::uint32_t>(group * words)",
+        *WIDE,
+    ),
+    "narrow-tile-word": Planted(
+        "the index of a mask's word in 32 bits where words are read",
+        KERNELS + "gauge_kernel.cu",
+        "first = «std::uint64_t{blockIdx.x} * tile_words + threadIdx.x * thread_words»;\n"
+        "  for (unsigned k = 0; k < thread_words; ++k) mine",
+        "static_cast<std::uint32_t>(blockIdx.x * tile_words + threadIdx.x * thread_words)",
+        *WIDE,
+    ),
+    "narrow-id": Planted(
+        "ids of points computed in 32 bits",
+        KERNELS + "gauge_kernel.cu",
+        "*out++ = «(first + k) * 32 + static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1)»;",
+        "static_cast<std::uint32_t>((first + k) * 32 +"
+        " static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1))",
+        *WIDE,
+    ),
+    "plain-first": Planted(
+        "atomicMin made plain where the first point that is not finite is found",
+        KERNELS + "gauge_kernel.cu",
+        "«atomicMin(first, static_cast<unsigned long long>(i));»",
+        "if (i < *first) *first = i;",
+        "emulated_cuda_gauge_test",
+        "CudaGauge.TheFirstPoint*",
+    ),
+    "short-mask": Planted(
+        "a mask without the room that the last warp fills",
+        "src/cuda/gauge.cpp",
+        "mask(«mask_room(points.count)», stream);",
+        "mask_words(points.count)",
+        *LAYOUTS,
+    ),
+    "no-wait": Planted(
+        "the host does not wait for a piece's mask",
+        "src/cuda/gauge.cpp",
+        '«synchronise(stream_.get(), "culling");»',
+        "",
+        "emulated_cuda_gauge_test",
+        "CudaGauge.ManyPieces",
+    ),
+    "other-stream": Planted(
+        "rows gathered on another stream",
+        "src/cuda/gauge.cpp",
+        "gather_rows(part, piece_ids_.data(), n, packed_.data(), «stream»)",
+        "nullptr",
+        "emulated_edges_test",
+        "EmulatedEdges.WorkIsOrdered*",
+    ),
+    # ------------------------------------------------------------------------ the pseudo-hull
+    "no-block-barrier": Planted(
+        "no barrier between two steps of a block's reduction",
+        KERNELS + "executor.cuh",
+        "width /= 2) {\n    «__syncthreads();»",
+        "",
+        *PRIMITIVES,
+    ),
+    "plain-count": Planted(
+        "atomicAdd made plain in the count of items without a cell",
+        KERNELS + "executor.cuh",
+        "none != 0) «atomicAdd(none_of_all, none);»",
+        "*none_of_all += none;",
+        *PRIMITIVES,
+    ),
+    "plain-raise": Planted(
+        "atomicMax made plain in `DeviceAtomics::raise`",
+        KERNELS + "device_kernels.hpp",
+        "«atomicMax(reinterpret_cast<unsigned long long*>(&target), value);»",
+        "target = value;",
+        *PRIMITIVES,
+    ),
+    "plain-lower": Planted(
+        "atomicMin made plain in `DeviceAtomics::lower`",
+        KERNELS + "device_kernels.hpp",
+        "«atomicMin(&target, value);»",
+        "target = value;",
+        *PRIMITIVES,
+    ),
+    # ------------------------------------------------------------------------------- batches
+    "plain-mark": Planted(
+        "atomicOr made plain in `WarpHull::mark`",
+        KERNELS + "warp_hull.cuh",
+        "«atomicOr(m_.edges + row * (m_.most / 32) + bit / 32, 1U << bit % 32);»",
+        "m_.edges[row * (m_.most / 32) + bit / 32] |= 1U << bit % 32;",
+        *SETS,
+    ),
+    "no-wait-before-horizon": Planted(
+        "no `__syncwarp` between the list of visible facets and the horizon",
+        KERNELS + "warp_hull.cuh",
+        "if (seen == 0) return true;\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "no-warp-wait": Planted(
+        "no `__syncwarp` between marking edges and testing them",
+        KERNELS + "warp_hull.cuh",
+        "      mark(c, a);\n    }\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "early-unmark": Planted(
+        "no `__syncwarp` between testing edges and clearing them",
+        KERNELS + "warp_hull.cuh",
+        "c, a, edges);\n    }\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "early-facets": Planted(
+        "no `__syncwarp` between new facets and the next point",
+        KERNELS + "warp_hull.cuh",
+        "spares_ += seen - edges;\n    }\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "early-ranks": Planted(
+        "no `__syncwarp` between points' distances and their ranks",
+        KERNELS + "warp_hull.cuh",
+        "key[i] = __float_as_uint(square);\n    }\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "early-clear": Planted(
+        "no `__syncwarp` in the plane between testing edges and clearing them",
+        KERNELS + "warp_hull.cuh",
+        "(p << 8 | to);\n    }\n    «__syncwarp();»",
+        "",
+        *SETS,
+    ),
+    "few-slots": Planted(
+        "room for 192 facets of 252",
+        KERNELS + "warp_hull.cuh",
+        "facets(unsigned most) { return «D == 2 ? most : 2 * most»; }",
+        "D == 2 ? most : most + most / 2",
+        *SETS,
+    ),
+    "tied-ranks": Planted(
+        "points at the same distance get the same rank",
+        KERNELS + "warp_hull.cuh",
+        "key[j] == key[i] && «j < i») ? 1 : 0;",
+        "false",
+        *SETS,
+    ),
+    "loose-bound": Planted(
+        "signs in f32 trusted beyond their bound",
+        KERNELS + "warp_hull.cuh",
+        "return «s > doubt ? 1 : s < -doubt ? -1 : side(m_.corners[f], p)»;",
+        "s > 0x1p-60F ? 1 : s < -0x1p-60F ? -1 : side(m_.corners[f], p)",
+        *SETS,
+    ),
+    "loose-doubles": Planted(
+        "signs in doubles trusted beyond their bound",
+        KERNELS + "warp_hull.cuh",
+        "double sum, bound = «error * extent_»;",
+        "0x1p-40 * error * extent_",
+        *SETS,
+    ),
+    "small-warp-memory": Planted(
+        "shared memory of a block 16 bytes too small",
+        KERNELS + "set_hulls_kernel.cu",
+        "shared = «warps * WarpMemory<D>::bytes(room)»;",
+        "warps * WarpMemory<D>::bytes(room) - 16",
+        *SIZES,
+    ),
+    "much-shared": Planted(
+        "more shared memory than a launch may have without asking",
+        KERNELS + "set_hulls_kernel.cu",
+        "fit = static_cast<unsigned>(«block_memory / WarpMemory<D>::bytes(most)»);",
+        "2 * block_memory / WarpMemory<D>::bytes(most)",
+        *SIZES,
+    ),
+    "low-launch-bounds": Planted(
+        "`__launch_bounds__(64)` on a launch of 128",
+        KERNELS + "set_hulls_kernel.cu",
+        "__launch_bounds__(«most_warps* lanes», 1)\n    set_hulls(",
+        "64",
+        *SIZES,
+    ),
+    "one-block-less": Planted(
+        "the last sets of a batch get no block",
+        KERNELS + "set_hulls_kernel.cu",
+        "static_cast<unsigned>(«(warps + in_block - 1) / in_block»);",
+        "warps < in_block ? 1 : warps / in_block",
+        *SIZES,
+    ),
+    "sets-other-stream": Planted(
+        "lists packed on another stream",
+        "src/cuda/set_hulls.cpp",
+        "simplices.data(), rows.data(), «s.stream»)",
+        "nullptr",
+        *SETS,
+    ),
+    # ----------------------------------------------------------------------------- questions
+    "no-open-side": Planted(
+        "a facet whose sign is open forgotten",
+        KERNELS + "hull_questions_kernel.cu",
+        "«open = open || !(sum < -bound);»",
+        "open = open && !(sum < -bound);",
+        "emulated_hull_questions_gpu_test",
+        "GpuQuestions.PointsOnACube",
+    ),
+    "loose-support": Planted(
+        "the largest product taken although another is as near as rounding",
+        KERNELS + "hull_questions_kernel.cu",
+        "best - second > «2.01 * bound» ?",
+        "0",
+        "emulated_hull_questions_gpu_test",
+        "GpuQuestions.Directions*",
+    ),
+}
+
+
+def number_of(name: str) -> int:
+    """A name as the programs know it, the hash of 32 bits that planted.cpp computes (FNV-1a)."""
+    value = 0x811C9DC5
+    for byte in name.encode():
+        value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
+    return value
+
+
+def with_switches(text: str, file: str) -> str:
+    """The text with every error of the file behind its switch; ends the program where one does not
+    apply."""
+    places: dict[tuple[int, int], list[str]] = {}
+    for name, error in PLANTED.items():
+        if error.file != file:
+            continue
+        before, rest = error.right.split("«")
+        right, after = rest.split("»")
+        found = text.count(before + right + after)
+        if found != 1:
+            sys.exit(f"planted_errors: {name} applies to {found} places of {file}, not to one")
+        begin = text.index(before + right + after) + len(before)
+        places.setdefault((begin, begin + len(right)), []).append(name)
+    for begin, end in sorted(places, reverse=True):
+        switched = text[begin:end]
+        for name in places[begin, end]:
+            wrong, test = PLANTED[name].wrong, f"::emulation::planted_error == {number_of(name)}U"
+            if text[begin:end].endswith(";"):
+                switched = f"{{ if ({test}) {{ {wrong} }} else {{ {switched} }} }}"
+            else:
+                switched = f"({test} ? ({wrong}) : ({switched}))"
+        text = text[:begin] + switched + text[end:]
+    return text
+
+
+def noticed_by(name: str, programs: Path) -> tuple[str, str] | None:
+    """The test that notices an error, and what it says."""
+    error = PLANTED[name]
+    run = subprocess.run(
+        [programs / error.program, f"--gtest_filter={error.tests}", "--gtest_fail_fast"],
+        env={**os.environ, "CULLHULL_PLANTED": name, "CULLHULL_GPU_TESTS": "short"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        check=False,
+    )
+    if run.returncode == 0:
+        return None
+    tests = re.findall(r"\[ RUN +\] (\S+)", run.stdout)
+    if not tests:
+        sys.exit(f"planted_errors: {error.program} did not run any test:\n{run.stdout}")
+    failed = re.findall(r"\[  FAILED  \] ([\w.]+)", run.stdout)
+    said = re.search(r"^emulated device: (.*)$", run.stdout, re.MULTILINE)
+    why = said.group(1) if said else "a wrong result" if failed else "a crash"
+    return (failed or tests[-1:])[0], why
+
+
+BEGIN, END = "<!-- planted_errors.py: begin -->\n", "<!-- planted_errors.py: end -->\n"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("programs", type=Path, nargs="?")
+    parser.add_argument("names", nargs="*")
+    parser.add_argument("--list", action="store_true")
+    parser.add_argument("--write", type=Path)
+    arguments = parser.parse_args()
+    if arguments.list:
+        print("\n".join(PLANTED))
+        return 0
+    for name in arguments.names:
+        if name not in PLANTED:
+            parser.error(f"there is no planted error {name}")
+    rows, unnoticed = [], []
+    for name in arguments.names or PLANTED:
+        found = noticed_by(name, arguments.programs)
+        if found is None:
+            unnoticed.append(name)
+            print(f"{name}: NOT NOTICED", flush=True)
+            continue
+        print(f"{name}: {found[0]}: {found[1]}", flush=True)
+        rows.append(f"| {name} | {PLANTED[name].what} | `{found[0]}` |\n")
+    if unnoticed:
+        return 1
+    if arguments.write:
+        text = arguments.write.read_text()
+        head, rest = text.split(BEGIN)
+        table = "| planted error | what | noticed by |\n| --- | --- | --- |\n" + "".join(rows)
+        arguments.write.write_text(head + BEGIN + table + END + rest.split(END)[1])
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
