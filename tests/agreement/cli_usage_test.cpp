@@ -53,7 +53,9 @@ TEST(CliUsage, NamesOfOtherPrograms) {
   expect_error({"voronoi", p, "--mask", "a.geojson"}, 2, "did you mean --clip?");
   expect_error({"hull", p, "--mask", "a.geojson"}, 2, "unknown option --mask (see");
   expect_error({"hull", p, "--json", f / "r.json"}, 1, "(--json=" + (f / "r.json") + " writes it)");
-  expect_error({"hull", p, "--columns", "lat", "lon"}, 1, "(--columns lat,lon takes both columns)");
+  write_file(f / "lon.csv", "lat,lon,n\n0,0,1\n1,0,1\n0,1,1\n");
+  expect_error({"hull", f / "lon.csv", "--columns", "lat", "lon"}, 1,
+               "(--columns lat,lon takes both columns)");
   expect_error({"hull", p, "--format", "wkt"}, 2, "; -o FILE.wkt writes a file");
   expect_error({"hull", p, "--by", "1"}, 2, "--by needs one -o FILE.geojson (2D)");
   expect_error({"qconvex", p}, 2, "TI " + p + " reads points from a file");
@@ -596,8 +598,12 @@ TEST(CliUsage, ProgressOfAPipeCountsBytes) {
                                              {"hull", "-", "--by", "2", "-o", f / "groups.json"}}) {
     const std::string shown = shown_of_a_pipe(arguments, "0 0 1\n1 0 1\n0 1 1\n", "B/s");
     EXPECT_NE(shown.find("\r\x1b[Kread       "), std::string::npos) << shown;
-    EXPECT_EQ(shown.find('%'), std::string::npos) << "a share of what?\n" << shown;
-    EXPECT_EQ(shown.find("left"), std::string::npos) << shown;
+    std::istringstream lines(shown);
+    for (std::string line; std::getline(lines, line, '\r');)
+      if (line.find("read") != std::string::npos)
+        EXPECT_TRUE(line.find('%') == std::string::npos && line.find("left") == std::string::npos)
+            << "a share of what?\n"
+            << line;
   }
 }
 
