@@ -3,11 +3,12 @@
 
 FOLDER gets the Markdown of docs/ and of the root side by side, each page as it is but for its links:
 they are relative to where the page lies in the tree, and so that they hold on a code host. A link to
-a page of the site (or to a public header, which has one) is turned towards it, one to any other file
-of the tree leads to the file on the code host. Between <!-- tabs --> and <!-- end tabs --> each
-paragraph that is bold as a whole begins a tab of that name. Added are a page for every command, from
-PROGRAM's help, one for every public header, for which Doxygen has left XML (whose private parts are
-taken out), and one for every name in the tables of docs/reference/python.md.
+a page of the site (or to a public header, or to a topic of the help in apps/cullhull/topics.cpp#TOPIC,
+which have one) is turned towards it, one to any other file of the tree leads to the file on the code
+host. Between <!-- tabs --> and <!-- end tabs --> each paragraph that is bold as a whole begins a tab of
+that name. Added are a page for every command and every topic, from PROGRAM's help, one for every public
+header, for which Doxygen has left XML (whose private parts are taken out), and one for every name in the
+tables of docs/reference/python.md.
 """
 
 import os
@@ -16,11 +17,13 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 
 root = pathlib.Path(__file__).resolve().parent.parent
 HOST = "https://github.com/cullhull/cullhull"
 TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
 ALONE = ("Simplified", "Lists", "NearestFacets", "Rays")  # what they inherit is a tuple's or a sequence's
+TOPICS = root / "apps" / "cullhull" / "topics.cpp"
 COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex"]
 
 
@@ -54,6 +57,8 @@ def turned(text, path, found, kept):
         file = (path.parent / name).resolve()
         if file in found:
             goal = found[file]
+        elif file == TOPICS and anchor:
+            goal, anchor = pathlib.PurePosixPath(topic_page(anchor)), ""
         elif file.is_file() and (bang or file.is_relative_to(root / "docs")):
             goal = pathlib.PurePosixPath(file.relative_to(root).as_posix().removeprefix("docs/"))
             kept[goal] = file
@@ -99,6 +104,27 @@ def write(folder, name, text):
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
     return path
+
+
+def topic_page(name):
+    return f"reference/commands/help-{name}.md"
+
+
+def topic_pages(program, folder):
+    """A page for each topic of the help: its sections, word for word, under headings."""
+    written = set()
+    listed = help_of(program).split("\nTopics:\n")[1].split("\n\n")[0]
+    for name, about in re.findall(r"^  (\w+) +(.+)$", listed, re.M):
+        page = f"# cullhull help {name}\n\n{about}, as `cullhull help {name}` prints them.\n"
+        text = subprocess.run([program, "help", name], check=True, capture_output=True, text=True).stdout
+        for block in text.strip("\n").split("\n\n"):
+            title, _, body = block.partition(":\n")
+            if body.startswith("  "):
+                page += f"\n## {title}\n"
+                block = textwrap.dedent(body)
+            page += f"\n```text\n{block}\n```\n"
+        written.add(write(folder, topic_page(name), page))
+    return written
 
 
 def command_pages(program, folder):
@@ -181,7 +207,8 @@ def main():
         if not target.exists() or target.read_bytes() != file.read_bytes():
             shutil.copyfile(file, target)
         written.add(target)
-    written |= command_pages(program, folder) | header_pages(folder) | python_pages(folder)
+    written |= command_pages(program, folder) | topic_pages(program, folder)
+    written |= header_pages(folder) | python_pages(folder)
     for path in folder.rglob("*"):  # pages that were
         if path.is_file() and path not in written:
             path.unlink()

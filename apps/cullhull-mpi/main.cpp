@@ -60,19 +60,29 @@ class Job {
   /// Runs `work` on this rank; where it throws on any rank, Ended is thrown on all.
   void together(const std::function<void()>& work) {
     app::Ending mine;
+    bool named = false;
     try {
       work();
     } catch (const Ended&) {
       throw;
+    } catch (const cullhull::Error& e) {
+      // All ranks have learned of the point, and the rank that read it knows the file.
+      const bool bad_point = e.code() == cullhull::ErrorCode::not_finite;
+      const auto message = bad_point ? share_.named(e.what()) : std::nullopt;
+      named = message.has_value();
+      mine = app::ending_of_exception(words_);
+      if (named) mine.line = *message;
     } catch (...) {
       mine = app::ending_of_exception(words_);
     }
-    agree(mine);
+    agree(mine, named);
   }
 
  private:
-  void agree(app::Ending ending) {
-    int lowest = ending.status != 0 ? rank_ : size_;
+  /// The lowest rank that has failed speaks, first of those with a `named` point.
+  void agree(app::Ending ending, bool named) {
+    const int none = 2 * size_;
+    int lowest = ending.status == 0 ? none : named ? rank_ : size_ + rank_;
     MPI_Request request;
     MPI_Iallreduce(MPI_IN_PLACE, &lowest, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD, &request);
     // Rank 0 may be using all processors for the hull: the others sleep.
@@ -81,7 +91,8 @@ class Job {
       if (done != 0) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    if (lowest == size_) return;
+    if (lowest == none) return;
+    lowest %= size_;
     int head[2] = {ending.status, static_cast<int>(ending.line.size())};
     MPI_Bcast(head, 2, MPI_INT, lowest, MPI_COMM_WORLD);
     ending.status = head[0];
@@ -152,7 +163,8 @@ int run(Job& job, const std::vector<std::string>& given) {
   parser.footer(footer);
   parser.require_subcommand(1, 1);
   const app::Command hull = app::add_hull_of(parser, &job.elsewhere());
-  const std::vector<std::string> words = app::spell_out(given, parser);
+  const std::vector<std::string> words =
+      given.empty() ? std::vector<std::string>{"--help"} : app::spell_out(given, parser);
   const app::Parsed outcome = parser.parse(words);
   if (outcome.kind == app::Parsed::Kind::help) {
     if (job.rank() == 0)

@@ -33,6 +33,22 @@ Input open_one(const InputArguments& arguments, const std::string& file,
 
 }  // namespace
 
+std::optional<std::string> Share::named(std::string_view message) const {
+  const std::size_t at = message.find("point ");  // behind "rank 2: "
+  if (at == std::string_view::npos) return std::nullopt;
+  message.remove_prefix(at);
+  const auto point = point_of(message);
+  for (std::size_t i = 0; point && i < blocks.size(); ++i) {
+    const std::uint64_t first = blocks[i].first_id;
+    if (*point < first || *point - first >= blocks[i].points.count) continue;
+    const auto& bad = places[i].not_finite;
+    const std::string line =
+        bad && bad->point + first == *point ? ":" + std::to_string(bad->line) : "";
+    return places[i].name + line + ": " + std::string(message);
+  }
+  return std::nullopt;
+}
+
 Share open_share(MPI_Comm comm, const InputArguments& arguments,
                  const std::vector<std::string>& files, const RunArguments& run,
                  const Together& together) {
@@ -83,6 +99,7 @@ Share open_share(MPI_Comm comm, const InputArguments& arguments,
                     " points");
       if (i == 0) share.format = input.file.format();
       share.blocks.push_back({input.points, first + input.file.first()});
+      share.places.push_back(input.places.parts[0]);
     }
   });
   share.inputs = std::move(opened);  // the blocks view its memory, which does not move

@@ -4,7 +4,9 @@
 #include <mpi.h>
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "arguments.hpp"
@@ -16,8 +18,13 @@ namespace app {
 struct Share {
   std::vector<Input> inputs;
   std::vector<cullhull::mpi::Block> blocks;
-  std::string format;  ///< of the first file, on the ranks that opened it
-  Placing placing;     ///< of all files, on rank 0
+  std::vector<Places::Part> places;  ///< of each block
+  std::string format;                ///< of the first file, on the ranks that opened it
+  Placing placing;                   ///< of all files, on rank 0
+
+  /// A message about a point of this rank, with its file and, where it is a text, its line; nothing
+  /// about points of others.
+  std::optional<std::string> named(std::string_view message) const;
 };
 
 /// Runs `work` on this rank; where it throws on any rank, all end.

@@ -71,19 +71,16 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option) {
               " needs a whole number from 0 to 18446744073709551615, not '", text, "'");
 }
 
-namespace {
-
-/// The number in "point 7, coordinate 0 is NaN".
-std::optional<std::uint64_t> point_of(const std::string& message) {
+std::optional<std::uint64_t> point_of(std::string_view message) {
   constexpr std::string_view begin = "point ";
   std::uint64_t point = 0;
+  if (message.starts_with("frame "))
+    message.remove_prefix(std::min(message.size(), message.find(": ") + 2));
   if (!message.starts_with(begin)) return std::nullopt;
   const char* const end = message.data() + message.size();
   const auto read = std::from_chars(message.data() + begin.size(), end, point);
   return read.ec == std::errc() ? std::optional(point) : std::nullopt;
 }
-
-}  // namespace
 
 std::string place_of(const std::string& path, const std::string& message) {
   if (const auto point = point_of(message))

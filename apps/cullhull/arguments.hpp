@@ -119,6 +119,9 @@ std::uint64_t parse_whole(std::string_view text, std::string_view option);
 /// "standard input" for "-".
 std::string input_name(const std::string& path);
 
+/// The number in "point 7, coordinate 0 is NaN", behind "frame 3: " perhaps.
+std::optional<std::uint64_t> point_of(std::string_view message);
+
 /// The file and, where it is a text, the line of the point that such a message begins with.
 std::string place_of(const std::string& path, const std::string& message);
 inline std::string place_of(const Places& places, const std::string& message) {

@@ -135,6 +135,11 @@ int run(CertifyArguments arguments) {
                           "certify needs the points and, as the last word, the hull to verify");
   arguments.hull = arguments.input.words.back();
   arguments.input.words.pop_back();
+  for (const char* mesh : {".ply", ".obj", ".off", ".stl", ".glb", ".vtp", ".geojson", ".wkt"})
+    if (ending_of(arguments.hull) == mesh)
+      throw cullhull::Error(cullhull::ErrorCode::invalid_argument, arguments.hull,
+                            ": the hull to verify is the last word, as 'cullhull hull INPUT -o "
+                            "HULL.json' writes it");
   arguments.files = arguments.input.find_files();
   arguments.stream.check_ids();
   FilePlan plan;

@@ -43,6 +43,18 @@ std::string with_memory(std::string message, const std::vector<std::string>& wor
   return message;
 }
 
+/// Explains a file that is not there where the words before it make it one by mistake: `--json
+/// FILE` and `--columns x y`.
+std::string with_hint(std::string message, const std::vector<std::string>& words) {
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (!message.starts_with(words[i] + ": cannot open")) continue;
+    if (words[i - 1] == "--json") return message + " (--json=" + words[i] + " writes it)";
+    if (i > 1 && words[i - 2] == "--columns")
+      return message + " (--columns " + words[i - 1] + "," + words[i] + " takes both columns)";
+  }
+  return message;
+}
+
 }  // namespace
 
 std::string usage_line(const Parsed& outcome, const std::vector<std::string>& given,
@@ -61,6 +73,7 @@ Ending ending_of_exception(const std::vector<std::string>& words) {
     std::string message = e.what();
     if (e.code() == cullhull::ErrorCode::out_of_budget)
       message = with_memory(std::move(message), words);
+    if (e.code() == cullhull::ErrorCode::io) message = with_hint(std::move(message), words);
     return {exit_status(e.code()), with_arguments_cut(std::move(message), words)};
   } catch (const std::bad_alloc&) {
     return {over_budget, out_of_memory};

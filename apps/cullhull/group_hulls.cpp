@@ -21,6 +21,7 @@ int run_groups(const InputArguments& input, const std::vector<std::string>& file
   {
     TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
     reading.progress = options.progress = progress.callback();
+    reading.position = progress.bytes_callback();
     cancellable([&] { report = cullhull::write_group_hulls(files, output, reading, options); });
   }
   if (run.quiet || output == "-") return 0;

@@ -493,6 +493,9 @@ void check_groups(const HullArguments& a) {
   const bool others = !a.vertices.empty() || !a.json.empty() || !a.formats.empty() || a.certify ||
                       a.triangles || a.repeat > 1 || a.engine != "native" || !a.only.empty() ||
                       a.stream.any();
+  if (a.outputs.empty() && !others)
+    throw Error(ErrorCode::invalid_argument,
+                "--by needs one -o FILE.geojson (2D), FILE.csv or FILE.json for the hulls");
   if (a.outputs.size() != 1 || others)
     throw Error(ErrorCode::invalid_argument,
                 "--by writes the hulls of groups to one -o (.geojson .csv .json) and goes with "

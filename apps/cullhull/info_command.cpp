@@ -30,6 +30,7 @@ struct Scan {
   std::vector<Range> axes;
   std::uint64_t not_finite = 0;
   std::uint64_t first_not_finite = none;
+  std::string place;  ///< file and, of a text, line of the first; empty: unknown
 
   /// Merges the findings about other points.
   void add(const Scan& other) {
@@ -112,9 +113,10 @@ std::string summary(const Described& input, const Scan& found) {
   }
   text += found.not_finite == 0
               ? std::string("finite     yes\n")
-              : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}\n",
+              : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}{}\n",
                             grouped(found.not_finite), found.not_finite == 1 ? "" : "s",
-                            found.first_not_finite);
+                            found.first_not_finite,
+                            found.place.empty() ? "" : " (" + found.place + ")");
   return text;
 }
 
@@ -129,6 +131,8 @@ Described describe(const InputArguments& arguments, const std::vector<std::strin
   Input input = open_inputs(arguments, files, 0);
   input.to_world();
   found = scan(input.points);
+  if (found.not_finite > 0)
+    found.place = input.places.of(fmt::format("point {},", found.first_not_finite));
   return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds(),
           input.placing};
 }

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <memory>
 #include <optional>
@@ -79,6 +80,13 @@ std::uint64_t number_behind(const std::string& word, std::size_t letters) {
   return value;
 }
 
+/// A name with an ending: points.txt, but not.
+bool names_a_file(const std::string& word) {
+  const std::size_t dot = word.rfind('.');
+  return dot != std::string::npos && dot + 1 < word.size() &&
+         std::isalpha(static_cast<unsigned char>(word[dot + 1])) != 0;
+}
+
 Request read_words(const std::vector<std::string>& words) {
   Request request;
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -98,6 +106,8 @@ Request read_words(const std::vector<std::string>& words) {
         refuse(word,
                "asks Qhull for a different result or for a trace, which cullhull does not have");
     } else {
+      if (names_a_file(word))
+        refuse(word, "is no word of qconvex; TI " + word + " reads points from a file");
       cullhull::check_qhull_format(word);
       request.texts.push_back(word);
     }

@@ -135,6 +135,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   }
   TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   blocks.progress = progress.callback();
+  blocks.position = progress.bytes_callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
     const std::uint64_t id = stream.first_id + first;
@@ -187,6 +188,7 @@ cullhull::BlockSummary stream_blocks(
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
   blocks.progress = progress.callback();
+  blocks.position = progress.bytes_callback();
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
     points(block, first);

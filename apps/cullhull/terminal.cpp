@@ -156,6 +156,30 @@ cullhull::Progress TerminalProgress::callback() {
   return [this](const char* phase, double share) { show(phase, share); };
 }
 
+std::function<void(const cullhull::BlockPosition&)> TerminalProgress::bytes_callback() {
+  if (!active_ || total_ > 0) return {};
+  return [this](const cullhull::BlockPosition& at) { show_bytes(static_cast<double>(at.bytes)); };
+}
+
+bool TerminalProgress::begin(const std::string& phase, std::int64_t now, bool again) {
+  if (phase_ != phase || again) {
+    phase_ = phase;
+    phase_began_ = now;
+  }
+  if (shown_ && now - last_ < 50) return false;
+  last_ = now;
+  return shown_ = true;
+}
+
+void TerminalProgress::show_bytes(double bytes) {
+  const std::int64_t now = milliseconds();
+  if (!begin("read", now, false)) return;
+  std::string text = fmt::format("\r\x1b[K{:<10} {}", phase_, amount(bytes, "read"));
+  const double seconds = static_cast<double>(now - phase_began_) / 1000;
+  if (seconds >= 0.2) text += "  " + amount(bytes / seconds, "read") + "/s";
+  (void)write_all(system::standard_error, text);
+}
+
 // At the beginning of a phase the rate is not yet known.
 std::string TerminalProgress::rest(double share, std::int64_t now) const {
   const bool counted = total_ > 0 && phase_ == counted_;
@@ -170,14 +194,9 @@ std::string TerminalProgress::rest(double share, std::int64_t now) const {
 void TerminalProgress::show(const char* phase, double share) {
   const std::int64_t now = milliseconds();
   share = std::clamp(share, 0.0, 1.0);
-  if (phase_ != phase || share < first_share_) {
-    phase_ = phase;
-    phase_began_ = now;
-    first_share_ = share;
-  }
-  if (shown_ && now - last_ < 50) return;
-  last_ = now;
-  shown_ = true;
+  const bool again = share < first_share_;
+  if (phase_ != phase || again) first_share_ = share;
+  if (!begin(phase, now, again)) return;
   constexpr int width = 24;
   const auto full = static_cast<int>(share * width);
   (void)write_all(system::standard_error,

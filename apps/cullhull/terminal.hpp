@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "cullhull/options.hpp"
+#include "cullhull/point_blocks.hpp"
 #include "numbers.hpp"
 
 namespace app {
@@ -44,9 +45,15 @@ class TerminalProgress {
 
   /// Empty if standard error is no terminal.
   cullhull::Progress callback();
+  /// For inputs whose size is unknown: shows the bytes read and their rate. Empty where the total
+  /// is known, and as callback().
+  std::function<void(const cullhull::BlockPosition&)> bytes_callback();
 
  private:
   void show(const char* phase, double share);
+  void show_bytes(double bytes);
+  /// Whether to write the line again; `again`: the phase of the same name is a new one.
+  bool begin(const std::string& phase, std::int64_t now, bool again);
   std::string rest(double share, std::int64_t now) const;
   std::string counted_;
   double total_ = 0;

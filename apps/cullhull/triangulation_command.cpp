@@ -160,22 +160,28 @@ struct Box {
   std::vector<double> low, high;
 };
 
+/// The numbers of --box; `axes`: of the points, 0 where these are not known yet.
+std::vector<double> box_numbers(const std::string& box, std::uint32_t axes) {
+  std::string text = box;
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream in(text);
+  std::vector<double> numbers;
+  for (double v; in >> v;) numbers.push_back(v);
+  const bool fits = axes == 0 ? !numbers.empty() && numbers.size() % 2 == 0
+                              : numbers.size() == std::size_t{2} * axes;
+  if (in.eof() && fits) return numbers;
+  throw Error(ErrorCode::invalid_argument,
+              fmt::format("--box {}: expected {}numbers joined by commas, the lower bound of each "
+                          "axis, then the upper bounds",
+                          box, axes == 0 ? "" : fmt::format("{} ", 2 * axes)));
+}
+
 /// On the points' grid.
 Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid& grid) {
   const std::uint32_t d = points.dimension;
   Box box;
   if (!a.box.empty()) {
-    std::string text = a.box;
-    std::replace(text.begin(), text.end(), ',', ' ');
-    std::istringstream in(text);
-    std::vector<double> numbers;
-    for (double v; in >> v;) numbers.push_back(v);
-    if (!in.eof() || numbers.size() != 2 * d)
-      throw Error(
-          ErrorCode::invalid_argument,
-          fmt::format("--box {}: expected {} numbers, the lower bound of each axis, then the "
-                      "upper bounds",
-                      a.box, 2 * d));
+    std::vector<double> numbers = box_numbers(a.box, d);
     for (double& v : numbers) v = grid.to_grid(v);
     box.low.assign(numbers.begin(), numbers.begin() + d);
     box.high.assign(numbers.begin() + d, numbers.end());
@@ -384,6 +390,7 @@ int run(DualArguments a, bool dual) {
     throw Error(ErrorCode::invalid_argument, "--inside needs --edges");
   if (!a.clip.empty() && !a.box.empty())
     throw Error(ErrorCode::invalid_argument, "--clip and --box exclude each other");
+  if (!a.box.empty()) (void)box_numbers(a.box, 0);
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);

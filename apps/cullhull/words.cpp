@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
+#include <utility>
 
 namespace app {
 namespace {
@@ -30,6 +31,40 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+/// What users of other programs may look for, and the names here.
+constexpr std::pair<std::string_view, std::string_view> other_words[] = {
+    {"convex-hull", "hull"},
+    {"convexhull", "hull"},
+    {"convex", "hull"},
+    {"area", "hull"},
+    {"volume", "hull"},
+    {"filter", "cull"},
+    {"triangulate", "delaunay"},
+    {"tin", "delaunay"},
+    {"concave", "alpha"},
+    {"concave-hull", "alpha"},
+    {"alpha-shape", "alpha"},
+    {"alphashape", "alpha"},
+    {"verify", "certify"},
+    {"check", "certify"},
+    {"describe", "info"},
+    {"show", "view"},
+    {"plot", "view"},
+    {"group", "hull"},
+    {"--group", "--by"},
+    {"--group-by", "--by"},
+    {"--groupby", "--by"},
+    {"--verify", "--certify"},
+    {"--check", "--certify"},
+    {"--fields", "--columns"},
+    {"--output-format", "--output"},
+    {"--radius", "--alpha"},
+    {"--jobs", "--threads"},
+    {"--polygon", "--clip"},
+    {"--mask", "--clip"},
+    {"--silent", "--quiet"},
+    {"--constraints", "--edges"}};
+
 }  // namespace
 
 bool is_command(const Parser& parser, const std::string& word) {
@@ -56,8 +91,16 @@ std::vector<std::string> spell_out(const std::vector<std::string>& given, const 
 }
 
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  const auto is_known = [&](std::string_view name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  for (const auto& [other, name] : other_words)
+    if (word == other && is_known(name)) return std::string(name);
   std::string best;
-  std::size_t least = word.size() / 3 + 1;  // words at a greater distance are different words
+  const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
+  const std::size_t letters = word.size() - dashes;
+  if (letters < 3) return best;
+  std::size_t least = letters / 3 + 1;  // words at a greater distance are different words
   for (const std::string& name : known) {
     const bool begun = word.size() >= 4 && name.starts_with(word);
     const std::size_t distance = begun ? 0 : edit_distance(word, name);

@@ -138,7 +138,8 @@ class PointFile {
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
 /// The line (from 1) of a point in an uncompressed text file, for messages; empty for other formats
-/// and on read errors. Counts lines, so it takes as long as reading the file.
+/// and on read errors. In text formats of meshes only the first point that is not finite has one.
+/// Takes as long as reading the file.
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
 /// Moving points, frame by frame: an array (frames, n, d) in an .npy file, of which one frame at a

@@ -81,6 +81,9 @@ struct BlockOptions {
   BlockPosition from;                                  ///< position to resume from
   Progress progress;                                   ///< "read" and the fraction of bytes read
   Poll poll;
+  /// Called with the position about every 50 ms, by the thread that called visit_blocks: progress
+  /// of inputs whose size is unknown (pipes), of which `progress` reports none.
+  std::function<void(const BlockPosition&)> position;
   std::uint64_t reserved[4] = {};
 };
 

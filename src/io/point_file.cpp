@@ -336,8 +336,9 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
       return std::nullopt;
     const std::string format = internal::choose_format(source, {});
     if (format == "wkt") return internal::line_of_wkt_point(source, point);
-    if (!internal::is_text(format)) return std::nullopt;
-    return internal::line_of_row(source, point, format == "csv");
+    if (internal::is_text(format)) return internal::line_of_row(source, point, format == "csv");
+    const PointLine at = internal::read_points(source, {}).not_finite;
+    return at.line > 0 && at.point == point ? std::optional(at.line) : std::nullopt;
   } catch (...) {
     return std::nullopt;
   }

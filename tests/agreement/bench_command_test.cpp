@@ -90,6 +90,7 @@ TEST(BenchMachine, BadUsage) {
     EXPECT_EQ(ran.out, "");
   }
   EXPECT_EQ(run_app({"cullhull-bench"}).out, run_app({"cullhull-bench", "--help"}).out);
+  EXPECT_EQ(run_app({"cullhull-bench"}).status, 0);
 }
 
 /// Every row has values that are times or shares, and says how it was checked.

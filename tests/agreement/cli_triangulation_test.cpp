@@ -191,8 +191,8 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   };
   const std::string polygon = R"({"type": "Polygon", "coordinates": )";
   refused("", 1, "empty");
-  refused("x,y\n1,2\n", 1, "no GeoJSON: byte 1 is no JSON");
-  refused("[1, 2]", 1, "no GeoJSON: an object is expected");
+  refused("x,y\n1,2\n", 1, ":1: not GeoJSON: not valid JSON");
+  refused("[1, 2]", 1, "not GeoJSON: an object is expected");
   refused(R"({"type": "Topology"})", 1, "its type is \"Topology\"");
   refused(R"({"type": "Point", "coordinates": [1, 2]})", 1, "there is no polygon in it");
   refused(polygon + "[[[0,0],[1]]]}", 1, "ring 0 has a position without x and y");
@@ -266,7 +266,10 @@ TEST(CliTriangulation, RefusesWhatCannotBe) {
   write_points(f / "disk.npy", "disk", 30, 2);
   expect_error({"delaunay", f / "ball.npy", "-o", f / "t.off"}, 2, "triangles of 2D points");
   expect_error({"voronoi", f / "ball.npy", "-o", f / "t.wkt"}, 2, "polygons of 2D points");
-  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1"}, 2, "expected 4 numbers");
+  expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1,1,2,2"}, 2, "expected 4 numbers");
+  // The words behind the first are files.
+  expect_error({"voronoi", f / "disk.npy", "--box", "0", "0", "1", "1"}, 2,
+               "--box 0: expected numbers joined by commas");
   expect_error({"voronoi", f / "disk.npy", "--box", "0,0,1,0", "-o", f / "c.wkt"}, 2,
                "the box is empty");
   expect_error({"delaunay", f / "disk.npy", "-o", f / "t.xyz"}, 2, "");

@@ -31,13 +31,41 @@ TEST(CliUsage, DidYouMean) {
   expect_error({"cullhull-bench", "rival"}, 2,
                "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");
   expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
-  for (const std::vector<std::string>& far :
-       {std::vector<std::string>{"hull", p, "--colour"}, {"fly"}, {"hull", p, "--xyzzy"}}) {
+  for (const std::vector<std::string>& far : {std::vector<std::string>{"hull", p, "--colour"},
+                                              {"fly"},
+                                              {"hull", p, "--xyzzy"},
+                                              {"hull", p, "--area"},
+                                              {"hull", p, "--2d"},
+                                              {"hull", p, "-v"}}) {
     const Ran ran = run_app(far);
     EXPECT_EQ(ran.status, 2);
     EXPECT_EQ(ran.err.find("did you mean"), std::string::npos) << ran.err;
   }
   expect_error({"info", p, "--no-such"}, 2, "--no-such");
+}
+
+TEST(CliUsage, NamesOfOtherPrograms) {
+  const Folder f;
+  write_points(f / "p.npy", "ball", 100, 2);
+  const std::string p = f / "p.npy";
+  expect_error({"concave", p}, 2, "unknown command 'concave'; did you mean alpha?");
+  expect_error({"triangulate", p}, 2, "did you mean delaunay?");
+  expect_error({"hull", p, "--group-by", "c"}, 2, "did you mean --by?");
+  expect_error({"hull", p, "--output-format", "wkt"}, 2, "did you mean --output?");
+  expect_error({"voronoi", p, "--mask", "a.geojson"}, 2, "did you mean --clip?");
+  expect_error({"hull", p, "--mask", "a.geojson"}, 2, "unknown option --mask (see");
+  expect_error({"hull", p, "--json", f / "r.json"}, 1, "(--json=" + (f / "r.json") + " writes it)");
+  write_file(f / "lon.csv", "lat,lon,n\n0,0,1\n1,0,1\n0,1,1\n");
+  expect_error({"hull", f / "lon.csv", "--columns", "lat", "lon"}, 1,
+               "(--columns lat,lon takes both columns)");
+  expect_error({"hull", p, "--format", "wkt"}, 2, "; -o FILE.wkt writes a file");
+  expect_error({"hull", p, "--by", "1"}, 2, "--by needs one -o FILE.geojson (2D)");
+  expect_error({"qconvex", p}, 2, "TI " + p + " reads points from a file");
+  write_file(f / "hull.ply", "ply\n");
+  expect_error({"certify", p, f / "hull.ply"}, 2, "hull.ply: the hull to verify is the last word");
+  write_file(f / "p.csv", "n;x;y\na;1,5;2\n");
+  expect_error({"hull", f / "p.csv", "--columns", "x,y"}, 1,
+               "p.csv:2: column 'x': '1,5' is not a number; decimal commas are not read");
 }
 
 TEST(CliUsage, HelpByCommand) {
@@ -215,7 +243,7 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
   expect_error({"qconvex", "TI", p, "Fx"}, 1, want);
   if (run_app({"view", good, "-o", f / "v.html"}).status != 5)
     expect_error({"view", p, "-o", f / "w.html"}, 1, want);
-  expect_error({"track", good, p}, 1, p + ": frame 1: point 2, coordinate 1 is NaN");
+  expect_error({"track", good, p}, 1, p + ":3: frame 1: point 2, coordinate 1 is NaN");
   const Ran stream = run_app({"hull", "-"}, p);
   EXPECT_NE(stream.err.find("standard input:3: point 2"), std::string::npos) << stream.err;
   const std::string csv = f / "p.csv";
@@ -249,6 +277,118 @@ TEST(CliUsage, NotFiniteNamesTheLineWhereverTheTextComesFrom) {
   const Ran ran = run_app({"hull", f / "c.csv"});
   EXPECT_NE(ran.err.find("c.csv:3: point 1, coordinate 0 is infinite"), std::string::npos)
       << ran.err;
+}
+
+/// A bad row behind blank lines and comments, so that its line is not its point's number.
+struct BadRow {
+  const char* row;
+  std::string message;
+};
+const BadRow bad_rows[] = {{"b,nan,1", ": point 2, coordinate 0 is NaN; remove or repair"},
+                           {"b,1,-inf", ": point 2, coordinate 1 is infinite; remove or repair"},
+                           {"b,1e999,1", ": column 'x': '1e999' exceeds the range of doubles"},
+                           {"b,1,1,1", ": 4 columns where there are 3"},
+                           {"b,1", ": 2 columns where there are 3"},
+                           {"b,1,", ": column 'y' is empty"},
+                           {"b,1,one", ": column 'y': 'one' is not a number"}};
+
+TEST(CliUsage, BadRowsAreNamedByTheirLineInEveryWayOfReading) {
+  const Folder f;
+  const std::string bad = f / "bad.csv", good = f / "good.csv";
+  write_file(good, "key,x,y\na,0,0\na,4,0\nb,0,4\n");
+  for (const BadRow& b : bad_rows) {
+    write_file(bad,
+               std::string("# words\nkey,x,y\n\na,0,0\na,1,0\n# more\n") + b.row + "\nb,1,1\n");
+    const bool finite = b.message.find("point 2") == std::string::npos;
+    const auto numbered = [&](const char* point) {  // ids that are not those of the file alone
+      std::string message = b.message;
+      return finite ? message : message.replace(8, 1, point);
+    };
+    const std::string line = bad + ":7", of_pipe = "standard input:7";
+    for (const char* columns : {"x,y", "1,2"}) {
+      const std::vector<std::string> more{"--columns", columns};
+      const auto check = [&](std::vector<std::string> words, const std::string& want,
+                             const std::string& input = "/dev/null") {
+        words.insert(words.end(), more.begin(), more.end());
+        expect_error(words, 1, want, input);
+      };
+      for (const char* stream : {"on", "off"}) {
+        check({"hull", bad, "--stream", stream}, line + b.message);
+        check({"hull", "-", "--stream", stream}, of_pipe + b.message, bad);
+        check({"hull", good, bad, "--stream", stream}, line + numbered("5"));
+        check({"hull", bad, "--only", "vertices", "--stream", stream}, line + b.message);
+        check({"cull", bad, "--stream", stream}, line + b.message);
+      }
+      check({"hull", bad, "--first-id", "1000"}, line + numbered("1002"));
+      check({"hull", good, "-", "--first-id", "1000"}, of_pipe + numbered("1005"), bad);
+      check({"hull", bad, "--partial", f / "s.npz"}, line + b.message);
+      check({"hull", bad, "--checkpoint", f / "c"}, line + b.message);
+      check({"hull", bad, "--by", "key", "-o", f / "o.csv"}, line + b.message);
+      check({"hull", good, "-", "--by", "0", "-o", f / "o.csv"}, of_pipe + numbered("5"), bad);
+      check({"delaunay", bad}, line + b.message);
+      check({"voronoi", good, bad}, line + numbered("5"));
+      check({"alpha", bad}, line + b.message);
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(f / "o.csv"));
+}
+
+TEST(CliUsage, BadRowsFarIntoAFileAreNamedByTheirLine) {
+  const Folder f;
+  const std::string p = f / "p.csv";
+  std::string rows;  // several blocks, and several chunks of a block
+  while (rows.size() < 9000000) rows += "1,2,3\n\n";
+  const auto lines = static_cast<std::uint64_t>(std::count(rows.begin(), rows.end(), '\n'));
+  write_file(p, "x,y,z\n" + rows + "1,inf,3\n1,2\n" + rows);
+  const std::string infinite = p + ":" + std::to_string(lines + 2) + ": point " +
+                               std::to_string(lines / 2) + ", coordinate 1 is infinite";
+  const std::string shorter = p + ":" + std::to_string(lines + 3) + ": ";
+  for (const char* stream : {"on", "off"}) {
+    expect_error({"hull", p, "--stream", stream}, 1, shorter);
+    write_file(p + ".csv", "x,y,z\n" + rows + "1,inf,3\n" + rows + "nan,0,0\n");
+    expect_error({"hull", p + ".csv", "--stream", stream}, 1, infinite.substr(p.size()));
+  }
+  expect_error({"hull", p + ".csv", "--by", "z", "-o", f / "o.csv"}, 1, infinite.substr(p.size()));
+  expect_error({"hull", "-", "--by", "z", "-o", f / "o.csv"}, 1, infinite.substr(p.size()),
+               p + ".csv");
+}
+
+TEST(CliUsage, NotFiniteVerticesOfTextsAreNamedByTheirLine) {
+  const Folder f;
+  const struct {
+    const char *name, *text, *message;
+  } texts[] = {
+      {"a.obj", "# v\nv 0 0 0\nvn 0 0 1\nv 1 0 0\nf 1 2 3\nv nan 1 0\n",
+       ":6: point 2, coordinate 0"},
+      {"a.off", "OFF\n3 1 0\n\n0 0 0\n1 0 0\n0 inf 0\n3 0 1 2\n", ":6: point 2, coordinate 1"},
+      {"a.ply",
+       "ply\nformat ascii 1.0\nelement edge 1\nproperty int a\nelement vertex 3\n"
+       "property float x\nproperty float y\nend_header\n7\n0 0\n1 0\nnan 1\n",
+       ":12: point 2, coordinate 0"},
+      {"a.stl",
+       "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 nan 0\n"
+       "endloop\nendfacet\nendsolid\n",
+       ":6: point 2, coordinate 1"},
+      {"a.pcd",
+       "VERSION 0.7\nFIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 3\nHEIGHT 1\n"
+       "POINTS 3\nDATA ascii\n0 0\n1 0\n0 inf\n",
+       ":12: point 2, coordinate 1"},
+      {"q.txt", "2 words\n4\n0 0\n1 0\nnan 1\n1 inf\n", ":5: point 2, coordinate 0"},
+  };
+  for (const auto& t : texts) {
+    const std::string p = f / t.name;
+    write_file(p, t.text);
+    for (const char* stream : {"on", "off"})
+      expect_error({"hull", p, "--stream", stream}, 1, p + t.message);
+    const std::string message = t.message;
+    const std::size_t behind = message.find(' ') + 1;
+    expect_error({"track", p, p}, 1,
+                 p + message.substr(0, behind) + "frame 0: " + message.substr(behind));
+  }
+  // Of the columns that are asked for.
+  for (const char* stream : {"on", "off"})
+    expect_error({"hull", f / "q.txt", "--columns", "1", "--stream", stream}, 1,
+                 "q.txt:6: point 3, coordinate 0 is infinite");
 }
 
 TEST(CliUsage, AFolderReadsWhatItKnows) {
@@ -421,6 +561,74 @@ TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
   OnTerminal quiet({"hull", f / "p.npy", "-q", "--cull", "none", "--threads", "1"});
   EXPECT_EQ(quiet.wait(), 0);
   EXPECT_EQ(quiet.shown(), "");
+}
+
+/// Feeds a pipe until a line of progress about it holds `part`; returns all that was shown.
+std::string shown_of_a_pipe(const std::vector<std::string>& arguments, const std::string& row,
+                            const std::string& part) {
+  int ends[2];
+  EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  OnTerminal program(arguments, ends[0]);
+  std::string rows;
+  while (rows.size() < 1 << 16) rows += row;
+  const auto seen = [&] { return program.shown().find(part) != std::string::npos; };
+  bool fed = true;
+  // The bound ends a program that shows nothing.
+  for (std::uint64_t bytes = 0; fed && !seen() && bytes < std::uint64_t{4} << 30;) {
+    std::size_t at = 0;
+    while (fed && at < rows.size()) {
+      const ssize_t n = ::write(ends[1], rows.data() + at, rows.size() - at);
+      fed = n > 0;
+      at += fed ? static_cast<std::size_t>(n) : 0;
+    }
+    bytes += at;
+    program.look();
+  }
+  ::close(ends[1]);
+  EXPECT_EQ(program.wait(), 0) << program.shown();
+  EXPECT_TRUE(fed && seen()) << program.shown();
+  EXPECT_TRUE(program.shown().ends_with("\r\x1b[K")) << "the line is wiped";
+  return program.shown();
+}
+
+TEST(CliUsage, ProgressOfAPipeCountsBytes) {
+  ::signal(SIGPIPE, SIG_IGN);
+  const Folder f;
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"hull", "-", "--stream", "on"},
+                                             {"info", "-", "--stream", "on"},
+                                             {"hull", "-", "--by", "2", "-o", f / "groups.json"}}) {
+    const std::string shown = shown_of_a_pipe(arguments, "0 0 1\n1 0 1\n0 1 1\n", "B/s");
+    EXPECT_NE(shown.find("\r\x1b[Kread       "), std::string::npos) << shown;
+    std::istringstream lines(shown);
+    for (std::string line; std::getline(lines, line, '\r');)
+      if (line.find("read") != std::string::npos)
+        EXPECT_TRUE(line.find('%') == std::string::npos && line.find("left") == std::string::npos)
+            << "a share of what?\n"
+            << line;
+  }
+}
+
+TEST(CliUsage, ProgressOfFilesThatAreReadInBlocks) {
+  const Folder f;
+  std::string rows;
+  while (rows.size() < 4000000) rows += "0 0 1\n1 0 1\n0 1 1\n";
+  write_file(f / "p.txt", rows);
+  // More and more inputs, until they take long enough to be shown.
+  for (std::size_t inputs = 4;; inputs *= 2) {
+    std::vector<std::string> arguments{"hull", "--stream", "on", "--threads", "1"};
+    arguments.insert(arguments.end(), inputs, f / "p.txt");
+    OnTerminal hull(arguments);
+    ASSERT_EQ(hull.wait(), 0) << hull.shown();
+    const std::string& shown = hull.shown();
+    if (shown.find("B/s  ") == std::string::npos && inputs < 4096) continue;
+    EXPECT_NE(shown.find("\r\x1b[Kread       [####"), std::string::npos) << shown;
+    EXPECT_NE(shown.find(" of "), std::string::npos) << shown;
+    EXPECT_NE(shown.find(" MB/s  "), std::string::npos) << shown;
+    EXPECT_NE(shown.find(" s left"), std::string::npos) << shown;
+    EXPECT_TRUE(shown.ends_with("\r\x1b[K")) << "the line is wiped";
+    break;
+  }
 }
 
 TEST(CliUsage, NoTimesOfADeviceThatIsNotThere) {

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <pty.h>
 #include <signal.h>
 #include <spawn.h>
@@ -202,20 +203,26 @@ inline void write_points(const std::string& path, const char* shape, std::uint64
 /// A program whose standard error is a terminal, so that it tells when it is at work.
 class OnTerminal {
  public:
-  explicit OnTerminal(const std::vector<std::string>& arguments) {
+  /// `in`: standard input, closed here; -1: nothing to read.
+  explicit OnTerminal(const std::vector<std::string>& arguments, int in = -1) {
     int terminal = -1;
     if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0)
       throw std::runtime_error("no terminal to be had: is /dev/pts mounted?");
     ::fcntl(master_, F_SETFD, FD_CLOEXEC);
     const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    child_ = start_app(arguments, null, null, terminal);
-    ::close(terminal);
-    ::close(null);
+    child_ = start_app(arguments, in < 0 ? null : in, null, terminal);
+    for (const int fd : {terminal, null, in}) ::close(fd);
   }
   ~OnTerminal() { ::close(master_); }
   OnTerminal(const OnTerminal&) = delete;
   OnTerminal& operator=(const OnTerminal&) = delete;
 
+  /// Takes what is shown, without waiting.
+  void look() {
+    pollfd ready{master_, POLLIN, 0};
+    while (::poll(&ready, 1, 0) > 0 && (ready.revents & POLLIN) != 0 && read_some()) {
+    }
+  }
   /// Waits for the first word of progress.
   bool at_work() { return read_some(); }
   void signal(int number) const { send(child_, number); }

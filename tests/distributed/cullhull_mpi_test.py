@@ -97,6 +97,15 @@ class Same(unittest.TestCase):
                    "0,1,3")
 
 
+class Help(unittest.TestCase):
+    def test_the_program_alone_shows_its_help_once(self):
+        ran = on_ranks(3)
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        self.assertEqual(ran.stdout.count("Usage: cullhull-mpi"), 1, ran.stdout)
+        self.assertEqual(ran.stdout, on_ranks(1, "--help").stdout)
+        self.assertEqual(ours(ran.stderr), [])
+
+
 class Refused(unittest.TestCase):
     def check(self, status, part, *words, ranks=4):
         ran = on_ranks(ranks, *words)
@@ -112,7 +121,13 @@ class Refused(unittest.TestCase):
             out.writelines("nan 0 0\n" if k == 17 else f"{k} {k * k} 1\n" for k in range(99))
         good = make("ball", 1000, 3, "good.npy")
         # The third file is that of rank 2; its first point has the id 2000.
-        self.check(1, "rank 2: point 2017", "hull", good, good, text)
+        self.check(1, f"{text}:18: point 2017, coordinate 0 is NaN", "hull", good, good, text)
+        self.check(1, f"{text}:18: point 17, ", "hull", text, text, ranks=2)
+        npy = path("nan.npy")
+        with open(good, "rb") as points, open(npy, "wb") as out:
+            whole = points.read()
+            out.write(whole[:-8 * 3 * 10] + b"\xff" * 8 + whole[-8 * 3 * 10 + 8:])
+        self.check(1, f"{npy}: point 1990, coordinate 0 is NaN", "hull", good, npy)
 
     def test_usage_files_and_budget(self):
         good = make("ball", 1000, 3, "good.npy")

@@ -1,6 +1,10 @@
 // Points that are read from GeoJSON and WKT.
+#include <nlohmann/json.hpp>
+#include <random>
+
 #include "cullhull/io.hpp"
 #include "io/formats/geometry_positions.hpp"
+#include "io/json/json_scan.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
@@ -73,7 +77,7 @@ TEST(GeoJsonPoints, NumbersAreRoundedOnce) {
 TEST(GeoJsonPoints, HeightsOfSomeAlone) {
   const std::string mixed = geometry("MultiPoint", "[[1, 2, 3], [4, 5, 6], [7, 8]]");
   EXPECT_EQ(refusal(mixed, "geojson"),
-            "F: position 2 has 2 coordinates, others have 3; --columns x,y takes two of each");
+            "F:1: position 2 has 2 coordinates, others have 3; --columns x,y takes two of each");
   EXPECT_EQ(points_of(mixed, "geojson", "x,y"), (Rows{{1, 2}, {4, 5}, {7, 8}}));
   EXPECT_EQ(points_of(geometry("MultiPoint", "[[7, 8], [1, 2, 3]]"), "geojson", "y"),
             (Rows{{8}, {2}}));
@@ -93,26 +97,218 @@ TEST(GeoJsonPoints, Refusals) {
   EXPECT_EQ(says("{\"type\": \"Point\",\n\n\"coordinates\": [1, 1e999]}"),
             "F:3: a number exceeds the range of doubles");
   EXPECT_EQ(says("{\"type\": \"FeatureCollection\", \"features\": {}}"),
-            "F: not GeoJSON: 'features' is not a list");
-  EXPECT_EQ(says(geometry("Circle", "[1, 2]")), "F: not GeoJSON: its type is 'Circle'");
-  EXPECT_EQ(says(geometry("Feature", "[1, 2]")), "F: a Feature with coordinates");
-  EXPECT_EQ(says("{\"type\": \"Point\"}"), "F: a Point without coordinates");
-  EXPECT_EQ(says(geometry("Point", "null")), "F: a Point without coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1]")), "F: position 0 has one coordinate");
+            "F:1: not GeoJSON: 'features' is not a list");
+  EXPECT_EQ(says(geometry("Circle", "[1, 2]")), "F:1: not GeoJSON: its type is 'Circle'");
+  EXPECT_EQ(says(geometry("Feature", "[1, 2]")), "F:1: a Feature with coordinates");
+  EXPECT_EQ(says("{\"type\": \"Point\"}"), "F:1: a Point without coordinates");
+  EXPECT_EQ(says(geometry("Point", "null")), "F:1: a Point without coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1]")), "F:1: position 0 has one coordinate");
   EXPECT_EQ(says(geometry("Point", "[1, 2, 3, 4]")),
-            "F: position 0 has more than three coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1, \"2\"]")), "F: a string among coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1, null]")), "F: null among coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1, true]")), "F: true or false among coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1, {}]")), "F: an object among coordinates");
-  EXPECT_EQ(says(geometry("Point", "[1, [2]]")), "F: position 0 has a list among its coordinates");
+            "F:1: position 0 has more than three coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1, \"2\"]")), "F:1: a string among coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1, null]")), "F:1: null among coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1, true]")), "F:1: true or false among coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1, {}]")), "F:1: an object among coordinates");
+  EXPECT_EQ(says(geometry("Point", "[1, [2]]")),
+            "F:1: position 0 has a list among its coordinates");
   EXPECT_EQ(says(geometry("MultiPoint", "[[1, 2], 3]")),
-            "F: position 1: a number beside lists of coordinates");
+            "F:1: position 1: a number beside lists of coordinates");
   EXPECT_EQ(says(geometry("MultiPoint", "[[1, 2], [[3, 4]]]")),
-            "F: position 1 is nested differently from those before it");
+            "F:1: position 1 is nested differently from those before it");
   EXPECT_EQ(says(geometry("Polygon", "[[1, 2]]")),
-            "F: the coordinates of a Polygon are nested 2 deep, not 3");
-  EXPECT_EQ(says(geometry("Point", "7")), "F: a number among coordinates");
+            "F:1: the coordinates of a Polygon are nested 2 deep, not 3");
+  EXPECT_EQ(says(geometry("Point", "7")), "F:1: a number among coordinates");
+  EXPECT_EQ(says("{\"type\": \"MultiPoint\", \"coordinates\": [[1, 2],\n[3,\n4], [5\n,6], [7\n]]}"),
+            "F:4: position 3 has one coordinate");
+  EXPECT_EQ(says("{\"type\": \"LineString\",\n\"coordinates\": [[1, 2],\n\n[3, NaN]]}"),
+            "F:4: not valid JSON, which has no NaN and no infinity");
+  EXPECT_EQ(says(geometry("Point", "[-Infinity, 1]")),
+            "F:1: not valid JSON, which has no NaN and no infinity");
+  EXPECT_EQ(points_of("{\"type\": \"Point\", \"id\": 1e999, \"coordinates\": [1, 2]}", "geojson"),
+            (Rows{{1, 2}}))
+      << "numbers of other members are not read";
+}
+
+/// What a JSON text holds, spelled anew.
+class Respelled : public internal::JsonScanner<Respelled> {
+ public:
+  explicit Respelled(std::string_view text) : JsonScanner(text.data(), text.data() + text.size()) {}
+  std::string read() {
+    try {
+      scan();
+    } catch (const internal::JsonFault&) {
+      return "not JSON";
+    }
+    return out_;
+  }
+  void start_object() { out_ += '{'; }
+  void end_object() { out_ += '}'; }
+  void start_array() { out_ += '['; }
+  void end_array() { out_ += ']'; }
+  void key(std::string_view name) { add("key", name); }
+  void string(std::string_view text) { add("string", text); }
+  void literal(std::string_view word) { add("literal", word); }
+  bool wants_number() const { return true; }
+  void number(double value) { add("number", std::to_string(value == 0 ? 0 : value)); }
+
+ private:
+  void add(const char* kind, std::string_view text) {
+    out_ += kind;
+    out_ += std::to_string(text.size()) + ':' + std::string(text) + ';';
+  }
+  std::string out_;
+};
+
+/// The same by nlohmann's parser.
+class RespelledElsewhere : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  static std::string read(std::string_view text) {
+    RespelledElsewhere reader;
+    return nlohmann::json::sax_parse(text.begin(), text.end(), &reader) ? reader.out_ : "not JSON";
+  }
+  bool null() override { return add("literal", "null"); }
+  bool boolean(bool value) override { return add("literal", value ? "true" : "false"); }
+  bool number_integer(number_integer_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_float(number_float_t value, const string_t&) override { return number(value); }
+  bool string(string_t& text) override { return add("string", text); }
+  bool binary(binary_t&) override { return false; }
+  bool start_object(std::size_t) override { return put('{'); }
+  bool key(string_t& name) override { return add("key", name); }
+  bool end_object() override { return put('}'); }
+  bool start_array(std::size_t) override { return put('['); }
+  bool end_array() override { return put(']'); }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+    return false;
+  }
+
+ private:
+  bool put(char c) {
+    out_ += c;
+    return true;
+  }
+  bool add(const char* kind, std::string_view text) {
+    out_ += kind;
+    out_ += std::to_string(text.size()) + ':' + std::string(text) + ';';
+    return true;
+  }
+  /// Here -0 is an integer, and 0.
+  bool number(double value) { return add("number", std::to_string(value == 0 ? 0 : value)); }
+  std::string out_;
+};
+
+TEST(JsonScanner, AgreesWithAnotherParser) {
+  std::vector<std::string> texts{"",
+                                 " ",
+                                 "[]",
+                                 "{}",
+                                 "[1,]",
+                                 "[,1]",
+                                 "{\"a\":1,}",
+                                 "{\"a\"}",
+                                 "{1:2}",
+                                 "[1 2]",
+                                 "[]]",
+                                 "[[]",
+                                 "1",
+                                 "01",
+                                 "1.",
+                                 ".5",
+                                 "-",
+                                 "-1",
+                                 "+1",
+                                 "1e5",
+                                 "1e",
+                                 "1e+",
+                                 "1E-3",
+                                 "1.5e+300",
+                                 "1e400",
+                                 "-1e-400",
+                                 "0.1",
+                                 "00",
+                                 "-0.5",
+                                 "18446744073709551616",
+                                 "0x1",
+                                 "true",
+                                 "True",
+                                 "truee",
+                                 "nul",
+                                 "\"\"",
+                                 "\"a",
+                                 "\"\\u00e9\\n\\/\\\\\\\"\"",
+                                 "\"\\ud83d\\ude00\"",
+                                 "\"\\ud83d\"",
+                                 "\"\\ude00\"",
+                                 "\"\\ud83d\\u0041\"",
+                                 "\"\\x\"",
+                                 "\"\\u12\"",
+                                 "\"\\u12g4\"",
+                                 "\"\\u0800\\u07FF\\uFFFF\\u0000\"",
+                                 "\"\x01\"",
+                                 "\"\t\"",
+                                 "\"\x7f\"",
+                                 "\"\xC3\xA9\"",
+                                 "\"\xC0\x80\"",
+                                 "\"\xC1\xBF\"",
+                                 "\"\xE0\xA0\x80\"",
+                                 "\"\xE0\x9F\xBF\"",
+                                 "\"\xED\xA0\x80\"",
+                                 "\"\xED\x9F\xBF\"",
+                                 "\"\xF0\x90\x80\x80\"",
+                                 "\"\xF0\x8F\xBF\xBF\"",
+                                 "\"\xF4\x8F\xBF\xBF\"",
+                                 "\"\xF4\x90\x80\x80\"",
+                                 "\"\xF5\x80\x80\x80\"",
+                                 "\"\xC3\"",
+                                 "\"\xE2\x82\"",
+                                 "\"\x80\"",
+                                 "[1]x",
+                                 "[1]\n\t\r ",
+                                 "[1]\v",
+                                 "{\"a\":{\"b\":[{},[],null]}}",
+                                 "// 1",
+                                 "[1, /* 2 */ 3]",
+                                 "\xC3\xA9",
+                                 "[NaN]",
+                                 "nullnull",
+                                 "[true,false]",
+                                 "{\"a\" : 1 , \"b\" : 2}"};
+  texts.push_back(std::string(100000, '['));
+  texts.push_back(std::string(100000, '[') + std::string(100000, ']'));
+  texts.emplace_back("[1,\0 2]", 7);
+  // Texts that are almost JSON.
+  std::mt19937_64 random(5);
+  const std::string whole =
+      R"({"type": "Feature", "n\u00e9\ud83d\ude00": [1, -2.5e+3, true, null, "x\"y"], "g": {"c": [[0, 1]]}})";
+  const std::string letters = "{}[]:,\"\\u0e.-+ntf \x01\xC3\xA9";
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = whole;
+    for (std::uint64_t n = 1 + random() % 3; n > 0; --n) {
+      const std::size_t at = random() % text.size();
+      switch (random() % 3) {
+        case 0:
+          text[at] = letters[random() % letters.size()];
+          break;
+        case 1:
+          text.erase(at, 1 + random() % 3);
+          break;
+        default:
+          text.insert(at, 1, letters[random() % letters.size()]);
+      }
+    }
+    texts.push_back(text);
+  }
+  std::size_t valid = 0;
+  for (const std::string& text : texts) {
+    const std::string want = RespelledElsewhere::read(text);
+    valid += want != "not JSON" ? 1 : 0;
+    ASSERT_EQ(Respelled(text).read(), want) << text.substr(0, 200);
+  }
+  EXPECT_GT(valid, 500U);
 }
 
 TEST(WktPoints, TheVerticesOfEveryGeometry) {

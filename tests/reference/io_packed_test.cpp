@@ -249,6 +249,20 @@ TEST_F(Files, ABombStaysWithinTheBudget) {
   }
 }
 
+TEST_F(Files, UnpackingIsCancelled) {
+  const std::string bytes = formats(100)["npy"];
+  stop_source stop;
+  ReadOptions options;
+  options.stop = stop.get_token();
+  const std::string paths[] = {file("p.npy.gz", gz(bytes)), file("p.npy.zst", zst(bytes)),
+                               file("p.npz", zip({{"a.npy", bytes, true}}))};
+  for (const std::string& path : paths)
+    EXPECT_EQ(open_points(path, options).points().count, 100U) << path;
+  stop.request_stop();
+  for (const std::string& path : paths)
+    (void)error_of(ErrorCode::cancelled, [&] { (void)open_points(path, options); });
+}
+
 TEST_F(Files, ArraysOfAnArchive) {
   const std::string a = npy_of({1, 2, 3, 4, 5, 6}, 2), b = npy_of({7, 8, 9}, 1);
   const Rows rows_a{{1, 2, 3}, {4, 5, 6}}, rows_b{{7, 8, 9}};

@@ -302,8 +302,7 @@ class WholeInput : public BlockSource {
     std::size_t size = 0, capacity = from_.head.size() + 1;
     char* out = memory.room(capacity);
     for (;;) {
-      const std::size_t got = from_.stream->read(out + size, capacity - size);
-      size += got;
+      size += read_pieces(*from_.stream, out + size, capacity - size, options_);
       if (size < capacity) break;
       if (capacity > limit)
         throw Error(ErrorCode::out_of_budget, name_,

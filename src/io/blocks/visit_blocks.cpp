@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io/blocks/block_source.hpp"
+#include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline io {
@@ -133,6 +134,7 @@ class Reading {
 
   void tell(const BlockPosition& at) const {
     if (options_.poll) options_.poll();
+    if (options_.position) options_.position(at);
     if (options_.progress && total_bytes_ > 0)
       options_.progress("read", static_cast<double>(at.bytes) / static_cast<double>(total_bytes_));
   }
@@ -319,12 +321,11 @@ class Reading {
         visitor_.keyed(block.data.view, taken.first_id, block.data.keys);
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
+      // Visitors name the first such point of a block, by ids of their own.
       const PointLine& at = block.data.not_finite;
-      const std::string message = e.what();
-      const bool named =
-          at.line > 0 &&
-          message.starts_with("point " + std::to_string(taken.first_id + at.point) + ",");
-      throw Error(e.code(), file, named ? ":" + std::to_string(at.line) : "", ": ", message);
+      const bool named = at.line > 0 && std::string_view(e.what()).starts_with("point ") &&
+                         first_not_finite(block.data.view) == at.point;
+      throw Error(e.code(), file, named ? ":" + std::to_string(at.line) : "", ": ", e.what());
     }
   }
 

@@ -1,19 +1,15 @@
 // Points of GeoJSON (RFC 7946): the positions of all its geometries.
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "io/formats/geometry_positions.hpp"
+#include "io/json/json_scan.hpp"
 
 namespace cullhull::internal::inline io {
 namespace {
-
-using nlohmann::json;
 
 struct GeometryType {
   std::string_view name;
@@ -31,85 +27,78 @@ constexpr GeometryType geometry_types[] = {{"Point", 1, false},
                                            {"Feature", 0, false},
                                            {"FeatureCollection", 0, false}};
 
-/// Follows the parser's events through the members that hold geometries, and skips all others
-/// (properties may hold anything). No document is built: memory goes to the positions alone.
-class PositionReader : public nlohmann::json_sax<json> {
+/// Follows the events through the members that hold geometries, and skips all others (properties
+/// may hold anything). No document is built: memory goes to the positions alone.
+class PositionReader : public JsonScanner<PositionReader> {
  public:
   PositionReader(const Source& source, const ReadOptions& options)
-      : source_(source), positions_(!options.columns.empty()), options_(options) {}
+      : JsonScanner(source.data, source.data + source.size),
+        source_(source),
+        positions_(!options.columns.empty()),
+        options_(options) {}
 
-  const Positions& positions() const { return positions_; }
-
-  bool null() override {
-    const Place place = expected();
-    if (place == Place::coordinates && !objects_.empty() && in_coordinates())
-      fail(source_, "null among coordinates");
-    if (places_.empty()) not_geojson();
-    return true;
-  }
-  bool boolean(bool) override { return other("true or false"); }
-  bool number_integer(number_integer_t value) override {
-    return number(static_cast<double>(value));
-  }
-  bool number_unsigned(number_unsigned_t value) override {
-    return number(static_cast<double>(value));
-  }
-  bool number_float(number_float_t value, const string_t&) override { return number(value); }
-  bool string(string_t& value) override {
-    if (!places_.empty() && places_.back() == Place::object && key_ == "type") {
-      objects_.back().type = value;
-      return true;
+  PointData read() {
+    try {
+      scan();
+    } catch (const JsonFault& fault) {
+      fail_at(fault.at, fault.message);
     }
-    return other("a string");
+    return std::move(positions_).points("geojson");
   }
-  bool binary(binary_t&) override { return other("bytes"); }
 
-  bool start_object(std::size_t) override {
+  void literal(std::string_view word) {
+    if (word != "null") return other("true or false");
+    if (in_coordinates()) fail_at(token(), "null among coordinates");
+    if (places_.empty()) not_geojson();
+  }
+  bool wants_number() const { return expected() != Place::skipped; }
+  void string(std::string_view value) {
+    if (!places_.empty() && places_.back() == Place::object && key_ == "type")
+      objects_.back().type = value;
+    else
+      other("a string");
+  }
+
+  void start_object() {
+    check_stop_sometimes();
     const Place place = expected();
-    if (place == Place::coordinates) fail(source_, "an object among coordinates");
+    if (place == Place::coordinates) fail_at(token(), "an object among coordinates");
     if (place == Place::objects)
-      fail(source_, "not GeoJSON: ", quoted_text(key_), " is not a list");
-    if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}});
+      fail_at(token(), "not GeoJSON: ", quoted_text(key_), " is not a list");
+    if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}, token()});
     places_.push_back(place);
-    return true;
   }
-  bool key(string_t& name) override {
+  void key(std::string_view name) {
     if (places_.back() == Place::object) key_ = name;
-    return true;
   }
-  bool end_object() override {
+  void end_object() {
     if (places_.back() == Place::object) end_geometry();
     places_.pop_back();
-    return true;
   }
-  bool start_array(std::size_t) override {
+  void start_array() {
+    check_stop_sometimes();
     const Place place = expected();
     if (place == Place::object) not_geojson();
     if (place == Place::coordinates) {
       if (!in_coordinates()) objects_.back().has_coordinates = true;
       if (!levels_.empty() && levels_.back().numbers > 0)
-        fail(source_, "position ", seen_, " has a list among its coordinates");
+        fail_at(token(), "position ", seen_, " has a list among its coordinates");
       if (!levels_.empty()) levels_.back().lists = true;
-      levels_.push_back({0, false, positions_.size()});
+      levels_.push_back({0, false, positions_.size(), token()});
     }
     places_.push_back(place);
-    check_stop_sometimes();
-    return true;
   }
-  bool end_array() override {
+  void end_array() {
     if (places_.back() == Place::coordinates) end_level();
     places_.pop_back();
-    return true;
   }
-  bool parse_error(std::size_t byte, const std::string&,
-                   const nlohmann::detail::exception& error) override {
-    const std::size_t before = std::min(byte > 0 ? byte - 1 : 0, source_.size);
-    const auto line =
-        1 + static_cast<std::uint64_t>(std::count(source_.data, source_.data + before, '\n'));
-    constexpr int out_of_range = 406;
-    fail_at_line(
-        source_, line,
-        error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
+  void number(double value) {
+    if (!in_coordinates()) return other("a number");
+    Level& level = levels_.back();
+    if (level.lists) fail_at(token(), "position ", seen_, ": a number beside lists of coordinates");
+    if (level.numbers == 3)
+      fail_at(level.at, "position ", seen_, " has more than three coordinates");
+    position_[level.numbers++] = value;
   }
 
  private:
@@ -120,12 +109,20 @@ class PositionReader : public nlohmann::json_sax<json> {
     int depth;  ///< of positions; 0 before the first
     std::uint64_t first;
     std::vector<std::uint64_t> lists;  ///< the first position of each list of positions
+    const char* at;
   };
   struct Level {
     std::uint32_t numbers;
     bool lists;
     std::uint64_t first;
+    const char* at;
   };
+
+  template <class... Parts>
+  [[noreturn]] void fail_at(const char* at, const Parts&... parts) const {
+    fail_at_line(source_, 1 + static_cast<std::uint64_t>(std::count(source_.data, at, '\n')),
+                 parts...);
+  }
 
   bool in_coordinates() const { return !places_.empty() && places_.back() == Place::coordinates; }
 
@@ -143,35 +140,24 @@ class PositionReader : public nlohmann::json_sax<json> {
          "is JSON but not GeoJSON, and holds no points; a hull file is for certify and view");
   }
 
-  bool other(const char* what) {
+  void other(const char* what) {
     const Place place = expected();
-    if (place == Place::coordinates) fail(source_, what, " among coordinates");
+    if (place == Place::coordinates) fail_at(token(), what, " among coordinates");
     if (place != Place::skipped) not_geojson();
-    return true;
-  }
-
-  bool number(double value) {
-    if (!in_coordinates()) return other("a number");
-    Level& level = levels_.back();
-    if (level.lists) fail(source_, "position ", seen_, ": a number beside lists of coordinates");
-    if (level.numbers == 3) fail(source_, "position ", seen_, " has more than three coordinates");
-    if (!std::isfinite(value)) fail(source_, "position ", seen_, " exceeds the range of doubles");
-    position_[level.numbers++] = value;
-    return true;
   }
 
   void end_level() {
     const Level level = levels_.back();
     Object& object = objects_.back();
     if (level.numbers > 0) {
-      if (level.numbers < 2) fail(source_, "position ", seen_, " has one coordinate");
+      if (level.numbers < 2) fail_at(level.at, "position ", seen_, " has one coordinate");
       const int depth = static_cast<int>(levels_.size());
       if (object.depth == 0) object.depth = depth;
       if (object.depth != depth)
-        fail(source_, "position ", seen_, " is nested differently from those before it");
+        fail_at(level.at, "position ", seen_, " is nested differently from those before it");
       if (!positions_.add(position_, level.numbers))
-        fail(source_, "position ", seen_, " has ", level.numbers, " coordinates, others have ",
-             positions_.dimension(), "; --columns x,y takes two of each");
+        fail_at(level.at, "position ", seen_, " has ", level.numbers, " coordinates, others have ",
+                positions_.dimension(), "; --columns x,y takes two of each");
       ++seen_;
     } else if (positions_.size() > level.first &&
                object.depth == static_cast<int>(levels_.size()) + 1) {
@@ -188,15 +174,15 @@ class PositionReader : public nlohmann::json_sax<json> {
                      [&](const GeometryType& type) { return type.name == object.type; });
     if (known == std::end(geometry_types)) {
       if (object.type.empty()) not_geojson();
-      fail(source_, "not GeoJSON: its type is ", quoted_text(object.type));
+      fail_at(object.at, "not GeoJSON: its type is ", quoted_text(object.type));
     }
     if (known->depth > 0 && !object.has_coordinates)
-      fail(source_, "a ", object.type, " without coordinates");
+      fail_at(object.at, "a ", object.type, " without coordinates");
     if (object.has_coordinates && known->depth == 0)
-      fail(source_, "a ", object.type, " with coordinates");
+      fail_at(object.at, "a ", object.type, " with coordinates");
     if (object.depth != 0 && object.depth != known->depth)
-      fail(source_, "the coordinates of a ", object.type, " are nested ", object.depth,
-           " deep, not ", known->depth);
+      fail_at(object.at, "the coordinates of a ", object.type, " are nested ", object.depth,
+              " deep, not ", known->depth);
     if (known->rings) close_rings(object);
   }
 
@@ -216,7 +202,7 @@ class PositionReader : public nlohmann::json_sax<json> {
   }
 
   void check_stop_sometimes() {
-    if ((++arrays_ & 0xFFFF) == 0) check_stop(options_);
+    if ((++values_ & 0xFFFF) == 0) check_stop(options_);
   }
 
   const Source& source_;
@@ -227,15 +213,13 @@ class PositionReader : public nlohmann::json_sax<json> {
   std::vector<Level> levels_;
   std::string key_;
   double position_[3] = {0, 0, 0};
-  std::uint64_t seen_ = 0, arrays_ = 0;
+  std::uint64_t seen_ = 0, values_ = 0;
 };
 
 }  // namespace
 
 PointData read_geojson(const Source& source, const ReadOptions& options) {
-  PositionReader reader(source, options);
-  json::sax_parse(source.data, source.data + source.size, &reader);
-  return reader.positions().points("geojson");
+  return PositionReader(source, options).read();
 }
 
 }  // namespace cullhull::internal::inline io

@@ -1,8 +1,8 @@
 // Positions of geometries as GeoJSON and WKT have them, collected as points.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,7 +18,7 @@ class Positions {
   /// `plane`: where some positions have two coordinates and others three, two are kept of all.
   explicit Positions(bool plane) : plane_(plane) {}
 
-  std::uint64_t size() const { return dimension_ == 0 ? 0 : numbers_.size() / dimension_; }
+  std::uint64_t size() const { return dimension_ == 0 ? 0 : used_ / dimension_; }
   std::uint32_t dimension() const { return dimension_; }
   /// Where no position says so: of EMPTY Z.
   void assume_dimension(std::uint32_t dimension) { assumed_ = dimension; }
@@ -28,7 +28,7 @@ class Positions {
     if (dimension_ == 0) dimension_ = count;
     if (count != dimension_ && !plane_) return false;
     if (count < dimension_) drop_third();
-    numbers_.insert(numbers_.end(), coordinates, coordinates + dimension_);
+    append(coordinates, 1);
     return true;
   }
 
@@ -37,42 +37,54 @@ class Positions {
     const std::uint64_t last = size() - 1;
     if (size() < first + 2) return;
     for (std::uint32_t j = 0; j < dimension_; ++j)
-      if (numbers_[first * dimension_ + j] != numbers_[last * dimension_ + j]) return;
-    numbers_.resize(last * dimension_);
+      if (row(first)[j] != row(last)[j]) return;
+    used_ = last * dimension_;
   }
 
   /// Removes all from `first` on and returns them.
   std::vector<double> take_from(std::uint64_t first) {
-    const auto begin = numbers_.begin() + static_cast<std::ptrdiff_t>(first * dimension_);
-    std::vector<double> taken(begin, numbers_.end());
-    numbers_.erase(begin, numbers_.end());
+    std::vector<double> taken(row(first), row(size()));
+    used_ = first * dimension_;
     return taken;
   }
   /// Adds `count` positions of this dimension.
   void append(const double* rows, std::uint64_t count) {
-    numbers_.insert(numbers_.end(), rows, rows + count * dimension_);
+    const std::size_t more = count * dimension_;
+    if (used_ + more > room_) grow(more);
+    std::copy_n(rows, more, numbers() + used_);
+    used_ += more;
   }
 
-  PointData points(const char* format) const {
-    const std::uint32_t d = dimension_ == 0 ? assumed_ : dimension_;
-    PointData data = parsed_points(size(), d, format);
-    if (!numbers_.empty())
-      std::memcpy(data.storage.data(), numbers_.data(), numbers_.size() * sizeof(double));
+  /// Hands over all positions.
+  PointData points(const char* format) && {
+    PointData data;
+    data.format = format;
+    if (numbers_.data() == nullptr) numbers_ = Buffer(0);
+    data.storage = std::move(numbers_);
+    data.view = PointView::row_major(data.storage.as<const double>(), size(),
+                                     dimension_ == 0 ? assumed_ : dimension_);
     return data;
   }
 
  private:
+  double* numbers() const { return numbers_.as<double>(); }
+  const double* row(std::uint64_t i) const { return numbers() + i * dimension_; }
+  void grow(std::size_t more) {
+    room_ = std::max({std::size_t{1024}, room_ + room_ / 2, used_ + more});
+    Buffer larger(room_ * sizeof(double));
+    std::copy_n(numbers(), used_, larger.as<double>());
+    numbers_ = std::move(larger);
+  }
   void drop_third() {
     std::size_t out = 0;
-    for (std::size_t i = 0; i < numbers_.size(); i += 3) {
-      numbers_[out++] = numbers_[i];
-      numbers_[out++] = numbers_[i + 1];
-    }
-    numbers_.resize(out);
+    for (std::size_t i = 0; i < used_; i += 3)
+      for (std::size_t j = 0; j < 2; ++j) numbers()[out++] = numbers()[i + j];
+    used_ = out;
     dimension_ = 2;
   }
 
-  std::vector<double> numbers_;
+  Buffer numbers_;  ///< rows: `used_` numbers, and room for more
+  std::size_t used_ = 0, room_ = 0;
   std::uint32_t dimension_ = 0, assumed_ = 2;
   bool plane_;
 };

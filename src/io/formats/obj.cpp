@@ -78,6 +78,7 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
                std::to_string(1 + std::count(source.data, line.begin(), '\n')) + ", " +
                quoted_text(first_word(line.begin(), line.end())));
   }
+  data.not_finite = line_of_not_finite(index, data.view, is_vertex_line);
   return data;
 }
 

@@ -127,6 +127,7 @@ PointData read_off(const Source& source, const ReadOptions& options) {
                std::to_string(h.faces) + " are there; the points are complete");
   else if (index.points > expected)
     remark(source, options, "text after the last face is passed over");
+  data.not_finite = line_of_not_finite(index, data.view, is_data_line);
   return data;
 }
 

@@ -357,6 +357,7 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
     parse_point(h, p, end, out + point * h.dimension);
       },
       [](const char*, const char*) {});
+  data.not_finite = line_of_not_finite(index, data.view, is_data_line);
   return data;
 }
 

@@ -445,6 +445,7 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
                " lines of elements; the points are complete");
   else if (index.points > expected)
     remark(source, options, "text after the last element is passed over");
+  data.not_finite = line_of_not_finite(index, data.view, is_data_line, first);
   return data;
 }
 

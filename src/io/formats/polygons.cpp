@@ -1,4 +1,5 @@
 // Polygons of GeoJSON (RFC 7946).
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -39,7 +40,7 @@ class PolygonReader {
   /// Points and lines beside polygons bound nothing.
   void add(const json& object) {
     if (object.is_null()) return;  // a feature without a place
-    if (!object.is_object()) fault("no GeoJSON: an object is expected");
+    if (!object.is_object()) fault("not GeoJSON: an object is expected");
     const json& type = member(object, "type");
     if (type == "FeatureCollection") {
       for (const json& feature : list(member(object, "features"))) add(feature);
@@ -53,11 +54,11 @@ class PolygonReader {
       for (const json& polygon : list(member(object, "coordinates"))) add_polygon(polygon);
     } else if (type != "Point" && type != "MultiPoint" && type != "LineString" &&
                type != "MultiLineString") {
-      fault("no GeoJSON: its type is " + type.dump(-1, ' ', true).substr(0, 40));
+      fault("not GeoJSON: its type is " + type.dump(-1, ' ', true).substr(0, 40));
     }
   }
   const json& list(const json& value) const {
-    if (!value.is_array()) fault("no GeoJSON: a list is expected");
+    if (!value.is_array()) fault("not GeoJSON: a list is expected");
     return value;
   }
   void add_polygon(const json& rings) {
@@ -88,9 +89,11 @@ Polygons read_polygons(const Source& source) {
   try {
     document = json::parse(source.data, source.data + source.size);
   } catch (const json::parse_error& e) {
-    throw Error(ErrorCode::bad_file, source.name, ": no GeoJSON: byte ", e.byte, " is no JSON");
+    const auto before = static_cast<std::ptrdiff_t>(std::min(e.byte, source.size));
+    const auto line = 1 + std::count(source.data, source.data + before, '\n');
+    fail_at_line(source, static_cast<std::uint64_t>(line), "not GeoJSON: not valid JSON");
   } catch (const json::out_of_range&) {
-    throw Error(ErrorCode::bad_file, source.name, ": no GeoJSON: a number out of range");
+    throw Error(ErrorCode::bad_file, source.name, ": not GeoJSON: a number out of range");
   }
   return PolygonReader(source.name).read(document);
 }
@@ -111,7 +114,7 @@ Polygons read_polygons(const std::string& path) {
   Buffer unpacked;
   if (const Packing packing = packing_of(bytes, source.name, {}); packing != Packing::none) {
     unpacked =
-        read_all(*unpack(packing, stream_of(bytes), source.name), source.name, 0, source.size);
+        read_all(*unpack(packing, stream_of(bytes), source.name), source.name, {}, source.size);
     source.data = unpacked.as<char>();
   }
   Polygons polygons = read_polygons(source);

@@ -427,6 +427,8 @@ void check_qhull_format(std::string_view what) {
     throw Error(ErrorCode::invalid_argument, "--format ", what, " ", why);
   std::string list;
   for (const std::string& word : known) list += " " + word;
+  for (const std::string_view ending : {"geojson", "json", "obj", "off", "ply", "stl", "wkt"})
+    if (what == ending) list += "; -o FILE." + std::string(ending) + " writes a file";
   throw Error(ErrorCode::invalid_argument, "unknown text format ", internal::quoted_text(what),
               "; known are", list);
 }

@@ -71,17 +71,17 @@ class WktReader {
         positions_(!options.columns.empty()),
         starts_(starts) {}
 
-  const Positions& read() {
+  PointData read() {
     bool any = false;
     for (skip(true); p_ < end_; skip(true), any = true) {
       check_stop(options_);
       read_geometries();
     }
     if (!any) fault("no geometry");
-    return positions_;
+    PointData data = std::move(positions_).points("wkt");
+    data.not_finite = not_finite_;
+    return data;
   }
-
-  const PointLine& not_finite() const { return not_finite_; }
 
  private:
   std::uint64_t line_of(const char* at) const {
@@ -195,6 +195,7 @@ class WktReader {
   std::string name() const { return std::string(tag_.geometry->name); }
 
   void read_position() {
+    if ((++seen_ & 0xFFFF) == 0) check_stop(options_);
     double numbers[4];
     std::uint32_t count = 0;
     const char* const start = p_;
@@ -236,16 +237,14 @@ class WktReader {
   Positions positions_;
   std::vector<const char*>* starts_;
   PointLine not_finite_;
+  std::uint64_t seen_ = 0;  ///< positions
   Tag tag_;
 };
 
 }  // namespace
 
 PointData read_wkt(const Source& source, const ReadOptions& options) {
-  WktReader reader(source, options);
-  PointData data = reader.read().points("wkt");
-  data.not_finite = reader.not_finite();
-  return data;
+  return WktReader(source, options).read();
 }
 
 bool looks_like_wkt(const char* p, const char* end) {

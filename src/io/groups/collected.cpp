@@ -47,8 +47,9 @@ void CollectedPoints::add(const PointView& block, std::uint64_t first_id, const 
     for (std::uint32_t j = 0; j < d; ++j, ++out) {
       *out = block.at(i, j);
       if (!std::isfinite(*out))
-        throw Error(ErrorCode::not_finite, "point ", first_id + i,
-                    " has a coordinate that is NaN or infinite");
+        throw Error(ErrorCode::not_finite, "point ", first_id + i, ", coordinate ", j, " is ",
+                    (std::isnan(*out) ? "NaN" : "infinite"),
+                    "; remove or repair such points first");
     }
   const std::lock_guard lock(mutex_);
   dimension_ = d;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "io/text/lines.hpp"
 #include "parallel/memory/memory.hpp"
 
 #if CULLHULL_HAVE_ZLIB
@@ -265,14 +266,26 @@ std::unique_ptr<ByteStream> stream_of(std::string_view bytes) {
   return std::make_unique<MemoryBytes>(bytes);
 }
 
-Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget,
+std::size_t read_pieces(ByteStream& from, char* out, std::size_t size, const ReadOptions& options) {
+  constexpr std::size_t piece = std::size_t{1} << 20;  // bytes: milliseconds
+  std::size_t got = 0;
+  while (got < size) {
+    check_stop(options);
+    const std::size_t wanted = std::min(piece, size - got), n = from.read(out + got, wanted);
+    got += n;
+    if (n < wanted) break;
+  }
+  return got;
+}
+
+Buffer read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
                 std::size_t& size) {
-  const std::uint64_t limit = resolve_budget(budget);
+  const std::uint64_t limit = resolve_budget(options.memory_budget);
   std::size_t capacity = std::min<std::uint64_t>(std::uint64_t{1} << 20, limit);
   Buffer buffer(capacity);
   size = 0;
   for (;;) {
-    size += from.read(buffer.as<char>() + size, capacity - size);
+    size += read_pieces(from, buffer.as<char>() + size, capacity - size, options);
     if (size < capacity) return buffer;
     // While it grows, two buffers exist.
     if (capacity > limit / 3)
@@ -287,7 +300,7 @@ Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget,
 
 namespace {
 
-void unwrap_member(const std::string& member, std::uint64_t budget, Source& source,
+void unwrap_member(const std::string& member, const ReadOptions& options, Source& source,
                    Buffer& memory) {
   const std::string_view bytes(source.data, source.size);
   const ReadAt read = [bytes](char* out, std::size_t size, std::uint64_t offset) {
@@ -300,7 +313,7 @@ void unwrap_member(const std::string& member, std::uint64_t budget, Source& sour
   if (!found.deflated) return;
   const auto stream =
       inflate_member(stream_of({source.data, source.size}), found.size, found.crc, source.name);
-  memory = read_all(*stream, source.name, budget, source.size);
+  memory = read_all(*stream, source.name, options, source.size);
   source.data = memory.as<const char>();
 }
 
@@ -316,12 +329,12 @@ void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer
   const std::string_view head(source.data, std::min<std::size_t>(source.size, 16));
   if (is_archive(input.file, head, options)) {
     options.format = "npy";
-    return unwrap_member(input.member, options.memory_budget, source, memory);
+    return unwrap_member(input.member, options, source, memory);
   }
   const Packing packing = packing_of(head, source.name, options);
   if (packing == Packing::none) return;
   const auto stream = unpack(packing, stream_of({source.data, source.size}), source.name);
-  memory = read_all(*stream, source.name, options.memory_budget, source.size);
+  memory = read_all(*stream, source.name, options, source.size);
   source.data = memory.as<const char>();
 }
 

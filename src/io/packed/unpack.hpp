@@ -37,8 +37,12 @@ std::unique_ptr<ByteStream> inflate_member(std::unique_ptr<ByteStream> from, std
 /// Bytes in memory, which must outlive the stream.
 std::unique_ptr<ByteStream> stream_of(std::string_view bytes);
 
-/// The whole stream, within `budget` bytes (0: half of the memory). Throws Error{out_of_budget}.
-Buffer read_all(ByteStream& from, const std::string& name, std::uint64_t budget, std::size_t& size);
+/// As ByteStream::read, in pieces, before each of which options.stop is checked.
+std::size_t read_pieces(ByteStream& from, char* out, std::size_t size, const ReadOptions& options);
+
+/// The whole stream, within options.memory_budget. Throws Error{out_of_budget}, Error{cancelled}.
+Buffer read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
+                std::size_t& size);
 
 // Files within files: the array in an archive, the contents of a compressed file.
 

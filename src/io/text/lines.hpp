@@ -2,6 +2,8 @@
 // place, so that ids follow the file and messages name their line, for any number of threads.
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -77,11 +79,17 @@ LineIndex index_lines(const Source& source, const char* body, std::uint64_t line
   return index;
 }
 
+struct Ignored {
+  void operator()(std::uint64_t, std::uint64_t) const {}
+};
+
 /// Calls `parse(point, begin, end)` for every line that is a point, `other(begin, end)` for the
-/// others; either may throw LineFault. The fault on the lowest line is reported.
-template <class IsPoint, class Parse, class Other>
+/// others; either may throw LineFault. The fault on the lowest line is reported. Where a chunk has
+/// none, `parsed(first, last)` follows for its points [first, last), which are still in the cache.
+template <class IsPoint, class Parse, class Other, class Parsed = Ignored>
 void parse_lines(const Source& source, const LineIndex& index, const ReadOptions& options,
-                 const IsPoint& is_point, const Parse& parse, const Other& other) {
+                 const IsPoint& is_point, const Parse& parse, const Other& other,
+                 const Parsed& parsed = {}) {
   struct Fault {
     std::uint64_t line;
     std::string message;
@@ -99,6 +107,7 @@ void parse_lines(const Source& source, const LineIndex& index, const ReadOptions
         else
           other(lines.begin(), lines.end());
       }
+      parsed(index.point_at[chunk], point);
     } catch (const LineFault& fault) {
       faults[chunk] =
           Fault{index.lines_before + index.line_at[chunk] + lines.number(), fault.message};
@@ -106,6 +115,34 @@ void parse_lines(const Source& source, const LineIndex& index, const ReadOptions
   });
   for (const auto& fault : faults)
     if (fault) fail_at_line(source, fault->line, fault->message);
+}
+
+/// Whether one of `count` doubles is a NaN or an infinity.
+inline bool any_not_finite(const double* values, std::uint64_t count) {
+  constexpr std::uint64_t exponent = 0x7FF0000000000000, step = 0x0010000000000000;
+  std::uint64_t seen = 0;  // an exponent of ones, and only this, carries into the highest bit
+  for (std::uint64_t i = 0; i < count; ++i)
+    seen |= (std::bit_cast<std::uint64_t>(values[i]) & exponent) + step;
+  return (seen >> 63) != 0;
+}
+
+/// The first row with a NaN or an infinity, view.count if there is none.
+std::uint64_t first_not_finite(const PointView& view);
+
+/// The same with its line. Row 0 is on the line of point `before`.
+template <class IsPoint>
+PointLine line_of_not_finite(const LineIndex& index, const PointView& view, const IsPoint& is_point,
+                             std::uint64_t before = 0) {
+  const std::uint64_t row = first_not_finite(view), point = row + before;
+  if (row == view.count) return {};
+  const auto chunk = static_cast<std::uint64_t>(
+      std::upper_bound(index.point_at.begin(), index.point_at.end(), point) -
+      index.point_at.begin() - 1);
+  LineScanner lines = index.scanner(chunk * LineIndex::chunk_bytes,
+                                    std::min((chunk + 1) * LineIndex::chunk_bytes, index.bytes()));
+  for (std::uint64_t at = index.point_at[chunk]; lines.next();)
+    if (is_point(lines.begin(), lines.end()) && at++ == point) break;
+  return {row, index.lines_before + index.line_at[chunk] + lines.number()};
 }
 
 /// Packed rows of doubles that a parser fills.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 
 #include "io/columns.hpp"
 #include "io/text/lines.hpp"
@@ -27,6 +26,21 @@ const char* parse_coordinates(const char* p, const char* end, unsigned count, do
       throw LineFault{quoted_text(word) + " is not a number"};
   }
   return p;
+}
+
+std::uint64_t first_not_finite(const PointView& view) {
+  std::uint64_t row = 0;
+  if (view.scalar == ScalarType::f64 && view.packed_rows()) {
+    constexpr std::uint64_t block = 1024;  // rows
+    const auto* const rows = reinterpret_cast<const double*>(view.data);
+    while (row < view.count && !any_not_finite(rows + row * view.dimension,
+                                               std::min(block, view.count - row) * view.dimension))
+      row += std::min(block, view.count - row);
+  }
+  for (; row < view.count; ++row)
+    for (std::uint32_t j = 0; j < view.dimension; ++j)
+      if (!std::isfinite(view.at(row, j))) return row;
+  return row;
 }
 
 namespace {
@@ -153,28 +167,6 @@ namespace {
   fail(source, "too short for its points");
 }
 
-/// The first row with a NaN or an infinity, noted by several threads.
-class FirstNotFinite {
- public:
-  void note(std::uint64_t point, const char* line) {
-    if (point >= point_.load(std::memory_order_relaxed)) return;
-    const std::lock_guard lock(mutex_);
-    if (point >= point_) return;
-    point_ = point;
-    line_ = line;
-  }
-  PointLine place(const LineIndex& index) const {
-    if (line_ == nullptr) return {};
-    return {point_, index.lines_before + 1 +
-                        static_cast<std::uint64_t>(std::count(index.begin, line_, '\n'))};
-  }
-
- private:
-  std::mutex mutex_;
-  std::atomic<std::uint64_t> point_{~std::uint64_t{0}};
-  const char* line_ = nullptr;
-};
-
 PointData parse_rows(const Source& source, const LineIndex& index, const Preamble& preamble,
                      const ReadOptions& options) {
   const std::uint32_t d = preamble.dimension;
@@ -182,11 +174,10 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
   double* const out = data.storage.as<double>();
   const bool keyed = !options.key.empty() && preamble.layout != nullptr;
   std::vector<std::string_view> keys(keyed ? index.points : 0);
-  FirstNotFinite first;
+  std::atomic<bool> all_finite{true};
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
-    const char* const line = p;
     double* const row = out + point * d;
     if (preamble.layout != nullptr) {
       preamble.layout->parse(p, end, row, keyed ? &keys[point] : nullptr);
@@ -194,15 +185,15 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
       if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
       if (!parse_row(p, end, d, row)) throw LineFault{explain_row(p, end, d)};
     }
-    if (!std::all_of(row, row + d, [](double x) { return std::isfinite(x); }))
-      first.note(point, line);
       },
-      [](const char*, const char*) {});
-  // Without a layout, columns that are not asked for are parsed as well.
-  if (preamble.layout != nullptr || options.columns.empty()) data.not_finite = first.place(index);
+      [](const char*, const char*) {},
+      [&](std::uint64_t begin, std::uint64_t end) {
+    if (any_not_finite(out + begin * d, (end - begin) * d)) all_finite = false;
+  });
   for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));
   // Without a layout (a header gives the dimension) columns are chosen here.
   if (preamble.layout == nullptr) choose_columns(data, source.name, {}, options);
+  if (!all_finite) data.not_finite = line_of_not_finite(index, data.view, is_point_line);
   return data;
 }
 

@@ -103,7 +103,8 @@ void ColumnLayout::parse(const char* begin, const char* end, double* out,
     if (scan == Scan::out_of_range)
       throw LineFault{name_of(width) + ": " + quoted_text(text) + " exceeds the range of doubles"};
     if (scan != Scan::ok || skip_blanks(p, text.data() + text.size()) != text.data() + text.size())
-      throw LineFault{name_of(width) + ": " + quoted_text(text) + " is not a number"};
+      throw LineFault{name_of(width) + ": " + quoted_text(text) + " is not a number" +
+                      (scan == Scan::ok && *p == ',' ? "; decimal commas are not read" : "")};
   }
   if (width != coordinate.size())
     throw LineFault{std::to_string(width) + (width == 1 ? " column" : " columns") +
