@@ -13,7 +13,8 @@ namespace cullhull::inline v1 {
 
 /// The hulls of the sets [offsets[i], offsets[i + 1]) of points in a device's memory: the same
 /// batch, bit for bit, as convex_hulls(PointView) of the same points. `offsets`: set_count + 1
-/// numbers in host or device memory. `vertex_coordinates`, if given, receives the coordinates of
+/// numbers in host or device memory, which the points' stream may be writing still (pinned, managed
+/// and device memory). `vertex_coordinates`, if given, receives the coordinates of
 /// HullBatch::vertices, one row each, in that order.
 ///
 /// In 2D and 3D the device computes sets of up to 128 points, one warp per set; vertex coordinates,

@@ -23,6 +23,8 @@ namespace cullhull::inline v1 {
 /// sign), aligned to the scalar. The memory must not change during a call. A call's work starts
 /// after all work already queued on `stream` (a cudaStream_t; null: the default stream), so a
 /// kernel queued there may still be writing the points; the call returns when its own work is done.
+/// Refused with Error{backend_unavailable}: a stream that is being captured into a CUDA graph, and
+/// a call of a thread that has an unread CUDA error (cudaGetLastError), which stays unread.
 struct DevicePointView {
   const void* data = nullptr;
   ScalarType scalar = ScalarType::f32;  ///< f32 or f64

@@ -94,8 +94,9 @@ class HullQuery {
   /// full-dimensional hulls in 2 to 6 dimensions; the points that arithmetic in doubles does not
   /// decide (signed_distances: all points not inside) are copied and tested on the CPU. The CPU
   /// tests all points with Backend::cpu, for other hulls, and, unless Backend::cuda was given, if
-  /// the device's memory is full. Throws Error{backend_unavailable} without a device,
-  /// Error{out_of_budget}, Error{invalid_argument} for unsupported memory or scalar types.
+  /// that is estimated to take less time or the device's memory is full. Throws
+  /// Error{backend_unavailable} without a device, Error{out_of_budget}, Error{invalid_argument} for
+  /// unsupported memory or scalar types.
   void contains(const DevicePointView& points, std::uint8_t* out,
                 const Options& options = {}) const;
   void sides(const DevicePointView& points, Side* out, const Options& options = {}) const;

@@ -131,6 +131,10 @@ TEST_F(GpuSets, SetsThatNeedExactSigns) {
       sets.stretch_last(33, 0, 0x1p-40);  // nearly a flat
       sets.add_ball(33, i + 4000);
       sets.flatten_last(33, 0x1p-30);  // signs that f32 does not have
+      for (const std::size_t n : {5U, 6U, 7U}) {
+        sets.add_ball(n, i + 1000 * n);
+        sets.flatten_last(n, i % 2 == 0 ? 0x1p-51 : 0x1p-50);  // signs that doubles do not have
+      }
       sets.add_ball(9, i);
       sets.stretch_last(9, d - 1, 0x1p-600);
       sets.add_ball(12, i);

@@ -165,10 +165,10 @@ TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsReportedAndStays) {
   const auto here = PointView::row_major(rows.data(), 20000, 3);
   void* none = nullptr;
   ASSERT_NE(cudaMalloc(&none, std::size_t{1} << 60), cudaSuccess);
-  for (const std::string& said :
-       {error_of([&] { convex_hull(view, on_device()); }),
-        error_of([&] { convex_hull(view, on_device(CullMethod::pseudo_hull)); }),
-        error_of([&] { convex_hull(here, on_device()); })})
+  for (const std::string& said : {error_of([&] { convex_hull(view, on_device()); }), error_of([&] {
+                                    convex_hull(view, on_device(CullMethod::pseudo_hull));
+                                  }),
+                                  error_of([&] { convex_hull(here, on_device()); })})
     EXPECT_NE(said.find("nobody read its error"), std::string::npos) << said;
   Options automatic;
   automatic.machine.link_bytes_per_second = 1e15;  // to the device, were it not for the error

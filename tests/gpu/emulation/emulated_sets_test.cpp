@@ -187,8 +187,8 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
       }
 }
 
-// A device tests all facets for each point: with Backend::automatic the CPU answers where that takes
-// longer than its search.
+// A device tests all facets for each point: with Backend::automatic the CPU answers where that
+// takes longer than its search.
 TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
   emulation::settings() = {};
   Sets<double> sets(3);

@@ -243,7 +243,8 @@ PLANTED = {
         KERNELS + "warp_hull.cuh",
         "double sum, bound = «error * extent_»;",
         "0x1p-40 * error * extent_",
-        *SETS,
+        "emulated_set_hulls_gpu_test",
+        "GpuSets.SetsThat*",
     ),
     "small-warp-memory": Planted(
         "shared memory of a block 16 bytes too small",
