@@ -457,7 +457,8 @@ class Delaunay(ShownCells, Lifted):
         return self.triangulation.cell_groups
 
     def _table(self) -> Table:
-        rows = [("points", f"{self.npoints:,} in {self.ndim}D"), ("simplices", f"{self.nsimplex:,}")]
+        points = f"{self.npoints:,} in {self.ndim}D"
+        rows = [("points", points), ("simplices", f"{self.nsimplex:,}")]
         return Table("Delaunay triangulation", rows)
 
 
