@@ -447,7 +447,7 @@ class Delaunay(ShownCells, Lifted):
     def _flat(self) -> int:
         return self.triangulation.affine_dimension
 
-    def _simplices(self) -> npt.NDArray[np.int32]:
+    def _cells_shown(self) -> npt.NDArray[np.int32]:
         return self._cells
 
     def _boundary(self) -> npt.NDArray[np.int32]:
