@@ -1,6 +1,6 @@
 """``python -m cullhull ...``: the command line, shipped with the package. It also reads .laz, vector
-files such as .gpkg and .shp, .parquet and .e57, with other packages: as files in a temporary folder,
-block by block, so that the program's ``--memory`` holds for them too."""
+files such as .gpkg and .shp, .parquet and .e57, with other packages: block by block into files of a
+temporary folder, so that the program's ``--memory`` holds for them, too."""
 
 from __future__ import annotations
 

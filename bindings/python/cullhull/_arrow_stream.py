@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-#: Where each value of a batch begins and ends, and the bytes of all values. A missing value is empty.
+#: Where each value of a batch begins and ends, and the bytes of all values; of a missing one none.
 Batch = tuple[npt.NDArray[np.int64], npt.NDArray[np.uint8]]
 
 _Pointer = ctypes.c_void_p
@@ -116,8 +116,8 @@ def _values(table: _Array, place: int, wide: bool) -> Batch:
         return np.zeros(1, dtype=np.int64), np.empty(0, dtype=np.uint8)
     _, offsets_at, data_at = (column.buffers[i] for i in range(3))
     kind: Any = ctypes.c_int64 if wide else ctypes.c_int32
-    whole = np.ctypeslib.as_array(ctypes.cast(offsets_at, ctypes.POINTER(kind)), (first + count + 1,))
-    offsets = whole[first:].astype(np.int64)
+    offsets_of = ctypes.cast(offsets_at, ctypes.POINTER(kind))
+    offsets = np.ctypeslib.as_array(offsets_of, (first + count + 1,))[first:].astype(np.int64)
     if (np.diff(offsets) < 0).any():
         raise OSError("the values of the Arrow stream overlap")
     begin, end = int(offsets[0]), int(offsets[-1])

@@ -230,8 +230,8 @@ class ClippedCells(Exported, Saved, Native):
         """The cells as an object of PyVista.
 
         In 3D a ``pyvista.UnstructuredGrid`` of polyhedra; in 2D a ``pyvista.PolyData`` of polygons
-        at z = 0, those with dents or holes in triangles. The cell data ``point`` hold the index of each
-        cell's point, ``measure`` its volume or area.
+        at z = 0, those with dents or holes in triangles. The cell data ``point`` hold the index of
+        each cell's point, ``measure`` its volume or area.
 
         Returns
         -------

@@ -447,7 +447,7 @@ class Delaunay(ShownCells, Lifted):
     def _flat(self) -> int:
         return self.triangulation.affine_dimension
 
-    def _simplices(self) -> npt.NDArray[np.int32]:
+    def _cells_shown(self) -> npt.NDArray[np.int32]:
         return self._cells
 
     def _boundary(self) -> npt.NDArray[np.int32]:
@@ -457,7 +457,8 @@ class Delaunay(ShownCells, Lifted):
         return self.triangulation.cell_groups
 
     def _table(self) -> Table:
-        rows = [("points", f"{self.npoints:,} in {self.ndim}D"), ("simplices", f"{self.nsimplex:,}")]
+        points = f"{self.npoints:,} in {self.ndim}D"
+        rows = [("points", points), ("simplices", f"{self.nsimplex:,}")]
         return Table("Delaunay triangulation", rows)
 
 

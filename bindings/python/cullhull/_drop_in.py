@@ -35,8 +35,8 @@ class ConvexHull(Exported, IncrementalPoints):
         Allow `add_points`.
     qhull_options : str, optional
         ``Qc``, ``Qi``, ``QGn`` and ``QG-n`` work as in Qhull. Options that only steer Qhull's work
-        have no effect (``Qt``, ``Qx``, ``Pp``, ``Q12``, ...). If Qhull's own result would differ, as
-        with ``QJ`` and ``QbB``, there is an `OptionWarning`. Options that ask for another result
+        have no effect (``Qt``, ``Qx``, ``Pp``, ``Q12``, ...). If Qhull's own result would differ,
+        as with ``QJ`` and ``QbB``, there is an `OptionWarning`. Options that ask for another result
         raise.
     strict : bool
         Raise `QhullError` for flat input as SciPy does, with its text where SciPy is installed. By

@@ -83,7 +83,7 @@ class FoundCells(ShownCells, Certified):
     def _flat(self) -> int:
         return self._cells.affine_dimension
 
-    def _simplices(self) -> npt.NDArray[np.int32]:
+    def _cells_shown(self) -> npt.NDArray[np.int32]:
         return self._cells.cells
 
     def _boundary(self) -> npt.NDArray[np.int32]:

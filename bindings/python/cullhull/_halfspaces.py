@@ -160,9 +160,9 @@ class HalfspaceIntersection(Incremental):
 
     @Lazy
     def polyhedron(self) -> Hull:
-        """The hull of `intersections`, whose `Hull.mesh`, `Hull.plot` and `Hull.save` draw and write
-        the polyhedron: exact for the rounded vertices, so that a face may be several facets. Raises
-        `InvalidArgument` where the polyhedron is unbounded.
+        """The hull of `intersections`: its `Hull.mesh`, `Hull.plot` and `Hull.save` show and write
+        the polyhedron. It is exact for the rounded vertices, so that a face may be several facets.
+        Raises `InvalidArgument` if the polyhedron is unbounded.
 
         >>> import cullhull
         >>> square = [[-1.0, 0, 0], [0, -1, 0], [1, 0, -2], [0, 1, -2]]

@@ -41,8 +41,8 @@ def read(
     pyogrio (``vector``); the points are the vertices of all geometries, without the last one of a
     ring, which is its first again.
 
-    .las and .laz give coordinates as doubles: where scale and offset are decimals the ones nearest
-    to number * scale + offset, else what laspy computes for it. The two differ by laspy's roundings.
+    .las and .laz give coordinates as doubles: if scale and offset are decimals the doubles nearest
+    to number * scale + offset, else what laspy computes. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec (extra ``remote``):
     .npy, .las, .laz, .parquet, .zarr and .h5.

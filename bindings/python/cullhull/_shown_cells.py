@@ -48,7 +48,7 @@ class ShownCells(Exported):
         """The dimension of the flat that the points span."""
         raise NotImplementedError
 
-    def _simplices(self) -> npt.NDArray[np.int32]:
+    def _cells_shown(self) -> npt.NDArray[np.int32]:
         """(c, k + 1): the cells that are shown."""
         raise NotImplementedError
 
@@ -79,7 +79,7 @@ class ShownCells(Exported):
         >>> vertices.tolist(), faces.tolist()
         ([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]], [[0, 1, 2]])
         """
-        return self._mesh_of(self._simplices())[0]
+        return self._mesh_of(self._cells_shown())[0]
 
     def _mesh_of(self, simplices: npt.NDArray[Any]) -> tuple[Mesh, npt.NDArray[Any]]:
         """Of some simplices of points, and the indices of their points, ascending."""
@@ -94,7 +94,7 @@ class ShownCells(Exported):
                 "tetrahedra are no surface: to_pyvista() and to_open3d() take them, "
                 "convex_hull() and alpha_shape() have a surface"
             )
-        return self._triangles(self._simplices())
+        return self._triangles(self._cells_shown())
 
     def _triangles(self, triangles: npt.NDArray[Any]) -> Surface:
         (vertices, faces), ids = self._mesh_of(triangles)
@@ -103,7 +103,7 @@ class ShownCells(Exported):
     def _volume(self) -> Volume | None:
         if self._flat() != 3 or self._dimension() != 3:
             return None
-        (vertices, faces), ids = self._mesh_of(self._simplices())
+        (vertices, faces), ids = self._mesh_of(self._cells_shown())
         return Volume(vertices, ids, faces, {"cell_groups": self._groups()})
 
     def _geometry(self) -> dict[str, Any]:
@@ -115,18 +115,18 @@ class ShownCells(Exported):
         """Of each triangle its corners."""
         if self._flat() != 2:
             return []
-        return list(np.asarray(self._coordinates(), dtype=np.float64)[self._simplices()])
+        return list(np.asarray(self._coordinates(), dtype=np.float64)[self._cells_shown()])
 
     def _picture(self) -> Picture:
         require_drawable(self._dimension())
         if self._flat() == 2:
             return Picture([[rows] for rows in self._corners()])
-        cells = self._simplices()
+        cells = self._cells_shown()
         (vertices, _), ids = self._mesh_of(cells)
         return Picture(segments=vertices[places(ids, edges_of(cells))], dots=vertices)
 
     def _shape_count(self) -> int:
-        return len(self._simplices())
+        return len(self._cells_shown())
 
     def _page(self) -> str:
         from ._pages import page_of_cells, page_of_surface

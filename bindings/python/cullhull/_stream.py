@@ -182,7 +182,7 @@ class HullState(Shown):
         Parameters
         ----------
         offset : int
-            At least 0; no index may reach 2**64.
+            At least 0 and below 2**63; no index may reach 2**64.
 
         Returns
         -------
@@ -283,12 +283,12 @@ class HullState(Shown):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> HullState:
-        """Reads a file that `save` or ``cullhull hull --partial`` wrote.
+        """Reads a .hullstate file that `save` or ``cullhull hull --partial`` wrote.
 
         Parameters
         ----------
         path : str or os.PathLike
-            A .hullstate or .npz file.
+            Its content counts, not its extension. Read the arrays of an .npz with `numpy.load`.
 
         Returns
         -------

@@ -320,12 +320,12 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         >>> found = cullhull.TolerantDelaunay([[0, 0], [1, 1e-17], [2, 0], [1, 1]])
         >>> found.save("found.ply")
         Traceback (most recent call last):
-        cullhull.InvalidArgument: 1 flat simplex was dropped; triangulation.save() writes all of them
+        cullhull.InvalidArgument: 1 flat simplex was dropped; triangulation.save() writes all
         """
         if self.dropped:
             were = "simplex was" if self.dropped == 1 else "simplices were"
             raise InvalidArgument(
-                f"{self.dropped} flat {were} dropped; triangulation.save() writes all of them"
+                f"{self.dropped} flat {were} dropped; triangulation.save() writes all"
             )
         super().save(path, heights, format=format)
 

@@ -60,7 +60,7 @@ def blocks(word: str, size: int | None = None) -> Iterator[Rows]:
 
 def _together(parts: list[Rows], path: str, before: Rows | None = None) -> Rows:
     """One array, of as many coordinates as the block before has."""
-    widths = {part.shape[1] for part in parts} | ({before.shape[1]} if before is not None else set())
+    widths = {part.shape[1] for part in (*parts, *([] if before is None else [before]))}
     if len(widths) > 1:
         raise BadFile(f"{path}: some geometries have heights and others have none")
     return np.concatenate(parts) if parts else np.empty((0, 2))
@@ -110,14 +110,17 @@ def _chosen(pyogrio: Any, path: str, layer: str | None) -> str:
     if layer is not None and layer not in found:
         raise BadFile(f"{path}: has no layer {layer!r}; there are {', '.join(found) or 'none'}")
     if not spatial or (layer is not None and layer not in spatial):
-        raise BadFile(f"{path}: {'no layer has' if layer is None else f'layer {layer!r} has no'} geometries")
+        which = "no layer has" if layer is None else f"layer {layer!r} has no"
+        raise BadFile(f"{path}: {which} geometries")
     if layer is None and len(spatial) > 1:
         named = ", ".join(f"{path}:{name}" for name in spatial)
         raise BadFile(f"{path}: has several layers: {named}")
     return layer or spatial[0]
 
 
-def _add_all(parts: list[Rows], offsets: npt.NDArray[np.int64], data: npt.NDArray[np.uint8]) -> None:
+def _add_all(
+    parts: list[Rows], offsets: npt.NDArray[np.int64], data: npt.NDArray[np.uint8]
+) -> None:
     """Adds the vertices of many geometries in WKB; of points at once."""
     lengths = np.diff(offsets)
     size = int(lengths[0]) if len(lengths) else 0

@@ -332,10 +332,13 @@ def test_adding_is_as_at_once():
 
 def test_far_from_the_origin():
     """The spheres' centres are those of the points shifted back, to the last digits."""
+    from cullhull._lifted_planes import spheres
+
     points = np.random.default_rng(3).integers(0, 1000, (200, 2)) / 1024
     near, far = cullhull.Delaunay(points), cullhull.Delaunay(points + 2.0**20)
     assert np.array_equal(near.simplices, far.simplices)
-    assert np.allclose(near._spheres[0] + 2.0**20, far._spheres[0], rtol=1e-12)
+    centres = [spheres(found.points, found.simplices).centres for found in (near, far)]
+    assert np.allclose(centres[0] + 2.0**20, centres[1], rtol=1e-12)
 
 
 # Questions
@@ -456,14 +459,14 @@ def test_nearly_flat_simplices_leave_the_others_alone():
 )
 def test_planes_and_transforms_hear_an_interrupt(monkeypatch, attribute, step):
     """They are computed in blocks, between which Python handles signals; blocks change no bit."""
-    from cullhull import _delaunay
+    from cullhull import _lifted_planes
 
     points = np.random.default_rng(5).normal(size=(12_000, 2))
-    monkeypatch.setattr(_delaunay, "_BLOCK", 10**6)
+    monkeypatch.setattr(_lifted_planes, "_BLOCK", 10**6)
     at_once = getattr(cullhull.Delaunay(points), attribute)
     monkeypatch.undo()
 
-    computed, sizes = getattr(_delaunay, step), []
+    computed, sizes = getattr(_lifted_planes, step), []
 
     def interrupted(matrices, *rest):
         sizes.append(len(matrices))
@@ -471,7 +474,7 @@ def test_planes_and_transforms_hear_an_interrupt(monkeypatch, attribute, step):
             raise KeyboardInterrupt
         return computed(matrices, *rest)
 
-    monkeypatch.setattr(_delaunay, step, interrupted)
+    monkeypatch.setattr(_lifted_planes, step, interrupted)
     ours = cullhull.Delaunay(points)
     with pytest.raises(KeyboardInterrupt):
         getattr(ours, attribute)

@@ -1,4 +1,4 @@
-"""GeoPackage, Shapefile, FlatGeobuf, GML and KML through cullhull.read and the program of the package."""
+"""GeoPackage, Shapefile, FlatGeobuf, GML and KML through cullhull.read and the package's program."""
 
 import os
 import signal
