@@ -147,7 +147,7 @@ Hull HullState::hull(const Options& options) const {
 namespace {
 
 constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
-constexpr std::uint32_t version = 1;
+constexpr std::uint32_t state_version = 1;
 
 /// The header, which precedes ids and coordinates. All numbers are little-endian.
 struct Head {
@@ -191,7 +191,7 @@ std::vector<std::byte> HullState::to_bytes() const {
   const std::size_t ids = ids_.size() * sizeof(std::uint64_t), rows = rows_.size();
   std::vector<std::byte> bytes(sizeof(Head) + ids + padded(rows) + 8);
   Head head{{},
-            version,
+            state_version,
             dimension_,
             static_cast<std::uint32_t>(scalar_),
             static_cast<std::uint32_t>(decimals_ + 1),
@@ -216,9 +216,9 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   std::memcpy(&head, bytes.data(), sizeof head);
   head = head.turned();
   if (std::memcmp(head.magic, magic, sizeof magic) != 0) bad_state("does not begin as one does");
-  if (head.version != version)
+  if (head.version != state_version)
     bad_state("version " + std::to_string(head.version) + "; this program reads version " +
-              std::to_string(version));
+              std::to_string(state_version));
   if (head.scalar > static_cast<std::uint32_t>(ScalarType::u32))
     bad_state("unknown scalar type " + std::to_string(head.scalar));
   if (head.grid > most_decimals + 1 ||
