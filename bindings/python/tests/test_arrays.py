@@ -161,6 +161,16 @@ def test_device_arrays_without_a_device():
         cullhull.convex_hull(CUBE, backend="cuda")
 
 
+@pytest.mark.parametrize("question", ["contains", "sides", "distance", "support"])
+def test_questions_about_points_of_the_host_have_the_cpu(question):
+    ask = getattr(ASKED, question)
+    assert np.array_equal(ask(CUBE, backend="cpu"), ask(CUBE))
+    with pytest.raises(cullhull.InvalidArgument, match="asked about on the CPU"):
+        ask(CUBE, backend="cuda")
+    with pytest.raises(cullhull.InvalidArgument, match="unknown backend"):
+        ask(CUBE, backend="gpu")
+
+
 def test_device_arrays_that_are_refused():
     for changes, error in (
         ({"shape": (8,)}, ValueError),
