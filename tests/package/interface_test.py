@@ -58,9 +58,9 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
 }
 """
 
-# What a program of before 1.0 wrote, and what the compiler says of it. These are all names and
-# signatures of the headers of 330c6c5d (the last ones before the interface of 1.0) that are no longer
-# there; what an enumeration no longer converts to is an error that names the enumeration.
+# What a program of before 1.0 wrote, and what the compiler says of it: every public name and
+# signature that went when the interface of 1.0 was made. What an enumeration no longer converts to
+# is an error that names the enumeration.
 BEFORE = [
     ("voronoi.ridge_offsets[0];", "use ridges.offsets, or ridges"),
     ("voronoi.ridge_vertices[0];", "use ridges.items, or ridges"),
@@ -95,7 +95,13 @@ BEFORE = [
 ]
 FUNCTION = """
 #line 1 "statement{number}.cpp"
-void before{number}(const cullhull::Voronoi& voronoi, const cullhull::CellPolygons& polygons, const cullhull::Survivors& survivors, const cullhull::Hull& hull, const cullhull::PointView& view, const std::uint64_t* offsets, long double flag) {{ (void)voronoi, (void)polygons, (void)survivors, (void)hull, (void)view, (void)offsets, (void)flag; {statement} }}
+void before{number}(const cullhull::Voronoi& voronoi, const cullhull::CellPolygons& polygons,
+                    const cullhull::Survivors& survivors, const cullhull::Hull& hull,
+                    const cullhull::PointView& view, const std::uint64_t* offsets,
+                    long double flag) {{
+  (void)voronoi, (void)polygons, (void)survivors, (void)hull, (void)view, (void)offsets, (void)flag;
+  {statement}
+}}
 """
 
 
