@@ -26,6 +26,9 @@ struct Boundary {
   /// Empty in an engine's result. After sort_simplices the ids of a simplex ascend, and odd[f] is
   /// set where the last two of simplex f must be swapped to orient it outward.
   Array<std::uint8_t> odd;
+  /// Whether a ridge between a simplex and one of higher number may be coplanar. The engine has
+  /// proved all other ridges strictly convex. Empty: it has proved nothing.
+  std::vector<std::uint8_t> doubtful;
   /// Pairs (duplicate, vertex): `duplicate` is a point equal to a vertex. The result takes the
   /// lowest id among equal points.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;

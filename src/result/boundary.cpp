@@ -47,13 +47,18 @@ class RidgeScan {
       const std::uint32_t* ids = surface_.simplex(f);
       for (unsigned i = 1; i < k; ++i)
         if (ids[i - 1] == ids[i]) fail_not_exact("a simplex uses a point twice");
-      plane.set(points_, ids);
+      const bool proved = !surface_.doubtful.empty() && surface_.doubtful[f] == 0;
+      if (!proved) plane.set(points_, ids);
       for (unsigned i = 0; i < k; ++i) {
         const std::uint32_t g = surface_.neighbours[f * k + i];
         if (g >= count_ || g == f) fail_not_exact("a ridge has no second facet");
         if (g < f) continue;
         const unsigned j = opposite_slot<K>(surface_, static_cast<std::uint32_t>(f), i, g);
         ++out.ridges;
+        if (proved) {
+          out.rungs.count(Rung::plane);
+          continue;
+        }
         const Sign side = this->template side<K>(f, plane, surface_.simplex(g)[j], out);
         if (side == Sign::positive) fail_not_exact("a ridge is not convex");
         if (side == Sign::zero) out.pairs.emplace_back(static_cast<std::uint32_t>(f), g);

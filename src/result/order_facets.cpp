@@ -39,7 +39,7 @@ class FacetOrderer {
  private:
   /// Sorting key of a simplex.
   struct Key {
-    std::uint64_t rest;  // the second and third id
+    std::uint64_t rest;  // the ids after the first, as many as fit; k <= 3: 32 bits each
     std::uint32_t first, simplex;
   };
 
@@ -54,7 +54,7 @@ class FacetOrderer {
   /// Compares two simplices with the same first id.
   bool less(const Key& a, const Key& b) const {
     if (a.rest != b.rest) return a.rest < b.rest;
-    for (unsigned j = 3; j < k_; ++j) {
+    for (unsigned j = packed_; j < k_; ++j) {
       const std::uint32_t x = surface_.stored(a.simplex, j), y = surface_.stored(b.simplex, j);
       if (x != y) return x < y;
     }
@@ -64,15 +64,18 @@ class FacetOrderer {
   /// Sorts the simplices by their first id, then those with the same first id by their other ids.
   void sort_simplices() {
     BigArray<Key> memory(count_), other(count_);
+    const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
+    const unsigned each = k_ > 3 ? bits : 32;
+    packed_ = std::min(k_, 1 + 64 / each);
     each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end; ++f) {
-        const std::uint64_t second = k_ > 1 ? surface_.stored(f, 1) : 0;
-        const std::uint64_t third = k_ > 2 ? surface_.stored(f, 2) : 0;
-        memory[f] = {second << 32 | third, surface_.stored(f, 0), static_cast<std::uint32_t>(f)};
+        std::uint64_t rest = 0;
+        for (unsigned j = 1; j < packed_; ++j) rest = rest << each | surface_.stored(f, j);
+        if (k_ == 2) rest <<= each;
+        memory[f] = {rest, surface_.stored(f, 0), static_cast<std::uint32_t>(f)};
       }
     });
     Key *keys = memory.get(), *scratch = other.get();
-    const auto bits = static_cast<unsigned>(std::bit_width(input_.local->count));
     radix_sort(keys, scratch, static_cast<std::uint32_t>(count_), bits, run_,
                [](const Key& k) { return k.first; });
     // The simplices of a vertex with many thousands of them (as in a facet with many corners) are
@@ -318,6 +321,7 @@ class FacetOrderer {
   Facets facets_;
   const Boundary& surface_;
   const unsigned k_;
+  unsigned packed_ = 0;  // the ids of a simplex that its key holds
   const std::size_t count_;
   const Run& run_;
   Hull& hull_;

@@ -13,9 +13,11 @@
 #include <set>
 #include <vector>
 
+#include "agreement/canonical_hash.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/point_view.hpp"
+#include "hull/engine.hpp"
 
 namespace cullhull {
 namespace {
@@ -222,6 +224,44 @@ TEST(ManyDimensions, Cospherical) {
       p.back()[j] = -1;
     }
     expect_reference(p);
+  }
+}
+
+/// Points on the moment curve, rounded: facets so thin that doubles bound no plane of the first
+/// simplex. A plane was computed from such a one.
+TEST(ManyDimensions, MomentCurve) {
+  constexpr unsigned d = 9, count = 17;
+  std::vector<double> rows;
+  for (unsigned i = 0; i < count; ++i)
+    for (double t = i / double{count}, p = t; rows.size() < std::size_t{i + 1} * d; p *= t)
+      rows.push_back(p);
+  const PointView view = PointView::row_major(rows.data(), count, d);
+  const Hull hull = convex_hull(view);
+  EXPECT_EQ(hull.facet_count(), 990U);  // a cyclic polytope: the most that 17 points can have
+  const Certificate certificate = certify(view, hull);
+  EXPECT_TRUE(certificate.valid) << certificate.reason;
+}
+
+/// Qhull's boundary has no proved ridges, so all of them are decided by elimination; on one thread
+/// and on three the native engine's result has the same bits.
+TEST(ManyDimensions, ManyFacetsWithTheBitsOfAnotherEngine) {
+  if (!internal::qhull_available()) GTEST_SKIP() << "built without Qhull";
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (const auto& [d, count] : {std::pair{9U, 30U}, {10U, 20U}, {13U, 19U}, {20U, 24U}}) {
+    const Points points = made(count, d, [&] { return normal(random); });
+    std::vector<double> rows;
+    for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+    const PointView view = PointView::row_major(rows.data(), count, d);
+    Options options;
+    options.engine = Engine::qhull;
+    const std::uint64_t expected = testing_support::canonical_hash(convex_hull(view, options));
+    options.engine = Engine::native;
+    for (const unsigned threads : {1U, 3U}) {
+      options.threads = threads;
+      EXPECT_EQ(testing_support::canonical_hash(convex_hull(view, options)), expected)
+          << d << "D, " << threads << " threads";
+    }
   }
 }
 

@@ -133,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(Dimensions, FacetPlanes, ::testing::Values(4, 5, 6, 7, 
 /// Planes through one ridge, each between a plane that its point sees and one that it does not see:
 /// their bounds hold, however long the chain.
 TEST(FacetPlanes, PlanesBetweenOthersKeepTheirBounds) {
-  unsigned made = 0, refused = 0, longest = 0;
+  unsigned made = 0, refused = 0, longest = 0, beneath = 0, off = 0;
   double worst = 0;
   for (unsigned round = 0; round < 60; ++round) {
     const unsigned d = 9 + round % 4, n = d + 40;
@@ -161,7 +161,7 @@ TEST(FacetPlanes, PlanesBetweenOthersKeepTheirBounds) {
     std::vector<double> seen(d + 1), unseen(d + 1), wide(d + 1);
     const auto start = [&](std::uint32_t point, std::vector<double>& to) {
       facet[d - 1] = point;
-      facet_planes_any(frame, facet.data(), 1, plane.data(), to.data());
+      facet_planes_any(frame, facet.data(), 1, plane.data(), to.data(), round % 2 == 0);
       const double error = largest_error(frame, n, to, exact_plane(frame, facet.data()));
       EXPECT_LE(error, to[d]);
       to[d] = error * (1 + 1e-9);  // the bounds of elimination are far from sharp
@@ -192,12 +192,24 @@ TEST(FacetPlanes, PlanesBetweenOthersKeepTheirBounds) {
       EXPECT_LE(error, wide[d]) << "round " << round;
       worst = std::max(worst, error / wide[d]);
       EXPECT_LE(worst_error(frame, n, plane, exact), 1.0) << "round " << round;
+      const WideGauge gauge(frame, wide.data());
+      for (std::uint32_t p = 0; p < n; ++p) {
+        mpq_class height;
+        for (unsigned j = 0; j < d; ++j)
+          height += (mpq_class(rows[p * d + j]) - mpq_class(centre[j])) * exact[j];
+        EXPECT_FALSE(height >= 1 && gauge.surely_beneath(p)) << "round " << round;
+        EXPECT_FALSE(height == 1 && !gauge.may_contain(p)) << "round " << round;
+        beneath += gauge.surely_beneath(p);
+        off += !gauge.may_contain(p);
+      }
       (round % 2 == 0 ? seen : unseen) = wide;
     }
   }
   EXPECT_GT(made, 100U);
   EXPECT_GT(longest, 3U);
   EXPECT_GT(refused, 0U);
+  EXPECT_GT(beneath, made);  // else the gauges decide nothing
+  EXPECT_GT(off, made);
   EXPECT_GT(worst, 1e-3);
 }
 
@@ -213,6 +225,25 @@ TEST(FacetPlanes, DegenerateFacetsPromiseNothing) {
     facet_planes(frame, 0, facet.data(), &slot, 1, plane.data());
     EXPECT_EQ(plane[d], std::numeric_limits<float>::infinity());
     for (unsigned j = 0; j < d; ++j) EXPECT_EQ(plane[j], 0) << d << ' ' << j;
+  }
+}
+
+/// No plane is made from one that has no bound, whatever its numbers and the other plane's are.
+TEST(FacetPlanes, NoPlaneFromAnUnknownOne) {
+  constexpr unsigned d = 9;
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  Random r(1);
+  std::vector<double> rows(d), centre(d, 0.0), reach(d, 1.0), known(d + 1), unknown(d + 1, 0.0);
+  unknown[d] = infinite;
+  const PlaneFrame frame{d, rows.data(), centre.data(), reach.data(), 3, true};
+  std::vector<float> plane(d + 1);
+  std::vector<double> wide(d + 1);
+  for (int round = 0; round < 100; ++round) {
+    for (double& v : rows) v = r.between(-1, 1);
+    for (double& v : known) v = r.between(-2, 2);
+    known[d] = 0x1p-40;
+    EXPECT_FALSE(plane_between(frame, unknown.data(), known.data(), 0, plane.data(), wide.data()));
+    EXPECT_FALSE(plane_between(frame, known.data(), unknown.data(), 0, plane.data(), wide.data()));
   }
 }
 

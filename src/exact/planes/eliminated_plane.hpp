@@ -2,6 +2,7 @@
 // found afterwards. docs/exactness.md, "Planes by elimination", has the proofs.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -27,6 +28,12 @@ class EliminatedPlane {
   bool refine();
   /// Like side, with the refined plane.
   Sign refined_side(const double* x, bool& known) const;
+
+  /// The refined plane rounded to doubles, scaled as `normal` and with the bound of `error`.
+  double refined_normal(unsigned j) const { return sign_ * refined_[j].value() * scale_[j]; }
+  double refined_error(unsigned j) const {
+    return (refined_error_[j] + 0x1p-52 * std::abs(refined_[j].value())) * scale_[j];
+  }
 
   /// Returns component j of a normal n in the original axes: n . (x - p[0]) has the sign of the
   /// orientation.

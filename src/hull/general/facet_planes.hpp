@@ -28,15 +28,36 @@ void facet_planes(const PlaneFrame& frame, std::uint32_t apex, const std::uint32
 
 /// Computes planes in any dimension, one facet at a time. `wide`, unless null, receives them in
 /// doubles as well, for plane_between(); the last entry bounds the error of n . (x - O) for all
-/// points x, and is infinity where no bound can be proved.
+/// points x, and is infinity where no bound can be proved. `sharp`: refines planes, whatever their
+/// bounds, because many others will be computed from them.
 void facet_planes_any(const PlaneFrame& frame, const std::uint32_t* facets, std::size_t count,
-                      float* planes, double* wide = nullptr);
+                      float* planes, double* wide = nullptr, bool sharp = false);
 
 /// Computes the plane through `point` and the ridge between a facet that it sees and one that it
 /// does not see, as a linear combination of their wide planes. False where the error would be too
 /// large. Time: O(d). docs/exactness.md, "Planes from neighbours".
 bool plane_between(const PlaneFrame& frame, const double* seen, const double* unseen,
                    std::uint32_t point, float* plane, double* wide);
+
+/// The gauge of a wide plane at points, and the bound of its error, by which ridges are proved
+/// strictly convex. docs/exactness.md, "Ridges by the engine's planes".
+class WideGauge {
+ public:
+  WideGauge(const PlaneFrame& frame, const double* wide);
+  double of(std::uint32_t point) const;
+  /// Whether the point is certainly strictly beneath the plane.
+  bool surely_beneath(std::uint32_t point) const { return of(point) + doubt_ < 1 - 0x1p-40; }
+  /// Whether the plane may go through the point.
+  bool may_contain(std::uint32_t point) const {
+    const double height = of(point) - 1;
+    return height <= doubt_ && height >= -doubt_;
+  }
+
+ private:
+  const PlaneFrame& frame_;
+  const double* wide_;
+  double doubt_;
+};
 
 // Finds the points strictly inside a polytope of few facets by testing every point against every
 // facet, many points at a time. With fewer than some thousand facets this takes less time than

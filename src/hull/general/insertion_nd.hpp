@@ -31,6 +31,7 @@
 #include "geometry/norm_order.hpp"
 #include "hull/engine.hpp"
 #include "hull/general/cavity.hpp"
+#include "hull/general/facet_estimate.hpp"
 #include "hull/general/facet_planes.hpp"
 #include "hull/general/facet_store.hpp"
 #include "parallel/index.hpp"
@@ -123,6 +124,7 @@ class InsertionNd {
   void replace(Stream& s, Lane& lane);
   void link(const Stream& s, Lane& lane) const;
   Id turn(const Stream& s, std::size_t k, unsigned i) const;
+  bool proved_convex(Id f) const requires(D == 0);
   Boundary collect();
 
   const LocalPoints& points_;
@@ -273,11 +275,16 @@ Boundary InsertionNd<D>::run() {
 /// Whether inserting this many points takes at least some ten milliseconds: in less time, the two
 /// synchronisations per batch cost more than threads save. `fewest`, for 4D to 8D: 10 ms divided by
 /// the estimated time per point (1 us in 4D, 10, 70, 200 and 500 us in 8D); the limits themselves
-/// are untested.
+/// are untested. Beyond 8D a facet takes about half a microsecond.
 template <unsigned D>
 bool InsertionNd<D>::worth_sharing(std::size_t points) const {
-  constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
-  return crew_.lanes() > 1 && points >= (dim() < 4 || dim() > 8 ? 1 : fewest[dim() - 4]);
+  if (crew_.lanes() == 1 || points == 0) return false;
+  if constexpr (D == 0) {
+    return most_facets(order_.size(), dim()) >= 20000;
+  } else {
+    constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
+    return points >= fewest[D - 4];
+  }
 }
 
 template <unsigned D>
@@ -300,7 +307,7 @@ void InsertionNd<D>::build_simplex() {
     [[maybe_unused]] const std::uint8_t first = 0;
     std::vector<float> plane(d + 1);
     if constexpr (D == 0)
-      facet_planes_any(frame_, v, 1, plane.data(), store_.wide(i));
+      facet_planes_any(frame_, v, 1, plane.data(), store_.wide(i), true);
     else
       facet_planes(frame_, v[0], v, &first, 1, plane.data());
     std::copy(plane.begin(), plane.end(), store_.plane(i));

@@ -194,11 +194,28 @@ typename InsertionNd<D>::Id InsertionNd<D>::turn(const Stream& s, std::size_t k,
   }
 }
 
+/// Whether the wide planes prove that every ridge between f and a facet in a later slot is strictly
+/// convex: one of the two planes has the other facet's vertex off the ridge strictly beneath it.
+/// Planes must also fit their own vertices.
+template <unsigned D>
+bool InsertionNd<D>::proved_convex(Id f) const requires(D == 0) {
+  const unsigned d = dim();
+  const Id *v = store_.vertices(f), *n = store_.neighbours(f);
+  const WideGauge plane(frame_, store_.wide(f));
+  for (unsigned j = 0; j < d; ++j)
+    if (!plane.may_contain(v[j])) return false;
+  for (unsigned j = 0; j < d; ++j) {
+    if (n[j] < f) continue;
+    const Id across = store_.vertices(n[j])[index_of(store_.neighbours(n[j]), f)];
+    if (!plane.surely_beneath(across) && !WideGauge(frame_, store_.wide(n[j])).surely_beneath(v[j]))
+      return false;
+  }
+  return true;
+}
+
 template <unsigned D>
 Boundary InsertionNd<D>::collect() {
   const unsigned d = dim();
-  ordered_.release();
-  store_.release_planes();
   claims_.release();
   // A facet's number: the count of live facets in earlier chunks, plus those before it in its own.
   constexpr unsigned chunk_bits = 14;
@@ -214,6 +231,17 @@ Boundary InsertionNd<D>::collect() {
     before[c + 1] = count;
   });
   for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
+  if constexpr (D == 0) {
+    result_.doubtful.resize(before.back());
+    run_.each_chunk(facet_slots_, chunk,
+                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t f = begin; f < end; ++f)
+        if (number[f] != no_index)
+          result_.doubtful[before[c] + number[f]] = !proved_convex(static_cast<Id>(f));
+    });
+  }
+  ordered_.release();
+  store_.release_planes();
   result_.dimension = d;
   result_.vertices.resize(std::size_t{before.back()} * d);
   result_.neighbours.resize(std::size_t{before.back()} * d);

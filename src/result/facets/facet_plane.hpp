@@ -106,8 +106,20 @@ class FacetPlane {
     const double l = length(n, k_);
     *reliable = true;
     *error = l;
-    if (l > conditioned_ * lengths) return l;
+    if (well_conditioned(l, lengths)) return l;
     return careful_normal(v, lengths, n, reliable, error);
+  }
+
+  /// Whether doubles are enough for a normal of this length, as computed in doubles; `lengths`: the
+  /// product of the lengths of its edges.
+  bool well_conditioned(double length, double lengths) const {
+    return length > conditioned_ * lengths;
+  }
+  /// Judges a normal of this length that was computed in double-doubles, as normal() does.
+  void judge_careful(double length, double lengths, bool* reliable, double* error) const {
+    *error = length + 0x1p-49 * lengths;
+    *reliable = length > 0x1p-40 * conditioned_ * lengths &&
+                length > 0x1p-450;  // far from underflow of its square
   }
 
   /// Writes the plane of simplex v to out[0 .. d], from its normal n, which is overwritten.
@@ -152,9 +164,7 @@ class FacetPlane {
     simplex_normal<K, DoubleDouble>(frame_, v, wide, scratch);
     for (unsigned c = 0; c < k_; ++c) n[c] = wide[c].value();
     const double l = length(n, k_);
-    *error = l + 0x1p-49 * lengths;
-    *reliable =
-        l > 0x1p-40 * conditioned_ * lengths && l > 0x1p-450;  // far from underflow of its square
+    judge_careful(l, lengths, reliable, error);
     return l;
   }
 

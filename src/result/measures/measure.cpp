@@ -12,6 +12,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
+#include "result/facets/normal_block.hpp"
 #include "result/facets/orthogonal_parts.hpp"
 #include "result/measures/totals.hpp"
 
@@ -148,10 +149,10 @@ class Measurer {
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
   /// The normals of simplices requested in ascending order. From 4D on they are computed in blocks,
-  /// which gives the same bits in less time.
-  class Normals {
+  /// which gives the same bits in less time. 4D to 8D:
+  class FewNormals {
    public:
-    explicit Normals(const Measurer& measurer) : measurer_(measurer) {}
+    explicit FewNormals(const Measurer& measurer) : measurer_(measurer) {}
     /// The same as FacetPlane::normal.
     double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
               double* error) {
@@ -191,6 +192,105 @@ class Measurer {
     std::conditional_t<(K >= 4), FacetBlock<K>, Nothing> block_;
   };
 
+  /// In any dimension: the normals of `window` simplices at once. Those that doubles are not enough
+  /// for are collected and computed in double-doubles, also in blocks.
+  class ManyNormals {
+   public:
+    explicit ManyNormals(const Measurer& measurer)
+        : measurer_(measurer),
+          k_(measurer.k_),
+          in_blocks_(k_ <= NormalBlock::most_dimensions),
+          block_(in_blocks_ ? k_ : 2) {
+      if (!in_blocks_) return;
+      const auto most = std::min<std::uint64_t>(window, measurer.count_);
+      normals_.resize(most * k_);
+      facts_.resize(most);
+    }
+    double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
+              double* error) {
+      if (!in_blocks_)
+        return measurer_.plane_.normal(measurer_.simplex(i), n, scratch, reliable, error);
+      if (i < first_ || i >= end_) load(i);
+      std::copy_n(normals_.data() + (i - first_) * k_, k_, n);
+      const Facts& f = facts_[i - first_];
+      *reliable = f.reliable;
+      *error = f.error;
+      return f.length;
+    }
+
+   private:
+    static constexpr unsigned lanes = NormalBlock::lanes;
+    static constexpr std::uint64_t window = 256;
+    static_assert(measure_chunk % window == 0);  // a chunk's windows begin with it
+    struct Facts {
+      double length, edges, error;
+      bool reliable;
+    };
+
+    void load(std::uint64_t first) {
+      first_ = first;
+      end_ = std::min(first + window, measurer_.count_);
+      thin_.clear();
+      for (std::uint64_t begin = first_; begin < end_; begin += lanes) {
+        const auto used = static_cast<unsigned>(std::min<std::uint64_t>(lanes, end_ - begin));
+        set_corners([&](unsigned lane) { return begin + std::min(lane, used - 1); });
+        block_.compute();
+        for (unsigned lane = 0; lane < used; ++lane) {
+          const std::uint64_t at = begin + lane - first_;
+          const double length = block_.length(lane), edges = block_.edges(lane);
+          facts_[at] = {length, edges, length, true};
+          if (measurer_.plane_.well_conditioned(length, edges))
+            copy_normal(lane, at);
+          else
+            thin_.push_back(at);
+        }
+      }
+      for (std::size_t begin = 0; begin < thin_.size(); begin += lanes) {
+        const auto used = static_cast<unsigned>(std::min<std::size_t>(lanes, thin_.size() - begin));
+        set_corners([&](unsigned lane) {
+          return first_ + thin_[begin + std::min<std::size_t>(lane, used - 1)];
+        });
+        block_.compute_carefully();
+        for (unsigned lane = 0; lane < used; ++lane) {
+          const std::uint64_t at = thin_[begin + lane];
+          copy_normal(lane, at);
+          Facts& f = facts_[at];
+          f.length = block_.length(lane);
+          measurer_.plane_.judge_careful(f.length, f.edges, &f.reliable, &f.error);
+        }
+      }
+    }
+    /// Loads simplex number(lane) into each lane.
+    template <class Number>
+    void set_corners(const Number& number) {
+      const Frame& frame = measurer_.frame_;
+      const std::uint32_t* v[lanes];
+      for (unsigned lane = 0; lane < lanes; ++lane) v[lane] = measurer_.simplex(number(lane));
+      for (unsigned j = 0; j < k_; ++j) {
+        const double* p[lanes];
+        for (unsigned lane = 0; lane < lanes; ++lane) p[lane] = frame.at(v[lane][j]);
+        for (unsigned c = 0; c < k_; ++c) {
+          const unsigned axis = frame.axes[c];
+          double* const row = block_.corner(j, c);
+          for (unsigned lane = 0; lane < lanes; ++lane) row[lane] = p[lane][axis];
+        }
+      }
+    }
+    void copy_normal(unsigned lane, std::uint64_t at) {
+      for (unsigned c = 0; c < k_; ++c) normals_[at * k_ + c] = block_.normal(lane, c);
+    }
+
+    const Measurer& measurer_;
+    const unsigned k_;
+    const bool in_blocks_;
+    NormalBlock block_;
+    std::uint64_t first_ = 0, end_ = 0;
+    std::vector<double> normals_;
+    std::vector<Facts> facts_;
+    std::vector<std::uint64_t> thin_;
+  };
+  using Normals = std::conditional_t<K == 0, ManyNormals, FewNormals>;
+
   template <class Real>
   Totals<DoubleDouble> totals() const {
     const unsigned d = frame_.dimension;
@@ -198,10 +298,11 @@ class Measurer {
                                             Totals<DoubleDouble>(d));
     run_.each_chunk(count_, measure_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+      Normals normals(*this);
       // Sums of short runs are computed in Real, and added in double-doubles.
       for (std::uint64_t b = begin; b < end; b += measure_run) {
         if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
-        add_run<Real>(b, std::min(b + measure_run, end), parts[chunk]);
+        add_run<Real>(b, std::min(b + measure_run, end), normals, parts[chunk]);
       }
     });
     Totals<DoubleDouble> all(d);
@@ -210,7 +311,8 @@ class Measurer {
   }
 
   template <class Real>
-  void add_run(std::uint64_t begin, std::uint64_t end, Totals<DoubleDouble>& out) const {
+  void add_run(std::uint64_t begin, std::uint64_t end, Normals& normals,
+               Totals<DoubleDouble>& out) const {
     const unsigned d = frame_.dimension;
     const double* o = frame_.at(0);
     constexpr unsigned fixed = K ? K : 1;
@@ -222,7 +324,7 @@ class Measurer {
     std::vector<Real> moment_many(d == K ? 0 : d, Real(0));
     Real* moment = d == K ? moment_few : moment_many.data();
     for (unsigned c = 0; c < d; ++c) moment[c] = 0;
-    Normals normals(*this);
+    std::vector<Real> sums(K ? 0 : d);
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint32_t* v = simplex(i);
       prefetch(i + ahead);
@@ -244,13 +346,22 @@ class Measurer {
       out.error += error * reach;
       out.area_error += error;
       area = area + lifted_length(n, size);
-      for (unsigned c = 0; c < d; ++c) {
-        Real sum = 0;
+      if constexpr (K == 0) {  // row by row: the same sums, in vectors
+        std::fill(sums.begin(), sums.end(), Real(0));
         for (unsigned j = 0; j < k_; ++j) {
           const double* q = frame_.at(v[j]);
-          sum = sum + difference<Real>(q[c], o[c]);
+          for (unsigned c = 0; c < d; ++c) sums[c] = sums[c] + difference<Real>(q[c], o[c]);
         }
-        moment[c] = moment[c] + height * sum;
+        for (unsigned c = 0; c < d; ++c) moment[c] = moment[c] + height * sums[c];
+      } else {
+        for (unsigned c = 0; c < d; ++c) {
+          Real sum = 0;
+          for (unsigned j = 0; j < k_; ++j) {
+            const double* q = frame_.at(v[j]);
+            sum = sum + difference<Real>(q[c], o[c]);
+          }
+          moment[c] = moment[c] + height * sum;
+        }
       }
       if constexpr (std::is_same_v<Real, double>)
         if (fused_)
