@@ -204,7 +204,8 @@ TEST(CliGroups, WhatIsRefused) {
   write_file(f / "p.csv", "k,x,y\na,0,0\nb,1,nan\n");
   write_file(f / "flat.csv", "k,x,y\na,0,0\nb,1,1\n");
   const std::string p = f / "p.csv", flat = f / "flat.csv";
-  expect_error({"hull", p, "--by", "k", "-o", f / "h.csv"}, 1, "p.csv: point 1 has a coordinate");
+  expect_error({"hull", p, "--by", "k", "-o", f / "h.csv"}, 1,
+               "p.csv:3: point 1, coordinate 1 is NaN");
   EXPECT_EQ(f.entries(), 2U);  // no half file
   expect_error({"hull", flat, "--by", "q", "-o", f / "h.csv"}, 2, "no column 'q'");
   expect_error({"hull", flat, "--by", "k,x", "-o", f / "h.csv"}, 2, "a key is one column");
