@@ -1,12 +1,14 @@
 // Points of GeoJSON (RFC 7946): the positions of all its geometries.
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "io/formats/geometry_positions.hpp"
-#include "io/json/json_scan.hpp"
 
 namespace cullhull::internal::inline io {
 namespace {
@@ -27,39 +29,66 @@ constexpr GeometryType geometry_types[] = {{"Point", 1, false},
                                            {"Feature", 0, false},
                                            {"FeatureCollection", 0, false}};
 
-/// Follows the events through the members that hold geometries, and skips all others (properties
-/// may hold anything). No document is built: memory goes to the positions alone.
-class PositionReader : public JsonScanner<PositionReader> {
+using nlohmann::json;
+
+/// Reads a text for the parser, and keeps where that is: its events have no place.
+class Cursor {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  Cursor(const char* at, const char*& read) : at_(at), read_(&read) {}
+  reference operator*() const { return *at_; }
+  Cursor& operator++() {
+    *read_ = ++at_;
+    return *this;
+  }
+  friend bool operator==(const Cursor& a, const Cursor& b) { return a.at_ == b.at_; }
+
+ private:
+  const char* at_;
+  const char** read_;
+};
+
+/// Follows the parser's events through the members that hold geometries, and skips all others
+/// (properties may hold anything). No document is built: memory goes to the positions alone.
+class PositionReader : public nlohmann::json_sax<json> {
  public:
   PositionReader(const Source& source, const ReadOptions& options)
-      : JsonScanner(source.data, source.data + source.size),
-        source_(source),
-        positions_(!options.columns.empty()),
-        options_(options) {}
+      : source_(source), positions_(!options.columns.empty()), options_(options) {}
 
   PointData read() {
-    try {
-      scan();
-    } catch (const JsonFault& fault) {
-      fail_at(fault.at, fault.message);
-    }
+    const char* const end = source_.data + source_.size;
+    const char* ignored = end;
+    json::sax_parse(Cursor(source_.data, read_), Cursor(end, ignored), this);
     return std::move(positions_).points("geojson");
   }
 
-  void literal(std::string_view word) {
-    if (word != "null") return other("true or false");
+  bool null() override {
     if (in_coordinates()) fail_at(token(), "null among coordinates");
     if (places_.empty()) not_geojson();
+    return true;
   }
-  bool wants_number() const { return expected() != Place::skipped; }
-  void string(std::string_view value) {
-    if (!places_.empty() && places_.back() == Place::object && key_ == "type")
-      objects_.back().type = value;
-    else
-      other("a string");
+  bool boolean(bool) override { return other("true or false"); }
+  bool number_integer(number_integer_t value) override {
+    return number(static_cast<double>(value));
   }
+  bool number_unsigned(number_unsigned_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_float(number_float_t value, const string_t&) override { return number(value); }
+  bool string(string_t& value) override {
+    if (places_.empty() || places_.back() != Place::object || key_ != "type")
+      return other("a string");
+    objects_.back().type = value;
+    return true;
+  }
+  bool binary(binary_t&) override { return other("bytes"); }
 
-  void start_object() {
+  bool start_object(std::size_t) override {
     check_stop_sometimes();
     const Place place = expected();
     if (place == Place::coordinates) fail_at(token(), "an object among coordinates");
@@ -67,15 +96,18 @@ class PositionReader : public JsonScanner<PositionReader> {
       fail_at(token(), "not GeoJSON: ", quoted_text(key_), " is not a list");
     if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}, token()});
     places_.push_back(place);
+    return true;
   }
-  void key(std::string_view name) {
+  bool key(string_t& name) override {
     if (places_.back() == Place::object) key_ = name;
+    return true;
   }
-  void end_object() {
+  bool end_object() override {
     if (places_.back() == Place::object) end_geometry();
     places_.pop_back();
+    return true;
   }
-  void start_array() {
+  bool start_array(std::size_t) override {
     check_stop_sometimes();
     const Place place = expected();
     if (place == Place::object) not_geojson();
@@ -87,18 +119,21 @@ class PositionReader : public JsonScanner<PositionReader> {
       levels_.push_back({0, false, positions_.size(), token()});
     }
     places_.push_back(place);
+    return true;
   }
-  void end_array() {
+  bool end_array() override {
     if (places_.back() == Place::coordinates) end_level();
     places_.pop_back();
+    return true;
   }
-  void number(double value) {
-    if (!in_coordinates()) return other("a number");
-    Level& level = levels_.back();
-    if (level.lists) fail_at(token(), "position ", seen_, ": a number beside lists of coordinates");
-    if (level.numbers == 3)
-      fail_at(level.at, "position ", seen_, " has more than three coordinates");
-    position_[level.numbers++] = value;
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    const char* const at = source_.data + std::min(byte > 0 ? byte - 1 : 0, source_.size);
+    constexpr int out_of_range = 406;
+    if (error.id == out_of_range) fail_at(at, "a number exceeds the range of doubles");
+    if (at < source_.data + source_.size && (*at == 'N' || *at == 'I'))
+      fail_at(at, "not valid JSON, which has no NaN and no infinity");
+    fail_at(at, "not valid JSON");
   }
 
  private:
@@ -124,6 +159,9 @@ class PositionReader : public JsonScanner<PositionReader> {
                  parts...);
   }
 
+  /// The last character of the current event's text; of a number the one after it.
+  const char* token() const { return read_ == source_.data ? read_ : read_ - 1; }
+
   bool in_coordinates() const { return !places_.empty() && places_.back() == Place::coordinates; }
 
   /// What the value that begins now is.
@@ -140,10 +178,21 @@ class PositionReader : public JsonScanner<PositionReader> {
          "is JSON but not GeoJSON, and holds no points; a hull file is for certify and view");
   }
 
-  void other(const char* what) {
+  bool other(const char* what) {
     const Place place = expected();
     if (place == Place::coordinates) fail_at(token(), what, " among coordinates");
     if (place != Place::skipped) not_geojson();
+    return true;
+  }
+
+  bool number(double value) {
+    if (!in_coordinates()) return other("a number");
+    Level& level = levels_.back();
+    if (level.lists) fail_at(token(), "position ", seen_, ": a number beside lists of coordinates");
+    if (level.numbers == 3)
+      fail_at(level.at, "position ", seen_, " has more than three coordinates");
+    position_[level.numbers++] = value;
+    return true;
   }
 
   void end_level() {
@@ -206,6 +255,7 @@ class PositionReader : public JsonScanner<PositionReader> {
   }
 
   const Source& source_;
+  const char* read_ = source_.data;  ///< up to where the parser has read
   Positions positions_;
   const ReadOptions& options_;
   std::vector<Place> places_;
