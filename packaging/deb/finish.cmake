@@ -21,7 +21,7 @@ foreach(folder IN LISTS documents)
   get_filename_component(package "${folder}" NAME)
   file(WRITE "${folder}/../../lintian/overrides/${package}" "${package}: embedded-library\n")
 endforeach()
-file(GLOB texts "${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/man/man1/*.1"
+file(GLOB texts "${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/man/man*/*.[17]"
   "${CPACK_TEMPORARY_DIRECTORY}/*/usr/share/doc/*/changelog")
 if(texts)
   execute_process(COMMAND gzip -9nf ${texts} COMMAND_ERROR_IS_FATAL ANY)
