@@ -143,7 +143,8 @@ TEST(Columns, RowsThatAreNone) {
   EXPECT_EQ(refused("x,y\n\"1\n\",2\n", "x,y"), "F:2: a column in quotes does not end on its line");
   EXPECT_EQ(refused("x,y\n\"1\"0,2\n", "x,y"), "F:2: characters behind a column in quotes");
   EXPECT_EQ(refused("\"x,y\n1,2\n", "x,y"), "F:1: a column in quotes does not end on its line");
-  EXPECT_EQ(refused("id;x;y\na;1,5;2\n", "x,y"), "F:2: column 'x': '1,5' is not a number");
+  EXPECT_EQ(refused("id;x;y\na;1,5;2\n", "x,y"),
+            "F:2: column 'x': '1,5' is not a number; decimal commas are not read");
   EXPECT_EQ(refused("x,y\n", "x"), "F: no points after the line of column names");
 }
 
