@@ -27,10 +27,12 @@ class Questions:
         points: Any,
         what: str,
         one: type,
-        chosen: _core.Settings | None,
         backend: Backend,
+        threads: int | None,
+        progress: Progress,
     ) -> Any:
         """The answers of ``_solid`` for many points, or the only one as a ``one``."""
+        chosen = settings(backend=backend, threads=threads, progress=progress)
         there = None if type(points) is np.ndarray else as_device_points(points)
         if there is not None:
             return getattr(self._solid, f"{question}_there")(there, chosen)
@@ -77,8 +79,7 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
-        chosen = settings(backend=backend, threads=threads, progress=progress)
-        return self._ask("contains", points, "points", bool, chosen, backend)
+        return self._ask("contains", points, "points", bool, backend, threads, progress)
 
     def sides(
         self,
@@ -105,8 +106,7 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
-        chosen = settings(backend=backend, threads=threads, progress=progress)
-        return self._ask("sides", points, "points", int, chosen, backend)
+        return self._ask("sides", points, "points", int, backend, threads, progress)
 
     def distance(
         self,
@@ -134,8 +134,7 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
-        chosen = settings(backend=backend, threads=threads, progress=progress)
-        return self._ask("distances", points, "points", float, chosen, backend)
+        return self._ask("distances", points, "points", float, backend, threads, progress)
 
     def nearest_facets(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
@@ -192,8 +191,7 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
-        chosen = settings(backend=backend, threads=threads, progress=progress)
-        return self._ask("supports", directions, "directions", int, chosen, backend)
+        return self._ask("supports", directions, "directions", int, backend, threads, progress)
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
         """The facets that a point lies strictly above; exact.
