@@ -331,8 +331,8 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
   const cudaStream_t stream = stream_of(points);
   const Landing<T> landing(std::min(piece, count) * d);
   Rows<T> source(points, ids, std::min(piece, count));
-  const Settled settled(
-      stream);  // where a copy is refused, others may be on their way to `landing`
+  // Where a copy is refused, others may be on their way to `landing`.
+  const Settled settled(stream);
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     control.check();
