@@ -14,36 +14,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "exact/numbers/lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline result::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using D = hn::CappedTag<double, 8>;
-using V = hn::Vec<D>;
-using M = hn::Mask<D>;
+using namespace exact::HWY_NAMESPACE;  // NOLINT: of the same instruction set
 
-/// A vector of doubles with the operators of a number.
-struct Lanes {
-  V v;
-  Lanes() = default;
-  HWY_INLINE Lanes(V all) : v(all) {}                       // NOLINT: implicit, a vector is one
-  HWY_INLINE Lanes(double each) : v(hn::Set(D(), each)) {}  // NOLINT: text is written for numbers
-  HWY_INLINE Lanes operator-() const { return hn::Neg(v); }
-};
-HWY_INLINE Lanes operator+(Lanes a, Lanes b) { return hn::Add(a.v, b.v); }
-HWY_INLINE Lanes operator-(Lanes a, Lanes b) { return hn::Sub(a.v, b.v); }
-HWY_INLINE Lanes operator*(Lanes a, Lanes b) { return hn::Mul(a.v, b.v); }
-HWY_INLINE Lanes operator/(Lanes a, Lanes b) { return hn::Div(a.v, b.v); }
-HWY_INLINE M operator<(Lanes a, Lanes b) { return hn::Lt(a.v, b.v); }
-HWY_INLINE M operator>(Lanes a, Lanes b) { return hn::Gt(a.v, b.v); }
-HWY_INLINE Lanes root(Lanes a) { return hn::Sqrt(a.v); }
-HWY_INLINE Lanes absolute(Lanes a) { return hn::Abs(a.v); }
-HWY_INLINE Lanes greater_of(Lanes a, Lanes b) { return hn::Max(a.v, b.v); }
-
-HWY_INLINE unsigned lane_count() { return static_cast<unsigned>(hn::Lanes(D())); }
-HWY_INLINE Lanes load(const double* from) { return hn::Load(D(), from); }
-HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
 /// The mask as bits, lane 0 in the lowest.
 HWY_INLINE unsigned bits_of(M mask) {
   std::uint8_t bytes[8] = {};

@@ -51,55 +51,7 @@ namespace {
 
 constexpr std::size_t width = NormalBlock::lanes;
 
-HWY_INLINE Lanes chosen(M mask, Lanes yes, Lanes no) { return hn::IfThenElse(mask, yes.v, no.v); }
-
-/// A vector of DoubleDoubles: the same operations, for each lane the same bits.
-struct WideLanes {
-  Lanes high, low;
-  WideLanes() = default;
-  HWY_INLINE WideLanes(Lanes v) : high(v), low(0.0) {}  // NOLINT: every double is one
-  HWY_INLINE WideLanes(Lanes h, Lanes l) : high(h), low(l) {}
-
-  static HWY_INLINE WideLanes sum(Lanes a, Lanes b) {
-    const Lanes s = a + b;
-    const Lanes t = s - a;
-    return {s, (a - (s - t)) + (b - t)};
-  }
-  static HWY_INLINE WideLanes product(Lanes a, Lanes b) {
-    const Lanes p = a * b;
-    const Lanes split = 134217729.0;
-    const Lanes ta = split * a, tb = split * b;
-    const Lanes ah = ta - (ta - a), bh = tb - (tb - b);
-    const Lanes al = a - ah, bl = b - bh;
-    return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
-  }
-  static HWY_INLINE WideLanes quick(Lanes a, Lanes b) {
-    const Lanes s = a + b;
-    return {s, b - (s - a)};
-  }
-  HWY_INLINE WideLanes operator-() const { return {-high, -low}; }
-};
-HWY_INLINE WideLanes operator+(const WideLanes& a, const WideLanes& b) {
-  WideLanes s = WideLanes::sum(a.high, b.high);
-  const WideLanes t = WideLanes::sum(a.low, b.low);
-  s = WideLanes::quick(s.high, s.low + t.high);
-  return WideLanes::quick(s.high, s.low + t.low);
-}
-HWY_INLINE WideLanes operator-(const WideLanes& a, const WideLanes& b) { return a + -b; }
-HWY_INLINE WideLanes operator*(const WideLanes& a, const WideLanes& b) {
-  const WideLanes p = WideLanes::product(a.high, b.high);
-  return WideLanes::quick(p.high, p.low + (a.high * b.low + a.low * b.high));
-}
-HWY_INLINE WideLanes operator/(const WideLanes& a, const WideLanes& b) {
-  const Lanes q1 = a.high / b.high;
-  WideLanes rest = a - b * WideLanes(q1);
-  const Lanes q2 = rest.high / b.high;
-  rest = rest - b * WideLanes(q2);
-  return WideLanes::quick(q1, q2) + WideLanes(rest.high / b.high);
-}
-HWY_INLINE WideLanes chosen(M mask, const WideLanes& yes, const WideLanes& no) {
-  return {chosen(mask, yes.high, no.high), chosen(mask, yes.low, no.low)};
-}
+using WideLanes = exact::HWY_NAMESPACE::WideLanes<false>;  // the bits of simplex_normal
 
 HWY_INLINE Lanes leading(Lanes a) { return a; }
 HWY_INLINE Lanes leading(const WideLanes& a) { return a.high; }
