@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import re
 import struct
@@ -13,7 +14,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arrow_stream import binary_batches
 from ._errors import BadFile, Error
 
 Rows = npt.NDArray[np.float64]
@@ -74,12 +74,14 @@ def _parts(path: str, layer: str | None) -> Iterator[list[Rows]]:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of measures, which are not taken
                 name = _chosen(pyogrio, path, layer)
-                opened = pyogrio.raw.open_arrow(path, layer=name, columns=[], batch_size=_MANY)
+                opened = pyogrio.open_arrow(
+                    path, layer=name, columns=[], batch_size=_MANY, use_pyarrow=True
+                )
                 _, stream = stack.enter_context(opened)
             before = pyogrio.get_gdal_config_option(_PLAIN_STREAM)
             stack.callback(pyogrio.set_gdal_config_options, {_PLAIN_STREAM: before})
             pyogrio.set_gdal_config_options({_PLAIN_STREAM: True})
-            for offsets, data in binary_batches(stream):
+            for offsets, data in _binary_batches(stream):
                 parts: list[Rows] = []
                 try:
                     _add_all(parts, offsets, data)
@@ -92,15 +94,40 @@ def _parts(path: str, layer: str | None) -> Iterator[list[Rows]]:
         raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
 
 
+def _binary_batches(
+    stream: Any,
+) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.uint8]]]:
+    """Of each batch of a pyarrow reader the first column of bytes: where each value begins and
+    ends, and the bytes of all values; of a missing one none. Nothing if there is no such column."""
+    wide = {"binary": False, "large_binary": True}
+    kinds = [(i, wide[str(field.type)]) for i, field in enumerate(stream.schema)
+             if str(field.type) in wide]
+    if not kinds:
+        return
+    place, large = kinds[0]
+    for batch in stream:
+        column = batch.column(place)
+        if not len(column):
+            continue
+        _, ends, data = column.buffers()
+        offsets = np.frombuffer(ends, dtype="<i8" if large else "<i4")
+        offsets = offsets[column.offset : column.offset + len(column) + 1].astype(np.int64)
+        if (np.diff(offsets) < 0).any():
+            raise OSError("the values of the Arrow stream overlap")
+        taken = np.frombuffer(data or b"", dtype=np.uint8)[offsets[0] : offsets[-1]]
+        yield offsets - offsets[0], taken
+
+
 def _pyogrio(path: str) -> Any:
-    try:
-        import pyogrio
-    except ImportError:
-        raise ImportError(
-            f"{path}: reading {os.path.splitext(path)[1]} files needs pyogrio, which is not "
-            "installed: pip install 'cullhull[vector]'"
-        ) from None
-    return pyogrio
+    for package in ("pyogrio", "pyarrow"):
+        try:
+            importlib.import_module(package)
+        except ImportError:
+            raise ImportError(
+                f"{path}: reading {os.path.splitext(path)[1]} files needs {package}, which is not "
+                "installed: pip install 'cullhull[vector]'"
+            ) from None
+    return importlib.import_module("pyogrio")
 
 
 def _chosen(pyogrio: Any, path: str, layer: str | None) -> str:
