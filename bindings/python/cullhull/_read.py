@@ -38,8 +38,8 @@ def read(
     'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
     FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
     column each) h5py (``hdf5``). .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
-    pyogrio (``vector``); the points are the vertices of all geometries, without the last one of a
-    ring, which is its first again.
+    pyogrio and pyarrow (``vector``); the points are the vertices of all geometries, without the
+    last one of a ring, which is its first again.
 
     .las and .laz give coordinates as doubles: if scale and offset are decimals the doubles nearest
     to number * scale + offset, else what laspy computes. The two differ by laspy's roundings.
