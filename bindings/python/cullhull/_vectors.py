@@ -1,4 +1,4 @@
-"""Vertices of vector files (GeoPackage, Shapefile, FlatGeobuf, GML, KML), by pyogrio and pyarrow."""
+"""Vertices of vector files (GeoPackage, Shapefile, FlatGeobuf, GML, KML), with pyogrio."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def blocks(word: str, size: int | None = None) -> Iterator[Rows]:
     ring's last, which is its first again, is not taken.
 
     A block is of a few thousand geometries, so that memory stays small and Ctrl-C is heard. At
-    least one block comes, perhaps of no rows. Raises `BadFile`, or `ImportError` without the packages.
+    least one block comes, perhaps of no rows. Raises `BadFile`, or `ImportError` without a package.
     """
     path, layer = split_layer(word)
     before: Rows | None = None
