@@ -12,8 +12,8 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
-#include "result/facets/normal_block.hpp"
 #include "result/facets/orthogonal_parts.hpp"
+#include "result/measures/simplex_normals.hpp"
 #include "result/measures/totals.hpp"
 
 namespace cullhull::internal::inline result {
@@ -148,148 +148,9 @@ class Measurer {
 
   const std::uint32_t* simplex(std::uint64_t i) const { return index_.data() + i * k_; }
 
-  /// The normals of simplices requested in ascending order. From 4D on they are computed in blocks,
-  /// which gives the same bits in less time. 4D to 8D:
-  class FewNormals {
-   public:
-    explicit FewNormals(const Measurer& measurer) : measurer_(measurer) {}
-    /// The same as FacetPlane::normal.
-    double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
-              double* error) {
-      if constexpr (K >= 4) {
-        constexpr unsigned lanes = FacetBlock<K>::lanes;
-        if (i < first_ || i >= first_ + lanes) load(i);
-        const auto lane = static_cast<unsigned>(i - first_);
-        const double size = block_.length[lane];
-        if (size > conditioned * block_.edges[lane]) {
-          for (unsigned c = 0; c < K; ++c) n[c] = block_.normal[c][lane];
-          *reliable = true;
-          *error = size;
-          return size;
-        }
-      }
-      return measurer_.plane_.normal(measurer_.simplex(i), n, scratch, reliable, error);
-    }
-
-   private:
-    struct Nothing {};
-    void load(std::uint64_t i) {
-      if constexpr (K >= 4) {
-        const Frame& frame = measurer_.frame_;
-        first_ = i;
-        for (unsigned lane = 0; lane < FacetBlock<K>::lanes; ++lane) {
-          const std::uint32_t* v = measurer_.simplex(std::min(i + lane, measurer_.count_ - 1));
-          for (unsigned j = 0; j < K; ++j)
-            for (unsigned c = 0; c < K; ++c)
-              block_.corner[j][c][lane] = frame.at(v[j])[frame.axes[c]];
-        }
-        for (auto& row : block_.origin) std::fill(std::begin(row), std::end(row), 0.0);
-        facet_block(block_);
-      }
-    }
-    const Measurer& measurer_;
-    std::uint64_t first_ = ~std::uint64_t{0} - FacetBlock<4>::lanes;
-    std::conditional_t<(K >= 4), FacetBlock<K>, Nothing> block_;
-  };
-
-  /// In any dimension: the normals of `window` simplices at once. Those that doubles are not enough
-  /// for are collected and computed in double-doubles, also in blocks.
-  class ManyNormals {
-   public:
-    explicit ManyNormals(const Measurer& measurer)
-        : measurer_(measurer),
-          k_(measurer.k_),
-          in_blocks_(k_ <= NormalBlock::most_dimensions),
-          block_(in_blocks_ ? k_ : 2) {
-      if (!in_blocks_) return;
-      const auto most = std::min<std::uint64_t>(window, measurer.count_);
-      normals_.resize(most * k_);
-      facts_.resize(most);
-    }
-    double of(std::uint64_t i, double* n, std::vector<double>& scratch, bool* reliable,
-              double* error) {
-      if (!in_blocks_)
-        return measurer_.plane_.normal(measurer_.simplex(i), n, scratch, reliable, error);
-      if (i < first_ || i >= end_) load(i);
-      std::copy_n(normals_.data() + (i - first_) * k_, k_, n);
-      const Facts& f = facts_[i - first_];
-      *reliable = f.reliable;
-      *error = f.error;
-      return f.length;
-    }
-
-   private:
-    static constexpr unsigned lanes = NormalBlock::lanes;
-    static constexpr std::uint64_t window = 256;
-    static_assert(measure_chunk % window == 0);  // a chunk's windows begin with it
-    struct Facts {
-      double length, edges, error;
-      bool reliable;
-    };
-
-    void load(std::uint64_t first) {
-      first_ = first;
-      end_ = std::min(first + window, measurer_.count_);
-      thin_.clear();
-      for (std::uint64_t begin = first_; begin < end_; begin += lanes) {
-        const auto used = static_cast<unsigned>(std::min<std::uint64_t>(lanes, end_ - begin));
-        set_corners([&](unsigned lane) { return begin + std::min(lane, used - 1); });
-        block_.compute();
-        for (unsigned lane = 0; lane < used; ++lane) {
-          const std::uint64_t at = begin + lane - first_;
-          const double length = block_.length(lane), edges = block_.edges(lane);
-          facts_[at] = {length, edges, length, true};
-          if (measurer_.plane_.well_conditioned(length, edges))
-            copy_normal(lane, at);
-          else
-            thin_.push_back(at);
-        }
-      }
-      for (std::size_t begin = 0; begin < thin_.size(); begin += lanes) {
-        const auto used = static_cast<unsigned>(std::min<std::size_t>(lanes, thin_.size() - begin));
-        set_corners([&](unsigned lane) {
-          return first_ + thin_[begin + std::min<std::size_t>(lane, used - 1)];
-        });
-        block_.compute_carefully();
-        for (unsigned lane = 0; lane < used; ++lane) {
-          const std::uint64_t at = thin_[begin + lane];
-          copy_normal(lane, at);
-          Facts& f = facts_[at];
-          f.length = block_.length(lane);
-          measurer_.plane_.judge_careful(f.length, f.edges, &f.reliable, &f.error);
-        }
-      }
-    }
-    /// Loads simplex number(lane) into each lane.
-    template <class Number>
-    void set_corners(const Number& number) {
-      const Frame& frame = measurer_.frame_;
-      const std::uint32_t* v[lanes];
-      for (unsigned lane = 0; lane < lanes; ++lane) v[lane] = measurer_.simplex(number(lane));
-      for (unsigned j = 0; j < k_; ++j) {
-        const double* p[lanes];
-        for (unsigned lane = 0; lane < lanes; ++lane) p[lane] = frame.at(v[lane][j]);
-        for (unsigned c = 0; c < k_; ++c) {
-          const unsigned axis = frame.axes[c];
-          double* const row = block_.corner(j, c);
-          for (unsigned lane = 0; lane < lanes; ++lane) row[lane] = p[lane][axis];
-        }
-      }
-    }
-    void copy_normal(unsigned lane, std::uint64_t at) {
-      for (unsigned c = 0; c < k_; ++c) normals_[at * k_ + c] = block_.normal(lane, c);
-    }
-
-    const Measurer& measurer_;
-    const unsigned k_;
-    const bool in_blocks_;
-    NormalBlock block_;
-    std::uint64_t first_ = 0, end_ = 0;
-    std::vector<double> normals_;
-    std::vector<Facts> facts_;
-    std::vector<std::uint64_t> thin_;
-  };
-  using Normals = std::conditional_t<K == 0, ManyNormals, FewNormals>;
+  using Normals = std::conditional_t<K == 0, ManyNormals, FewNormals<K>>;
+  /// Those of all simplices, each thread its own.
+  Normals normals_of_all() const { return Normals(frame_, plane_, index_.data(), count_); }
 
   template <class Real>
   Totals<DoubleDouble> totals() const {
@@ -298,7 +159,7 @@ class Measurer {
                                             Totals<DoubleDouble>(d));
     run_.each_chunk(count_, measure_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-      Normals normals(*this);
+      Normals normals = normals_of_all();
       // Sums of short runs are computed in Real, and added in double-doubles.
       for (std::uint64_t b = begin; b < end; b += measure_run) {
         if (K == 0) run_.check();  // in 50D a run takes hundredths of a second
@@ -444,7 +305,7 @@ class Measurer {
     BigArray<std::uint64_t> longest(facets), lengths(count_);
     const auto each_chunk = [this](std::uint64_t count, const auto& body) {
       run_.each(count, measure_chunk, [&](std::uint64_t begin, std::uint64_t end) {
-        Normals normals(*this);
+        Normals normals = normals_of_all();
         for (std::uint64_t i = begin; i < end; ++i) {
           if (K == 0) run_.check();
           body(i, normals);
