@@ -57,10 +57,13 @@ DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
   if (many && sets > 1 && each > 0 &&
       array.stride(0) != static_cast<std::int64_t>(each) * array.stride(1))
     throw nb::value_error("sets of points on a device must follow one another at equal steps");
+  // Keeps the producer's memory; a cast of `array` would be a copy of it, which nanobind refuses.
+  nb::capsule keep(new nb::ndarray<nb::ro>(array),
+                   [](void* kept) noexcept { delete static_cast<nb::ndarray<nb::ro>*>(kept); });
   DevicePoints points = from_interface(
       reinterpret_cast<std::uintptr_t>(array.data()), sets * each,
       static_cast<std::uint32_t>(array.shape(last)), array.stride(last - 1) * size,
-      array.stride(last) * size, is_double, 0, nb::make_tuple(std::move(owner), nb::cast(array)));
+      array.stride(last) * size, is_double, 0, nb::make_tuple(std::move(owner), std::move(keep)));
   if (many) {
     points.sets = static_cast<std::int64_t>(sets);
     points.set_size = static_cast<std::int64_t>(each);

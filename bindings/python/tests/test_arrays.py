@@ -2,6 +2,7 @@
 
 import gc
 import mmap
+import sys
 
 import numpy as np
 import pytest
@@ -360,6 +361,19 @@ def test_arrays_on_a_device_describe_themselves():
     for refused in ({"dl_device": (1, 0)}, {"copy": True}):
         with pytest.raises(BufferError):
             array.__dlpack__(**refused)
+
+
+def test_a_dlpack_capsule_is_viewed_and_its_memory_kept():
+    array = np.arange(12.0).reshape(4, 3)
+    before = sys.getrefcount(array)
+    view = cullhull._core.DevicePoints.from_dlpack(array.__dlpack__(), "maker")
+    assert (view.data, view.dimension, view.sets) == (array.ctypes.data, 3, -1)
+    assert sys.getrefcount(array) > before
+    del view
+    gc.collect()
+    assert sys.getrefcount(array) == before
+    view = cullhull._core.DevicePoints.from_dlpack(array.reshape(2, 2, 3).__dlpack__(), "maker")
+    assert (view.dimension, view.sets, view.set_size) == (3, 2, 2)
 
 
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")

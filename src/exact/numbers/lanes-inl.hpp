@@ -47,7 +47,9 @@ HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
 
 /// A DoubleDouble in each lane, with the same error bounds. `fused`: multiplies by fused operations
 /// where there are any, in less time; otherwise each lane has the bits of DoubleDouble also where
-/// products underflow.
+/// products underflow. No operator is a friend: GCC compiles friends of a template for the
+/// instruction set of the whole file, not for this one, and where nothing is inlined they then hand
+/// vectors over in another way than is expected.
 template <bool fused>
 struct WideLanes {
   Lanes high, low;
@@ -74,28 +76,30 @@ struct WideLanes {
     return {s, b - (s - a)};
   }
   HWY_INLINE WideLanes operator-() const { return {-high, -low}; }
-  friend HWY_INLINE WideLanes operator+(const WideLanes& a, const WideLanes& b) {
-    WideLanes s = sum(a.high, b.high);
-    const WideLanes t = sum(a.low, b.low);
+  HWY_INLINE WideLanes operator+(const WideLanes& b) const {
+    WideLanes s = sum(high, b.high);
+    const WideLanes t = sum(low, b.low);
     s = quick(s.high, s.low + t.high);
     return quick(s.high, s.low + t.low);
   }
-  friend HWY_INLINE WideLanes operator-(const WideLanes& a, const WideLanes& b) { return a + -b; }
-  friend HWY_INLINE WideLanes operator*(const WideLanes& a, const WideLanes& b) {
-    const WideLanes p = product(a.high, b.high);
-    return quick(p.high, p.low + (a.high * b.low + a.low * b.high));
+  HWY_INLINE WideLanes operator-(const WideLanes& b) const { return *this + -b; }
+  HWY_INLINE WideLanes operator*(const WideLanes& b) const {
+    const WideLanes p = product(high, b.high);
+    return quick(p.high, p.low + (high * b.low + low * b.high));
   }
-  friend HWY_INLINE WideLanes operator/(const WideLanes& a, const WideLanes& b) {
-    const Lanes q1 = a.high / b.high;
-    WideLanes rest = a - b * WideLanes(q1);
+  HWY_INLINE WideLanes operator/(const WideLanes& b) const {
+    const Lanes q1 = high / b.high;
+    WideLanes rest = *this - b * WideLanes(q1);
     const Lanes q2 = rest.high / b.high;
     rest = rest - b * WideLanes(q2);
     return quick(q1, q2) + WideLanes(rest.high / b.high);
   }
-  friend HWY_INLINE WideLanes chosen(M mask, const WideLanes& yes, const WideLanes& no) {
-    return {chosen(mask, yes.high, no.high), chosen(mask, yes.low, no.low)};
-  }
 };
+template <bool fused>
+HWY_INLINE WideLanes<fused> chosen(M mask, const WideLanes<fused>& yes,
+                                   const WideLanes<fused>& no) {
+  return {chosen(mask, yes.high, no.high), chosen(mask, yes.low, no.low)};
+}
 
 }  // namespace
 }  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
