@@ -28,6 +28,7 @@
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/kernels/set_hulls_kernel.hpp"
+#include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
@@ -186,7 +187,9 @@ class Passes {
     part("copy on the device", [&] { return copy_rate(); });
     part("pass, f32", [&] { return pass<float>(3, Layout::packed); });
     part("stages of a hull, points on the device", [&] { return stages(); });
-    part("hull, points on the device", [&] { return hull_there(); });
+    part("hull, points on the device", [&] { return hull_there(ball<float>(3, scaled(8e6))); });
+    for (const double n : {1e5, 1e6})
+      part("hull, a sphere's points on the device", [&] { return hull_there(sphere(scaled(n))); });
     part("pseudo-hull", [&] { return pseudo_hull(); });
     for (const unsigned d : {3U, 2U}) part("batch of sets of 50", [&] { return batch(d); });
     part("questions to a hull", [&] { return questions(); });
@@ -508,9 +511,10 @@ class Passes {
                 "gathering points");
     const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
     stages.end("list");
-    const cuda::DeviceIds inner = internal::pseudo_hull_survivors_there(left_view, 24, run.control);
+    cuda::StarHullThere found = cuda::star_hull_there(left_view, run.control);
+    const cuda::DeviceIds& inner = found.ids;
     kept = inner.count;
-    stages.end("pseudo-hull");
+    stages.end("pseudo-hull, convex");
     const cuda::DeviceArray<std::uint64_t> ids(kept, stream);
     cuda::check(cuda::gather_ids(left.data(), inner.ids.data(), kept, ids.data(), stream),
                 "gathering ids");
@@ -523,6 +527,7 @@ class Passes {
     filtered.rows =
         cuda::download_points(DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream),
                               nullptr, kept, run.control);
+    filtered.triangles = std::move(found.triangles);
     stages.end("download");
     Hull hull = internal::hull_of_rows(filtered, view, options);
     stages.end("hull");
@@ -541,9 +546,13 @@ class Passes {
   }
 
   /// The hull of points on the device, compared with the CPU's from host memory.
-  ordered_json hull_there() const {
-    const std::uint64_t n = scaled(8e6);
-    const std::vector<float> rows = ball<float>(3, n);
+  static std::vector<float> sphere(std::uint64_t n) {
+    const std::vector<double> rows = generate("sphere", n, 3, 1);
+    return {rows.begin(), rows.end()};
+  }
+
+  ordered_json hull_there(const std::vector<float>& rows) const {
+    const std::uint64_t n = rows.size() / 3;
     const cuda::Stream stream;
     const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
     const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
@@ -552,11 +561,19 @@ class Passes {
     const double d = wall([&] { device = convex_hull(view, on(Backend::cuda)); });
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
+    const Options options = on(Backend::cuda);
+    const cuda::StarHullThere found = cuda::star_hull_there(view, internal::Control(options));
     return {{"count", n},
+            {"star_growth_seconds", found.counts.growth_seconds},
+            {"star_flip_seconds", found.counts.flip_seconds},
+            {"star_vertices", found.counts.vertices},
+            {"star_flip_rounds", found.counts.flip_rounds},
+            {"star_aside", found.counts.aside},
             {"device_seconds", d},
             {"of_that_cull", device.statistics.cull_seconds},
             {"survivors", device.statistics.survivors},
             {"filter", filter_name(device.statistics.filter)},
+            {"reason", device.statistics.cull_reason},
             {"cpu_seconds", h},
             {"cpu_survivors", host.statistics.survivors},
             {"threads", host.statistics.threads}};

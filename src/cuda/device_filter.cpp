@@ -6,6 +6,7 @@
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/kernels/pseudo_hull.hpp"
+#include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
@@ -56,7 +57,7 @@ class DeviceFilter {
     run_.report("cull", 0);
     const SampledMap sampled = first_map();
     result.survivors.reason = sampled.reason;
-    if (sampled.map == nullptr) return all_points(std::move(result));
+    if (sampled.map == nullptr) return hull_of_all_there(std::move(result), where);
     result.survivors.reason += "; " + where;
     result.survivors.backend = Backend::cuda;
     result.survivors.filter = UsedFilter::gauge;
@@ -66,6 +67,8 @@ class DeviceFilter {
       return result;
     } catch (const cuda::OutOfMemory&) {
       result.survivors.reason += "; its memory is nearly full";
+      result.survivors.filter = UsedFilter::gauge;
+      result.triangles = {};  // of points that are not the survivors now
     }
     cull_by_pieces(sampled.map->table(), result);
     return result;
@@ -85,6 +88,40 @@ class DeviceFilter {
     result.survivors.backend = Backend::cuda;
     result.survivors.reason = "filter as asked; the points are on the device";
     return result;
+  }
+
+  /// Where a map would cull little, the hull's surface is looked for among all points. What is not
+  /// finite is not culled, and found when the rest is copied.
+  Filtered hull_of_all_there(Filtered&& result, const std::string& where) const {
+    if (d_ != 3 || points_.count > pseudo_hull_most_points) return all_points(std::move(result));
+    try {
+      cuda::StarHullThere found = star_hull_there(points_, run_.control);
+      if (found.counts.end.facets == 0) return all_points(std::move(result));
+      result.survivors.reason += "; " + where + "; a pseudo-hull, " + described(found.counts);
+      result.survivors.filter = UsedFilter::pseudo_hull;
+      result.survivors.backend = Backend::cuda;
+      result.survivors.all = found.ids.count == points_.count;
+      result.triangles = std::move(found.triangles);
+      if (result.survivors.all) return all_points(std::move(result));
+      const cuda::DeviceArray<std::byte> rows = rows_of(points_, found.ids);
+      copy_survivors(packed(rows, found.ids.count), found.ids, result);
+      return std::move(result);
+    } catch (const cuda::OutOfMemory&) {
+      if (run_.options.backend == Backend::cuda) throw;
+    }
+    return all_points(std::move(result));
+  }
+
+  /// Copies ids and rows (`view`) to the host.
+  void copy_survivors(const DevicePointView& view, const cuda::DeviceIds& left,
+                      Filtered& result) const {
+    require_room(left.count);
+    std::vector<std::uint64_t> ids(left.count);
+    cuda::download(ids.data(), left.ids.data(), left.count,
+                   static_cast<cudaStream_t>(points_.stream));
+    result.rows = cuda::download_points(view, nullptr, left.count, run_.control);
+    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
+    result.survivors.ids = std::move(ids);
   }
 
   /// Copies all points to the host if no filter is worthwhile.
@@ -145,12 +182,28 @@ class DeviceFilter {
   /// leaves only the hull's vertices. From 4D on it leaves more points than a second map.
   bool grows_later() const { return d_ <= 3; }
 
+  /// What flips made of a star-shaped surface, in words.
+  static std::string described(const StarCounts& counts) {
+    if (counts.end.facets == 0) return "which has no simplex";
+    if (counts.whole()) return "which flips made convex";
+    return "with " + std::to_string(counts.aside) + " points aside and " +
+           std::to_string(counts.end.reflex + counts.end.uncertain) +
+           " edges that flips did not make convex";
+  }
+
   /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
   /// not worthwhile: all rows stay.
   cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
+    if (d_ == 3) {
+      cuda::StarHullThere found = star_hull_there(view, run_.control);
+      result.survivors.filter = UsedFilter::gauge_pseudo_hull;
+      result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
+      result.triangles = std::move(found.triangles);
+      return std::move(found.ids);
+    }
     if (grows_later()) {
       cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
@@ -189,11 +242,7 @@ class DeviceFilter {
         view = packed(rows, left.count);
       }
     }
-    std::vector<std::uint64_t> ids(left.count);
-    cuda::download(ids.data(), left.ids.data(), left.count, stream);
-    result.rows = cuda::download_points(view, nullptr, left.count, run_.control);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
-    result.survivors.ids = std::move(ids);
+    copy_survivors(view, left, result);
   }
 
   /// A sample of the survivors. A point that is not finite is refused by its id among all points.

@@ -39,8 +39,10 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   run.threads = useful_threads(run.threads, count, points.dimension);
   Filtered unfiltered;
   unfiltered.survivors.all = true;
+  KnownHull known;
+  if (filtered.triangles.count() != 0) known.triangles = &filtered.triangles;
   Hull hull = hull_of_survivors(PointView::row_major(filtered.rows.data(), count, points.dimension),
-                                std::move(unfiltered), run);
+                                std::move(unfiltered), run, Few::at_once, &known);
   if (options.with_coordinates)
     write_coordinates(PointView::row_major(filtered.rows.data(), count, points.dimension), hull);
   hull.statistics.threads = call.run.threads;
@@ -51,6 +53,8 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   hull.statistics.survivors = count;
   hull.statistics.filter = s.filter;
   hull.statistics.cull_reason = s.reason;
+  if (known.triangles != nullptr)
+    hull.statistics.cull_reason += known.holds ? " and which is the hull" : " but not for certain";
   hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;

@@ -64,18 +64,29 @@ void insist_on_proof(const PointView& points, const Hull& hull, const Options& o
                 "); use the native engine");
 }
 
-/// Writes the hull with the triangles of a known hull. Returns false if that hull has other
-/// vertices, or if its triangles, moved to the points' positions, do not form a hull.
-bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const Run& run,
-                   KnownHull& known, Hull& hull) {
-  const std::vector<std::uint64_t>& vertices = known.hull->vertices;
+/// The known triangles at the points' positions; nothing if they are of other points.
+std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::uint32_t* simplex,
+                                          const Run& run, KnownHull& known) {
   const std::uint64_t count = from.local->count;
+  if (known.triangles != nullptr) {
+    if (known.triangles->count() + 4 != 2 * count || from.ids != nullptr) return {};
+    known.tried = true;
+    return surface_of(*known.triangles, *from.local, simplex, run);
+  }
+  if (known.hull == nullptr) return {};
+  const std::vector<std::uint64_t>& vertices = known.hull->vertices;
   if (vertices.size() != count ||
       (from.ids != nullptr && !std::equal(vertices.begin(), vertices.end(), from.ids)))
-    return false;
+    return {};
   known.tried = true;
-  std::optional<TriangleMesh> surface =
-      moved_surface(*known.hull, known.numbers, *from.local, simplex, run);
+  return moved_surface(*known.hull, known.numbers, *from.local, simplex, run);
+}
+
+/// Writes the hull with known triangles. Returns false if they are of other points or, at the
+/// points' positions, do not form a hull.
+bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const Run& run,
+                   KnownHull& known, Hull& hull) {
+  std::optional<TriangleMesh> surface = known_surface(from, simplex, run, known);
   if (!surface) return false;
   require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
                  std::to_string(surface->live) + " facets");
@@ -110,8 +121,7 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
     if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
-      if (known != nullptr && known->hull != nullptr &&
-          hull_by_known(from, frame.simplex().data(), run, *known, hull))
+      if (known != nullptr && hull_by_known(from, frame.simplex().data(), run, *known, hull))
         return;
       TriangleMesh surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(surface), surface.live);

@@ -11,6 +11,7 @@
 #include "cullhull/device_points.hpp"
 #include "cullhull/hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "filter/star_hull/star_triangles.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/triangle_mesh.hpp"
@@ -25,6 +26,7 @@ struct Filtered {
   Survivors survivors;
   Array<double> rows;                ///< packed rows of the survivors; empty: not gathered yet
   std::uint64_t pass_survivors = 0;  ///< number of survivors of the pass over the whole input
+  StarTriangles triangles;           ///< a surface of the survivors that may be their hull, or none
 };
 
 /// The most 3D points that are filtered by a map of the outermost points, which takes little more
@@ -130,10 +132,12 @@ Filtered filter_and_plan(const PointView& points, Run& run);
 /// for bit.
 enum class Few { at_once, by_engine };
 
-/// A hull of the same points at other positions, whose triangles are tried before an engine is.
+/// Triangles that are tried before an engine is: those of a hull of the same points at other
+/// positions, or a surface of the points themselves.
 struct KnownHull {
-  const Hull* hull = nullptr;              ///< null: no known hull
-  const NearbyNumbers* numbers = nullptr;  ///< of `hull`; may be null
+  const Hull* hull = nullptr;                ///< null: no known hull
+  const NearbyNumbers* numbers = nullptr;    ///< of `hull`; may be null
+  const StarTriangles* triangles = nullptr;  ///< null: no known surface
   bool tried = false, holds = false;
 };
 

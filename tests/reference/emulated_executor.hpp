@@ -68,6 +68,9 @@ class EmulatedExecutor : public HostMemory {
   static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }
+  static void raise(std::uint64_t& target, std::uint64_t value) {
+    DeviceAtomics::raise(target, value);
+  }
 
  private:
   template <class Run>

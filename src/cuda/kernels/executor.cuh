@@ -158,14 +158,41 @@ class CudaExecutor {
     return identity;
   }
 
+  /// A number that a kernel writes to a word of the executor's: it must be read before as many
+  /// others are asked for as there are words.
+  class Count {
+   public:
+    operator std::uint32_t() const {  // NOLINT: a number, as on the host
+      if (owner_ != nullptr) owner_->settle(*this);
+      return value_;
+    }
+
+   private:
+    friend CudaExecutor;
+    explicit Count(std::uint32_t value) : value_(value) {}
+    Count(CudaExecutor* owner, unsigned word) : owner_(owner), word_(word) {}
+    mutable CudaExecutor* owner_ = nullptr;  ///< null: known
+    unsigned word_ = 0;
+    mutable std::uint32_t value_ = 0;
+  };
+  template <class... Counts>
+  void settle(const Counts&... counts) {
+    if (((counts.owner_ == nullptr) && ...)) return;
+    std::uint32_t all[word_count];
+    fetch(words_.data(), word_count, all);
+    ((counts.owner_ != nullptr ? void(counts.value_ = all[counts.word_]) : void()), ...);
+    ((counts.owner_ = nullptr), ...);
+  }
+
   template <class Body>
-  std::uint32_t scatter_max(std::uint32_t count, std::uint32_t cells, const Body& body,
-                            std::uint64_t* best) {
+  Count scatter_max(std::uint32_t count, std::uint32_t cells, const Body& body,
+                    std::uint64_t* best) {
     if (count == 0) {
       zero(best, cells);
-      return 0;
+      return Count(0);
     }
-    std::uint32_t* none = reserve(words_, 1);
+    const Count result = next_count();
+    std::uint32_t* none = words_.data() + result.word_;
     zero(none, 1);
     const std::uint32_t copies = scatter_copies(cells);
     const std::size_t words = std::size_t{copies} * cells;
@@ -176,27 +203,31 @@ class CudaExecutor {
         ScatterMaxKernel<Body>{body, count, cells, copies, copied}, none);
     launched();
     if (copies != 1) for_each(cells, FoldCopies{copied, cells, copies, best});
-    return word(none);
+    return result;
   }
 
   template <class Keep>
-  std::uint32_t enumerate(std::uint32_t count, const Keep& keep, std::uint32_t* number) {
+  Count enumerate(std::uint32_t count, const Keep& keep, std::uint32_t* number) {
     const auto kept =
         thrust::make_transform_iterator(thrust::make_counting_iterator(std::uint32_t{0}),
                                         cuda_kernels::KeepAsNumber<Keep>{keep, count});
     with_scratch([&](void* scratch, std::size_t& bytes) {
       return cub::DeviceScan::ExclusiveSum(scratch, bytes, kept, number, count + 1, stream_);
     });
-    return word(number + count);
+    const Count result = next_count();
+    cuda::check(cudaMemcpyAsync(words_.data() + result.word_, number + count, sizeof *number,
+                                cudaMemcpyDeviceToDevice, stream_),
+                "copying on the device");
+    return result;
   }
 
   template <class Keep, class Emit>
-  std::uint32_t select(std::uint32_t count, const Keep& keep, const Emit& emit) {
-    if (count == 0) return 0;
+  Count select(std::uint32_t count, const Keep& keep, const Emit& emit) {
+    if (count == 0) return Count(0);
     // First the positions, then `emit`, in two kernels: inlined into CUB's selection, which takes
     // many items a thread, a long emit would not fit into registers.
     std::uint32_t* number = reserve(numbers_, std::size_t{count} + 1);
-    const std::uint32_t kept = enumerate(count, keep, number);
+    const Count kept = enumerate(count, keep, number);
     for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
     return kept;
   }
@@ -204,8 +235,13 @@ class CudaExecutor {
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }
+  CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
+    DeviceAtomics::raise(target, value);
+  }
 
  private:
+  static constexpr unsigned word_count = 8;  ///< numbers that may wait to be read
+
   /// Enough blocks to fill the device a few times over, no more: work that each block does once
   /// (clearing and writing its table, folding) is then rarely done.
   unsigned grid(std::uint32_t count, unsigned size) const {
@@ -214,10 +250,10 @@ class CudaExecutor {
   }
   static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
 
-  std::uint32_t word(const std::uint32_t* from) {
-    std::uint32_t value = 0;
-    fetch(from, 1, &value);
-    return value;
+  Count next_count() {
+    if (words_.data() == nullptr) zero(reserve(words_, word_count), word_count);
+    next_word_ = (next_word_ + 1) % word_count;
+    return Count(this, next_word_);
   }
 
   /// Calls CUB twice: the first call returns the size of the scratch memory.
@@ -230,7 +266,7 @@ class CudaExecutor {
   }
 
   cudaStream_t stream_;
-  unsigned processors_;
+  unsigned processors_, next_word_ = 0;
   CudaArray<std::uint32_t> words_, numbers_;
   CudaArray<std::uint64_t> copies_, partial_, scratch_;
 };

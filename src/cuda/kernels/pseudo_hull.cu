@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "cuda/kernels/device_subset.hpp"
 #include "cuda/kernels/executor.cuh"
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
@@ -9,39 +10,13 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
-struct NotCulled {
-  const unsigned char* culled;
-  CULLHULL_HD bool operator()(std::uint32_t i) const { return culled[i] == 0; }
-};
-struct EmitId {
-  PseudoSubset subset;
-  std::uint64_t* ids;
-  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { ids[k] = subset.point(i); }
-};
-
-/// Checks the alignment: an unaligned load would destroy the device's context.
-template <class T>
-void require_aligned(const DevicePointView& points) {
-  const auto bits = reinterpret_cast<std::uintptr_t>(points.data) |
-                    static_cast<std::uintptr_t>(points.point_stride) |
-                    static_cast<std::uintptr_t>(points.coordinate_stride);
-  if (bits % alignof(T) != 0)
-    throw Error(ErrorCode::invalid_argument,
-                "points on a device must be aligned to their scalar type");
-}
-
 /// Pseudo-hulls of subsets of points in the device's memory, and the ids that each keeps.
 template <unsigned D, class T>
 class SubsetFilter {
  public:
   explicit SubsetFilter(const DevicePointView& points)
       : points_(points),
-        view_{static_cast<const std::byte*>(points.data),
-              points.scalar,
-              D,
-              points.count,
-              points.point_stride,
-              points.coordinate_stride},
+        view_(as_point_view(points)),
         growth_(CudaExecutor(static_cast<cudaStream_t>(points.stream))) {
     require_aligned<T>(points);
   }

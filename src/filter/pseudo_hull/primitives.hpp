@@ -74,6 +74,11 @@ struct HostMemory {
   static void zero(T* items, std::size_t count) {
     std::fill_n(items, count, T{});
   }
+  /// What scatter_max, enumerate and select return: on a device a number that is still there. It
+  /// converts to the number, which waits for the device; settle() gets several at the price of one.
+  using Count = std::uint32_t;
+  template <class... Counts>
+  static void settle(const Counts&...) {}
 };
 
 /// The reference implementation: loops in order.
@@ -136,9 +141,13 @@ class SerialExecutor : public HostMemory {
     return none;
   }
 
-  /// For use in bodies: sets target = min(target, value), atomically if bodies run concurrently.
+  /// For use in bodies: sets target = min(target, value), or max, atomically if bodies run
+  /// concurrently.
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
     if (value < target) target = value;
+  }
+  CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
+    if (value > target) target = value;
   }
 };
 
@@ -222,6 +231,13 @@ class ThreadExecutor : public HostMemory {
     }
   }
 
+  static void raise(std::uint64_t& target, std::uint64_t v) {
+    std::atomic_ref<std::uint64_t> t(target);
+    std::uint64_t now = t.load(std::memory_order_relaxed);
+    while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
+    }
+  }
+
  private:
   static constexpr std::uint64_t chunk = 4096;  // tens of us of work
 
@@ -238,13 +254,6 @@ class ThreadExecutor : public HostMemory {
     });
     for (std::size_t c = 1; c < offsets.size(); ++c) offsets[c] += offsets[c - 1];
     return offsets;
-  }
-
-  static void raise(std::uint64_t& target, std::uint64_t v) {
-    std::atomic_ref<std::uint64_t> t(target);
-    std::uint64_t now = t.load(std::memory_order_relaxed);
-    while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
-    }
   }
 
   unsigned threads_;

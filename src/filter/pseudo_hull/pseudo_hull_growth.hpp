@@ -88,7 +88,7 @@ class PseudoHullGrowth {
       executor_.for_each(cells, ReplaceFacetInParts<D, Rows>{replace});
     else
       executor_.for_each(facets_, replace);
-    const std::uint32_t culled = executor_.scatter_max(
+    const auto culled = executor_.scatter_max(
         exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
         executor_.reserve(best_, cells));
     report.facets += facets_;
@@ -131,7 +131,7 @@ class PseudoHullGrowth {
     executor_.reserve(distance_, count_);
     executor_.reserve(culled_, count_);
     exterior_ = count_;  // all rows, until regroup() removes the culled
-    const std::uint32_t culled =
+    const auto culled =
         executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
                               executor_.reserve(best_, D + 1));
     if (recording_)
@@ -142,22 +142,26 @@ class PseudoHullGrowth {
 
   /// Removes the null cells of the facet stream and the points that are culled or survive, and
   /// finds each facet's apex.
-  void regroup(std::uint32_t cells, const ExteriorPoint* from, std::uint32_t culled,
-               PseudoHullRound& report) {
+  void regroup(std::uint32_t cells, const ExteriorPoint* from,
+               const typename Executor::Count& culled, PseudoHullRound& report) {
     const std::uint32_t before = exterior_;
     executor_.reserve(number_, std::size_t{cells} + 1);
-    facets_ = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
-    executor_.reserve(facet_, facets_);
-    executor_.reserve(apex_, facets_);
+    const auto facets = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
+    // Room for as many as there can be: their numbers come with a single wait, at the end.
+    executor_.reserve(facet_, cells);
+    executor_.reserve(apex_, cells);
     executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
                                            facet_.data(), apex_.data()});
     // Room for one more, because an executor may emit an item that is not kept.
-    executor_.reserve(next_points_, std::size_t{before} - culled + 1);
-    exterior_ = executor_.select(
+    executor_.reserve(next_points_, std::size_t{before} + 1);
+    const auto exterior = executor_.select(
         before, HasFacet{place_.data()},
         MovePoint<Executor>{cells, best_.data(), number_.data(), place_.data(), distance_.data(),
                             from, next_points_.data(), apex_.data()});
     std::swap(points_, next_points_);
+    executor_.settle(culled, facets, exterior);
+    facets_ = facets;
+    exterior_ = exterior;
     report.exterior += before;
     report.culled += culled;
     left_ -= culled;

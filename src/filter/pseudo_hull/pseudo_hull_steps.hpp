@@ -168,6 +168,11 @@ struct MoveFacet {
   }
 };
 
+struct NotCulled {
+  const unsigned char* culled;
+  CULLHULL_HD bool operator()(std::uint32_t i) const { return culled[i] == 0; }
+};
+
 struct HasFacet {
   const std::uint32_t* place;
   CULLHULL_HD bool operator()(std::uint32_t i) const { return place[i] < place_uncertain; }

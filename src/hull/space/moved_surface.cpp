@@ -96,15 +96,17 @@ NearbyNumbers::NearbyNumbers(const Hull& hull) {
       neighbours.push_back(slot[hull.simplex_neighbours[3 * std::size_t{f} + j]]);
 }
 
-std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
-                                          const LocalPoints& points, const std::uint32_t* simplex,
-                                          const Run& run) {
-  if (last.affine_dimension != 3 || points.dimension != 3 ||
-      last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
-      points.exact != points.coordinates)
-    return {};
+namespace {
+
+/// The surface of `live` triangles, if it is provably star-shaped. order(v): the local point of
+/// vertex v; vertex(i) and neighbour(i): the i-th number of all triangles, three each.
+template <class Order, class Vertex, class Neighbour>
+std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
+                                        const Vertex& vertex, const Neighbour& neighbour,
+                                        const LocalPoints& points, const std::uint32_t* simplex,
+                                        const Run& run) {
   TriangleMesh surface;
-  surface.live = last.simplex_count();
+  surface.live = live;
   surface.count = points.count;
   surface.used = {{0, static_cast<Id>(surface.live)}};
   surface.predicates.emplace(points, simplex);
@@ -112,30 +114,59 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
   surface.rows = BigArray<double>(std::size_t{points.count} * Shared3D::row_stride);
   run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t v = begin; v < end; ++v) {
-      const Id local = numbers != nullptr ? numbers->order[v] : static_cast<Id>(v);
+      const Id local = order(v);
       surface.order[v] = local;
       double* row = surface.rows.get() + v * Shared3D::row_stride;
       std::copy_n(points.row(local), 3, row);
       row[3] = 0;
     }
   });
-  const Positions positions(last.vertices);
   surface.facets.reserve(surface.live);
   run.each(surface.live, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
       Facet3D& facet = surface.facets[f];
       facet = {};
       for (std::size_t j = 0; j < 3; ++j) {
-        const std::size_t at = 3 * f + j;
-        facet.vertices[j] =
-            numbers != nullptr ? numbers->vertices[at] : positions.of(last.simplices[at]);
-        facet.neighbours[j] =
-            numbers != nullptr ? numbers->neighbours[at] : last.simplex_neighbours[at];
+        facet.vertices[j] = vertex(3 * f + j);
+        facet.neighbours[j] = neighbour(3 * f + j);
       }
     }
   });
   if (!winds_once(surface, surface.predicates->centre(), run)) return {};
   return surface;
+}
+
+}  // namespace
+
+std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
+                                          const LocalPoints& points, const std::uint32_t* simplex,
+                                          const Run& run) {
+  if (last.affine_dimension != 3 || points.dimension != 3 ||
+      last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
+      points.exact != points.coordinates)
+    return {};
+  const std::uint64_t live = last.simplex_count();
+  if (numbers != nullptr)
+    return star_shaped(
+        live, [&](std::size_t v) { return numbers->order[v]; },
+        [&](std::size_t i) { return numbers->vertices[i]; },
+        [&](std::size_t i) { return numbers->neighbours[i]; }, points, simplex, run);
+  const Positions positions(last.vertices);
+  return star_shaped(
+      live, [](std::size_t v) { return static_cast<Id>(v); },
+      [&](std::size_t i) { return positions.of(last.simplices[i]); },
+      [&](std::size_t i) { return last.simplex_neighbours[i]; }, points, simplex, run);
+}
+
+std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
+                                       const std::uint32_t* simplex, const Run& run) {
+  if (points.dimension != 3 || triangles.count() + 4 != 2 * std::uint64_t{points.count} ||
+      points.exact != points.coordinates)
+    return {};
+  return star_shaped(
+      triangles.count(), [](std::size_t v) { return static_cast<Id>(v); },
+      [&](std::size_t i) { return triangles.vertices[i]; },
+      [&](std::size_t i) { return triangles.neighbours[i]; }, points, simplex, run);
 }
 
 }  // namespace cullhull::internal::inline hull

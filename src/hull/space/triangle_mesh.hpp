@@ -10,6 +10,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/orientation/orientation_3d.hpp"
 #include "exact/points/local_points.hpp"
+#include "filter/star_hull/star_triangles.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
 #include "parallel/memory/raw_array.hpp"
@@ -63,5 +64,9 @@ struct NearbyNumbers {
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
+
+/// The same of triangles whose vertex i is local point i; all points are vertices.
+std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
+                                       const std::uint32_t* simplex, const Run& run);
 
 }  // namespace cullhull::internal::inline hull

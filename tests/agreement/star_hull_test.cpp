@@ -1,0 +1,182 @@
+// The surface that a device grows and flips, without a device: two executors must agree on all of
+// it, and the hull that comes of it must be the engine's, bit for bit.
+#include "filter/star_hull/star_hull.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "agreement/canonical_hash.hpp"
+#include "agreement/hard_sets.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "flow/pipeline.hpp"
+#include "reference/emulated_executor.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using testing_support::canonical_hash;
+using testing_support::PointSet;
+using testing_support::Random;
+
+struct Found {
+  StarCounts counts;
+  std::vector<std::uint64_t> left;
+  StarTriangles triangles;
+};
+
+template <class T, class Executor>
+Found surface_of_points(const PointView& view, Executor executor, unsigned most_rounds = 64) {
+  StarHull<Executor, RowsInPlace<3, T>> hull(std::move(executor));
+  std::vector<PseudoHullRound> rounds;
+  Found found;
+  found.counts =
+      hull.run(rows_in_place<3, T>(view, {view.count, 0, 1}),
+               static_cast<std::uint32_t>(view.count), most_rounds, Control(Options{}), rounds);
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    if (hull.culled()[i] == 0) found.left.push_back(i);
+  if (found.counts.whole()) found.triangles = hull.triangles(found.counts);
+  return found;
+}
+
+/// What was tried and what held.
+struct Tally {
+  unsigned sets = 0, whole = 0, held = 0, with_points_aside = 0, with_uncertain_edges = 0;
+  unsigned with_reflex_edges = 0;
+  std::uint64_t vertices = 0, flips = 0, rounds = 0;
+};
+
+/// The hull of the points that are left, with the triangles if there are any.
+Hull hull_of_left(const PointView& view, const Found& found, bool& holds) {
+  Options options;
+  options.threads = 1;
+  const Run run(options);
+  std::vector<double> rows;
+  for (const std::uint64_t i : found.left)
+    for (unsigned j = 0; j < 3; ++j) rows.push_back(view.at(i, j));
+  KnownHull known;
+  if (found.triangles.count() != 0) known.triangles = &found.triangles;
+  Filtered all;
+  all.survivors.all = true;
+  Hull hull = hull_of_survivors(PointView::row_major(rows.data(), found.left.size(), 3),
+                                std::move(all), run, Few::by_engine, &known);
+  holds = known.holds;
+  hull.rename([&](std::uint64_t i) { return found.left[i]; });
+  hull.point_count = view.count;
+  hull.scalar = view.scalar;
+  return hull;
+}
+
+template <class T>
+void expect_the_engines(const std::vector<T>& points, const std::string& name, Tally& tally) {
+  const PointView view = PointView::row_major(points.data(), points.size() / 3, 3);
+  const Found found = surface_of_points<T>(view, SerialExecutor{});
+  const Found emulated = surface_of_points<T>(view, EmulatedExecutor(5, 32));
+  EXPECT_EQ(found.left, emulated.left) << name;
+  EXPECT_EQ(found.triangles.vertices, emulated.triangles.vertices) << name;
+  EXPECT_EQ(found.triangles.neighbours, emulated.triangles.neighbours) << name;
+  EXPECT_EQ(found.counts.left, found.left.size()) << name;
+  EXPECT_EQ(found.counts.end.reflex, emulated.counts.end.reflex) << name;
+  EXPECT_EQ(found.counts.end.uncertain, emulated.counts.end.uncertain) << name;
+  Options options;
+  options.threads = 1;
+  options.cull = CullMethod::none;
+  bool holds = false;
+  EXPECT_EQ(canonical_hash(hull_of_left(view, found, holds)),
+            canonical_hash(convex_hull(view, options)))
+      << name;
+  ++tally.sets;
+  tally.whole += found.counts.whole();
+  tally.held += holds;
+  tally.with_points_aside += found.counts.aside > 0;
+  tally.with_uncertain_edges += found.counts.end.uncertain > 0;
+  tally.with_reflex_edges += found.counts.end.reflex > 0;
+  tally.vertices += found.counts.vertices;
+  tally.flips += found.counts.flips;
+  tally.rounds += found.counts.flip_rounds;
+}
+
+std::string said(const Tally& t) {
+  return std::to_string(t.sets) + " sets, " + std::to_string(t.whole) + " whole, of them " +
+         std::to_string(t.held) + " were the hull; with points aside " +
+         std::to_string(t.with_points_aside) + ", uncertain edges " +
+         std::to_string(t.with_uncertain_edges) + ", reflex edges " +
+         std::to_string(t.with_reflex_edges) + "; vertices " + std::to_string(t.vertices) +
+         ", flips " + std::to_string(t.flips) + ", rounds " + std::to_string(t.rounds);
+}
+
+TEST(StarHull, PointsInGeneralPosition) {
+  Tally tally;
+  for (std::uint64_t seed = 0; seed < 40; ++seed)
+    for (const char* shape : {"ball", "sphere", "cube", "octahedron", "gauss"})
+      for (const unsigned n : {5U, 12U, 60U, 400U}) {
+        const PointSet set = testing_support::random_set(shape, n, 3, seed);
+        expect_the_engines(set.coordinates, set.name, tally);
+        std::vector<float> narrow(set.coordinates.begin(), set.coordinates.end());
+        expect_the_engines(narrow, set.name + ", f32", tally);
+      }
+  RecordProperty("tally", said(tally));
+  EXPECT_EQ(tally.sets, 1600U);
+  EXPECT_EQ(tally.held, tally.sets) << said(tally);
+}
+
+TEST(StarHull, HostileSets) {
+  Tally tally;
+  Random random(20261126);
+  while (tally.sets < 2000) {
+    PointSet set = testing_support::hard_set(random);
+    if (set.dimension != 3 || set.count() > 20000) continue;
+    expect_the_engines(set.coordinates, set.name, tally);
+    if (HasFailure()) break;
+  }
+  RecordProperty("tally", said(tally));
+  // Where the engine's coordinates are not the points' own, the triangles are not tried.
+  EXPECT_GT(2 * tally.held, tally.whole) << said(tally);
+  EXPECT_GT(tally.with_points_aside, 100U) << said(tally);
+  EXPECT_GT(tally.with_uncertain_edges, 100U) << said(tally);
+}
+
+// Vertices that flips must remove, and a set in which every point is a vertex.
+TEST(StarHull, LargerSets) {
+  Tally tally;
+  for (const char* shape : {"ball", "sphere", "cube", "gauss"}) {
+    const PointSet set = testing_support::random_set(shape, 20000, 3, 5);
+    expect_the_engines(set.coordinates, set.name, tally);
+  }
+  EXPECT_EQ(tally.held, 4U) << said(tally);
+  // Without rounds the points outside of the simplex are left.
+  const PointSet set = testing_support::random_set("ball", 2000, 3, 6);
+  const PointView view = PointView::row_major(set.coordinates.data(), 2000, 3);
+  const Found cut_off = surface_of_points<double>(view, SerialExecutor{}, 0);
+  EXPECT_GT(cut_off.counts.aside, 1000U);
+  EXPECT_FALSE(cut_off.counts.whole());
+}
+
+TEST(StarHull, FlatTinyHugeAndNotFinite) {
+  Tally tally;
+  for (const double scale : {1e-322, 1e-300, 1e-150, 1e150, 1e307}) {
+    PointSet set = testing_support::random_set("gauss", 500, 3, 9);
+    for (double& v : set.coordinates) v *= scale;
+    expect_the_engines(set.coordinates, std::to_string(scale), tally);
+  }
+  PointSet flat = testing_support::random_set("gauss", 500, 3, 10);
+  for (std::size_t i = 0; i < flat.count(); ++i)
+    flat.coordinates[3 * i + 2] = flat.coordinates[3 * i] + flat.coordinates[3 * i + 1];
+  expect_the_engines(flat.coordinates, "flat", tally);
+  expect_the_engines(std::vector<double>(300, 0.5), "equal", tally);
+  std::vector<double> bad = testing_support::random_set("ball", 500, 3, 11).coordinates;
+  bad[700] = std::numeric_limits<double>::quiet_NaN();
+  bad[901] = std::numeric_limits<double>::infinity();
+  const Found found =
+      surface_of_points<double>(PointView::row_major(bad.data(), 500, 3), SerialExecutor{});
+  EXPECT_TRUE(std::ranges::binary_search(found.left, 700 / 3));
+  EXPECT_TRUE(std::ranges::binary_search(found.left, 901 / 3));
+  EXPECT_FALSE(found.counts.whole());
+}
+
+}  // namespace
+}  // namespace cullhull::internal

@@ -1,0 +1,127 @@
+// The surface that is grown and flipped on the device equals the host's, bit for bit, and the hull
+// that comes of it is the CPU's.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "agreement/canonical_hash.hpp"
+#include "cuda/kernels/star_hull.hpp"
+#include "cuda/runtime.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/options.hpp"
+#include "gpu/device.hpp"
+#include "tests/made_sets.hpp"
+
+namespace cullhull::internal {
+namespace {
+
+using testing::OnDevice;
+using testing::Stream;
+using testing_support::canonical_hash;
+using testing_support::normal_points;
+
+template <class T>
+void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
+                           const std::string& name) {
+  const OnDevice device(points);
+  const Stream stream;
+  const Control control{Options{}};
+  std::vector<PseudoHullRound> rounds, expected;
+  const cuda::StarHullThere there =
+      cuda::star_hull_there(device.view(host, stream), control, &rounds);
+  StarHull<SerialExecutor, RowsInPlace<3, T>> here(SerialExecutor{});
+  const StarCounts counts = here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),
+                                     static_cast<std::uint32_t>(host.count), 64, control, expected);
+  std::vector<std::uint64_t> ids(there.ids.count), wanted;
+  cuda::download(ids.data(), there.ids.ids.data(), there.ids.count, stream);
+  for (std::uint64_t i = 0; i < host.count; ++i)
+    if (here.culled()[i] == 0) wanted.push_back(i);
+  EXPECT_EQ(ids, wanted) << name;
+  EXPECT_EQ(there.counts.vertices, counts.vertices) << name;
+  EXPECT_EQ(there.counts.aside, counts.aside) << name;
+  EXPECT_EQ(there.counts.end.facets, counts.end.facets) << name;
+  EXPECT_EQ(there.counts.end.reflex, counts.end.reflex) << name;
+  EXPECT_EQ(there.counts.end.uncertain, counts.end.uncertain) << name;
+  const StarTriangles triangles = counts.whole() ? here.triangles(counts) : StarTriangles{};
+  EXPECT_EQ(there.triangles.vertices, triangles.vertices) << name;
+  EXPECT_EQ(there.triangles.neighbours, triangles.neighbours) << name;
+  ASSERT_EQ(rounds.size(), expected.size()) << name;
+  for (std::size_t r = 0; r < rounds.size(); ++r) {
+    EXPECT_EQ(rounds[r].facets, expected[r].facets) << name << ", round " << r;
+    EXPECT_EQ(rounds[r].exterior, expected[r].exterior) << name << ", round " << r;
+    EXPECT_EQ(rounds[r].culled, expected[r].culled) << name << ", round " << r;
+  }
+}
+
+template <class T>
+void expect_agreement() {
+  const std::size_t n = testing::short_run() ? 900 : 20000;
+  for (const double step : {0.0, 0.5}) {  // on a grid ties and duplicates are the rule
+    const std::vector<T> p = normal_points<T>(n, 3, 41, step);
+    expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "rows");
+    expect_as_on_the_host(p, PointView::column_major(p.data(), n, 3), "columns");
+    PointView backwards = PointView::row_major(p.data() + (n - 1) * 3, n / 3, 3);
+    backwards.point_stride = -2 * backwards.point_stride;
+    expect_as_on_the_host(p, backwards, "every second point, backwards");
+  }
+  const std::vector<double> sphere = generate("sphere", n, 3, 5);
+  const std::vector<T> p(sphere.begin(), sphere.end());
+  expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "sphere");
+}
+
+TEST(StarHullGpu, EqualsTheHost) {
+  CULLHULL_NEEDS_DEVICE();
+  expect_agreement<float>();
+  expect_agreement<double>();
+}
+
+TEST(StarHullGpu, FewFlatTinyHugeAndNotFinite) {
+  CULLHULL_NEEDS_DEVICE();
+  for (const std::size_t n : {0, 1, 3, 4, 5, 31, 33, 257}) {
+    const std::vector<float> p = normal_points<float>(n, 3, 7 + n, 0);
+    expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "few");
+  }
+  const std::size_t n = 600;
+  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
+  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
+  expect_as_on_the_host(flat, PointView::row_major(flat.data(), n, 3), "flat");
+  const std::vector<double> equal(3 * n, 0.1);
+  expect_as_on_the_host(equal, PointView::row_major(equal.data(), n, 3), "equal");
+  for (const double scale : {1e-322, 1e-300, 1e307}) {
+    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
+    for (double& x : v) x *= scale;
+    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
+  }
+  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
+  for (std::size_t i = 7; i < bad.size(); i += 97)
+    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
+  expect_as_on_the_host(bad, PointView::row_major(bad.data(), n, 3), "not finite");
+}
+
+// The whole call: points inside are culled before, or every point is a vertex.
+TEST(StarHullGpu, HullsAreTheCpus) {
+  CULLHULL_NEEDS_DEVICE();
+  for (const char* shape : {"ball", "sphere", "cube", "gauss", "lattice"}) {
+    const std::size_t n = testing::short_run() ? 20000 : 400000;
+    const std::vector<double> doubles = std::string(shape) == "lattice"
+                                            ? normal_points<double>(n, 3, 3, 0.25)
+                                            : generate(shape, n, 3, 8);
+    const std::vector<float> points(doubles.begin(), doubles.end());
+    const OnDevice device(points);
+    const Stream stream;
+    const PointView host = PointView::row_major(points.data(), n, 3);
+    Options here, there;
+    here.backend = Backend::cpu;
+    there.backend = Backend::cuda;
+    EXPECT_EQ(canonical_hash(convex_hull(device.view(host, stream), there)),
+              canonical_hash(convex_hull(host, here)))
+        << shape;
+  }
+}
+
+}  // namespace
+}  // namespace cullhull::internal
