@@ -24,8 +24,11 @@
 #include <utility>
 #include <vector>
 
+#include "cuda/cells_on_device.hpp"
 #include "cuda/gauge.hpp"
+#include "cuda/hull_questions.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/kernels/star_hull.hpp"
@@ -39,6 +42,8 @@
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "json_lines.hpp"
+#include "query/device_questions.hpp"
+#include "query/facet_search.hpp"
 
 namespace {
 
@@ -193,6 +198,7 @@ class Passes {
     part("pseudo-hull", [&] { return pseudo_hull(); });
     for (const unsigned d : {3U, 2U}) part("batch of sets of 50", [&] { return batch(d); });
     part("questions to a hull", [&] { return questions(); });
+    part("questions to a hull, by cells", [&] { return questions_by_cells(); });
     part("moving points", [&] { return tracker(); });
     part("link, pinned memory", [&] { return link(); });
     for (const unsigned d : {2U, 4U, 5U, 6U})
@@ -741,6 +747,51 @@ class Passes {
             {"cpu_contains_seconds", cpu_contains},
             {"supports_seconds", supports},
             {"cpu_supports_seconds", cpu_supports}};
+  }
+
+  /// The kernel that finds sides by cells of directions, alone: points in and around a ball, a hull
+  /// of 10,000 facets.
+  ordered_json questions_by_cells() const {
+    const std::uint64_t n = scaled(1e7);
+    std::vector<float> rows = ball<float>(3, n);
+    for (float& v : rows) v *= 1.1F;
+    const std::vector<double> sphere = generate("sphere", std::min<std::uint64_t>(n, 5000), 3);
+    const auto corners = PointView::row_major(sphere.data(), sphere.size() / 3, 3);
+    const Options options;
+    const internal::Run run(options);
+    const Hull hull = convex_hull(corners);
+    const internal::QueryPoints vertices = internal::make_query_points(&corners, hull, run.control);
+    const internal::FacetSearch search(vertices, hull, run.control);
+    std::unique_ptr<internal::FacetCells> cells;
+    const double build = wall([&] { cells = internal::FacetCells::build(search, vertices, run); });
+    const cuda::Stream stream;
+    const cuda::DeviceArray<float> points = repeated(rows, rows.size(), stream.get());
+    const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
+    const cuda::CellTables tables = internal::cell_tables(cells->table());
+    const cuda::CellsOnDevice cells_there(tables, stream.get());
+    const cuda::DeviceArray<std::uint8_t> sides(n, stream.get());
+    const cuda::DeviceArray<std::uint32_t> open(1 + n, stream.get());
+    std::uint32_t left = 0;
+    const double kernel = by_events(stream.get(), [&] {
+      cuda::check(cudaMemsetAsync(open.data(), 0, sizeof left, stream.get()), "clearing");
+      cuda::check(cuda::ask_sides_by_cells(there, cells_there.tables(), {1, 0}, sides.data(),
+                                           {open.data(), open.data() + 1}, stream.get()),
+                  "asking a hull");
+    });
+    cuda::download(&left, open.data(), 1, stream.get());
+    std::vector<std::uint8_t> device(n), host(n);
+    cuda::download(device.data(), sides.data(), n, stream.get());
+    HullQuery(corners, hull).contains(PointView::row_major(rows.data(), n, 3), host.data());
+    std::uint64_t different = 0;
+    for (std::uint64_t i = 0; i < n; ++i) different += device[i] != host[i];
+    if (different > left) throw std::runtime_error("the device's answers are not the CPU's");
+    return {{"count", n},
+            {"facets", hull.facet_count()},
+            {"cells", tables.starts.size() - 1},
+            {"build_seconds", build},
+            {"kernel_seconds", kernel},
+            {"points_per_second", static_cast<double>(n) / kernel},
+            {"open", left}};
   }
 
   double scale_, copy_rate_ = 0;

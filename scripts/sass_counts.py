@@ -146,7 +146,10 @@ def family(name: str) -> tuple[str, int]:
             d = int(m[2])
             general = re.sub(rf"<{d}([,>])", r"<d\1", name)
             return re.sub(r"(CopyRows<.*), \d+>", r"\1, 2d>", general), d
-    if m := re.match(r"(set_hulls|pack_lists|hull_sides|hull_supports)<(\d), (.*)>$", name):
+    if m := re.match(
+        r"(set_hulls|pack_lists|hull_sides|hull_cell_sides|hull_distances|hull_supports)<(\d), (.*)>$",
+        name,
+    ):
         return f"{m[1]}<{m[3]}>", int(m[2])
     return name, 0
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
+#include "cuda/cells_on_device.hpp"
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/hull_questions_kernel.hpp"
@@ -12,11 +14,12 @@ namespace cullhull::internal::inline cuda {
 namespace {
 
 /// A copy of numbers on the device, which is uploaded once and used by several queries.
+template <class T>
 class Table {
  public:
-  const double* on_device(const std::vector<double>& numbers, cudaStream_t stream) {
+  const T* on_device(std::span<const T> numbers, cudaStream_t stream) {
     if (there_.size() == 0 && !numbers.empty()) {
-      DeviceArray<double> there(numbers.size(), stream);
+      DeviceArray<T> there(numbers.size(), stream);
       upload(there.data(), numbers.data(), numbers.size(), stream);
       there_ = std::move(there);
     }
@@ -24,12 +27,29 @@ class Table {
   }
 
  private:
-  DeviceArray<double> there_;
+  DeviceArray<T> there_;
 };
+
+/// Memory on the device that grows as needed.
+template <class T>
+T* room_in(DeviceArray<T>& array, std::uint64_t count, cudaStream_t stream) {
+  if (array.size() < count) {
+    array = {};
+    array = DeviceArray<T>(count, stream);
+  }
+  return array.data();
+}
 
 }  // namespace
 
 struct QuestionsOnDevice::State {
+  State(const DevicePointView& view, const HullTables* tables)
+      : points(view), hull(tables), stream(static_cast<cudaStream_t>(view.stream)) {
+    const int ordinal = device_of(view);
+    (void)device(ordinal);
+    scope.emplace(ordinal);
+  }
+
   DevicePointView part(std::uint64_t first, std::uint64_t count) const {
     DevicePointView view = points;
     view.data = static_cast<const std::byte*>(points.data) +
@@ -47,56 +67,99 @@ struct QuestionsOnDevice::State {
     t.vertex_count = static_cast<std::uint32_t>(hull->vertices.size() / hull->dimension);
     return t;
   }
+  /// The list for the points that a kernel leaves open, empty. The count is the first word.
+  OpenPoints begin_open(std::uint64_t count) {
+    std::uint32_t* const words = room_in(open, count + 1, stream);
+    check(cudaMemsetAsync(words, 0, sizeof(std::uint32_t), stream), "clearing device memory");
+    return {words, words + 1};
+  }
+  std::vector<std::uint64_t> listed(std::uint64_t first) const {
+    std::uint32_t count = 0;
+    download(&count, open.data(), 1, stream);
+    std::vector<std::uint32_t> points_left(count);
+    download(points_left.data(), open.data() + 1, count, stream);
+    std::sort(points_left.begin(), points_left.end());
+    std::vector<std::uint64_t> found(count);
+    std::transform(points_left.begin(), points_left.end(), found.begin(),
+                   [first](std::uint32_t i) { return first + i; });
+    return found;
+  }
 
   const DevicePointView points;
   const HullTables* const hull;
   const cudaStream_t stream;
   std::optional<DeviceScope> scope;
-  Table simplices, planes, vertices;
+  Table<double> simplices, planes, vertices;
+  Table<std::uint64_t> ids;
+  std::optional<CellsOnDevice> cells;
+  DeviceArray<std::uint32_t> open;
+  DeviceArray<std::byte> answers;
 };
 
 QuestionsOnDevice::QuestionsOnDevice(const DevicePointView& points, const HullTables* hull)
-    : state_(new State{points, hull, static_cast<cudaStream_t>(points.stream), {}, {}, {}, {}}) {
-  const int ordinal = device_of(points);
-  (void)device(ordinal);
-  state_->scope.emplace(ordinal);
-}
+    : state_(new State(points, hull)) {}
 QuestionsOnDevice::~QuestionsOnDevice() = default;
 
-void QuestionsOnDevice::sides(const GaugeTable* inner, std::uint64_t first, std::uint64_t count,
-                              PointAnswer* out, double* distances) const {
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable* inner, SideCodes codes,
+                                                    std::uint64_t first, std::uint64_t count,
+                                                    std::uint8_t* out) const {
   State& s = *state_;
   TablesThere tables = s.tables();
   tables.simplices = s.simplices.on_device(s.hull->simplices, s.stream);
-  if (distances != nullptr) tables.planes = s.planes.on_device(s.hull->planes, s.stream);
-  const DeviceArray<PointAnswer> answers(count, s.stream);
-  const DeviceArray<double> values(distances != nullptr ? count : 0, s.stream);
-  // The kernel writes the distances of points inside alone, and all are copied to the host.
-  if (distances != nullptr)
-    check(cudaMemsetAsync(values.data(), 0, count * sizeof(double), s.stream),
-          "clearing device memory");
   const DevicePointView part = s.part(first, count);
   DeviceIds left;
   if (inner != nullptr) {
     left = survivors_of_device_points(*inner, part);
-    check(cudaMemsetAsync(answers.data(), static_cast<int>(PointAnswer::inside), count, s.stream),
-          "clearing device memory");
+    check(cudaMemsetAsync(out, codes.inside, count, s.stream), "clearing device memory");
   }
-  check(ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, tables,
-                  answers.data(), values.data(), s.stream),
+  const OpenPoints open = s.begin_open(count);
+  check(ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, tables, codes, out,
+                  open, s.stream),
         "asking a hull");
-  download(out, answers.data(), count, s.stream);
-  if (distances != nullptr) download(distances, values.data(), count, s.stream);
+  return s.listed(first);
 }
 
-void QuestionsOnDevice::supports(std::uint64_t first, std::uint64_t count,
-                                 std::uint32_t* out) const {
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const CellTables& cells, SideCodes codes,
+                                                    std::uint64_t first, std::uint64_t count,
+                                                    std::uint8_t* out) const {
+  State& s = *state_;
+  if (!s.cells) s.cells.emplace(cells, s.stream);
+  const OpenPoints open = s.begin_open(count);
+  check(ask_sides_by_cells(s.part(first, count), s.cells->tables(), codes, out, open, s.stream),
+        "asking a hull");
+  return s.listed(first);
+}
+
+std::vector<std::uint64_t> QuestionsOnDevice::supports(const std::vector<std::uint64_t>& ids,
+                                                       std::uint64_t first, std::uint64_t count,
+                                                       std::uint64_t* out) const {
   State& s = *state_;
   TablesThere tables = s.tables();
   tables.vertices = s.vertices.on_device(s.hull->vertices, s.stream);
-  const DeviceArray<std::uint32_t> found(count, s.stream);
-  check(ask_supports(s.part(first, count), tables, found.data(), s.stream), "asking a hull");
-  download(out, found.data(), count, s.stream);
+  const std::uint64_t* const ids_there = s.ids.on_device(ids, s.stream);
+  const OpenPoints open = s.begin_open(count);
+  check(ask_supports(s.part(first, count), tables, ids_there, out, open, s.stream),
+        "asking a hull");
+  return s.listed(first);
+}
+
+std::vector<std::uint64_t> QuestionsOnDevice::distances(std::uint64_t first, std::uint64_t count,
+                                                        double* out) const {
+  State& s = *state_;
+  TablesThere tables = s.tables();
+  tables.simplices = s.simplices.on_device(s.hull->simplices, s.stream);
+  tables.planes = s.planes.on_device(s.hull->planes, s.stream);
+  const OpenPoints open = s.begin_open(count);
+  check(ask_distances(s.part(first, count), tables, out, open, s.stream), "asking a hull");
+  return s.listed(first);
+}
+
+void* QuestionsOnDevice::room(std::uint64_t bytes) const {
+  return room_in(state_->answers, bytes, state_->stream);
+}
+
+void QuestionsOnDevice::fetch(void* to, const void* from, std::uint64_t bytes) const {
+  download(static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, state_->stream);
 }
 
 Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>& ids, const Run& run) const {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "cullhull/array.hpp"
@@ -30,30 +31,60 @@ struct HullTables {
   std::size_t simplex_count() const { return simplices.size() / (2 * dimension + 1); }
 };
 
-/// The side of a point. `open`: doubles do not decide it.
-enum class PointAnswer : std::uint8_t { open, inside, outside, not_finite };
-/// The answer of supports() if doubles do not decide it.
-inline constexpr std::uint32_t open_vertex = 0xFFFFFFFFU;
+/// Facets by cells of directions, of a hull of dimension d = 2, 3 or 4: the FacetCellTable of
+/// query/facet_search.hpp, whose arrays must outlive this.
+struct CellTables {
+  static constexpr unsigned most_dimensions = 4;
+  static constexpr unsigned group = 4;
+  unsigned dimension = 0;
+  double low[most_dimensions] = {}, high[most_dimensions] = {};
+  double factor[most_dimensions] = {}, centre[most_dimensions] = {};
+  std::uint32_t resolution = 0;
+  double error_factor = 0, value_tiny = 0, least_reach = 0;
+  std::span<const double> normals;
+  std::span<const std::uint32_t> starts, facets;
+};
+
+/// The bytes that stand for the sides of a point.
+struct SideCodes {
+  std::uint8_t inside, outside;
+};
 
 /// Answers queries about points on their device. The constructor makes that device current for its
 /// thread, and the destructor restores the former one. Functions throw OutOfMemory and Failure.
 class QuestionsOnDevice {
  public:
-  /// `hull` must outlive the object; null: only rows() and all_rows() are used. Throws Failure if
-  /// there is no device, and Error{invalid_argument} for memory that the device cannot read.
+  /// `hull` must outlive the object; null: only sides() by cells and the functions after
+  /// distances() are used. Throws Failure if there is no device, and Error{invalid_argument} for
+  /// memory that the device cannot read.
   QuestionsOnDevice(const DevicePointView& points, const HullTables* hull);
   ~QuestionsOnDevice();
   QuestionsOnDevice(const QuestionsOnDevice&) = delete;
   QuestionsOnDevice& operator=(const QuestionsOnDevice&) = delete;
 
-  /// Writes the sides of `count` points from `first` on. `inner`: a map of the hull that is tested
-  /// first; may be null. `distances`, if not null, receives the largest value of a facet's plane
-  /// for each point inside, and 0 for the others; `inner` must be null then.
-  void sides(const GaugeTable* inner, std::uint64_t first, std::uint64_t count, PointAnswer* out,
-             double* distances) const;
-  /// Writes, for each of `count` directions from `first` on, the index of the vertex with the
-  /// largest scalar product, or open_vertex.
-  void supports(std::uint64_t first, std::uint64_t count, std::uint32_t* out) const;
+  // Each of these functions answers for `count` < 2^32 points from `first` on and writes an item
+  // for each of them to `out`, on the device. It returns the numbers, ascending from `first`, of
+  // the points that are open: doubles do not decide them, or they are not finite. Their items are
+  // 0.
+
+  /// `inner`: a map of the hull that is tested first; may be null.
+  std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
+                                   std::uint64_t count, std::uint8_t* out) const;
+  /// `cells`: the same for every call.
+  std::vector<std::uint64_t> sides(const CellTables& cells, SideCodes codes, std::uint64_t first,
+                                   std::uint64_t count, std::uint8_t* out) const;
+  /// `ids[v]`: the id of vertex v, for every call the same. Writes the id of the vertex with the
+  /// largest scalar product.
+  std::vector<std::uint64_t> supports(const std::vector<std::uint64_t>& ids, std::uint64_t first,
+                                      std::uint64_t count, std::uint64_t* out) const;
+  /// Minus the distance to the boundary of points certainly inside: the largest value of a facet's
+  /// plane. All others are open.
+  std::vector<std::uint64_t> distances(std::uint64_t first, std::uint64_t count, double* out) const;
+
+  /// Memory on the device for `bytes` of answers, valid until the next call or destruction.
+  void* room(std::uint64_t bytes) const;
+  /// Copies answers to the host.
+  void fetch(void* to, const void* from, std::uint64_t bytes) const;
   /// Copies these points to the host, as packed rows.
   Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const;
   /// Copies all points to the host. Throws Error{not_finite} for the first point that is not

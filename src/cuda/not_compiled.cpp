@@ -43,9 +43,25 @@ DeviceHullBatch SetsOnDevice::join(const HullBatch&) const { return {}; }
 struct QuestionsOnDevice::State {};
 QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) { require_cuda(); }
 QuestionsOnDevice::~QuestionsOnDevice() = default;
-void QuestionsOnDevice::sides(const GaugeTable*, std::uint64_t, std::uint64_t, PointAnswer*,
-                              double*) const {}
-void QuestionsOnDevice::supports(std::uint64_t, std::uint64_t, std::uint32_t*) const {}
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable*, SideCodes, std::uint64_t,
+                                                    std::uint64_t, std::uint8_t*) const {
+  return {};
+}
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const CellTables&, SideCodes, std::uint64_t,
+                                                    std::uint64_t, std::uint8_t*) const {
+  return {};
+}
+std::vector<std::uint64_t> QuestionsOnDevice::supports(const std::vector<std::uint64_t>&,
+                                                       std::uint64_t, std::uint64_t,
+                                                       std::uint64_t*) const {
+  return {};
+}
+std::vector<std::uint64_t> QuestionsOnDevice::distances(std::uint64_t, std::uint64_t,
+                                                        double*) const {
+  return {};
+}
+void* QuestionsOnDevice::room(std::uint64_t) const { return nullptr; }
+void QuestionsOnDevice::fetch(void*, const void*, std::uint64_t) const {}
 Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
   return {};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace cullhull::internal::inline filter {
 namespace {
@@ -49,19 +50,32 @@ constexpr double pinned_piece = 32 << 20;
 constexpr double device_call = 100e-6;
 
 /// Nanoseconds of one thread for a question to a hull of 2,000 (2D), 40,000, 20,000, 13,000 and
-/// 12,000 (6D) facets of a sphere, the mean over points of a ball of 1.4 times its volume; measured
-/// from Python on an idle core (AMD EPYC).
+/// 12,000 (6D) facets of a sphere, the mean over points of a ball of 1.4 times its volume; from 5D
+/// on, and of supports and distances, measured from Python. `cell`: building one. AMD EPYC.
 struct QuestionCosts {
-  double side, support, distance;
+  double side, side_by_cells, cell, support, distance;
 };
-constexpr QuestionCosts question_costs[] = {
-    {12, 170, 8.7e3}, {70, 400, 22e3}, {60, 310, 10e3}, {150, 480, 14e3}, {210, 1700, 28e3}};
+constexpr QuestionCosts question_costs[] = {{25, 12, 250, 170, 8.7e3},
+                                            {60, 29, 900, 400, 22e3},
+                                            {65, 51, 4500, 310, 10e3},
+                                            {150, 150, 0, 480, 14e3},
+                                            {210, 210, 0, 1700, 28e3}};
 
-double question_seconds(Question question, unsigned d) {
-  const QuestionCosts& c = question_costs[std::clamp(d, 2U, 6U) - 2];
-  return 1e-9 * (question == Question::sides      ? c.side
-                 : question == Question::supports ? c.support
-                                                  : c.distance);
+const QuestionCosts& question_costs_of(unsigned d) {
+  return question_costs[std::clamp(d, 2U, 6U) - 2];
+}
+
+bool cpu_has_cells(const AskedPoints& points) {
+  return points.cells > 0 &&
+         (points.cells_built || points.count >= sides_worth_a_cell * points.cells);
+}
+
+/// Of a question on the CPU. By cells where it has them or would build them, which is not counted.
+double question_seconds(const AskedPoints& points) {
+  const QuestionCosts& c = question_costs_of(points.dimension);
+  if (points.question == Question::supports) return 1e-9 * c.support;
+  if (points.question == Question::distances) return 1e-9 * c.distance;
+  return 1e-9 * (cpu_has_cells(points) ? c.side_by_cells : c.side);
 }
 
 std::string seconds_text(double seconds) {
@@ -157,21 +171,38 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
   return p;
 }
 
-// The CPU's search walks over few facets, however many there are; a device tests all of them, in
-// 11 d instructions of a warp for 32 points (docs/gpu.md, "Questions about points on a device").
-bool device_answers_sooner(const AskedPoints& points, const MachineConstants& m) {
+// The CPU's search walks over few facets, however many there are, and by cells it compares a few. A
+// device tests all of them, in 11 d instructions of a warp for 32 points, or by cells reads about
+// eight sectors of 32 bytes a point from its L2 cache, whose rate is taken to be that of copying
+// (docs/gpu.md, "Questions about points on a device"). The CPU builds the cells in both cases:
+// after some calls for the same hull, one pays for what all of them save.
+Answerer choose_answerer(const AskedPoints& points, const MachineConstants& m) {
   // An H200 issues 0.9 T warp-instructions a second and copies 4.1 TB/s; a device of another rate
   // of copying is taken to have both in this ratio.
   constexpr double instructions_per_byte = 0.9e12 / 4.1e12;
-  const auto n = static_cast<double>(points.count);
-  const unsigned threads = m.cores > 0 ? std::min(points.threads, m.cores) : points.threads;
-  const double host =
-      n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
-      n * question_seconds(points.question, points.dimension) / std::max(1U, threads);
-  const double tests = n * static_cast<double>(points.tests);
-  const double device = device_call + tests * 11 * points.dimension / 32 /
-                                          (m.device_copy_bytes_per_second * instructions_per_byte);
-  return device < host;
+  constexpr double cell_bytes_a_point = 8 * 32;
+  constexpr double cell_bytes = 28;  // its offset, mostly one group of facets, some of the normals
+  const auto n = static_cast<double>(points.count), cells = static_cast<double>(points.cells);
+  const unsigned threads =
+      std::max(1U, m.cores > 0 ? std::min(points.threads, m.cores) : points.threads);
+  const double answers = n * (points.question == Question::sides ? 1 : 8) / m.link_bytes_per_second;
+  const double build =
+      points.cells_built ? 0 : 1e-9 * cells * question_costs_of(points.dimension).cell / threads;
+  const double infinity = std::numeric_limits<double>::infinity();
+  double cpu = infinity, device = infinity, by_cells = infinity;
+  if (points.cpu_allowed)
+    cpu = n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
+          n * question_seconds(points) / threads + (cpu_has_cells(points) ? build : 0);
+  if (points.tests > 0)
+    device = device_call + answers +
+             n * static_cast<double>(points.tests) * 11 * points.dimension / 32 /
+                 (m.device_copy_bytes_per_second * instructions_per_byte);
+  if (points.cells > 0)
+    by_cells = device_call + answers + build * n / (n + static_cast<double>(points.asked_before)) +
+               cells * cell_bytes / m.link_bytes_per_second +
+               n * cell_bytes_a_point / m.device_copy_bytes_per_second;
+  if (cpu <= std::min(device, by_cells)) return Answerer::cpu;
+  return by_cells < device ? Answerer::device_by_cells : Answerer::device;
 }
 
 // A smooth density leaves outside an m-sample's hull a share s(m) ~ m^-a, a = 2 / (d + 1) (Renyi

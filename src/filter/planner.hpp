@@ -59,16 +59,27 @@ Placement choose_place(const PlaceQuestion& question, const MachineConstants& ma
 
 enum class Question { sides, supports, distances };
 
-/// The data that decide where questions to a hull about points on a device are answered.
+/// Cells of directions are worth building for this many sides asked per cell.
+inline constexpr std::uint64_t sides_worth_a_cell = 4;
+
+/// Who answers questions to a hull about points on a device: the device by testing all facets or
+/// vertices for each point, or, for sides, the facets in the list of its cell of directions.
+enum class Answerer { cpu, device, device_by_cells };
+
+/// The data that decide it.
 struct AskedPoints {
   Question question = Question::sides;
   std::uint64_t count = 0;
   unsigned dimension = 0;
   std::uint64_t point_bytes = 0;
   unsigned threads = 1;
-  std::uint64_t tests = 0;  ///< facets or vertices that the device tests for each point
+  std::uint64_t tests = 0;  ///< facets or vertices in all; 0: the device cannot test all of them
+  std::uint64_t cells = 0;  ///< cells that the hull has or can get; 0: none
+  bool cells_built = false;
+  std::uint64_t asked_before = 0;  ///< points of earlier calls: building cells is shared with them
+  bool cpu_allowed = true;
 };
-/// Whether the device would answer sooner than the CPU, to which all points would be copied.
-bool device_answers_sooner(const AskedPoints& points, const MachineConstants& machine);
+/// The one that answers soonest, of those that can. The CPU gets a copy of all points first.
+Answerer choose_answerer(const AskedPoints& points, const MachineConstants& machine);
 
 }  // namespace cullhull::internal::inline filter

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "cuda/backend.hpp"
 #include "exact/determinants/cofactors.hpp"
@@ -12,8 +13,9 @@
 namespace cullhull::internal::inline query {
 namespace {
 
-/// Points per piece: bounds the device memory for answers (at most 9 bytes a point, 38 MB) at the
-/// cost of a launch and a copy per piece. Untested.
+/// Points per piece: bounds the device memory for answers (at most 8 bytes a point) and for the
+/// list of open points (4 bytes a point), 50 MB in all, at the cost of a launch and a copy per
+/// piece. Untested.
 constexpr std::uint64_t piece = std::uint64_t{1} << 22;
 
 /// Appends for each simplex a corner, the normal that points away from the centre, and the normal's
@@ -93,7 +95,36 @@ std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
   return tables;
 }
 
+cuda::CellTables cell_tables(const FacetCellTable& table) {
+  static_assert(cuda::CellTables::most_dimensions == FacetCellTable::max_k &&
+                cuda::CellTables::group == FacetCellTable::group);
+  cuda::CellTables t;
+  t.dimension = table.k;
+  std::copy_n(table.low, FacetCellTable::max_k, t.low);
+  std::copy_n(table.high, FacetCellTable::max_k, t.high);
+  std::copy_n(table.factor, FacetCellTable::max_k, t.factor);
+  std::copy_n(table.centre, FacetCellTable::max_k, t.centre);
+  t.resolution = static_cast<std::uint32_t>(table.resolution);
+  t.error_factor = table.error_factor;
+  t.value_tiny = FacetSearch::value_tiny;
+  t.least_reach = FacetCellTable::least_reach;
+  t.normals = table.normals;
+  t.starts = table.starts;
+  t.facets = table.facets;
+  return t;
+}
+
 namespace {
+
+/// What the device writes for the sides of a point; for the host these are items of an array.
+template <class Out>
+cuda::SideCodes codes_of() {
+  static_assert(sizeof(Out) == 1);
+  if constexpr (std::is_same_v<Out, Side>)
+    return {static_cast<std::uint8_t>(Side::inside), static_cast<std::uint8_t>(Side::outside)};
+  else
+    return {1, 0};
+}
 
 Options on_host(const Options& options) {
   Options o = options;
@@ -106,9 +137,10 @@ Options on_host(const Options& options) {
 DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
                                  const Options& options)
     : points_(points),
-      tables_(options.backend == Backend::cpu ? nullptr : tables),
+      tables_(tables),
       options_(on_host(options)),
       run_(options_),
+      device_allowed_(options.backend != Backend::cpu),
       must_(options.backend == Backend::cuda) {
   check_arguments(points);
   run_.check();
@@ -118,20 +150,27 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::Hull
     device_.emplace(points, tables_);
 }
 
-/// there(first, count, open): gets the device's answers about a piece, and appends to `open` the
-/// ids of the points that it left undecided, about which the host is asked.
+/// there(way, first, count, out): writes the device's answers about a piece to `out` on the device,
+/// and returns the ids of the points that it left open, about which the host is asked.
 template <class Out, class There>
-void DeviceQuestions::answer(Out* out, Question question, std::uint64_t tests, const There& there,
+void DeviceQuestions::answer(Out* out, AskedPoints asked, const There& there,
                              const Here<Out>& here) {
   if (points_.count == 0) return;
-  const std::uint64_t bytes = points_.dimension * scalar_size(points_.scalar);
-  const AskedPoints asked{question, points_.count, points_.dimension, bytes, run_.threads, tests};
-  if (tables_ != nullptr && (must_ || device_answers_sooner(asked, options_.machine))) try {
+  asked.count = points_.count;
+  asked.dimension = points_.dimension;
+  asked.point_bytes = points_.dimension * scalar_size(points_.scalar);
+  asked.threads = run_.threads;
+  asked.cpu_allowed = !must_;
+  const bool can = device_allowed_ && (asked.tests > 0 || asked.cells > 0);
+  const Answerer way = can ? choose_answerer(asked, options_.machine) : Answerer::cpu;
+  if (way != Answerer::cpu) try {
       for (std::uint64_t first = 0; first < points_.count; first += piece) {
         run_.report("query", static_cast<double>(first) / static_cast<double>(points_.count));
         run_.check();
-        std::vector<std::uint64_t> open;
-        there(first, std::min(piece, points_.count - first), open);
+        const std::uint64_t count = std::min(piece, points_.count - first);
+        auto* const found = static_cast<Out*>(device_->room(count * sizeof(Out)));
+        const std::vector<std::uint64_t> open = there(way, first, count, found);
+        device_->fetch(out + first, found, count * sizeof(Out));
         ask_rest(open, out, here);
       }
       return;
@@ -153,64 +192,53 @@ void DeviceQuestions::ask_rest(const std::vector<std::uint64_t>& open, Out* out,
   for (std::size_t k = 0; k < open.size(); ++k) out[open[k]] = answers[k];
 }
 
-/// Throws the error that names point `id`, which is not finite.
-void DeviceQuestions::refuse(std::uint64_t id) const {
-  const Array<double> row = device_->rows({id}, run_);
-  check_rows_finite(row.data(), 1, points_.dimension, &id, run_);
-  throw Error(ErrorCode::internal, "points on the device changed during the call");
-}
-
-void DeviceQuestions::sides(const GaugeTable* inner, Side* out, const Here<Side>& here) {
-  std::vector<cuda::PointAnswer> found;
+template <class Out>
+void DeviceQuestions::sides(const SideTables& tables, Out* out, const Here<Out>& here) {
+  AskedPoints asked;
+  asked.tests = tables_ != nullptr ? tables_->simplex_count() : 0;
+  asked.cells = tables.cells;
+  asked.cells_built = tables.cells_built;
+  asked.asked_before = tables.asked_before;
+  std::optional<cuda::CellTables> cells;
   answer(
-      out, Question::sides, tables_ != nullptr ? tables_->simplex_count() : 0,
-      [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-    found.resize(count);
-    device_->sides(inner, first, count, found.data(), nullptr);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
-      if (found[i] == cuda::PointAnswer::open)
-        open.push_back(first + i);
-      else
-        out[first + i] = found[i] == cuda::PointAnswer::inside ? Side::inside : Side::outside;
+      out, asked,
+      [&](Answerer way, std::uint64_t first, std::uint64_t count, Out* found) {
+    auto* const bytes = reinterpret_cast<std::uint8_t*>(found);
+    if (way == Answerer::device) {
+      const GaugeMap* const inner = tables.inner();
+      return device_->sides(inner != nullptr ? &inner->table() : nullptr, codes_of<Out>(), first,
+                            count, bytes);
     }
+    if (!cells) cells = cell_tables(tables.facet_cells(run_)->table());
+    return device_->sides(*cells, codes_of<Out>(), first, count, bytes);
       },
       here);
 }
 
+template void DeviceQuestions::sides(const SideTables&, Side*, const Here<Side>&);
+template void DeviceQuestions::sides(const SideTables&, std::uint8_t*, const Here<std::uint8_t>&);
+
 void DeviceQuestions::supports(const std::vector<std::uint64_t>& ids, std::uint64_t* out,
                                const Here<std::uint64_t>& here) {
-  std::vector<std::uint32_t> found;
+  AskedPoints asked;
+  asked.question = Question::supports;
+  asked.tests = tables_ != nullptr ? ids.size() : 0;
   answer(
-      out, Question::supports, ids.size(),
-      [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-    found.resize(count);
-    device_->supports(first, count, found.data());
-    for (std::uint64_t i = 0; i < count; ++i)
-      if (found[i] == cuda::open_vertex)
-        open.push_back(first + i);
-      else
-        out[first + i] = ids[found[i]];
+      out, asked,
+      [&](Answerer, std::uint64_t first, std::uint64_t count, std::uint64_t* found) {
+    return device_->supports(ids, first, count, found);
       },
       here);
 }
 
 void DeviceQuestions::distances(double* out, const Here<double>& here) {
-  constexpr double least = std::numeric_limits<double>::denorm_min();
-  std::vector<cuda::PointAnswer> found;
+  AskedPoints asked;
+  asked.question = Question::distances;
+  asked.tests = tables_ != nullptr ? 2 * tables_->simplex_count() : 0;  // and as many planes
   answer(
-      out, Question::distances,
-      tables_ != nullptr ? 2 * tables_->simplex_count() : 0,  // and as many planes
-      [&](std::uint64_t first, std::uint64_t count, std::vector<std::uint64_t>& open) {
-    found.resize(count);
-    device_->sides(nullptr, first, count, found.data(), out + first);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      if (found[i] == cuda::PointAnswer::not_finite) refuse(first + i);
-      if (found[i] == cuda::PointAnswer::inside)
-        out[first + i] = std::min(out[first + i], -least);
-      else
-        open.push_back(first + i);
-    }
+      out, asked,
+      [&](Answerer, std::uint64_t first, std::uint64_t count, double* found) {
+    return device_->distances(first, count, found);
       },
       here);
 }

@@ -12,12 +12,26 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
 #include "parallel/threads/run.hpp"
+#include "query/facet_search.hpp"
 
 namespace cullhull::internal::inline query {
 
 /// The tables that kernels test points against; nullopt for hulls that kernels do not support.
 std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
                                             const std::vector<double>& planes);
+
+/// The table of cells as a device reads it. `table` must outlive it.
+cuda::CellTables cell_tables(const FacetCellTable& table);
+
+/// What a device can find sides with, besides HullTables; made when the way that needs it is
+/// chosen.
+struct SideTables {
+  std::uint64_t cells = 0;  ///< how many cells the hull has or can get; 0: none
+  bool cells_built = false;
+  std::uint64_t asked_before = 0;  ///< points of earlier calls
+  std::function<const FacetCells*(const Run&)> facet_cells;
+  std::function<const GaugeMap*()> inner;  ///< may return null
+};
 
 /// One query call about points on a device. Every function takes `here`, which answers the same
 /// query about points on the host.
@@ -32,27 +46,25 @@ class DeviceQuestions {
   DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
                   const Options& options);
 
-  /// `inner`: a gauge map of the hull, tested first; may be null.
-  void sides(const GaugeTable* inner, Side* out, const Here<Side>& here);
+  /// `Out`: Side, or std::uint8_t for 1 (not outside) and 0.
+  template <class Out>
+  void sides(const SideTables& tables, Out* out, const Here<Out>& here);
   /// `ids`: the vertices' ids, by their positions in the tables.
   void supports(const std::vector<std::uint64_t>& ids, std::uint64_t* out,
                 const Here<std::uint64_t>& here);
   void distances(double* out, const Here<double>& here);
 
  private:
-  /// `tests`: how many facets or vertices the device tests for each point.
   template <class Out, class There>
-  void answer(Out* out, Question question, std::uint64_t tests, const There& there,
-              const Here<Out>& here);
+  void answer(Out* out, AskedPoints asked, const There& there, const Here<Out>& here);
   template <class Out>
   void ask_rest(const std::vector<std::uint64_t>& open, Out* out, const Here<Out>& here) const;
-  void refuse(std::uint64_t id) const;
 
   const DevicePointView& points_;
   const cuda::HullTables* tables_;
   const Options options_;  // for queries on the host
   const Run run_;
-  const bool must_;
+  const bool device_allowed_, must_;
   std::optional<cuda::QuestionsOnDevice> device_;
 };
 

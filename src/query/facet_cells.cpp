@@ -13,14 +13,14 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/planner.hpp"
 #include "parallel/threads/parallel.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline query::HWY_NAMESPACE {
 namespace {
 
-/// Points whose largest |coordinate| is smaller are not tested by cells, see FacetCells::build.
-constexpr double least_reach = 0x1p-500;
+constexpr double least_reach = FacetCellTable::least_reach;
 
 #if HWY_HAVE_FLOAT64
 namespace hn = hwy::HWY_NAMESPACE;
@@ -291,10 +291,20 @@ double cell_count(const FacetSearch& search) {
   return std::clamp(a_facet * static_cast<double>(search.count()), least, most);
 }
 
+DirectionCube cube_of(const FacetSearch& search) {
+  if (search.exhaustive() || search.k() > FacetCellTable::max_k) return {};
+  return {search.k(), cell_count(search)};
+}
+
 }  // namespace
 
+std::uint64_t FacetCells::count(const FacetSearch& search) {
+  const DirectionCube cube = cube_of(search);
+  return cube.empty() ? 0 : cube.size();
+}
+
 std::uint64_t FacetCells::worthwhile(const FacetSearch& search) {
-  return 4 * static_cast<std::uint64_t>(cell_count(search));
+  return sides_worth_a_cell * static_cast<std::uint64_t>(cell_count(search));
 }
 
 /// A point x in a cell is a combination with weights >= 0 of the cell's corners. `first` is in the
@@ -310,8 +320,7 @@ std::uint64_t FacetCells::worthwhile(const FacetSearch& search) {
 std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const QueryPoints& points,
                                               const Run& run) {
   const unsigned k = search.k();
-  if (search.exhaustive() || k > FacetCellTable::max_k) return nullptr;
-  const DirectionCube cube(k, cell_count(search));
+  const DirectionCube cube = cube_of(search);
   if (cube.empty()) return nullptr;
   constexpr std::uint64_t chunk = 512;  // cells; tens of us of work
   std::vector<std::vector<std::uint32_t>> lists(chunk_count(cube.size(), chunk));

@@ -175,6 +175,9 @@ class PlaneTree {
 struct FacetCellTable {
   static constexpr unsigned max_k = 4;
   static constexpr unsigned group = 4;  // facets compared at a time
+  /// Points whose largest |coordinate|, localised, is smaller are left undecided: see
+  /// FacetCells::build.
+  static constexpr double least_reach = 0x1p-500;
 
   unsigned k = 0;
   double low[max_k] = {}, high[max_k] = {};       // the vertices' bounding box
@@ -197,11 +200,15 @@ class FacetCells {
   /// The least number of points for which the cells save more time than building them takes: four
   /// per cell.
   static std::uint64_t worthwhile(const FacetSearch& search);
+  /// The number of cells that build() makes; 0 where it returns null.
+  static std::uint64_t count(const FacetSearch& search);
 
   /// For `count` <= block points, coordinate j of point i at columns[j * block + i]: -1 for
   /// certainly inside, 1 for certainly outside, 0 for undecided. False if some coordinate is not
   /// finite. Overwrites the columns from `count` to `block`.
   bool sides(double* columns, std::uint32_t count, std::int8_t* out) const;
+
+  const FacetCellTable& table() const { return table_; }
 
  private:
   FacetCells() = default;

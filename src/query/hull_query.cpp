@@ -1,6 +1,7 @@
 // HullQuery: single queries and batches.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -165,8 +166,20 @@ struct HullQuery::State {
   const FacetCells* facet_cells(const Run& run) const {
     std::call_once(cells_once, [&] {
       if (points.k == points.dimension && facets) cells = FacetCells::build(*facets, points, run);
+      cells_built = true;
     });
     return cells.get();
+  }
+  SideTables side_tables(std::uint64_t count) const {
+    return {points.k == points.dimension && facets ? FacetCells::count(*facets) : 0, cells_built,
+            asked_there.fetch_add(count), [this](const Run& run) { return facet_cells(run); },
+            [this, count] { return count >= worth_a_map ? map() : nullptr; }};
+  }
+  template <class Out>
+  void sides(const DevicePointView& view, Out* out, const Options& options,
+             const DeviceQuestions::Here<Out>& here) const {
+    check_dimension(view);
+    DeviceQuestions(view, tables(), options).sides(side_tables(view.count), out, here);
   }
   /// The tables for a device, built at the first call; null where it does not support the hull.
   const cuda::HullTables* tables() const {
@@ -206,6 +219,8 @@ struct HullQuery::State {
   mutable std::once_flag tables_once;
   mutable std::optional<cuda::HullTables> device_tables;
   mutable std::once_flag cells_once;
+  mutable std::atomic<bool> cells_built = false;
+  mutable std::atomic<std::uint64_t> asked_there = 0;  // points on devices, of their sides
   mutable std::unique_ptr<FacetCells> cells;
 };
 
@@ -551,23 +566,18 @@ void HullQuery::signed_distances(const PointView& points, double* out,
 }
 
 void HullQuery::sides(const DevicePointView& points, Side* out, const Options& options) const {
-  const State& s = *state_;
-  s.check_dimension(points);
-  const auto* const inner =
-      points.count >= worth_a_map && s.tables() != nullptr ? s.map() : nullptr;
-  DeviceQuestions(points, s.tables(), options)
-      .sides(inner != nullptr ? &inner->table() : nullptr, out,
-             [&](const PointView& view, Side* answers, const Options& here) {
+  state_->sides<Side>(points, out, options,
+                      [&](const PointView& view, Side* answers, const Options& here) {
     sides(view, answers, here);
-      });
+  });
 }
 
 void HullQuery::contains(const DevicePointView& points, std::uint8_t* out,
                          const Options& options) const {
-  std::vector<Side> found(points.count);
-  sides(points, found.data(), options);
-  std::transform(found.begin(), found.end(), out,
-                 [](Side s) { return static_cast<std::uint8_t>(s != Side::outside); });
+  state_->sides<std::uint8_t>(
+      points, out, options, [&](const PointView& view, std::uint8_t* answers, const Options& here) {
+        contains(view, answers, here);
+      });
 }
 
 void HullQuery::supports(const DevicePointView& directions, std::uint64_t* out,

@@ -148,17 +148,55 @@ TEST(Planner, QuestionsAreAnsweredWhereThatIsSooner) {
   MachineConstants fast;
   fast.device_copy_bytes_per_second = 4.1e12;
   fast.link_bytes_per_second = 50e9;
-  const auto sooner = [&](Question question, std::uint64_t count, std::uint64_t tests) {
-    return device_answers_sooner({question, count, 3, 24, 1, tests}, fast);
+  const auto way =
+      [&](Question question, std::uint64_t count, std::uint64_t tests, unsigned threads = 1) {
+    return choose_answerer({question, count, 3, 24, threads, tests}, fast);
   };
-  EXPECT_TRUE(sooner(Question::sides, 1'000'000, 300));
-  EXPECT_FALSE(sooner(Question::sides, 1'000'000, 400'000)) << "458 ms there, 70 ms here";
-  EXPECT_FALSE(sooner(Question::sides, 100, 300)) << "a launch takes longer";
-  EXPECT_TRUE(sooner(Question::supports, 1'000'000, 1000));
-  EXPECT_FALSE(sooner(Question::supports, 1'000'000, 1'000'000));
-  EXPECT_TRUE(sooner(Question::distances, 1'000'000, 400'000)) << "22 us each on the CPU";
-  EXPECT_FALSE(device_answers_sooner({Question::sides, 1'000'000, 3, 24, 16, 40'000}, fast))
-      << "sixteen threads";
+  EXPECT_EQ(way(Question::sides, 1'000'000, 300), Answerer::device);
+  EXPECT_EQ(way(Question::sides, 1'000'000, 400'000), Answerer::cpu) << "458 ms there, 60 here";
+  EXPECT_EQ(way(Question::sides, 100, 300), Answerer::cpu) << "a launch takes longer";
+  EXPECT_EQ(way(Question::supports, 1'000'000, 1000), Answerer::device);
+  EXPECT_EQ(way(Question::supports, 1'000'000, 1'000'000), Answerer::cpu);
+  EXPECT_EQ(way(Question::distances, 1'000'000, 400'000), Answerer::device) << "22 us each";
+  EXPECT_EQ(way(Question::sides, 1'000'000, 40'000, 16), Answerer::cpu) << "sixteen threads";
+  EXPECT_EQ(way(Question::sides, 1'000'000, 0), Answerer::cpu) << "nothing that the device can";
+}
+
+// The cells cost the CPU's time once; then a point costs the device the same for any hull.
+TEST(Planner, CellsAreBuiltForManyPoints) {
+  MachineConstants fast;
+  fast.device_copy_bytes_per_second = 4.1e12;
+  fast.link_bytes_per_second = 50e9;
+  AskedPoints asked;
+  asked.dimension = 3;
+  asked.point_bytes = 12;
+  asked.threads = 16;
+  asked.tests = 10'000;
+  asked.cells = 80'000;
+  const auto way = [&](std::uint64_t count, bool built) {
+    asked.count = count;
+    asked.cells_built = built;
+    return choose_answerer(asked, fast);
+  };
+  EXPECT_EQ(way(1'000, false), Answerer::cpu);
+  EXPECT_EQ(way(1'000, true), Answerer::cpu);
+  EXPECT_EQ(way(100'000, true), Answerer::device_by_cells);
+  EXPECT_EQ(way(100'000, false), Answerer::cpu) << "by climbing, without cells";
+  EXPECT_EQ(way(10'000'000, false), Answerer::device_by_cells);
+  asked.cpu_allowed = false;
+  EXPECT_EQ(way(1'000, false), Answerer::device) << "cells take longer to build";
+  EXPECT_EQ(way(100'000, true), Answerer::device_by_cells);
+  asked.threads = 1;
+  EXPECT_EQ(way(1'000'000, false), Answerer::device) << "11 ms there, 72 to build";
+  asked.asked_before = 9'000'000;
+  EXPECT_EQ(way(1'000'000, false), Answerer::device_by_cells) << "the tenth such call";
+  asked.asked_before = 0;
+  asked.threads = 16;
+  asked.tests = 0;
+  EXPECT_EQ(way(1'000, false), Answerer::device_by_cells) << "the only one that is left";
+  asked.tests = 4;
+  asked.cells = 2048;
+  EXPECT_EQ(way(1'000'000, false), Answerer::device) << "four facets are a list of a cell";
 }
 
 TEST(Planner, FindingsAreSaid) {

@@ -1,5 +1,6 @@
-// Kernels that ask a hull about points, a thread a point: the facets pass by, the same for all
-// threads of a warp. A certain answer is final; the CPU gives the others.
+// Kernels that ask a hull about points, a thread a point. All facets pass by, the same for all
+// threads of a warp, or, by cells, the few facets through which a ray in the point's direction may
+// leave. A certain answer is final; the other points are listed, and the CPU answers for them.
 
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/hull_questions_kernel.hpp"
@@ -7,7 +8,22 @@
 namespace cullhull::internal::inline cuda {
 namespace {
 
-constexpr unsigned ask_threads = 128;  // a guess
+constexpr unsigned ask_threads = 128;   // a guess
+constexpr unsigned cell_threads = 256;  // a guess
+
+enum class PointAnswer : std::uint8_t { open, inside, outside };
+
+__device__ void leave_open(const OpenPoints& open, std::uint64_t i) {
+  open.points[atomicAdd(open.count, 1U)] = static_cast<std::uint32_t>(i);
+}
+
+__device__ void write_side(PointAnswer side, SideCodes codes, std::uint64_t i, std::uint8_t* out,
+                           const OpenPoints& open) {
+  out[i] = side == PointAnswer::inside    ? codes.inside
+           : side == PointAnswer::outside ? codes.outside
+                                          : std::uint8_t{0};
+  if (side == PointAnswer::open) leave_open(open, i);
+}
 
 /// False where a coordinate is not finite.
 template <unsigned D, class T>
@@ -61,20 +77,134 @@ template <unsigned D, class T>
 __global__ void __launch_bounds__(ask_threads)
     hull_sides(const __grid_constant__ DevicePointView points,
                const std::uint64_t* __restrict__ ids, std::uint64_t count,
-               const __grid_constant__ TablesThere hull, PointAnswer* __restrict__ sides,
-               double* __restrict__ distances) {
+               const __grid_constant__ TablesThere hull, SideCodes codes,
+               std::uint8_t* __restrict__ out, OpenPoints open) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count;
        k += step) {
     const std::uint64_t i = ids != nullptr ? ids[k] : k;
     double x[D];
-    const PointAnswer side =
-        load<D, T>(points, i, x) ? side_of<D>(hull, x) : PointAnswer::not_finite;
-    sides[i] = side;
-    if (distances != nullptr && side == PointAnswer::inside)
-      distances[i] = largest_value<D>(hull, x);
+    const PointAnswer side = load<D, T>(points, i, x) ? side_of<D>(hull, x) : PointAnswer::open;
+    write_side(side, codes, i, out, open);
   }
 }
+
+template <unsigned D, class T>
+__global__ void __launch_bounds__(ask_threads)
+    hull_distances(const __grid_constant__ DevicePointView points,
+                   const __grid_constant__ TablesThere hull, double* __restrict__ out,
+                   OpenPoints open) {
+  constexpr double least = 0x1p-1074;  // inside is never at distance 0
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
+       i += step) {
+    double x[D];
+    if (load<D, T>(points, i, x) && side_of<D>(hull, x) == PointAnswer::inside) {
+      const double value = largest_value<D>(hull, x);
+      out[i] = value < -least ? value : -least;
+    } else {
+      out[i] = 0;
+      leave_open(open, i);
+    }
+  }
+}
+
+/// The cell of a localised point whose largest |coordinate| is `largest`, as DirectionCube::cell:
+/// `axis` is the first whose |coordinate| is that, and grid axis j is axis j below it, j + 1 from
+/// it on.
+template <unsigned D>
+__device__ std::uint32_t cell_of(const double (&x)[D], double largest, std::uint32_t resolution) {
+  double other[D - 1], dominant = x[D - 1];
+  std::uint32_t axis = D - 1;
+  bool passed = false;
+#pragma unroll
+  for (unsigned j = 0; j + 1 < D; ++j) {
+    if (!passed && fabs(x[j]) == largest) {
+      passed = true;
+      dominant = x[j];
+      axis = j;
+    }
+    other[j] = passed ? x[j + 1] : x[j];
+  }
+  const double half = 0.5 * resolution, top = resolution - 1.0, scale = half / largest;
+  std::uint32_t cell = 2 * axis + (dominant < 0 ? 1 : 0);
+#pragma unroll
+  for (unsigned j = 0; j + 1 < D; ++j) {
+    double at = other[j] * scale + half;
+    at = at < 0 ? 0 : at;
+    at = at > top ? top : at;
+    cell = cell * resolution + static_cast<std::uint32_t>(at);
+  }
+  return cell;
+}
+
+/// The value of a facet at a localised point: the operations of the CPU, in their order.
+template <unsigned D>
+__device__ double facet_value(const double* __restrict__ normals, std::uint32_t facet,
+                              const double (&x)[D]) {
+  const auto* const pairs =
+      reinterpret_cast<const double2*>(normals + std::uint64_t{facet} * normal_stride(D));
+  const double2 first = __ldg(pairs);
+  double value = first.x * x[0] + first.y * x[1];
+  if constexpr (D > 2) {
+    const double2 second = __ldg(pairs + 1);
+    value += second.x * x[2];
+    if constexpr (D > 3) value += second.y * x[3];
+  }
+  return value;
+}
+
+/// As cell_sides() of query/facet_cells.cpp, whose derivation holds here: the same operations.
+template <unsigned D>
+__device__ PointAnswer side_by_cells(const CellsThere& hull, const double (&q)[D]) {
+  double x[D], reach = 0;
+  bool in_box = true;
+#pragma unroll
+  for (unsigned j = 0; j < D; ++j) {
+    in_box = in_box && q[j] >= hull.low[j] && q[j] <= hull.high[j];
+    x[j] = q[j] * hull.factor[j] - hull.centre[j];
+    reach = fabs(x[j]) > reach ? fabs(x[j]) : reach;
+  }
+  if (!in_box) return PointAnswer::outside;
+  if (!(reach >= hull.least_reach)) return PointAnswer::open;
+  const std::uint32_t cell = cell_of<D>(x, reach, hull.resolution);
+  const std::uint32_t begin = __ldg(hull.starts + cell), end = __ldg(hull.starts + cell + 1);
+  if (begin == end) return PointAnswer::open;
+  const auto* const groups = reinterpret_cast<const uint4*>(hull.facets);
+  std::uint32_t first = 0;
+  double most = -0x1p1000;  // less than any value of a listed facet
+  for (std::uint32_t g = begin; g < end; ++g) {
+    const uint4 group = __ldg(groups + g);
+    if (g == begin) first = group.x;
+    const std::uint32_t facets[CellTables::group] = {group.x, group.y, group.z, group.w};
+#pragma unroll
+    for (unsigned m = 0; m < CellTables::group; ++m) {
+      if (m > 0 && facets[m] == first) break;  // the last group is filled up with the first facet
+      const double value = facet_value<D>(hull.normals, facets[m], x);
+      most = value > most ? value : most;
+    }
+  }
+  const double error = hull.error_factor * (reach + fabs(most)) + hull.value_tiny;
+  if (most - error > 1) return PointAnswer::outside;
+  return most + error < 1 ? PointAnswer::inside : PointAnswer::open;
+}
+
+template <unsigned D, class T>
+__global__ void __launch_bounds__(cell_threads)
+    hull_cell_sides(const __grid_constant__ DevicePointView points,
+                    const __grid_constant__ CellsThere hull, SideCodes codes,
+                    std::uint8_t* __restrict__ out, OpenPoints open) {
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
+       i += step) {
+    double q[D];
+    const PointAnswer side =
+        load<D, T>(points, i, q) ? side_by_cells<D>(hull, q) : PointAnswer::open;
+    write_side(side, codes, i, out, open);
+  }
+}
+
+constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
 
 /// Of the vertices' products with u, scaled by a power of two, the largest, if no other comes
 /// within the errors of both: docs/exactness.md, "Queries".
@@ -83,7 +213,7 @@ __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
   double largest = 0;
 #pragma unroll
   for (unsigned j = 0; j < D; ++j) largest = fabs(u[j]) > largest ? fabs(u[j]) : largest;
-  if (!(largest > 0x1p-900) || !(largest < 0x1p900)) return open_vertex;
+  if (!(largest > 0x1p-900) || !(largest < 0x1p900)) return no_vertex;
   const long long exponent = __double_as_longlong(largest) & 0x7FFLL << 52;
   const double factor = __longlong_as_double((0x7FELL << 52) - exponent);
   double sum = 0;
@@ -93,7 +223,7 @@ __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
     sum += fabs(u[j]);
   }
   double best = 0, second = 0;
-  std::uint32_t found = open_vertex;
+  std::uint32_t found = no_vertex;
   const double* row = hull.vertices;
   for (std::uint32_t v = 0; v < hull.vertex_count; ++v, row += D) {
     double product = __ldg(row) * u[0];
@@ -108,71 +238,84 @@ __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
     }
   }
   const double bound = 1.01 * (D + 1) * 0x1p-53 * sum * hull.vertex_reach + 0x1p-900;
-  return best - second > 2.01 * bound ? found : open_vertex;
+  return best - second > 2.01 * bound ? found : no_vertex;
 }
 
 template <unsigned D, class T>
 __global__ void __launch_bounds__(ask_threads)
     hull_supports(const __grid_constant__ DevicePointView directions,
-                  const __grid_constant__ TablesThere hull, std::uint32_t* __restrict__ out) {
+                  const __grid_constant__ TablesThere hull, const std::uint64_t* __restrict__ ids,
+                  std::uint64_t* __restrict__ out, OpenPoints open) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < directions.count;
        i += step) {
     double u[D];
-    out[i] = load<D, T>(directions, i, u) ? support_of<D>(hull, u) : open_vertex;
+    const std::uint32_t found = load<D, T>(directions, i, u) ? support_of<D>(hull, u) : no_vertex;
+    out[i] = found != no_vertex ? __ldg(ids + found) : 0;
+    if (found == no_vertex) leave_open(open, i);
   }
 }
 
-unsigned blocks_for(std::uint64_t threads) {
+unsigned blocks_for(std::uint64_t threads, unsigned in_block) {
   constexpr std::uint64_t most = std::uint64_t{1} << 20;
-  const std::uint64_t blocks = (threads + ask_threads - 1) / ask_threads;
+  const std::uint64_t blocks = (threads + in_block - 1) / in_block;
   return static_cast<unsigned>(blocks < most ? blocks : most);
 }
 
-/// call.operator()<D, T>() for the points' dimension and scalar.
-template <class Call>
+/// call.operator()<D, T>() for the points' dimension, at most Most, and scalar.
+template <unsigned Most, class Call, unsigned D = 2>
 cudaError_t with_types(const DevicePointView& points, const Call& call) {
-  const bool wide = points.scalar == ScalarType::f64;
-  switch (points.dimension) {
-    case 2:
-      wide ? call.template operator()<2, double>() : call.template operator()<2, float>();
-      break;
-    case 3:
-      wide ? call.template operator()<3, double>() : call.template operator()<3, float>();
-      break;
-    case 4:
-      wide ? call.template operator()<4, double>() : call.template operator()<4, float>();
-      break;
-    case 5:
-      wide ? call.template operator()<5, double>() : call.template operator()<5, float>();
-      break;
-    case 6:
-      wide ? call.template operator()<6, double>() : call.template operator()<6, float>();
-      break;
-    default:
-      return cudaErrorInvalidValue;
+  if constexpr (D > Most) {
+    return cudaErrorInvalidValue;
+  } else {
+    if (points.dimension != D) return with_types<Most, Call, D + 1>(points, call);
+    if (points.scalar == ScalarType::f64)
+      call.template operator()<D, double>();
+    else
+      call.template operator()<D, float>();
+    return cudaGetLastError();
   }
-  return cudaGetLastError();
 }
 
 }  // namespace
 
 cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t count,
-                      const TablesThere& hull, PointAnswer* sides, double* distances,
-                      cudaStream_t stream) {
+                      const TablesThere& hull, SideCodes codes, std::uint8_t* out,
+                      const OpenPoints& open, cudaStream_t stream) {
   if (count == 0) return cudaSuccess;
-  return with_types(points, [&]<unsigned D, class T>() {
+  const unsigned blocks = blocks_for(count, ask_threads);
+  return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
     hull_sides<D, T>
-        <<<blocks_for(count), ask_threads, 0, stream>>>(points, ids, count, hull, sides, distances);
+        <<<blocks, ask_threads, 0, stream>>>(points, ids, count, hull, codes, out, open);
+  });
+}
+
+cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
+                               SideCodes codes, std::uint8_t* out, const OpenPoints& open,
+                               cudaStream_t stream) {
+  if (points.count == 0) return cudaSuccess;
+  const unsigned blocks = blocks_for(points.count, cell_threads);
+  return with_types<CellTables::most_dimensions>(points, [&]<unsigned D, class T>() {
+    hull_cell_sides<D, T><<<blocks, cell_threads, 0, stream>>>(points, cells, codes, out, open);
+  });
+}
+
+cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
+                          const OpenPoints& open, cudaStream_t stream) {
+  if (points.count == 0) return cudaSuccess;
+  const unsigned blocks = blocks_for(points.count, ask_threads);
+  return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
+    hull_distances<D, T><<<blocks, ask_threads, 0, stream>>>(points, hull, out, open);
   });
 }
 
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
-                         std::uint32_t* out, cudaStream_t stream) {
+                         const std::uint64_t* ids, std::uint64_t* out, const OpenPoints& open,
+                         cudaStream_t stream) {
   if (directions.count == 0) return cudaSuccess;
-  return with_types(directions, [&]<unsigned D, class T>() {
-    hull_supports<D, T>
-        <<<blocks_for(directions.count), ask_threads, 0, stream>>>(directions, hull, out);
+  const unsigned blocks = blocks_for(directions.count, ask_threads);
+  return with_types<HullTables::most_dimensions>(directions, [&]<unsigned D, class T>() {
+    hull_supports<D, T><<<blocks, ask_threads, 0, stream>>>(directions, hull, ids, out, open);
   });
 }
 

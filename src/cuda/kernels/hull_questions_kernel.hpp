@@ -14,22 +14,51 @@ namespace cullhull::internal::inline cuda {
 struct TablesThere {
   double low[HullTables::most_dimensions], high[HullTables::most_dimensions];
   const double* simplices;
-  const double* planes;  ///< null: distances are not needed
-  const double* vertices;
+  const double* planes;    ///< read by ask_distances() alone
+  const double* vertices;  ///< read by ask_supports() alone
   double vertex_reach;
   std::uint32_t simplex_count, plane_count, vertex_count;
+};
+
+/// Doubles from one normal to the next in CellsThere: 3D leaves one unused, so that a normal lies
+/// in one sector of 32 bytes and is loaded by pairs.
+constexpr unsigned normal_stride(unsigned dimension) { return dimension == 2 ? 2 : 4; }
+
+/// CellTables in the device's memory.
+struct CellsThere {
+  double low[CellTables::most_dimensions], high[CellTables::most_dimensions];
+  double factor[CellTables::most_dimensions], centre[CellTables::most_dimensions];
+  std::uint32_t resolution;
+  double error_factor, value_tiny, least_reach;
+  const double* normals;        ///< normal_stride() doubles a facet
+  const std::uint32_t* starts;  ///< cells + 1, in groups
+  const std::uint32_t* facets;  ///< groups of CellTables::group
+};
+
+/// Where kernels list the points that they leave open: *count points, which begins as 0, in any
+/// order. `points` has room for all points asked about.
+struct OpenPoints {
+  std::uint32_t* count;
+  std::uint32_t* points;
 };
 
 /// A bound of the underflow in a determinant of order 6 of differences of at most 2^100.
 inline constexpr double side_tiny = 0x1p-540;
 
-/// Writes sides[i], and distances[i] for points inside, of the points i = ids[k], k < count. If
-/// `ids` is null, of all points i < count.
+/// Each writes out[i] of the points i < points.count, 0 if point i is open; fewer than 2^32 points.
+
+/// If `ids` is not null, of the points i = ids[k], k < count, alone.
 cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t count,
-                      const TablesThere& hull, PointAnswer* sides, double* distances,
-                      cudaStream_t stream);
-/// Writes the index of the support vertex of each direction, or open_vertex.
+                      const TablesThere& hull, SideCodes codes, std::uint8_t* out,
+                      const OpenPoints& open, cudaStream_t stream);
+cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
+                               SideCodes codes, std::uint8_t* out, const OpenPoints& open,
+                               cudaStream_t stream);
+cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
+                          const OpenPoints& open, cudaStream_t stream);
+/// `ids`: those of the vertices, on the device.
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
-                         std::uint32_t* out, cudaStream_t stream);
+                         const std::uint64_t* ids, std::uint64_t* out, const OpenPoints& open,
+                         cudaStream_t stream);
 
 }  // namespace cullhull::internal::inline cuda

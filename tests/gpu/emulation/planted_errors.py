@@ -290,6 +290,22 @@ PLANTED = {
         "emulated_hull_questions_gpu_test",
         "GpuQuestions.PointsOnACube",
     ),
+    "next-cell": Planted(
+        "the cell of a direction rounded, not cut",
+        KERNELS + "hull_questions_kernel.cu",
+        "cell * resolution + «static_cast<std::uint32_t>(at)»;",
+        "static_cast<std::uint32_t>(at + 0.5 < top ? at + 0.5 : top)",
+        "emulated_hull_questions_gpu_test",
+        "GpuQuestions.ByCells*",
+    ),
+    "short-list": Planted(
+        "only the first group of a cell's facets tested",
+        KERNELS + "hull_questions_kernel.cu",
+        "g = begin; «g < end»; ++g",
+        "g == begin",
+        "emulated_hull_questions_gpu_test",
+        "GpuQuestions.ByCells*",
+    ),
     "loose-support": Planted(
         "the largest product taken although another is as near as rounding",
         KERNELS + "hull_questions_kernel.cu",
