@@ -245,7 +245,7 @@ class Bench {
     sample.count = n;
     sample.dimension = d;
     sample.gather = [&](const std::vector<std::uint64_t>& ids) {
-      return cuda::download_points(view, ids.data(), ids.size(), run.control);
+      return cuda::download_points(view, ids.data(), ids.size(), run);
     };
     const auto sampled = cullhull::internal::map_of_sample(
         sample, cullhull::internal::Insist::yes, cuda::most_gauge_nodes(cuda::device()), run);

@@ -486,13 +486,13 @@ class Passes {
     std::uint64_t size = internal::probe_sample_size(n, 3);
     for (const bool last : {false, true}) {  // a small sample, then that of the map
       const std::vector<std::uint64_t> ids = internal::sample_ids(n, size);
-      Array<double> sample = cuda::download_points(view, ids.data(), ids.size(), run.control);
+      Array<double> sample = cuda::download_points(view, ids.data(), ids.size(), run);
       stages.end("sample");
       polytope = internal::inner_polytope(std::move(sample), 3, one_thread);
       stages.end("hull of sample");
       if (last) break;
       size = std::min(internal::map_sample_size(n, 3, ids.size(), polytope.vertices.size() / 3),
-                      4 * ids.size());
+                      ids.size());
     }
     const auto map = internal::map_of_polytope(std::move(polytope), n, internal::Insist::no,
                                                cuda::most_gauge_nodes(cuda::device()), run);
@@ -517,7 +517,7 @@ class Passes {
                 "gathering points");
     const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
     stages.end("list");
-    cuda::StarHullThere found = cuda::star_hull_there(left_view, run.control);
+    cuda::StarHullThere found = cuda::star_hull_there(left_view, run);
     const cuda::DeviceIds& inner = found.ids;
     kept = inner.count;
     stages.end("pseudo-hull, convex");
@@ -568,7 +568,7 @@ class Passes {
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
     const Options options = on(Backend::cuda);
-    const cuda::StarHullThere found = cuda::star_hull_there(view, internal::Control(options));
+    const cuda::StarHullThere found = cuda::star_hull_there(view, internal::Run(options));
     return {{"count", n},
             {"star_growth_seconds", found.counts.growth_seconds},
             {"star_flip_seconds", found.counts.flip_seconds},

@@ -25,7 +25,7 @@ class DeviceBatch {
       : points_(checked(points)),
         options_(on_host(options)),
         run_(options_),
-        there_(points, run_.control),
+        there_(points, run_),
         starts_(there_.fetch_offsets(offsets, sets + 1)),
         sets_(sets),
         must_(options.backend == Backend::cuda),

@@ -80,7 +80,7 @@ class DeviceFilter {
     Filtered result;
     std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.all = ids.size() == points_.count;
     if (!result.survivors.all) result.survivors.ids = std::move(ids);
@@ -95,7 +95,7 @@ class DeviceFilter {
   Filtered hull_of_all_there(Filtered&& result, const std::string& where) const {
     if (d_ != 3 || points_.count > pseudo_hull_most_points) return all_points(std::move(result));
     try {
-      cuda::StarHullThere found = star_hull_there(points_, run_.control);
+      cuda::StarHullThere found = star_hull_there(points_, run_);
       if (found.counts.end.facets == 0) return all_points(std::move(result));
       result.survivors.reason += "; " + where + "; a pseudo-hull, " + described(found.counts);
       result.survivors.filter = UsedFilter::pseudo_hull;
@@ -119,7 +119,7 @@ class DeviceFilter {
     std::vector<std::uint64_t> ids(left.count);
     cuda::download(ids.data(), left.ids.data(), left.count,
                    static_cast<cudaStream_t>(points_.stream));
-    result.rows = cuda::download_points(view, nullptr, left.count, run_.control);
+    result.rows = cuda::download_points(view, nullptr, left.count, run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
   }
@@ -150,8 +150,7 @@ class DeviceFilter {
 
   SampledPoints sampled(const DevicePointView& points) const {
     return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
-              Array<double> rows =
-                  cuda::download_points(points, ids.data(), ids.size(), run_.control);
+              Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), run_);
               // As for every engine, -0 becomes +0 and points that are not finite are refused.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
                                    ids.size(), run_);
@@ -164,7 +163,9 @@ class DeviceFilter {
     try {
       return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
                            cuda::most_gauge_nodes(cuda::device()), run_,
-                           grows_later() ? 4 : ~std::uint64_t{0});
+                           d_ == 3         ? 1
+                           : grows_later() ? 4
+                                           : ~std::uint64_t{0});
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
     }
@@ -198,7 +199,7 @@ class DeviceFilter {
     // survive.
     constexpr unsigned most_rounds = 24;
     if (d_ == 3) {
-      cuda::StarHullThere found = star_hull_there(view, run_.control);
+      cuda::StarHullThere found = star_hull_there(view, run_);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
       result.triangles = std::move(found.triangles);
@@ -283,7 +284,7 @@ class DeviceFilter {
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
     std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
     refine_survivors(result, d_, run_);

@@ -47,7 +47,7 @@ Placement place_of_device_points(const DevicePointView& points, const Run& run) 
 Array<double> download_all(const DevicePointView& points, const Run& run) {
   require_budget(run.budget, points.count * points.dimension * 2 * sizeof(double),
                  std::to_string(points.count) + " points copied from the device");
-  Array<double> rows = cuda::download_points(points, nullptr, points.count, run.control);
+  Array<double> rows = cuda::download_points(points, nullptr, points.count, run);
   check_rows_finite(rows.data(), points.count, points.dimension, nullptr, run);
   return rows;
 }
@@ -61,7 +61,7 @@ void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
   cuda::download(&first, found.data(), 1, stream);
   if (first < points.count) {
     const std::uint64_t id = first;
-    const Array<double> row = cuda::download_points(points, &id, 1, run.control);
+    const Array<double> row = cuda::download_points(points, &id, 1, run);
     check_rows_finite(row.data(), 1, points.dimension, &id, run);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");
@@ -83,7 +83,7 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
   if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
     throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
   const cuda::DeviceScope scope(device_of(points));
-  return cuda::download_points(points, ids.data(), ids.size(), short_run().control);
+  return cuda::download_points(points, ids.data(), ids.size(), short_run());
 }
 
 void wait_for_cuda_device_of(const void* memory) {

@@ -110,7 +110,7 @@ class DeviceFrame final : public FramePoints {
   }
 
   Array<double> gather_there(const std::vector<std::uint64_t>& ids) const {
-    const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
     try {
       return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
                            ids.size(), run_);
@@ -141,7 +141,7 @@ class DeviceFrame final : public FramePoints {
   void fetch_there(Filtered& result) const {
     const std::vector<std::uint64_t>& ids = result.survivors.ids;
     result.pass_survivors = ids.size();
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_.control);
+    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_);
     run_.control.report("cull", 0.8);
   }

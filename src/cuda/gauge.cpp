@@ -305,27 +305,9 @@ class Rows {
   DeviceArray<std::uint64_t> piece_ids_;
 };
 
-/// Host memory for copies from the device: pinned or, if none is available, pageable.
-template <class T>
-class Landing {
- public:
-  explicit Landing(std::size_t count) {
-    try {
-      pinned_ = PinnedArray<T>(count);
-    } catch (const OutOfMemory&) {
-      pageable_ = Array<T>(count);
-    }
-  }
-  T* data() const { return pinned_.data() != nullptr ? pinned_.data() : pageable_.data(); }
-
- private:
-  PinnedArray<T> pinned_;
-  mutable Array<T> pageable_;
-};
-
 template <class T>
 Array<double> download_as(const DevicePointView& points, const std::uint64_t* ids,
-                          std::uint64_t count, const Control& control) {
+                          std::uint64_t count, const Run& run) {
   const unsigned d = points.dimension;
   const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
   const cudaStream_t stream = stream_of(points);
@@ -335,11 +317,13 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
   const Settled settled(stream);
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
-    control.check();
+    run.check();
     const std::uint64_t n = std::min(piece, count - first);
     source.copy(first, n, landing.data());
     synchronise(stream, "copying points from the device");
-    std::copy_n(landing.data(), n * d, rows.data() + first * d);
+    run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      std::copy(landing.data() + begin, landing.data() + end, rows.data() + first * d + begin);
+    });
   }
   return rows;
 }
@@ -347,10 +331,10 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
 }  // namespace
 
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
-                              std::uint64_t count, const Control& control) {
+                              std::uint64_t count, const Run& run) {
   if (count == 0) return {};
-  return points.scalar == ScalarType::f64 ? download_as<double>(points, ids, count, control)
-                                          : download_as<float>(points, ids, count, control);
+  return points.scalar == ScalarType::f64 ? download_as<double>(points, ids, count, run)
+                                          : download_as<float>(points, ids, count, run);
 }
 
 }  // namespace cullhull::internal::inline cuda

@@ -38,6 +38,6 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 /// Copies points to packed rows of doubles in the host's memory, without a check for finiteness.
 /// `ids`: the `count` points to copy, in the host's memory; null: the first `count` points.
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
-                              std::uint64_t count, const Control& control);
+                              std::uint64_t count, const Run& run);
 
 }  // namespace cullhull::internal::inline cuda

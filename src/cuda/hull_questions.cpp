@@ -163,7 +163,7 @@ void QuestionsOnDevice::fetch(void* to, const void* from, std::uint64_t bytes) c
 }
 
 Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>& ids, const Run& run) const {
-  return download_points(state_->points, ids.data(), ids.size(), run.control);
+  return download_points(state_->points, ids.data(), ids.size(), run);
 }
 
 Array<double> QuestionsOnDevice::all_rows(const Run& run) const {

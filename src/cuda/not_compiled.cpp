@@ -28,7 +28,7 @@ std::vector<std::uint64_t> survivors_there(const GaugeMap&, const PointView&, co
 }
 
 struct SetsOnDevice::State {};
-SetsOnDevice::SetsOnDevice(const DevicePointView&, const Control&) { require_cuda(); }
+SetsOnDevice::SetsOnDevice(const DevicePointView&, const Run&) { require_cuda(); }
 SetsOnDevice::~SetsOnDevice() = default;
 std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t*, std::uint64_t) const {
   return {};

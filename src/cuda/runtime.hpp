@@ -6,12 +6,15 @@
 
 #include <cuda_runtime_api.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <utility>
 
 #include "cuda/backend.hpp"
+#include "cullhull/array.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline cuda {
 
@@ -184,6 +187,41 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
         "copying from the device");
   synchronise(stream, "copying from the device");
+}
+
+/// Host memory for copies from the device: pinned or, if none is available, pageable.
+template <class T>
+class Landing {
+ public:
+  explicit Landing(std::size_t count) {
+    try {
+      pinned_ = PinnedArray<T>(count);
+    } catch (const OutOfMemory&) {
+      pageable_ = Array<T>(count);
+    }
+  }
+  T* data() const { return pinned_.data() != nullptr ? pinned_.data() : pageable_.data(); }
+
+ private:
+  PinnedArray<T> pinned_;
+  mutable Array<T> pageable_;
+};
+
+/// download() of many items: by pinned memory, from which the threads of `run` copy, as the driver
+/// copies to other memory at a tenth of the link's rate.
+template <class T>
+void download_many(T* to, const T* from, std::size_t count, cudaStream_t stream, const Run& run) {
+  constexpr std::size_t piece = (std::size_t{4} << 20) / sizeof(T);
+  if (count == 0) return;
+  const Landing<T> landing(std::min(piece, count));
+  for (std::size_t first = 0; first < count; first += piece) {
+    run.check();
+    const std::size_t n = std::min(piece, count - first);
+    download(landing.data(), from + first, n, stream);
+    run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      std::copy(landing.data() + begin, landing.data() + end, to + first + begin);
+    });
+  }
 }
 
 /// Returns cudaSuccess if this build has code that the current device can run, else the error of

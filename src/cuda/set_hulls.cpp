@@ -112,8 +112,8 @@ struct Lengths {
 }  // namespace
 
 struct SetsOnDevice::State {
-  State(const DevicePointView& view, const Control& caller)
-      : points(view), control(caller), stream(static_cast<cudaStream_t>(view.stream)) {
+  State(const DevicePointView& view, const Run& caller)
+      : points(view), run(caller), stream(static_cast<cudaStream_t>(view.stream)) {
     if (view.count == 0) {
       (void)device();
       return;
@@ -141,7 +141,7 @@ struct SetsOnDevice::State {
                  std::int32_t* simplices_to) const;
 
   const DevicePointView points;
-  const Control& control;
+  const Run& run;
   const cudaStream_t stream;
   std::optional<DeviceScope> scope;
 
@@ -153,8 +153,8 @@ struct SetsOnDevice::State {
   DeviceArray<std::uint8_t> vertices, simplices;
 };
 
-SetsOnDevice::SetsOnDevice(const DevicePointView& points, const Control& control)
-    : state_(std::make_unique<State>(points, control)) {}
+SetsOnDevice::SetsOnDevice(const DevicePointView& points, const Run& run)
+    : state_(std::make_unique<State>(points, run)) {}
 SetsOnDevice::~SetsOnDevice() = default;
 
 std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offsets,
@@ -308,7 +308,7 @@ SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& wh
     const std::uint64_t n = rows.starts[end] - rows.starts[begin];
     DevicePointView part = from(offsets[which[begin]]);
     part.count = n;
-    const Array<double> copied = download_points(part, nullptr, n, control);
+    const Array<double> copied = download_points(part, nullptr, n, run);
     std::copy(copied.begin(), copied.end(),
               memory->begin() + static_cast<std::ptrdiff_t>(rows.starts[begin] * d()));
   }

@@ -9,7 +9,7 @@
 
 #include "cullhull/device_batch.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline cuda {
 
@@ -44,7 +44,7 @@ class SetsOnDevice {
  public:
   /// Throws Failure if there is no device, and Error{invalid_argument} for memory that the device
   /// cannot read.
-  SetsOnDevice(const DevicePointView& points, const Control& control);
+  SetsOnDevice(const DevicePointView& points, const Run& run);
   ~SetsOnDevice();
   SetsOnDevice(const SetsOnDevice&) = delete;
   SetsOnDevice& operator=(const SetsOnDevice&) = delete;

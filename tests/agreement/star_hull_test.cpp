@@ -39,7 +39,8 @@ Found surface_of_points(const PointView& view, Executor executor, unsigned most_
                static_cast<std::uint32_t>(view.count), most_rounds, Control(Options{}), rounds);
   for (std::uint64_t i = 0; i < view.count; ++i)
     if (hull.culled()[i] == 0) found.left.push_back(i);
-  if (found.counts.whole()) found.triangles = hull.triangles(found.counts);
+  const Options options;
+  if (found.counts.whole()) found.triangles = hull.triangles(found.counts, Run(options));
   return found;
 }
 
@@ -79,6 +80,7 @@ void expect_the_engines(const std::vector<T>& points, const std::string& name, T
   EXPECT_EQ(found.left, emulated.left) << name;
   EXPECT_EQ(found.triangles.vertices, emulated.triangles.vertices) << name;
   EXPECT_EQ(found.triangles.neighbours, emulated.triangles.neighbours) << name;
+  EXPECT_EQ(found.triangles.order, emulated.triangles.order) << name;
   EXPECT_EQ(found.counts.left, found.left.size()) << name;
   EXPECT_EQ(found.counts.end.reflex, emulated.counts.end.reflex) << name;
   EXPECT_EQ(found.counts.end.uncertain, emulated.counts.end.uncertain) << name;

@@ -29,13 +29,14 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
                            const std::string& name) {
   const OnDevice device(points);
   const Stream stream;
-  const Control control{Options{}};
+  const Options options;
+  const Run run(options);
   std::vector<PseudoHullRound> rounds, expected;
-  const cuda::StarHullThere there =
-      cuda::star_hull_there(device.view(host, stream), control, &rounds);
+  const cuda::StarHullThere there = cuda::star_hull_there(device.view(host, stream), run, &rounds);
   StarHull<SerialExecutor, RowsInPlace<3, T>> here(SerialExecutor{});
-  const StarCounts counts = here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),
-                                     static_cast<std::uint32_t>(host.count), 64, control, expected);
+  const StarCounts counts =
+      here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),
+               static_cast<std::uint32_t>(host.count), 64, run.control, expected);
   std::vector<std::uint64_t> ids(there.ids.count), wanted;
   cuda::download(ids.data(), there.ids.ids.data(), there.ids.count, stream);
   for (std::uint64_t i = 0; i < host.count; ++i)
@@ -46,9 +47,10 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   EXPECT_EQ(there.counts.end.facets, counts.end.facets) << name;
   EXPECT_EQ(there.counts.end.reflex, counts.end.reflex) << name;
   EXPECT_EQ(there.counts.end.uncertain, counts.end.uncertain) << name;
-  const StarTriangles triangles = counts.whole() ? here.triangles(counts) : StarTriangles{};
+  const StarTriangles triangles = counts.whole() ? here.triangles(counts, run) : StarTriangles{};
   EXPECT_EQ(there.triangles.vertices, triangles.vertices) << name;
   EXPECT_EQ(there.triangles.neighbours, triangles.neighbours) << name;
+  EXPECT_EQ(there.triangles.order, triangles.order) << name;
   ASSERT_EQ(rounds.size(), expected.size()) << name;
   for (std::size_t r = 0; r < rounds.size(); ++r) {
     EXPECT_EQ(rounds[r].facets, expected[r].facets) << name << ", round " << r;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <utility>
 #include <vector>
@@ -78,6 +79,17 @@ struct EmitKept {
   }
 };
 
+template <class Key>
+struct KeyOfItem {
+  Key key;
+  std::uint32_t* items;
+  std::uint32_t* keys;
+  CULLHULL_HD void operator()(std::uint32_t i) const {
+    items[i] = i;
+    keys[i] = key(i);
+  }
+};
+
 }  // namespace cuda_kernels
 
 /// Device memory whose contents are lost when it grows.
@@ -120,6 +132,10 @@ class CudaExecutor {
   template <class T>
   void fetch(const T* from, std::size_t count, T* to) {
     cuda::download(to, from, count, stream_);
+  }
+  template <class T>
+  void fetch_many(const T* from, std::size_t count, T* to, const Run& run) {
+    cuda::download_many(to, from, count, stream_, run);
   }
   template <class T>
   void upload(const T* from, std::size_t count, T* to) {
@@ -230,6 +246,21 @@ class CudaExecutor {
     const Count kept = enumerate(count, keep, number);
     for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
     return kept;
+  }
+
+  template <class Key>
+  const std::uint32_t* sort(std::uint32_t count, const Key& key, unsigned bits,
+                            Array<std::uint32_t>& out) {
+    if (count == 0) return nullptr;
+    std::uint32_t* const items = reserve(numbers_, 3 * std::size_t{count});
+    std::uint32_t* const keys = items + count;
+    std::uint32_t* const sorted = reserve(out, count);
+    for_each(count, cuda_kernels::KeyOfItem<Key>{key, items, keys});
+    with_scratch([&](void* scratch, std::size_t& bytes) {
+      return cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, keys + count, items, sorted,
+                                             count, 0, static_cast<int>(bits), stream_);
+    });
+    return sorted;
   }
 
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {

@@ -7,7 +7,7 @@ namespace cullhull::internal::inline cuda {
 namespace {
 
 template <class T>
-StarHullThere star_hull_of(const DevicePointView& points, const Control& control,
+StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
                            std::vector<PseudoHullRound>& rounds) {
   require_aligned<T>(points);
   // Points in a ball take 15 rounds, points on a sphere 18 to 22.
@@ -18,28 +18,28 @@ StarHullThere star_hull_of(const DevicePointView& points, const Control& control
       CudaExecutor(static_cast<cudaStream_t>(points.stream)));
   StarHullThere there;
   there.counts = hull.run(rows_in_place<3, T>(as_point_view(points), all), count, most_rounds,
-                          control, rounds);
+                          run.control, rounds);
   there.ids.count = there.counts.left;
   there.ids.ids = DeviceArray<std::uint64_t>(there.ids.count, hull.executor().stream());
   const std::uint32_t listed =
       hull.executor().select(count, NotCulled{hull.culled()}, EmitId{all, there.ids.ids.data()});
   if (listed != there.counts.left)
     throw Error(ErrorCode::internal, "the device lost count of the survivors");
-  if (there.counts.whole()) there.triangles = hull.triangles(there.counts);
+  if (there.counts.whole()) there.triangles = hull.triangles(there.counts, run);
   return there;
 }
 
 }  // namespace
 
-StarHullThere star_hull_there(const DevicePointView& points, const Control& control,
+StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               std::vector<PseudoHullRound>* rounds) {
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
   if (points.dimension != 3 || points.count > pseudo_hull_most_points)
     throw Error(ErrorCode::invalid_argument,
                 "a star-shaped surface needs points in space, 2^28 at most");
-  return points.scalar == ScalarType::f32 ? star_hull_of<float>(points, control, report)
-                                          : star_hull_of<double>(points, control, report);
+  return points.scalar == ScalarType::f32 ? star_hull_of<float>(points, run, report)
+                                          : star_hull_of<double>(points, run, report);
 }
 
 }  // namespace cullhull::internal::inline cuda

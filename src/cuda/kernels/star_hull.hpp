@@ -8,7 +8,7 @@
 #include "cuda/gauge.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/star_hull/star_hull.hpp"
-#include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline cuda {
 
@@ -21,7 +21,7 @@ struct StarHullThere {
 /// Grows a star-shaped surface from points in space, at most 2^28 of them, and makes it convex by
 /// flips, on points.stream. Needs 100 bytes of device memory a point. Throws OutOfMemory if there
 /// is less, and Failure if the device fails.
-StarHullThere star_hull_there(const DevicePointView& points, const Control& control,
+StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               std::vector<PseudoHullRound>* rounds = nullptr);
 
 }  // namespace cullhull::internal::inline cuda

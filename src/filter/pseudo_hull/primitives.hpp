@@ -10,11 +10,13 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "parallel/host_device.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline filter {
 
@@ -66,9 +68,25 @@ struct HostMemory {
   static void fetch(const T* from, std::size_t count, T* to) {
     std::copy_n(from, count, to);
   }
+  /// The same for many items, where a device has its own way; with the threads of `run`.
+  template <class T>
+  static void fetch_many(const T* from, std::size_t count, T* to, const Run&) {
+    std::copy_n(from, count, to);
+  }
   template <class T>
   static void upload(const T* from, std::size_t count, T* to) {
     std::copy_n(from, count, to);
+  }
+  /// The items of [0, count) by ascending key(i), stably, in `out`; only the `bits` low bits of
+  /// keys may be set.
+  template <class Key>
+  static const std::uint32_t* sort(std::uint32_t count, const Key& key, unsigned /*bits*/,
+                                   Array<std::uint32_t>& out) {
+    std::uint32_t* const items = out.reserve(count);
+    std::iota(items, items + count, 0U);
+    std::stable_sort(items, items + count,
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    return items;
   }
   template <class T>
   static void zero(T* items, std::size_t count) {

@@ -3,6 +3,7 @@
 // the surface is the hull is for exact arithmetic to show. The same text for every executor.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -10,8 +11,13 @@
 #include "filter/star_hull/star_flips.hpp"
 #include "filter/star_hull/star_growth.hpp"
 #include "filter/star_hull/star_triangles.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline filter {
+
+struct StarCentre {
+  double at[3];
+};
 
 /// What was done, and what is left.
 struct StarCounts {
@@ -32,18 +38,69 @@ struct FacetIsLive {
   const StarFacet* facet;
   CULLHULL_HD bool operator()(std::uint32_t f) const { return facet[f].live(); }
 };
+struct EmitItem {
+  std::uint32_t* list;
+  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { list[k] = i; }
+};
+/// The place of a listed row along a Z-order curve around the centre.
+template <class Rows>
+struct CurveKey {
+  static constexpr unsigned bits = 30;
+  Rows rows;
+  StarCentre centre;
+  const std::uint32_t* listed;
+  CULLHULL_HD std::uint32_t operator()(std::uint32_t i) const {
+    double x[3];
+    rows.load(listed[i], x);
+    std::uint32_t key = 0;
+    for (unsigned k = 0; k < 3; ++k) {
+      // The extent of the frame is at most 1, and the centre is inside.
+      const double at = (x[k] - centre.at[k] + 1) * 512;
+      std::uint32_t v = at > 0 ? static_cast<std::uint32_t>(at < 1023 ? at : 1023) : 0;
+      // The bits apart by two others.
+      v = (v | v << 16) & 0x030000FFU;
+      v = (v | v << 8) & 0x0300F00FU;
+      v = (v | v << 4) & 0x030C30C3U;
+      v = (v | v << 2) & 0x09249249U;
+      key |= v << k;
+    }
+    return key;
+  }
+};
+struct LowestVertex {
+  const StarFacet* facet;
+  const std::uint32_t* listed;
+  const std::uint32_t* number;
+  CULLHULL_HD std::uint32_t operator()(std::uint32_t i) const {
+    const StarFacet& f = facet[listed[i]];
+    std::uint32_t lowest = number[f.vertex[0]];
+    for (unsigned k = 1; k < 3; ++k) {
+      const std::uint32_t n = number[f.vertex[k]];
+      lowest = n < lowest ? n : lowest;
+    }
+    return lowest;
+  }
+};
+/// number[item] of the listed items, in the sorted order.
+struct NumberItems {
+  const std::uint32_t* sorted;
+  const std::uint32_t* listed;
+  std::uint32_t* number;
+  CULLHULL_HD void operator()(std::uint32_t j) const { number[listed[sorted[j]]] = j; }
+};
 struct EmitTriangle {
   const StarFacet* facet;
-  const std::uint32_t* row_rank;
-  const std::uint32_t* facet_rank;
+  const std::uint32_t* sorted;
+  const std::uint32_t* listed;
+  const std::uint32_t* number;
+  const std::uint32_t* facet_number;
   std::uint32_t* vertices;
   std::uint32_t* neighbours;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    if (!facet[f].live()) return;
+  CULLHULL_HD void operator()(std::uint32_t j) const {
+    const StarFacet& f = facet[listed[sorted[j]]];
     for (unsigned k = 0; k < 3; ++k) {
-      const std::size_t at = 3 * std::size_t{facet_rank[f]} + k;
-      vertices[at] = row_rank[facet[f].vertex[k]];
-      neighbours[at] = facet_rank[facet[f].across[k].facet()];
+      vertices[3 * std::size_t{j} + k] = number[f.vertex[k]];
+      neighbours[3 * std::size_t{j} + k] = facet_number[f.across[k].facet()];
     }
   }
 };
@@ -75,28 +132,45 @@ class StarHull {
   const unsigned char* culled() { return growth_.culled(); }
   Executor& executor() { return growth_.executor(); }
 
-  /// The triangles of a surface that is whole(). Vertices are numbered as their rows ascend.
-  StarTriangles triangles(const StarCounts& done) {
+  /// The triangles of a surface that is whole(). Vertices are numbered along a Z-order curve, and
+  /// triangles by their lowest vertex, so that the host finds neighbours near in memory: of a
+  /// million points on a sphere the result is then written in half the time.
+  StarTriangles triangles(const StarCounts& done, const Run& run) {
     Executor& executor = growth_.executor();
-    const std::uint32_t slots = growth_.facet_count();
-    std::uint32_t* row_rank = executor.reserve(row_rank_, std::size_t{count_} + 1);
-    std::uint32_t* facet_rank = executor.reserve(facet_rank_, std::size_t{slots} + 1);
-    const auto rows = executor.enumerate(count_, NotCulled{growth_.culled()}, row_rank);
-    const auto facets = executor.enumerate(slots, FacetIsLive{growth_.facets()}, facet_rank);
-    std::uint32_t* out = executor.reserve(out_, 6 * std::size_t{done.end.facets});
-    std::uint32_t* across = out + 3 * std::size_t{done.end.facets};
-    executor.for_each(slots, EmitTriangle{growth_.facets(), row_rank, facet_rank, out, across});
+    const std::uint32_t slots = growth_.facet_count(), left = done.left, facets = done.end.facets;
+    std::uint32_t* number = executor.reserve(number_, count_);
+    std::uint32_t* facet_number = executor.reserve(facet_number_, slots);
+    std::uint32_t* listed = executor.reserve(listed_, std::size_t{std::max(left, facets)} + 1);
     StarTriangles found;
-    executor.settle(rows, facets);
-    if (rows != done.left || facets != done.end.facets) return found;
+    const auto rows_left = executor.select(count_, NotCulled{growth_.culled()}, EmitItem{listed});
+    const std::uint32_t* order = executor.sort(
+        left, CurveKey<Rows>{growth_.rows(), centre(), listed}, CurveKey<Rows>::bits, order_);
+    executor.for_each(left, NumberItems{order, listed, number});
+    found.order.resize(left);
+    executor.fetch_many(order, left, found.order.data(), run);
+    const auto live = executor.select(slots, FacetIsLive{growth_.facets()}, EmitItem{listed});
+    executor.settle(rows_left, live);
+    if (rows_left != left || live != facets) return {};
+    const std::uint32_t* sorted =
+        executor.sort(facets, LowestVertex{growth_.facets(), listed, number}, 32, order_);
+    executor.for_each(facets, NumberItems{sorted, listed, facet_number});
+    std::uint32_t* out = executor.reserve(out_, 6 * std::size_t{facets});
+    std::uint32_t* across = out + 3 * std::size_t{facets};
+    executor.for_each(
+        facets, EmitTriangle{growth_.facets(), sorted, listed, number, facet_number, out, across});
     found.vertices.resize(3 * std::size_t{facets});
     found.neighbours.resize(3 * std::size_t{facets});
-    executor.fetch(out, found.vertices.size(), found.vertices.data());
-    executor.fetch(across, found.neighbours.size(), found.neighbours.data());
+    executor.fetch_many(out, found.vertices.size(), found.vertices.data(), run);
+    executor.fetch_many(across, found.neighbours.size(), found.neighbours.data(), run);
     return found;
   }
 
  private:
+  StarCentre centre() const {
+    const double* c = growth_.centre();
+    return {{c[0], c[1], c[2]}};
+  }
+
   /// Flips until a round flips nothing. A device is asked whether one did only now and then: a
   /// round takes it little longer than the question.
   void flip(const Control& control, StarCounts& done) {
@@ -133,7 +207,7 @@ class StarHull {
   std::uint32_t count_ = 0;
   Array<std::uint64_t> claim_;
   Array<unsigned char> proposal_, waiting_;
-  Array<std::uint32_t> row_rank_, facet_rank_, out_;
+  Array<std::uint32_t> number_, facet_number_, listed_, order_, out_;
 };
 
 }  // namespace cullhull::internal::inline filter

@@ -2,14 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
+
+#include "cullhull/array.hpp"
 
 namespace cullhull::internal::inline filter {
 
-/// Triangles of vertices 0, 1, ..., counterclockwise seen from outside: triangle t has
-/// vertices[3 t ... 3 t + 2]; neighbours[3 t + k] is opposite to the k-th of them. Empty: none.
+/// Triangles of numbered vertices, counterclockwise seen from outside: triangle t has
+/// vertices[3 t ... 3 t + 2]; neighbours[3 t + k] is opposite to the k-th of them. order[v] is the
+/// point that vertex v is, of those that are left. What is near in space is near in these lists.
+/// Empty: none.
 struct StarTriangles {
-  std::vector<std::uint32_t> vertices, neighbours;
+  Array<std::uint32_t> vertices, neighbours, order;
   std::size_t count() const { return vertices.size() / 3; }
 };
 

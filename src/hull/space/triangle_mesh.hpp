@@ -65,7 +65,7 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
 
-/// The same of triangles whose vertex i is local point i; all points are vertices.
+/// The same of triangles whose points are the local points; all of these are vertices.
 std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
                                        const std::uint32_t* simplex, const Run& run);
 

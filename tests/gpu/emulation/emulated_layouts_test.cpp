@@ -91,7 +91,7 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
     ASSERT_EQ(internal::cuda::survivors_by_pieces(map.table(), view, run.control), expected)
         << what;
     if (ids.empty()) continue;
-    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), run.control);
+    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), run);
     for (std::size_t k = 0; k < ids.size() * d; ++k) {
       const auto value = static_cast<double>(rows[ids[k / d] * d + k % d]);
       ASSERT_TRUE(fetched[k] == value || value != value) << what;

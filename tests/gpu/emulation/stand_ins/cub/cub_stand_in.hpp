@@ -2,10 +2,12 @@
 // scratch memory that is checked and spoilt.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <numeric>
 #include <type_traits>
+#include <vector>
 
 #include "device_text.hpp"
 
@@ -78,6 +80,31 @@ struct DeviceScan {
         const auto value = in[i];
         out[i] = sum;
         sum += value;
+      }
+    });
+    return cudaSuccess;
+  }
+};
+
+struct DeviceRadixSort {
+  template <class Key, class Value, class Count>
+  static cudaError_t SortPairs(void* scratch, std::size_t& bytes, const Key* keys, Key* sorted_keys,
+                               const Value* values, Value* sorted, Count count, int first_bit,
+                               int end_bit, cudaStream_t stream) {
+    cudaError_t status;
+    if (scratch_answered(scratch, bytes, status)) return status;
+    emulation::enqueue(stream, [=] {
+      std::memset(scratch, 0x77, stand_in_scratch);
+      const auto part = [&](Count i) {
+        return (std::uint64_t{keys[i]} & ((std::uint64_t{1} << end_bit) - 1)) >> first_bit;
+      };
+      std::vector<Count> order(count);
+      std::iota(order.begin(), order.end(), Count{0});
+      std::stable_sort(order.begin(), order.end(),
+                       [&](Count a, Count b) { return part(a) < part(b); });
+      for (Count i = 0; i < count; ++i) {
+        sorted_keys[i] = keys[order[i]];
+        sorted[i] = values[order[i]];
       }
     });
     return cudaSuccess;
