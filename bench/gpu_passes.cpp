@@ -532,7 +532,7 @@ class Passes {
     cuda::download(filtered.survivors.ids.data(), ids.data(), kept, stream);
     filtered.rows =
         cuda::download_points(DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream),
-                              nullptr, kept, run.control);
+                              nullptr, kept, run);
     filtered.triangles = std::move(found.triangles);
     stages.end("download");
     Hull hull = internal::hull_of_rows(filtered, view, options);

@@ -93,8 +93,9 @@ template <class T>
 std::size_t open_sets(const Sets<T>& sets) {
   const OnDevice there(sets.rows);
   const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
-  const internal::Control control{Options()};
-  internal::cuda::SetsOnDevice device(view, control);
+  const Options options;
+  const internal::Run run(options);
+  internal::cuda::SetsOnDevice device(view, run);
   device.find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()));
   return device.open_sets().size();
 }

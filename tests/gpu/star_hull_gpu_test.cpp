@@ -81,6 +81,27 @@ TEST(StarHullGpu, EqualsTheHost) {
   expect_agreement<double>();
 }
 
+// Signs that rounding decides: planes of points that are turned, and pairs of points on a ray from
+// the centre, which is that of the four corners.
+TEST(StarHullGpu, EqualsTheHostWhereRoundingDecides) {
+  CULLHULL_NEEDS_DEVICE();
+  std::vector<double> lifted;
+  for (int x = -5; x <= 5; ++x)
+    for (int y = -5; y <= 5; ++y) {
+      const double z = 0.25 * (x * x + y * y);
+      lifted.insert(lifted.end(), {0.8 * x - 0.6 * y, 0.48 * x + 0.64 * y - 0.6 * z,
+                                   0.36 * x + 0.48 * y + 0.8 * z});
+    }
+  expect_as_on_the_host(lifted, PointView::row_major(lifted.data(), lifted.size() / 3, 3),
+                        "turned lifted lattice");
+  std::vector<double> rays = {4, 4, 4, 4, -4, -4, -4, 4, -4, -4, -4, 4};
+  const std::vector<double> directions = generate("sphere", 200, 3, 12);
+  for (std::size_t i = 0; i < directions.size(); i += 3)
+    for (const double length : {3.9, 3.1, 2.7})
+      for (unsigned k = 0; k < 3; ++k) rays.push_back(length * directions[i + k]);
+  expect_as_on_the_host(rays, PointView::row_major(rays.data(), rays.size() / 3, 3), "rays");
+}
+
 TEST(StarHullGpu, FewFlatTinyHugeAndNotFinite) {
   CULLHULL_NEEDS_DEVICE();
   for (const std::size_t n : {0, 1, 3, 4, 5, 31, 33, 257}) {

@@ -13,7 +13,7 @@ namespace cullhull::internal::inline filter {
 
 /// What a facet would do: the side `corner`, and whether its edge is replaced or the edge's first
 /// or second end (after the corner) removed.
-enum class StarFlip : std::uint32_t { none, edge, first_end, second_end };
+enum class StarFlip : unsigned char { none, edge, first_end, second_end };
 
 /// The surroundings of a flip: its facets and those that border on them.
 struct FlipPatch {
@@ -28,13 +28,15 @@ struct StarFlips {
   unsigned char* culled;  ///< by row: a vertex that a flip removes is strictly inside
   std::uint32_t round;
 
-  CULLHULL_HD std::uint32_t key(std::uint32_t f) const {
-    // Odd multipliers and shifts: each f has its own key, in another order every round.
-    std::uint32_t h = f * 0x9E3779B1U + round * 0x85EBCA6BU;
+  /// Of a side's claims: later rounds before earlier ones, and within a round each side its own
+  /// number, in an order that changes from round to round.
+  CULLHULL_HD std::uint64_t key(std::uint32_t side) const {
+    std::uint32_t h =
+        side * 0x9E3779B1U + round * 0x85EBCA6BU;  // odd factors and shifts: one to one
     h ^= h >> 15;
     h *= 0x2C1B3C6DU;
     h ^= h >> 13;
-    return h == no_item ? 0x80000000U : h;
+    return std::uint64_t{round} << 32 | h;
   }
   CULLHULL_HD bool positive(const double* a, const double* b, const double* c) const {
     return star_sign(centre, a, b, c) > 0;
@@ -143,32 +145,33 @@ struct StarFlips {
   }
 };
 
-/// Finds what a facet would do and claims all facets around that. A facet whose surroundings have
-/// not changed since it found nothing to do is passed over.
+/// Item 3 f + k is side k of facet f. Finds the flip at a side and claims all facets around it. A
+/// side whose surroundings have not changed since it found nothing to do is passed over.
 template <class Executor, class Rows>
 struct ProposeFlip {
   StarFlips<Rows> flips;
-  std::uint64_t* claim;
-  unsigned char* proposal;  ///< side and kind; 0 for none
-  unsigned char* waiting;
+  std::uint64_t* claim;     ///< by facet
+  unsigned char* proposal;  ///< by side: a StarFlip
+  unsigned char* waiting;   ///< by side
 
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    proposal[f] = 0;
-    if (waiting[f] == 0) return;
-    if (flips.facet[f].live()) {
-      for (unsigned k = 0; k < 3; ++k) {
-        if (flips.facet[f].across[k].facet() < f) continue;  // the other facet's side
-        int reflex = 0;
-        const StarFlip flip = flips.at_side(f, k, reflex);
-        if (flip == StarFlip::none) continue;
-        proposal[f] = static_cast<unsigned char>(static_cast<unsigned>(flip) << 2 | k);
-        const FlipPatch p = flips.patch(f, k, flip);
-        const std::uint64_t key = std::uint64_t{flips.round} << 32 | flips.key(f);
-        for (const std::uint32_t g : p.facet) Executor::raise(claim[g], key);
-        return;
-      }
+  CULLHULL_HD void operator()(std::uint32_t side) const {
+    proposal[side] = 0;
+    if (waiting[side] == 0) return;
+    const std::uint32_t f = side / 3;
+    const unsigned k = side % 3;
+    int reflex = 0;
+    // A side is looked at from the lower of its two facets.
+    const StarFlip flip = flips.facet[f].live() && flips.facet[f].across[k].facet() > f
+                              ? flips.at_side(f, k, reflex)
+                              : StarFlip::none;
+    if (flip == StarFlip::none) {
+      waiting[side] = 0;
+      return;
     }
-    waiting[f] = 0;
+    proposal[side] = static_cast<unsigned char>(flip);
+    const FlipPatch p = flips.patch(f, k, flip);
+    const std::uint64_t key = flips.key(side);
+    for (const std::uint32_t g : p.facet) Executor::raise(claim[g], key);
   }
 };
 
@@ -181,21 +184,22 @@ struct PerformFlip {
   const unsigned char* proposal;
   unsigned char* waiting;
 
-  CULLHULL_HD std::uint32_t operator()(std::uint32_t f) const {
-    if (proposal[f] == 0) return 0;
-    const unsigned k = proposal[f] & 3U;
-    const auto flip = static_cast<StarFlip>(proposal[f] >> 2);
-    const std::uint64_t key = std::uint64_t{flips.round} << 32 | flips.key(f);
+  CULLHULL_HD std::uint32_t operator()(std::uint32_t side) const {
+    const auto flip = static_cast<StarFlip>(proposal[side]);
+    if (flip == StarFlip::none) return 0;
+    const std::uint32_t f = side / 3;
+    const unsigned k = side % 3;
+    const std::uint64_t key = flips.key(side);
     if (claim[f] != key) return 0;
     const StarFacet& here = flips.facet[f];
-    if (claim[here.across[0].facet()] != key || claim[here.across[1].facet()] != key ||
-        claim[here.across[2].facet()] != key)
-      return 0;
+    for (unsigned j = 0; j < 3; ++j)
+      if (claim[here.across[j].facet()] != key) return 0;
     const FlipPatch p = flips.patch(f, k, flip);  // reads these facets alone
     for (const std::uint32_t g : p.facet)
       if (claim[g] != key) return 0;
     flips.perform(f, k, flip);
-    for (const std::uint32_t g : p.facet) waiting[g] = 1;
+    for (const std::uint32_t g : p.facet)
+      for (unsigned j = 0; j < 3; ++j) waiting[3 * g + j] = 1;
     return 1;
   }
 };
@@ -203,7 +207,7 @@ struct PerformFlip {
 template <class Rows>
 struct PerformUncounted {
   PerformFlip<Rows> flip;
-  CULLHULL_HD void operator()(std::uint32_t f) const { (void)flip(f); }
+  CULLHULL_HD void operator()(std::uint32_t side) const { (void)flip(side); }
 };
 struct AddNumbers {
   CULLHULL_HD std::uint32_t operator()(std::uint32_t a, std::uint32_t b) const { return a + b; }
@@ -214,7 +218,7 @@ struct StartWaiting {
   unsigned char* waiting;
   CULLHULL_HD void operator()(std::uint32_t f) const {
     claim[f] = 0;
-    waiting[f] = 1;
+    for (unsigned k = 0; k < 3; ++k) waiting[3 * f + k] = 1;
   }
 };
 

@@ -180,20 +180,24 @@ class StarHull {
     StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled(), 0};
     std::copy_n(growth_.centre(), 3, flips.centre);
     std::uint64_t* claim = executor.reserve(claim_, facets);
-    unsigned char* proposal = executor.reserve(proposal_, facets);
-    unsigned char* waiting = executor.reserve(waiting_, facets);
+    const std::uint32_t sides = 3 * facets;  // at most 6 of 2^28 points
+    unsigned char* proposal = executor.reserve(proposal_, sides);
+    unsigned char* waiting = executor.reserve(waiting_, sides);
     executor.for_each(facets, StartWaiting{claim, waiting});
+    // Every flip adds volume, so there is an end; where it is far, the rest is the CPU's. A hundred
+    // rounds are usual.
+    constexpr std::uint32_t most_rounds = 2048;
     std::uint32_t flipped = 1;
-    while (flipped != 0) {
+    while (flipped != 0 && flips.round < most_rounds) {
       control.check();
       ++flips.round;
       const ProposeFlip<Executor, Rows> propose{flips, claim, proposal, waiting};
       const PerformFlip<Rows> perform{flips, claim, proposal, waiting};
-      executor.for_each(facets, propose);
+      executor.for_each(sides, propose);
       if (flips.round % between != 0) {
-        executor.for_each(facets, PerformUncounted<Rows>{perform});
+        executor.for_each(sides, PerformUncounted<Rows>{perform});
       } else {
-        flipped = executor.reduce(facets, std::uint32_t{0}, perform, AddNumbers{});
+        flipped = executor.reduce(sides, std::uint32_t{0}, perform, AddNumbers{});
         done.flips += flipped;
       }
     }

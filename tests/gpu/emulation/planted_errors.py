@@ -38,6 +38,8 @@ SETS = (
     "emulated_set_hulls_gpu_test",
     "GpuSets.AnyStrides*:GpuSets.Ordinary*:GpuSets.SetsThat*:GpuSets.Spheres*",
 )
+STARS = ("emulated_star_hull_gpu_test", "StarHullGpu.Equals*:StarHullGpu.Few*")
+STAR_HULL = "src/filter/star_hull/"
 SIZES = ("emulated_set_hulls_gpu_test", "GpuSets.AllSizes*")
 
 PLANTED = {
@@ -313,6 +315,56 @@ PLANTED = {
         "0",
         "emulated_hull_questions_gpu_test",
         "GpuQuestions.Directions*",
+    ),
+    # ------------------------------------------------------------------------------ the star hull
+    "stale-neighbour": Planted(
+        "a new facet keeps a neighbour that is replaced in the same round",
+        STAR_HULL + "star_growth.hpp",
+        "child.across[0] =\n        «split == no_item» ?",
+        "true",
+        *STARS,
+    ),
+    "loose-cone": Planted(
+        "a point taken to be in a cone although rounding may have put it there",
+        STAR_HULL + "star_growth.hpp",
+        "at > f.between[k].error ? 1 : «at < -f.between[k].error» ?",
+        "at < 0",
+        *STARS,
+    ),
+    "loose-edge": Planted(
+        "the sign of a determinant trusted beyond its bound",
+        STAR_HULL + "star_math.hpp",
+        "return «minor[7] > bound» ?",
+        "minor[7] > 0",
+        *STARS,
+    ),
+    "overlapping-flips": Planted(
+        "a flip done although another one claimed a facet beside it",
+        STAR_HULL + "star_flips.hpp",
+        "for (const std::uint32_t g : p.facet)\n      if («claim[g] != key») return 0;",
+        "false",
+        *STARS,
+    ),
+    "early-read": Planted(
+        "a neighbour read before its claim is seen to be this flip's",
+        STAR_HULL + "star_flips.hpp",
+        "if («claim[here.across[j].facet()] != key») return 0;",
+        "false",
+        *STARS,
+    ),
+    "forgotten-sides": Planted(
+        "sides around a flip not looked at again",
+        STAR_HULL + "star_flips.hpp",
+        "for (unsigned j = 0; «j < 3»; ++j) waiting[3 * g + j] = 1;",
+        "j < 1",
+        *STARS,
+    ),
+    "kept-vertex": Planted(
+        "a vertex that a flip removed not culled",
+        STAR_HULL + "star_flips.hpp",
+        "«culled[end] = 1;»",
+        "",
+        *STARS,
     ),
 }
 
