@@ -737,13 +737,20 @@ class Passes {
     std::vector<std::uint64_t> device_vertices(n), host_vertices(n);
     const double contains = wall([&] { query.contains(there, device.data(), on(Backend::cuda)); });
     const double cpu_contains = wall([&] { query.contains(here, host.data()); });
+    const DeviceMemory memory = device_memory(there, n);
+    auto* const answers = static_cast<std::uint8_t*>(memory.data.get());
+    const double left_there =
+        wall([&] { query.contains_on_device(there, answers, on(Backend::cuda)); });
+    std::vector<std::uint8_t> left(n);
+    cuda::download(left.data(), answers, n, stream.get());
     const double supports =
         wall([&] { query.supports(there, device_vertices.data(), on(Backend::cuda)); });
     const double cpu_supports = wall([&] { query.supports(here, host_vertices.data()); });
-    if (device != host || device_vertices != host_vertices)
+    if (device != host || left != host || device_vertices != host_vertices)
       throw std::runtime_error("the device's answers are not the CPU's");
     return {{"count", n},
             {"contains_seconds", contains},
+            {"contains_left_there_seconds", left_there},
             {"cpu_contains_seconds", cpu_contains},
             {"supports_seconds", supports},
             {"cpu_supports_seconds", cpu_supports}};

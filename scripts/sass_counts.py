@@ -171,6 +171,8 @@ def worded(name: str) -> str:
     if m := re.fullmatch(r"pack_lists<(float|double), (.*)>", name):
         ids = "bytes and rows" if "char" in m[2] else "integers"
         return f"pack_lists: {ids}, {'f32' if m[1] == 'float' else 'f64'}"
+    if m := re.fullmatch(r"scatter_kernel<(.*)>", name):
+        return f"scatter_kernel, {'bytes' if 'char' in m[1] else 'words'}"
     if m := re.fullmatch(r"(\w+)<(float|double)>", name):
         return f"{m[1]}, {'f32' if m[2] == 'float' else 'f64'}"
     return name

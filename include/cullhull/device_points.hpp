@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <type_traits>
@@ -106,6 +107,18 @@ void wait_for_cuda_device_of(const void* memory);
 /// for finiteness. Throws Error{backend_unavailable}; Error{invalid_argument} for an id out of
 /// range and for unsupported memory or scalar types.
 Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids);
+
+/// Memory in a device. Copies share it; it is freed with the last copy, after all work queued on
+/// the device by then.
+struct DeviceMemory {
+  std::shared_ptr<void> data;
+  int device = -1;
+};
+/// At least `bytes` bytes on the device that holds these points (the current device if there are
+/// none), aligned to 256 bytes and not initialised: for answers of HullQuery. Throws
+/// Error{backend_unavailable}, Error{invalid_argument} for memory of no device,
+/// Error{out_of_budget}.
+DeviceMemory device_memory(const DevicePointView& points, std::uint64_t bytes);
 
 /// cull(PointView) for points in device memory: discards points that are provably strictly inside
 /// the hull. The device tests them; only samples and survivors are transferred. `Backend::cpu`

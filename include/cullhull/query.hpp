@@ -105,6 +105,18 @@ class HullQuery {
   void signed_distances(const DevicePointView& points, double* out,
                         const Options& options = {}) const;
 
+  /// The same with the answers left on the device: `out`, an item per point, is memory of the
+  /// points' device, aligned to its items, that does not overlap the points (device_memory() makes
+  /// such). What the CPU answers is copied there. All answers are written when the call returns.
+  /// After an exception the contents of `out` are unspecified.
+  void contains_on_device(const DevicePointView& points, std::uint8_t* out,
+                          const Options& options = {}) const;
+  void sides_on_device(const DevicePointView& points, Side* out, const Options& options = {}) const;
+  void supports_on_device(const DevicePointView& directions, std::uint64_t* out,
+                          const Options& options = {}) const;
+  void signed_distances_on_device(const DevicePointView& points, double* out,
+                                  const Options& options = {}) const;
+
  private:
   struct [[gnu::visibility("hidden")]] State;
   std::unique_ptr<State> state_;

@@ -1,16 +1,18 @@
 #include "cuda/device_rows.hpp"
 
+#include <memory>
 #include <string>
 
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/result_memory.hpp"
 #include "cuda/runtime.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline cuda {
 
-int device_of_memory(const void* memory) {
+int device_of_memory(const void* memory, const char* what) {
   cudaPointerAttributes attributes = {};
   const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
   if (status != cudaSuccess) {
@@ -18,8 +20,8 @@ int device_of_memory(const void* memory) {
     cuda::check(status, "asking where the points are");
   }
   if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
-    throw Error(ErrorCode::invalid_argument,
-                "the points are not in a CUDA device's memory; use PointView for host memory");
+    throw Error(ErrorCode::invalid_argument, what,
+                " not in a CUDA device's memory; use PointView for host memory");
   return attributes.device;
 }
 
@@ -84,6 +86,14 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
     throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
   const cuda::DeviceScope scope(device_of(points));
   return cuda::download_points(points, ids.data(), ids.size(), short_run());
+}
+
+DeviceMemory device_memory(const DevicePointView& points, std::uint64_t bytes) {
+  using namespace internal;
+  const cuda::DeviceScope scope(points.count > 0 ? device_of(points) : cuda::device().ordinal);
+  const auto memory =
+      std::make_shared<cuda::ResultMemory>(bytes, static_cast<cudaStream_t>(points.stream));
+  return {{memory, memory->data()}, memory->device()};
 }
 
 void wait_for_cuda_device_of(const void* memory) {

@@ -12,8 +12,9 @@
 namespace cullhull::internal::inline cuda {
 
 /// The number of the device that holds this memory. Throws Error{invalid_argument} for host memory,
-/// and Error{backend_unavailable} with the reason if there is no device.
-int device_of_memory(const void* memory);
+/// whose message begins with `what`, and Error{backend_unavailable} with the reason if there is no
+/// device.
+int device_of_memory(const void* memory, const char* what = "the points are");
 
 /// The number of the device that holds the points. Throws Error{invalid_argument} for a view that
 /// the device cannot read.

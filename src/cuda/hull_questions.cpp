@@ -162,6 +162,42 @@ void QuestionsOnDevice::fetch(void* to, const void* from, std::uint64_t bytes) c
   download(static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, state_->stream);
 }
 
+void QuestionsOnDevice::require_room(const void* answers, std::size_t item) const {
+  if (device_of_memory(answers, "the memory for answers is") != device().ordinal)
+    throw Error(ErrorCode::invalid_argument,
+                "the memory for answers is on another device than the points");
+  if (reinterpret_cast<std::uintptr_t>(answers) % item != 0)
+    throw Error(ErrorCode::invalid_argument, "the memory for answers is not aligned to an answer");
+}
+
+void QuestionsOnDevice::put(void* to, const void* from, std::uint64_t bytes) const {
+  upload(static_cast<std::byte*>(to), static_cast<const std::byte*>(from), bytes, state_->stream);
+}
+
+namespace {
+
+template <class T>
+void put_each(T* out, const std::vector<std::uint64_t>& ids, const T* items, cudaStream_t stream) {
+  const DeviceArray<std::uint64_t> ids_there(ids.size(), stream);
+  const DeviceArray<T> items_there(ids.size(), stream);
+  upload(ids_there.data(), ids.data(), ids.size(), stream);
+  upload(items_there.data(), items, ids.size(), stream);
+  check(scatter_items(ids_there.data(), items_there.data(), ids.size(), out, stream),
+        "copying answers");
+  synchronise(stream, "copying answers");
+}
+
+}  // namespace
+
+void QuestionsOnDevice::put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
+                                  const std::uint8_t* items) const {
+  put_each(out, ids, items, state_->stream);
+}
+void QuestionsOnDevice::put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
+                                  const std::uint64_t* items) const {
+  put_each(out, ids, items, state_->stream);
+}
+
 Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>& ids, const Run& run) const {
   return download_points(state_->points, ids.data(), ids.size(), run);
 }

@@ -83,8 +83,17 @@ class QuestionsOnDevice {
 
   /// Memory on the device for `bytes` of answers, valid until the next call or destruction.
   void* room(std::uint64_t bytes) const;
-  /// Copies answers to the host.
+  /// Throws Error{invalid_argument} unless the memory is the points' device's, aligned for items of
+  /// this size.
+  void require_room(const void* answers, std::size_t item) const;
+  /// Copies answers to the host, or to the device.
   void fetch(void* to, const void* from, std::uint64_t bytes) const;
+  void put(void* to, const void* from, std::uint64_t bytes) const;
+  /// out[ids[k]] = items[k] of an array on the device; complete on return.
+  void put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
+                 const std::uint8_t* items) const;
+  void put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
+                 const std::uint64_t* items) const;
   /// Copies these points to the host, as packed rows.
   Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const;
   /// Copies all points to the host. Throws Error{not_finite} for the first point that is not

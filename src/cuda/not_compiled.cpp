@@ -61,7 +61,13 @@ std::vector<std::uint64_t> QuestionsOnDevice::distances(std::uint64_t, std::uint
   return {};
 }
 void* QuestionsOnDevice::room(std::uint64_t) const { return nullptr; }
+void QuestionsOnDevice::require_room(const void*, std::size_t) const {}
 void QuestionsOnDevice::fetch(void*, const void*, std::uint64_t) const {}
+void QuestionsOnDevice::put(void*, const void*, std::uint64_t) const {}
+void QuestionsOnDevice::put_items(std::uint8_t*, const std::vector<std::uint64_t>&,
+                                  const std::uint8_t*) const {}
+void QuestionsOnDevice::put_items(std::uint64_t*, const std::vector<std::uint64_t>&,
+                                  const std::uint64_t*) const {}
 Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
   return {};
 }
@@ -90,6 +96,10 @@ namespace cullhull::inline v1 {
 int current_cuda_device() noexcept { return -1; }
 int chosen_cuda_device() noexcept { return -1; }
 Array<double> fetch_points(const DevicePointView&, std::span<const std::uint64_t>) {
+  internal::require_cuda();
+  return {};
+}
+DeviceMemory device_memory(const DevicePointView&, std::uint64_t) {
   internal::require_cuda();
   return {};
 }

@@ -6,6 +6,7 @@
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/set_hulls_kernel.hpp"
+#include "cuda/result_memory.hpp"
 #include "cuda/runtime.hpp"
 
 namespace cullhull::internal::inline cuda {
@@ -56,29 +57,6 @@ struct Runs {
     check(launch(ItemRuns{f.data(), t.data(), l.data(), static_cast<std::uint32_t>(from.size())}),
           "copying sets");
   }
-};
-
-/// The memory of a result on a device. It may outlive the call and the stream.
-class ResultMemory {
- public:
-  ResultMemory(std::size_t bytes, cudaStream_t stream)
-      : ordinal_(device().ordinal), data_(allocate(bytes, stream)) {}
-  ~ResultMemory() {
-    try {
-      const DeviceScope scope(ordinal_, Unread::ignored);
-      (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
-      release(data_, nullptr);
-    } catch (const Error&) {
-      // The context is lost, and its memory with it.
-    }
-  }
-  ResultMemory(const ResultMemory&) = delete;
-  ResultMemory& operator=(const ResultMemory&) = delete;
-  std::byte* data() const { return static_cast<std::byte*>(data_); }
-
- private:
-  int ordinal_;
-  void* data_;
 };
 
 /// Divides a block of memory into arrays, one after another.

@@ -185,14 +185,17 @@ Answerer choose_answerer(const AskedPoints& points, const MachineConstants& m) {
   const auto n = static_cast<double>(points.count), cells = static_cast<double>(points.cells);
   const unsigned threads =
       std::max(1U, m.cores > 0 ? std::min(points.threads, m.cores) : points.threads);
-  const double answers = n * (points.question == Question::sides ? 1 : 8) / m.link_bytes_per_second;
+  const double transfer =
+      n * (points.question == Question::sides ? 1 : 8) / m.link_bytes_per_second;
+  const double answers = points.answers_stay ? 0 : transfer;
   const double build =
       points.cells_built ? 0 : 1e-9 * cells * question_costs_of(points.dimension).cell / threads;
   const double infinity = std::numeric_limits<double>::infinity();
   double cpu = infinity, device = infinity, by_cells = infinity;
   if (points.cpu_allowed)
     cpu = n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
-          n * question_seconds(points) / threads + (cpu_has_cells(points) ? build : 0);
+          n * question_seconds(points) / threads + (cpu_has_cells(points) ? build : 0) +
+          (points.answers_stay ? transfer : 0);
   if (points.tests > 0)
     device = device_call + answers +
              n * static_cast<double>(points.tests) * 11 * points.dimension / 32 /

@@ -78,6 +78,7 @@ struct AskedPoints {
   bool cells_built = false;
   std::uint64_t asked_before = 0;  ///< points of earlier calls: building cells is shared with them
   bool cpu_allowed = true;
+  bool answers_stay = false;  ///< on the device, else they go to the host
 };
 /// The one that answers soonest, of those that can. The CPU gets a copy of all points first.
 Answerer choose_answerer(const AskedPoints& points, const MachineConstants& machine);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -135,13 +136,14 @@ Options on_host(const Options& options) {
 }  // namespace
 
 DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
-                                 const Options& options)
+                                 const Options& options, AnswersIn answers_in)
     : points_(points),
       tables_(tables),
       options_(on_host(options)),
       run_(options_),
       device_allowed_(options.backend != Backend::cpu),
-      must_(options.backend == Backend::cuda) {
+      must_(options.backend == Backend::cuda),
+      answers_stay_(answers_in == AnswersIn::device) {
   check_arguments(points);
   run_.check();
   if (points.count == 0)
@@ -156,11 +158,13 @@ template <class Out, class There>
 void DeviceQuestions::answer(Out* out, AskedPoints asked, const There& there,
                              const Here<Out>& here) {
   if (points_.count == 0) return;
+  if (answers_stay_) device_->require_room(out, sizeof(Out));
   asked.count = points_.count;
   asked.dimension = points_.dimension;
   asked.point_bytes = points_.dimension * scalar_size(points_.scalar);
   asked.threads = run_.threads;
   asked.cpu_allowed = !must_;
+  asked.answers_stay = answers_stay_;
   const bool can = device_allowed_ && (asked.tests > 0 || asked.cells > 0);
   const Answerer way = can ? choose_answerer(asked, options_.machine) : Answerer::cpu;
   if (way != Answerer::cpu) try {
@@ -168,17 +172,27 @@ void DeviceQuestions::answer(Out* out, AskedPoints asked, const There& there,
         run_.report("query", static_cast<double>(first) / static_cast<double>(points_.count));
         run_.check();
         const std::uint64_t count = std::min(piece, points_.count - first);
-        auto* const found = static_cast<Out*>(device_->room(count * sizeof(Out)));
+        auto* const found =
+            answers_stay_ ? out + first : static_cast<Out*>(device_->room(count * sizeof(Out)));
         const std::vector<std::uint64_t> open = there(way, first, count, found);
-        device_->fetch(out + first, found, count * sizeof(Out));
+        if (!answers_stay_) device_->fetch(out + first, found, count * sizeof(Out));
         ask_rest(open, out, here);
       }
       return;
     } catch (const cuda::OutOfMemory&) {
       if (must_) throw;
     }
+  ask_all_here(out, here);
+}
+
+template <class Out>
+void DeviceQuestions::ask_all_here(Out* out, const Here<Out>& here) const {
   const Array<double> rows = device_->all_rows(run_);
-  here(PointView::row_major(rows.data(), points_.count, points_.dimension), out, options_);
+  const auto view = PointView::row_major(rows.data(), points_.count, points_.dimension);
+  if (!answers_stay_) return here(view, out, options_);
+  std::vector<Out> answers(points_.count);
+  here(view, answers.data(), options_);
+  device_->put(out, answers.data(), answers.size() * sizeof(Out));
 }
 
 template <class Out>
@@ -189,7 +203,15 @@ void DeviceQuestions::ask_rest(const std::vector<std::uint64_t>& open, Out* out,
   check_rows_finite(rows.data(), open.size(), points_.dimension, open.data(), run_);
   std::vector<Out> answers(open.size());
   here(PointView::row_major(rows.data(), open.size(), points_.dimension), answers.data(), options_);
-  for (std::size_t k = 0; k < open.size(); ++k) out[open[k]] = answers[k];
+  if (answers_stay_) {
+    using Word = std::conditional_t<sizeof(Out) == 1, std::uint8_t, std::uint64_t>;
+    static_assert(sizeof(Word) == sizeof(Out));
+    std::vector<Word> words(open.size());
+    std::memcpy(words.data(), answers.data(), open.size() * sizeof(Out));
+    device_->put_items(reinterpret_cast<Word*>(out), open, words.data());
+  } else {
+    for (std::size_t k = 0; k < open.size(); ++k) out[open[k]] = answers[k];
+  }
 }
 
 template <class Out>

@@ -33,6 +33,9 @@ struct SideTables {
   std::function<const GaugeMap*()> inner;  ///< may return null
 };
 
+/// Where the arrays are that answers are written to.
+enum class AnswersIn { host, device };
+
 /// One query call about points on a device. Every function takes `here`, which answers the same
 /// query about points on the host.
 class DeviceQuestions {
@@ -41,10 +44,9 @@ class DeviceQuestions {
   using Here = std::function<void(const PointView&, Out*, const Options&)>;
 
   /// `tables`: null where kernels do not support the hull. With Backend::automatic the host answers
-  /// where that is estimated to take less time. Points and tables must outlive this
-  /// object.
+  /// where that is estimated to take less time. Points and tables must outlive this object.
   DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
-                  const Options& options);
+                  const Options& options, AnswersIn answers_in = AnswersIn::host);
 
   /// `Out`: Side, or std::uint8_t for 1 (not outside) and 0.
   template <class Out>
@@ -59,12 +61,14 @@ class DeviceQuestions {
   void answer(Out* out, AskedPoints asked, const There& there, const Here<Out>& here);
   template <class Out>
   void ask_rest(const std::vector<std::uint64_t>& open, Out* out, const Here<Out>& here) const;
+  template <class Out>
+  void ask_all_here(Out* out, const Here<Out>& here) const;
 
   const DevicePointView& points_;
   const cuda::HullTables* tables_;
   const Options options_;  // for queries on the host
   const Run run_;
-  const bool device_allowed_, must_;
+  const bool device_allowed_, must_, answers_stay_;
   std::optional<cuda::QuestionsOnDevice> device_;
 };
 

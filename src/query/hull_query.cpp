@@ -175,17 +175,20 @@ struct HullQuery::State {
             asked_there.fetch_add(count), [this](const Run& run) { return facet_cells(run); },
             [this, count] { return count >= worth_a_map ? map() : nullptr; }};
   }
-  template <class Out>
-  void sides(const DevicePointView& view, Out* out, const Options& options,
-             const DeviceQuestions::Here<Out>& here) const {
-    check_dimension(view);
-    DeviceQuestions(view, tables(), options).sides(side_tables(view.count), out, here);
-  }
   /// The tables for a device, built at the first call; null where it does not support the hull.
   const cuda::HullTables* tables() const {
     std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
   }
+  // Points on a device; `query` is this state's, which the CPU's answers come from.
+  void sides_there(const HullQuery& query, const DevicePointView& view, Side* out,
+                   const Options& options, AnswersIn answers_in) const;
+  void contains_there(const HullQuery& query, const DevicePointView& view, std::uint8_t* out,
+                      const Options& options, AnswersIn answers_in) const;
+  void supports_there(const HullQuery& query, const DevicePointView& view, std::uint64_t* out,
+                      const Options& options, AnswersIn answers_in) const;
+  void distances_there(const HullQuery& query, const DevicePointView& view, double* out,
+                       const Options& options, AnswersIn answers_in) const;
   RayHit ray(const double* origin, const double* direction) const;
   RayHit ray_on_line(double origin, double direction) const;  // d = 1
   RayHit ray_past_all(const double* origin, const double* direction) const;
@@ -483,6 +486,51 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
   }
 }
 
+// ------------------------------------------------------------------- points in a device's memory
+
+void HullQuery::State::sides_there(const HullQuery& query, const DevicePointView& view, Side* out,
+                                   const Options& options, AnswersIn answers_in) const {
+  check_dimension(view);
+  DeviceQuestions(view, tables(), options, answers_in)
+      .sides<Side>(side_tables(view.count), out,
+                   [&](const PointView& points_here, Side* answers, const Options& here) {
+    query.sides(points_here, answers, here);
+      });
+}
+
+void HullQuery::State::contains_there(const HullQuery& query, const DevicePointView& view,
+                                      std::uint8_t* out, const Options& options,
+                                      AnswersIn answers_in) const {
+  check_dimension(view);
+  DeviceQuestions(view, tables(), options, answers_in)
+      .sides<std::uint8_t>(
+          side_tables(view.count), out,
+          [&](const PointView& points_here, std::uint8_t* answers, const Options& here) {
+    query.contains(points_here, answers, here);
+          });
+}
+
+void HullQuery::State::supports_there(const HullQuery& query, const DevicePointView& view,
+                                      std::uint64_t* out, const Options& options,
+                                      AnswersIn answers_in) const {
+  check_dimension(view);
+  DeviceQuestions(view, tables(), options, answers_in)
+      .supports(points.ids, out,
+                [&](const PointView& points_here, std::uint64_t* answers, const Options& here) {
+    query.supports(points_here, answers, here);
+      });
+}
+
+void HullQuery::State::distances_there(const HullQuery& query, const DevicePointView& view,
+                                       double* out, const Options& options,
+                                       AnswersIn answers_in) const {
+  check_dimension(view);
+  DeviceQuestions(view, tables(), options, answers_in)
+      .distances(out, [&](const PointView& points_here, double* answers, const Options& here) {
+        query.signed_distances(points_here, answers, here);
+      });
+}
+
 // ------------------------------------------------------------------------------ the public face
 
 HullQuery::HullQuery(const PointView& points, const Hull& hull, const Options& options) {
@@ -566,39 +614,38 @@ void HullQuery::signed_distances(const PointView& points, double* out,
 }
 
 void HullQuery::sides(const DevicePointView& points, Side* out, const Options& options) const {
-  state_->sides<Side>(points, out, options,
-                      [&](const PointView& view, Side* answers, const Options& here) {
-    sides(view, answers, here);
-  });
+  state_->sides_there(*this, points, out, options, AnswersIn::host);
+}
+void HullQuery::sides_on_device(const DevicePointView& points, Side* out,
+                                const Options& options) const {
+  state_->sides_there(*this, points, out, options, AnswersIn::device);
 }
 
 void HullQuery::contains(const DevicePointView& points, std::uint8_t* out,
                          const Options& options) const {
-  state_->sides<std::uint8_t>(
-      points, out, options, [&](const PointView& view, std::uint8_t* answers, const Options& here) {
-        contains(view, answers, here);
-      });
+  state_->contains_there(*this, points, out, options, AnswersIn::host);
+}
+void HullQuery::contains_on_device(const DevicePointView& points, std::uint8_t* out,
+                                   const Options& options) const {
+  state_->contains_there(*this, points, out, options, AnswersIn::device);
 }
 
 void HullQuery::supports(const DevicePointView& directions, std::uint64_t* out,
                          const Options& options) const {
-  const State& s = *state_;
-  s.check_dimension(directions);
-  DeviceQuestions(directions, s.tables(), options)
-      .supports(s.points.ids, out,
-                [&](const PointView& view, std::uint64_t* answers, const Options& here) {
-    supports(view, answers, here);
-      });
+  state_->supports_there(*this, directions, out, options, AnswersIn::host);
+}
+void HullQuery::supports_on_device(const DevicePointView& directions, std::uint64_t* out,
+                                   const Options& options) const {
+  state_->supports_there(*this, directions, out, options, AnswersIn::device);
 }
 
 void HullQuery::signed_distances(const DevicePointView& points, double* out,
                                  const Options& options) const {
-  const State& s = *state_;
-  s.check_dimension(points);
-  DeviceQuestions(points, s.tables(), options)
-      .distances(out, [&](const PointView& view, double* answers, const Options& here) {
-        signed_distances(view, answers, here);
-      });
+  state_->distances_there(*this, points, out, options, AnswersIn::host);
+}
+void HullQuery::signed_distances_on_device(const DevicePointView& points, double* out,
+                                           const Options& options) const {
+  state_->distances_there(*this, points, out, options, AnswersIn::device);
 }
 
 void HullQuery::rays(const PointView& origins, const PointView& directions, RayHit* out,

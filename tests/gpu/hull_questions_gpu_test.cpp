@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "cuda/hull_questions.hpp"
@@ -78,6 +79,24 @@ void expect_the_same(const HullQuery& query, const std::vector<T>& rows, unsigne
   query.signed_distances(here, distance.data());
   query.signed_distances(there, distance_there.data(), options);
   expect_same_bits(distance_there, distance, "distances");
+  // The same, left on the device.
+  const DeviceMemory memory = device_memory(there, 8 * n);
+  const auto expect_left = [&](const auto& expected, const char* what) {
+    using Item = typename std::remove_cvref_t<decltype(expected)>::value_type;
+    expect_same_bits(fetched(static_cast<const Item*>(memory.data.get()), n), expected, what);
+    check(cudaMemset(memory.data.get(), 0x55, 8 * n));
+    check(cudaDeviceSynchronize());
+  };
+  query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()), options);
+  expect_left(in, "contains, left there");
+  query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()), by_cells(options));
+  expect_left(in, "contains, by cells, left there");
+  query.sides_on_device(there, static_cast<Side*>(memory.data.get()), options);
+  ASSERT_EQ(fetched(static_cast<const Side*>(memory.data.get()), n), side);
+  query.supports_on_device(there, static_cast<std::uint64_t*>(memory.data.get()), options);
+  expect_left(vertex, "supports, left there");
+  query.signed_distances_on_device(there, static_cast<double*>(memory.data.get()), options);
+  expect_left(distance, "distances, left there");
 }
 
 template <class T>
@@ -323,6 +342,20 @@ TEST_F(GpuQuestions, ErrorsAreTheCpus) {
   EXPECT_EQ(error_of([&] { query.contains(there, in.data(), by_cells(on_device())); }), expected);
   EXPECT_EQ(error_of([&] { query.supports(there, vertex.data()); }), expected);
   EXPECT_EQ(error_of([&] { query.signed_distances(there, distance.data()); }), expected);
+  const DeviceMemory memory = device_memory(there, 8 * 5000 + 4);
+  EXPECT_EQ(error_of([&] {
+              query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()));
+            }),
+            expected);
+  const auto good = DevicePointView::row_major(copy.data<double>(), 1000, 3);
+  EXPECT_NE(error_of([&] {
+              query.contains_on_device(good, in.data());
+            }).find("the memory for answers is not in a CUDA device's memory"),
+            std::string::npos);
+  auto* const odd =
+      reinterpret_cast<double*>(static_cast<std::byte*>(memory.data.get()) + sizeof(float));
+  EXPECT_NE(error_of([&] { query.signed_distances_on_device(good, odd); }).find("aligned"),
+            std::string::npos);
   const auto other = DevicePointView::row_major(copy.data<double>(), 5000, 2);
   EXPECT_EQ(error_of([&] { query.contains(other, in.data()); }), error_of([&] {
               query.contains(PointView::row_major(rows.data(), 5000, 2), in.data());

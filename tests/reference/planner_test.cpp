@@ -182,6 +182,10 @@ TEST(Planner, CellsAreBuiltForManyPoints) {
   EXPECT_EQ(way(1'000, true), Answerer::cpu);
   EXPECT_EQ(way(100'000, true), Answerer::device_by_cells);
   EXPECT_EQ(way(100'000, false), Answerer::cpu) << "by climbing, without cells";
+  EXPECT_EQ(way(73'000, true), Answerer::cpu);
+  asked.answers_stay = true;
+  EXPECT_EQ(way(73'000, true), Answerer::device_by_cells) << "the CPU's answers are copied there";
+  asked.answers_stay = false;
   EXPECT_EQ(way(10'000'000, false), Answerer::device_by_cells);
   asked.cpu_allowed = false;
   EXPECT_EQ(way(1'000, false), Answerer::device) << "cells take longer to build";

@@ -10,6 +10,7 @@ from ._arguments import wrong_axes
 from ._errors import BackendUnavailable, InvalidArgument
 
 _DLPACK_CUDA = (2, 13)  # device and managed memory
+_DTYPES = {"|b1": "bool", "|i1": "int8", "<i4": "int32", "<i8": "int64", "<f8": "float64"}
 _LEGACY_DEFAULT_STREAM, _PER_THREAD_DEFAULT_STREAM = 1, 2  # as both protocols number them
 
 
@@ -88,7 +89,7 @@ def as_device_offsets(offsets: Any) -> tuple[int, int] | None:
 
 
 class DeviceArray:
-    """An array of integers in a CUDA device's memory, part of a `DeviceHullBatch`.
+    """An array in a CUDA device's memory: part of a `DeviceHullBatch`, or answers of a `Hull`.
 
     It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
     ``cupy.asarray(a)``, ``numba.cuda.as_cuda_array(a)`` and ``jax.dlpack.from_dlpack(a)`` view it
@@ -106,7 +107,7 @@ class DeviceArray:
     _items: _core.DeviceItems
 
     def __init__(self) -> None:
-        raise TypeError("device arrays are made by cullhull.convex_hulls_on_device")
+        raise TypeError("device arrays are made by cullhull.convex_hulls_on_device and hulls")
 
     @classmethod
     def _of(cls, items: _core.DeviceItems) -> DeviceArray:
@@ -121,8 +122,8 @@ class DeviceArray:
 
     @property
     def dtype(self) -> str:
-        """'int32' or 'int64'."""
-        return "int64" if self._items.typestr == "<i8" else "int32"
+        """'int32' or 'int64'; of answers 'bool', 'int8' or 'float64'."""
+        return _DTYPES[self._items.typestr]
 
     @property
     def device(self) -> int:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _core
 from ._answers import NearestFacets, Rays
 from ._arguments import Backend, Progress, as_questions, settings
-from ._device import as_device_points
+from ._device import DeviceArray, as_device_points
 from ._errors import InvalidArgument
 
 
@@ -28,14 +28,19 @@ class Questions:
         what: str,
         one: type,
         backend: Backend,
+        on_device: bool,
         threads: int | None,
         progress: Progress,
     ) -> Any:
         """The answers of ``_solid`` for many points, or the only one as a ``one``."""
         chosen = settings(backend=backend, threads=threads, progress=progress)
         there = None if type(points) is np.ndarray else as_device_points(points)
+        if there is not None and on_device:
+            return DeviceArray._of(getattr(self._solid, f"{question}_on_device")(there, chosen))
         if there is not None:
             return getattr(self._solid, f"{question}_there")(there, chosen)
+        if on_device:
+            raise TypeError(f"`on_device` needs `{what}` in a CUDA device's memory")
         if backend == "cuda":
             raise InvalidArgument(
                 f"`{what}` in the host's memory are asked about on the CPU; use backend 'auto' or 'cpu'"
@@ -49,6 +54,7 @@ class Questions:
         points: Any,
         *,
         backend: Backend = "auto",
+        on_device: bool = False,
         threads: int | None = None,
         progress: Progress = None,
     ) -> Any:
@@ -61,6 +67,8 @@ class Questions:
         backend : 'auto', 'cpu' or 'cuda'
             Where points in a device's memory are asked about: 'auto' estimates which takes less
             time. Others are asked about on the CPU.
+        on_device : bool
+            Leave the answers of points in a device's memory there, in a `DeviceArray`.
         threads, progress : as in `convex_hull`
 
         Returns
@@ -79,13 +87,14 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
-        return self._ask("contains", points, "points", bool, backend, threads, progress)
+        return self._ask("contains", points, "points", bool, backend, on_device, threads, progress)
 
     def sides(
         self,
         points: Any,
         *,
         backend: Backend = "auto",
+        on_device: bool = False,
         threads: int | None = None,
         progress: Progress = None,
     ) -> Any:
@@ -93,7 +102,7 @@ class Questions:
 
         Parameters
         ----------
-        points, backend, threads, progress : as of `contains`, as is what is raised
+        points, backend, on_device, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -106,13 +115,14 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
-        return self._ask("sides", points, "points", int, backend, threads, progress)
+        return self._ask("sides", points, "points", int, backend, on_device, threads, progress)
 
     def distance(
         self,
         points: Any,
         *,
         backend: Backend = "auto",
+        on_device: bool = False,
         threads: int | None = None,
         progress: Progress = None,
     ) -> Any:
@@ -120,7 +130,7 @@ class Questions:
 
         Parameters
         ----------
-        points, backend, threads, progress : as of `contains`, as is what is raised
+        points, backend, on_device, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -134,7 +144,9 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
-        return self._ask("distances", points, "points", float, backend, threads, progress)
+        return self._ask(
+            "distances", points, "points", float, backend, on_device, threads, progress
+        )
 
     def nearest_facets(
         self, points: Any, *, threads: int | None = None, progress: Progress = None
@@ -169,6 +181,7 @@ class Questions:
         directions: Any,
         *,
         backend: Backend = "auto",
+        on_device: bool = False,
         threads: int | None = None,
         progress: Progress = None,
     ) -> Any:
@@ -178,7 +191,7 @@ class Questions:
         ----------
         directions : (m, d) or (d,) array
             (m, d) also in a CUDA device's memory. Of any length.
-        backend, threads, progress : as of `contains`, as is what is raised
+        backend, on_device, threads, progress : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -191,7 +204,9 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
-        return self._ask("supports", directions, "directions", int, backend, threads, progress)
+        return self._ask(
+            "supports", directions, "directions", int, backend, on_device, threads, progress
+        )
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
         """The facets that a point lies strictly above; exact.

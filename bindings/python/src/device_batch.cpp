@@ -15,6 +15,7 @@
 
 #include "arrays.hpp"
 #include "batch.hpp"
+#include "device_items.hpp"
 #include "device_points.hpp"
 #include "solid.hpp"
 
@@ -25,31 +26,10 @@ using cullhull::Options;
 
 namespace {
 
-/// An array of a result in a device's memory: cullhull.DeviceArray wraps it.
-struct DeviceItems {
-  const void* data = nullptr;
-  std::vector<std::size_t> shape;
-  bool wide = false;  ///< int64, else int32
-  int device = 0;
-  std::shared_ptr<const void> memory;
-};
-
 nb::ndarray<> dlpack(nb::handle_t<DeviceItems> self) {
   const DeviceItems& items = *nb::inst_ptr<DeviceItems>(self);
   return nb::ndarray<>(const_cast<void*>(items.data), items.shape.size(), items.shape.data(), self,
-                       nullptr, items.wide ? nb::dtype<std::int64_t>() : nb::dtype<std::int32_t>(),
-                       nb::device::cuda::value, items.device);
-}
-
-/// The memory of a result, for objects of Python: the last of them frees it, which waits for all
-/// work of its device, and other threads run meanwhile. Python destroys its objects with the GIL
-/// held.
-std::shared_ptr<const void> freed_without_gil(std::shared_ptr<const void> memory) {
-  const void* const address = memory.get();
-  return {address, [kept = std::move(memory)](const void*) mutable {
-            const nb::gil_scoped_release release;
-            kept.reset();
-          }};
+                       nullptr, items.dtype, nb::device::cuda::value, items.device);
 }
 
 /// The offsets that Python hands in: an array of the host, or an address on a device.
@@ -101,7 +81,7 @@ DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle ar
 
 template <class T>
 DeviceItems items_of(const DeviceHullBatch& b, const T* data, std::vector<std::size_t> shape) {
-  return {data, std::move(shape), sizeof(T) == 8, b.device, b.memory};
+  return {data, std::move(shape), nb::dtype<T>(), b.device, b.memory};
 }
 
 }  // namespace
@@ -111,7 +91,7 @@ void bind_device_batch(nb::module_& m) {
       .def_prop_ro("data",
                    [](const DeviceItems& a) { return reinterpret_cast<std::uintptr_t>(a.data); })
       .def_prop_ro("shape", [](const DeviceItems& a) { return a.shape; })
-      .def_prop_ro("typestr", [](const DeviceItems& a) { return a.wide ? "<i8" : "<i4"; })
+      .def_prop_ro("typestr", &DeviceItems::typestr)
       .def_prop_ro("device", [](const DeviceItems& a) { return a.device; })
       .def("dlpack", dlpack, nb::sig("def dlpack(self) -> object"));
   nb::class_<DeviceHullBatch>(m, "DeviceBatch", "Hulls: cullhull.DeviceHullBatch wraps it.")

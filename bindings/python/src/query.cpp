@@ -11,6 +11,7 @@
 
 #include "arrays.hpp"
 #include "cullhull/error.hpp"
+#include "device_items.hpp"
 #include "device_points.hpp"
 #include "points.hpp"
 #include "solid.hpp"
@@ -101,14 +102,10 @@ std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid
 
 Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points directions(array);
-  const std::size_t n = directions.view().count;
-  Output<std::int64_t> out(n);
+  Output<std::int64_t> out(directions.view().count);
   ask_all(solid, directions.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-    std::vector<std::uint64_t> places(n);
-    query.supports(view, places.data(), options);
-    for (std::size_t i = 0; i < n; ++i)
-      out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
+    query.supports(view, reinterpret_cast<std::uint64_t*>(out.data()), options);
   });
   return std::move(out).to_array();
 }
@@ -203,16 +200,67 @@ Array<double> distances_there(const Solid& solid, const DevicePoints& points,
 
 Array<std::int64_t> supports_there(const Solid& solid, const DevicePoints& directions,
                                    const Settings* settings) {
-  const std::size_t n = directions.view.count;
-  Output<std::int64_t> out(n);
+  Output<std::int64_t> out(directions.view.count);
   ask_there(solid, directions, settings,
             [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    std::vector<std::uint64_t> places(n);
-    query.supports(view, places.data(), options);
-    for (std::size_t i = 0; i < n; ++i)
-      out.data()[i] = static_cast<std::int64_t>(solid.ids()[places[i]]);
+    query.supports(view, reinterpret_cast<std::uint64_t*>(out.data()), options);
   });
   return std::move(out).to_array();
+}
+
+// ------------------------------------------------------- and their answers, which stay there
+
+/// `T`: an item in HullQuery; `Shown`: in the array.
+template <class T, class Shown, class Ask>
+DeviceItems answers_there(const Solid& solid, const DevicePoints& points, const Settings* settings,
+                          const Ask& ask) {
+  static_assert(sizeof(T) == sizeof(Shown));
+  cullhull::DeviceMemory memory;
+  ask_there(solid, points, settings,
+            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
+    memory = cullhull::device_memory(view, view.count * sizeof(T));
+    ask(query, view, static_cast<T*>(memory.data.get()), options);
+  });
+  const void* const data = memory.data.get();
+  return {data,
+          {points.view.count},
+          nb::dtype<Shown>(),
+          memory.device,
+          freed_without_gil(std::move(memory.data))};
+}
+
+DeviceItems contains_on_device(const Solid& solid, const DevicePoints& points,
+                               const Settings* settings) {
+  return answers_there<std::uint8_t, bool>(
+      solid, points, settings,
+      [](const HullQuery& query, const DevicePointView& view, std::uint8_t* out,
+         const Options& options) { query.contains_on_device(view, out, options); });
+}
+
+DeviceItems sides_on_device(const Solid& solid, const DevicePoints& points,
+                            const Settings* settings) {
+  return answers_there<Side, std::int8_t>(
+      solid, points, settings,
+      [](const HullQuery& query, const DevicePointView& view, Side* out, const Options& options) {
+    query.sides_on_device(view, out, options);
+      });
+}
+
+DeviceItems distances_on_device(const Solid& solid, const DevicePoints& points,
+                                const Settings* settings) {
+  return answers_there<double, double>(
+      solid, points, settings,
+      [](const HullQuery& query, const DevicePointView& view, double* out, const Options& options) {
+    query.signed_distances_on_device(view, out, options);
+      });
+}
+
+DeviceItems supports_on_device(const Solid& solid, const DevicePoints& directions,
+                               const Settings* settings) {
+  return answers_there<std::uint64_t, std::int64_t>(
+      solid, directions, settings,
+      [](const HullQuery& query, const DevicePointView& view, std::uint64_t* out,
+         const Options& options) { query.supports_on_device(view, out, options); });
 }
 
 }  // namespace
@@ -227,6 +275,12 @@ void bind_query(nb::class_<Solid>& c) {
       .def("sides_there", sides_there, nb::arg("points"), nb::arg("settings").none())
       .def("distances_there", distances_there, nb::arg("points"), nb::arg("settings").none())
       .def("supports_there", supports_there, nb::arg("directions"), nb::arg("settings").none())
+      .def("contains_on_device", contains_on_device, nb::arg("points"), nb::arg("settings").none())
+      .def("sides_on_device", sides_on_device, nb::arg("points"), nb::arg("settings").none())
+      .def("distances_on_device", distances_on_device, nb::arg("points"),
+           nb::arg("settings").none())
+      .def("supports_on_device", supports_on_device, nb::arg("directions"),
+           nb::arg("settings").none())
       .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings").none())
       .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings").none());
 }

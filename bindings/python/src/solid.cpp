@@ -46,9 +46,9 @@ const std::vector<std::uint64_t>& Solid::ids() const {
 
 const HullQuery& Solid::query() const {
   std::call_once(prepared_, [this] {
-    const std::vector<double> rows = rows_by_place();
-    query_ = std::make_unique<HullQuery>(
-        PointView::row_major(rows.data(), ids().size(), hull_.dimension), by_place());
+    Hull own = hull_;
+    own.vertex_coordinates.assign(vertex_rows_.begin(), vertex_rows_.end());
+    query_ = std::make_unique<HullQuery>(own);
     is_prepared_ = true;
   });
   return *query_;

@@ -29,7 +29,7 @@ class Solid {
   /// Prepared at the first query; callable from any thread, with or without the GIL.
   const cullhull::HullQuery& query() const;
   bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
-  /// The ids of the vertices, ascending: query() numbers them by their position here.
+  /// The ids of the vertices, ascending.
   const std::vector<std::uint64_t>& ids() const;
   /// The hull over its vertices alone, numbered by their position, and their coordinates.
   cullhull::Hull by_place() const;

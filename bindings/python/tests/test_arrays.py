@@ -139,11 +139,18 @@ def test_everything_that_reads_device_arrays_says_that_there_is_none():
         lambda: ASKED.sides(Device(stream=1)),
         lambda: ASKED.distance(Device()),
         lambda: ASKED.support(Device(stream=1)),
+        lambda: ASKED.contains(Device(), on_device=True),
+        lambda: ASKED.sides(Device(), on_device=True),
+        lambda: ASKED.distance(Device(), on_device=True),
+        lambda: ASKED.support(Device(), on_device=True, backend="cpu"),
     ):
         with pytest.raises(cullhull.BackendUnavailable):
             call()
     with pytest.raises(TypeError, match="device's memory"):
         cullhull.convex_hulls_on_device(CUBE, [0, 8])
+    for question in (ASKED.contains, ASKED.sides, ASKED.distance, ASKED.support):
+        with pytest.raises(TypeError, match="`on_device` needs .* device's memory"):
+            question(CUBE, on_device=True)
     for made in (cullhull.DeviceHullBatch, cullhull.DeviceArray):
         with pytest.raises(TypeError, match="convex_hulls_on_device"):
             made()
@@ -361,6 +368,9 @@ def test_arrays_on_a_device_describe_themselves():
     for refused in ({"dl_device": (1, 0)}, {"copy": True}):
         with pytest.raises(BufferError):
             array.__dlpack__(**refused)
+    for typestr in ("|b1", "|i1", "<i4", "<i8", "<f8"):
+        Items.typestr = typestr
+        assert np.dtype(array.dtype) == np.dtype(typestr)
 
 
 def test_a_dlpack_capsule_is_viewed_and_its_memory_kept():
@@ -397,7 +407,13 @@ def test_batches_and_questions_on_a_device(dtype):
     assert np.array_equal(cupy.asnumpy(vertices), expected.vertices.items)
     hull = cullhull.convex_hull(points[0])
     for name in ("contains", "sides", "distance", "support"):
-        assert np.array_equal(getattr(hull, name)(flat), getattr(hull, name)(points.reshape(-1, 3)))
+        answers = getattr(hull, name)(points.reshape(-1, 3))
+        assert np.array_equal(getattr(hull, name)(flat), answers)
+        for backend in ("auto", "cpu", "cuda"):
+            there_too = getattr(hull, name)(flat, on_device=True, backend=backend)
+            for array in (cupy.asarray(there_too), cupy.from_dlpack(there_too)):
+                assert np.array_equal(cupy.asnumpy(array), answers)
+                assert array.dtype == answers.dtype
     tracker, there_too = cullhull.HullTracker(), cullhull.HullTracker()
     for _ in range(3):
         a, b = tracker.update(points.reshape(-1, 3)), there_too.update(flat)

@@ -256,6 +256,14 @@ __global__ void __launch_bounds__(ask_threads)
   }
 }
 
+template <class T>
+__global__ void scatter_kernel(const std::uint64_t* __restrict__ ids, const T* __restrict__ items,
+                               std::uint64_t count, T* __restrict__ out) {
+  const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
+  for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count; k += step)
+    out[ids[k]] = items[k];
+}
+
 unsigned blocks_for(std::uint64_t threads, unsigned in_block) {
   constexpr std::uint64_t most = std::uint64_t{1} << 20;
   const std::uint64_t blocks = (threads + in_block - 1) / in_block;
@@ -317,6 +325,21 @@ cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& h
   return with_types<HullTables::most_dimensions>(directions, [&]<unsigned D, class T>() {
     hull_supports<D, T><<<blocks, ask_threads, 0, stream>>>(directions, hull, ids, out, open);
   });
+}
+
+cudaError_t scatter_items(const std::uint64_t* ids, const std::uint8_t* items, std::uint64_t count,
+                          std::uint8_t* out, cudaStream_t stream) {
+  if (count == 0) return cudaSuccess;
+  scatter_kernel<<<blocks_for(count, ask_threads), ask_threads, 0, stream>>>(ids, items, count,
+                                                                             out);
+  return cudaGetLastError();
+}
+cudaError_t scatter_items(const std::uint64_t* ids, const std::uint64_t* items, std::uint64_t count,
+                          std::uint64_t* out, cudaStream_t stream) {
+  if (count == 0) return cudaSuccess;
+  scatter_kernel<<<blocks_for(count, ask_threads), ask_threads, 0, stream>>>(ids, items, count,
+                                                                             out);
+  return cudaGetLastError();
 }
 
 }  // namespace cullhull::internal::inline cuda

@@ -154,7 +154,11 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
         Options options;
         options.backend = backend;
         options.machine.link_bytes_per_second = 1;  // stay on the device
-        const auto ask = [&](auto&& question) {
+        Options by_cells = options;
+        by_cells.machine.link_bytes_per_second = 1e15;
+        by_cells.machine.device_copy_bytes_per_second = 10;
+        by_cells.backend = Backend::cuda;  // and where memory is short the error says so
+        const auto ask = [&](auto&& question, bool must = false) {
           emulation::restart();
           (all ? emulation::settings().failing_allocations_from
                : emulation::settings().failing_allocation) = n;
@@ -162,7 +166,7 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
             question();
           } catch (const Error& e) {
             EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
-            EXPECT_EQ(backend, Backend::cuda);
+            EXPECT_TRUE(backend == Backend::cuda || must);
           }
           emulation::settings() = {};
         };
@@ -174,6 +178,25 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
             EXPECT_EQ(emulation::counters().launches["hull_sides<D, T>"], 1U);
           }
         });
+        ask(
+            [&] {
+          std::vector<Side> found(3100);
+          query.sides(there, found.data(), by_cells);
+          EXPECT_EQ(found, sides);
+          if (n == 0) {
+            EXPECT_EQ(emulation::counters().launches["hull_cell_sides<D, T>"], 1U);
+          }
+            },
+            true);
+        for (const Options& way : {options, by_cells}) {
+          const OnDevice found(std::vector<Side>(3100));
+          ask(
+              [&] {
+            query.sides_on_device(there, found.data<Side>(), way);
+            EXPECT_EQ(fetched(found.data<Side>(), 3100), sides);
+              },
+              way.backend == Backend::cuda);
+        }
         ask([&] {
           std::vector<double> found(3100);
           query.signed_distances(there, found.data(), options);
@@ -187,8 +210,8 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
       }
 }
 
-// A device tests all facets for each point: with Backend::automatic the CPU answers where that
-// takes longer than its search.
+// By testing all facets for each point, by cells of directions, or, with Backend::automatic, on the
+// CPU.
 TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
   emulation::settings() = {};
   Sets<double> sets(3);
@@ -209,11 +232,15 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
     emulation::restart();
     query.sides(there, found.data(), options);
     EXPECT_EQ(found, sides);
-    return emulation::counters().launches["hull_sides<D, T>"];
+    auto launched = emulation::counters().launches;
+    return std::pair(launched["hull_sides<D, T>"], launched["hull_cell_sides<D, T>"]);
   };
-  EXPECT_EQ(launches(1, 1e15, Backend::automatic), 1U);
-  EXPECT_EQ(launches(1e15, 1e9, Backend::automatic), 0U) << "596 facets";
-  EXPECT_EQ(launches(1e15, 1e9, Backend::cuda), 1U);
+  using Launches = decltype(launches(0, 0, Backend::cuda));
+  EXPECT_EQ(launches(1, 1e15, Backend::automatic), (Launches{1, 0}));
+  EXPECT_EQ(launches(1e15, 1e9, Backend::automatic), (Launches{0, 0})) << "596 facets";
+  EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{1, 0})) << "cells take 4 ms to build";
+  EXPECT_EQ(launches(1e15, 1e8, Backend::cuda), (Launches{0, 1}));
+  EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{0, 1})) << "they are built";
 }
 
 // A result outlives the stream of its call, and its last copy frees it.
