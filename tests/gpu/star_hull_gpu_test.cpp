@@ -81,8 +81,8 @@ TEST(StarHullGpu, EqualsTheHost) {
   expect_agreement<double>();
 }
 
-// Signs that rounding decides: planes of points that are turned, and pairs of points on a ray from
-// the centre, which is that of the four corners.
+// Signs that rounding decides: planes of points that are turned; and points in a plane with two
+// others and the centre, which is that of the four corners.
 TEST(StarHullGpu, EqualsTheHostWhereRoundingDecides) {
   CULLHULL_NEEDS_DEVICE();
   std::vector<double> lifted;
@@ -94,12 +94,14 @@ TEST(StarHullGpu, EqualsTheHostWhereRoundingDecides) {
     }
   expect_as_on_the_host(lifted, PointView::row_major(lifted.data(), lifted.size() / 3, 3),
                         "turned lifted lattice");
-  std::vector<double> rays = {4, 4, 4, 4, -4, -4, -4, 4, -4, -4, -4, 4};
-  const std::vector<double> directions = generate("sphere", 200, 3, 12);
-  for (std::size_t i = 0; i < directions.size(); i += 3)
-    for (const double length : {3.9, 3.1, 2.7})
-      for (unsigned k = 0; k < 3; ++k) rays.push_back(length * directions[i + k]);
-  expect_as_on_the_host(rays, PointView::row_major(rays.data(), rays.size() / 3, 3), "rays");
+  std::vector<double> points = {4, 4, 4, 4, -4, -4, -4, 4, -4, -4, -4, 4};
+  const std::vector<double> tips = generate("sphere", 30, 3, 12);
+  for (std::size_t i = 0; i < 90; ++i) points.push_back(3.9 * tips[i]);
+  for (std::size_t i = 0; i < 90; i += 3)
+    for (std::size_t j = 0; j < i; j += 3)
+      for (unsigned k = 0; k < 3; ++k) points.push_back(1.7 * tips[i + k] + 2.1 * tips[j + k]);
+  expect_as_on_the_host(points, PointView::row_major(points.data(), points.size() / 3, 3),
+                        "in planes through the centre");
 }
 
 TEST(StarHullGpu, FewFlatTinyHugeAndNotFinite) {
