@@ -192,6 +192,16 @@ class DeviceFilter {
            " edges that flips did not make convex";
   }
 
+  /// How many times as large as the probe the map's sample may be. In 2D and 3D a pseudo-hull
+  /// follows, which needs no sample. In 3D, of 100M points of a ball, the map of a probe leaves 6
+  /// %, that of four times as many points 2 %; each point left costs the surface's growth 1.2 ns,
+  /// and the larger sample's hull takes 0.6 ms (H200): as much at 16M points.
+  std::uint64_t most_probes() const {
+    constexpr std::uint64_t many = std::uint64_t{1} << 24;
+    if (d_ == 3 && points_.count < many) return 1;
+    return grows_later() ? 4 : ~std::uint64_t{0};
+  }
+
   /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
   /// not worthwhile: all rows stay.
   cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {

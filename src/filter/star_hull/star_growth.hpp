@@ -270,6 +270,10 @@ class StarGrowth {
       const double* corner[3] = {simplex.corner[v[0]], simplex.corner[v[1]], simplex.corner[v[2]]};
       std::copy_n(corner[0], 3, first.base[f]);
       if (!make_plane<3>(corner, centre_, first.plane[f])) return false;
+      // The centre is on the side of the opposite corner, for all four: it is inside the simplex.
+      if (!(pseudo_distance<3>(first.plane[f].normal, first.base[f], simplex.corner[f]) <
+            -first.plane[f].error))
+        return false;
     }
     for (unsigned a = 0; a < 4; ++a)
       for (unsigned b = a + 1; b < 4; ++b) {
