@@ -8,7 +8,7 @@ SUITES :=
 # Where packages can be installed, no test is left out for want of one.
 ALL := $(if $(shell command -v apt-get),ON,OFF)
 
-.PHONY: help demo build configure-tests test check bench docs fuzz format python clean wheel sdist deb static artifacts
+.PHONY: help demo build configure-tests test check bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts
 .NOTPARALLEL:
 
 help:
@@ -19,7 +19,8 @@ help:
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
 	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
-	@echo "make wheel    the Python package as one file for pip, in build/dist/ (sdist: its sources)"
+	@echo "make wheel    the Python package as one file for pip, in build/dist/ (sdist: its sources;"
+	@echo "              wheel-cuda: with the CUDA backend)"
 	@echo "make deb      Debian packages of program, shared library and headers, in build/dist/"
 	@echo "make static   the program as one file for any Linux, in build/dist/"
 	@echo "make artifacts  all of these, installed and run in empty Debian roots (as root)"
@@ -70,7 +71,7 @@ python:
 	scripts/python-venv.sh build/python
 	@echo "try: build/python/venv/bin/python -m cullhull --help"
 
-wheel sdist:
+wheel wheel-cuda sdist:
 	@scripts/install-deps.sh build python package
 	scripts/artifacts.sh $@
 

@@ -4,6 +4,7 @@ A page on PyPI has no files beside it, so every relative link of the README gets
 file in the repository (repository.txt) at the tag of this version.
 """
 
+import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,6 +20,12 @@ def version() -> str:
     found = re.search(r'#define CULLHULL_VERSION "(.+)"', header)
     assert found is not None
     return found[1]
+
+
+def labelled_version() -> str:
+    """With the label of a build that differs from the one on PyPI: 0.1.0+cu13."""
+    label = os.environ.get("CULLHULL_LOCAL_VERSION", "")
+    return f"{version()}+{label}" if label else version()
 
 
 def absolute(target: str) -> str:
@@ -60,7 +67,7 @@ def dynamic_metadata(settings: Mapping[str, Any], project: Mapping[str, Any]) ->
     """Called by scikit-build-core: the fields that [project] names as dynamic."""
     text = (root / "README.md").read_text(encoding="utf-8")
     return {
-        "version": version(),
+        "version": labelled_version(),
         "readme": {"text": readme(text), "content-type": "text/markdown"},
         "urls": {
             "Homepage": repository,

@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # Builds what can be installed without a compiler, into build/dist:
-#   scripts/artifacts.sh static|wheel|wheels|sdist|deb|sbom|sums ...
+#   scripts/artifacts.sh static|wheel|wheels|wheel-cuda|sdist|deb|sbom|sums ...
 #   static  the program as one file, for any Linux of the last years on this processor
 #   wheel   the Python package for PYTHON (python3 if not set) with the program in it, for any Linux
 #           with glibc 2.31 or later; from Python 3.12 on it serves every later Python (abi3)
 #   wheels  a wheel for each Python from 3.9 to 3.11 that is found, in PATH or in pyenv's folder,
 #           and one for 3.12 and later
+#   wheel-cuda  the Python package for PYTHON with the CUDA backend, as version X+cuN for CUDA N. It
+#           is not made against the sysroot, which nvcc cannot use: it asks for this system's glibc
 #   sdist   the sources of the Python package
 #   deb     Debian packages: program, shared library, development files
 #   sbom    what the artifacts contain of others, as CycloneDX (scripts/sbom.py)
@@ -77,6 +79,26 @@ make_wheel() {
   cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF >/dev/null
 }
 
+make_wheel-cuda() {
+  local nvcc label
+  nvcc=$(command -v nvcc || command -v /usr/local/cuda/bin/nvcc) || {
+    echo "artifacts: no nvcc here, in PATH or in /usr/local/cuda/bin: a wheel with CUDA needs it" >&2
+    exit 1
+  }
+  label=cu$("$nvcc" --version | sed -n 's/.*release \([0-9]*\)\..*/\1/p')
+  venv
+  rm -rf build/wheel/raw-cuda
+  local settings=(--config-settings build-dir=build/wheel/cuda)
+  for definition in CULLHULL_WITH_CUDA=ON "CMAKE_CUDA_COMPILER=$nvcc" \
+    "CULLHULL_CUDA_ARCHITECTURES=${CUDA_ARCHITECTURES:-fat}" "Python_EXECUTABLE=$venv/bin/python"; do
+    settings+=(--config-settings "cmake.define.$definition")
+  done
+  PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs CULLHULL_LOCAL_VERSION=$label \
+    "$venv/bin/pip" wheel . --quiet --no-deps --no-build-isolation "${settings[@]}" \
+    -w build/wheel/raw-cuda
+  PATH="$venv/bin:$PATH" "$venv/bin/auditwheel" repair --strip -w "$dist" build/wheel/raw-cuda/*.whl
+}
+
 # first_python MINOR...: the first CPython 3.MINOR that is found, in PATH or in pyenv's folder.
 first_python() {
   local minor python
@@ -123,9 +145,9 @@ make_sums() {
 [[ $# -gt 0 ]] || set -- help
 for artifact in "$@"; do
   case "$artifact" in
-    static | wheel | wheels | sdist | deb | sbom | sums) "make_$artifact" ;;
+    static | wheel | wheels | wheel-cuda | sdist | deb | sbom | sums) "make_$artifact" ;;
     *)
-      sed -n '2,17s/^# \{0,1\}//p' "$0" >&2
+      sed -n '2,19s/^# \{0,1\}//p' "$0" >&2
       exit 2
       ;;
   esac

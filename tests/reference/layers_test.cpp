@@ -202,6 +202,7 @@ const std::map<std::string, std::string> bounds_elsewhere = {
     {"src/filter/gauge/gauge_planes.cpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/gauge/gauge_walk.hpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/pseudo_hull/pseudo_hull_math.hpp", "points in doubt survive"},
+    {"src/filter/star_hull/star_math.hpp", "points and edges in doubt are left to the CPU's hull"},
     {"src/flow/sample_map.cpp", "random numbers"},
     {"src/hull/general/facet_planes_any.cpp", "cached planes, else orientation()"},
     {"src/hull/general/laplace.hpp", "cached planes, else orientation()"},
