@@ -208,6 +208,7 @@ class DeviceFilter {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
+    if (grows_later() && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
       cuda::StarHullThere found = star_hull_there(view, run_);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;

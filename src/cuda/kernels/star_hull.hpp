@@ -19,8 +19,8 @@ struct StarHullThere {
 };
 
 /// Grows a star-shaped surface from points in space, at most 2^28 of them, and makes it convex by
-/// flips, on points.stream. Needs 100 bytes of device memory a point. Throws OutOfMemory if there
-/// is less, and Failure if the device fails.
+/// flips, on points.stream. Needs 100 bytes of device memory a point, and 190 more for each that
+/// becomes a vertex. Throws OutOfMemory if there is less, and Failure if the device fails.
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               std::vector<PseudoHullRound>* rounds = nullptr);
 
