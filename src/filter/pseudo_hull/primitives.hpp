@@ -84,8 +84,9 @@ struct HostMemory {
                                    Array<std::uint32_t>& out) {
     std::uint32_t* const items = out.reserve(count);
     std::iota(items, items + count, 0U);
-    std::stable_sort(items, items + count,
-                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    std::sort(items, items + count, [&](std::uint32_t a, std::uint32_t b) {
+      return key(a) != key(b) ? key(a) < key(b) : a < b;
+    });
     return items;
   }
   template <class T>
