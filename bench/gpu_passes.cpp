@@ -530,9 +530,8 @@ class Passes {
     internal::Filtered filtered;
     filtered.survivors.ids.resize(kept);
     cuda::download(filtered.survivors.ids.data(), ids.data(), kept, stream);
-    filtered.rows =
-        cuda::download_points(DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream),
-                              nullptr, kept, run);
+    filtered.rows = cuda::download_points(
+        DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream), nullptr, kept, run);
     filtered.triangles = std::move(found.triangles);
     stages.end("download");
     Hull hull = internal::hull_of_rows(filtered, view, options);
