@@ -93,21 +93,28 @@ class DeviceFilter {
   /// Where a map would cull little, the hull's surface is looked for among all points. What is not
   /// finite is not culled, and found when the rest is copied.
   Filtered hull_of_all_there(Filtered&& result, const std::string& where) const {
-    if (d_ != 3 || points_.count > pseudo_hull_most_points) return all_points(std::move(result));
+    // On a sphere of 100,000 points it gains a quarter, with 16 threads; fewer are untested.
+    constexpr std::uint64_t worthwhile = std::uint64_t{1} << 16;
+    const bool must = run_.options.backend == Backend::cuda;
+    if (d_ != 3 || points_.count > pseudo_hull_most_points || (!must && points_.count < worthwhile))
+      return all_points(std::move(result));
     try {
       cuda::StarHullThere found = star_hull_there(points_, run_);
       if (found.counts.end.facets == 0) return all_points(std::move(result));
-      result.survivors.reason += "; " + where + "; a pseudo-hull, " + described(found.counts);
-      result.survivors.filter = UsedFilter::pseudo_hull;
-      result.survivors.backend = Backend::cuda;
-      result.survivors.all = found.ids.count == points_.count;
-      result.triangles = std::move(found.triangles);
-      if (result.survivors.all) return all_points(std::move(result));
+      Filtered kept;
+      kept.survivors.reason =
+          result.survivors.reason + "; " + where + "; a pseudo-hull, " + described(found.counts);
+      kept.survivors.filter = UsedFilter::pseudo_hull;
+      kept.survivors.backend = Backend::cuda;
+      kept.survivors.all = found.ids.count == points_.count;
+      kept.triangles = std::move(found.triangles);
+      if (kept.survivors.all) return all_points(std::move(kept));
       const cuda::DeviceArray<std::byte> rows = rows_of(points_, found.ids);
-      copy_survivors(packed(rows, found.ids.count), found.ids, result);
-      return std::move(result);
+      copy_survivors(packed(rows, found.ids.count), found.ids, kept);
+      return kept;
     } catch (const cuda::OutOfMemory&) {
-      if (run_.options.backend == Backend::cuda) throw;
+      if (must) throw;
+      result.survivors.reason += "; its memory is nearly full";
     }
     return all_points(std::move(result));
   }

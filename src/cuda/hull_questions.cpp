@@ -68,7 +68,7 @@ struct QuestionsOnDevice::State {
     return t;
   }
   /// The list for the points that a kernel leaves open, empty. The count is the first word.
-  OpenPoints begin_open(std::uint64_t count) {
+  OpenList begin_open(std::uint64_t count) {
     std::uint32_t* const words = room_in(open, count + 1, stream);
     check(cudaMemsetAsync(words, 0, sizeof(std::uint32_t), stream), "clearing device memory");
     return {words, words + 1};
@@ -112,7 +112,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable* inner, Sid
     left = survivors_of_device_points(*inner, part);
     check(cudaMemsetAsync(out, codes.inside, count, s.stream), "clearing device memory");
   }
-  const OpenPoints open = s.begin_open(count);
+  const OpenList open = s.begin_open(count);
   check(ask_sides(part, left.ids.data(), inner != nullptr ? left.count : count, tables, codes, out,
                   open, s.stream),
         "asking a hull");
@@ -124,7 +124,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::sides(const CellTables& cells, Sid
                                                     std::uint8_t* out) const {
   State& s = *state_;
   if (!s.cells) s.cells.emplace(cells, s.stream);
-  const OpenPoints open = s.begin_open(count);
+  const OpenList open = s.begin_open(count);
   check(ask_sides_by_cells(s.part(first, count), s.cells->tables(), codes, out, open, s.stream),
         "asking a hull");
   return s.listed(first);
@@ -137,7 +137,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::supports(const std::vector<std::ui
   TablesThere tables = s.tables();
   tables.vertices = s.vertices.on_device(s.hull->vertices, s.stream);
   const std::uint64_t* const ids_there = s.ids.on_device(ids, s.stream);
-  const OpenPoints open = s.begin_open(count);
+  const OpenList open = s.begin_open(count);
   check(ask_supports(s.part(first, count), tables, ids_there, out, open, s.stream),
         "asking a hull");
   return s.listed(first);
@@ -149,7 +149,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::distances(std::uint64_t first, std
   TablesThere tables = s.tables();
   tables.simplices = s.simplices.on_device(s.hull->simplices, s.stream);
   tables.planes = s.planes.on_device(s.hull->planes, s.stream);
-  const OpenPoints open = s.begin_open(count);
+  const OpenList open = s.begin_open(count);
   check(ask_distances(s.part(first, count), tables, out, open, s.stream), "asking a hull");
   return s.listed(first);
 }

@@ -53,8 +53,9 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   hull.statistics.survivors = count;
   hull.statistics.filter = s.filter;
   hull.statistics.cull_reason = s.reason;
-  if (known.triangles != nullptr)
-    hull.statistics.cull_reason += known.holds ? " and which is the hull" : " but not for certain";
+  if (known.tried)
+    hull.statistics.cull_reason +=
+        known.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
   hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;

@@ -13,12 +13,12 @@ constexpr unsigned cell_threads = 256;  // a guess
 
 enum class PointAnswer : std::uint8_t { open, inside, outside };
 
-__device__ void leave_open(const OpenPoints& open, std::uint64_t i) {
+__device__ void leave_open(const OpenList& open, std::uint64_t i) {
   open.points[atomicAdd(open.count, 1U)] = static_cast<std::uint32_t>(i);
 }
 
 __device__ void write_side(PointAnswer side, SideCodes codes, std::uint64_t i, std::uint8_t* out,
-                           const OpenPoints& open) {
+                           const OpenList& open) {
   out[i] = side == PointAnswer::inside    ? codes.inside
            : side == PointAnswer::outside ? codes.outside
                                           : std::uint8_t{0};
@@ -78,7 +78,7 @@ __global__ void __launch_bounds__(ask_threads)
     hull_sides(const __grid_constant__ DevicePointView points,
                const std::uint64_t* __restrict__ ids, std::uint64_t count,
                const __grid_constant__ TablesThere hull, SideCodes codes,
-               std::uint8_t* __restrict__ out, OpenPoints open) {
+               std::uint8_t* __restrict__ out, OpenList open) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t k = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; k < count;
        k += step) {
@@ -93,7 +93,7 @@ template <unsigned D, class T>
 __global__ void __launch_bounds__(ask_threads)
     hull_distances(const __grid_constant__ DevicePointView points,
                    const __grid_constant__ TablesThere hull, double* __restrict__ out,
-                   OpenPoints open) {
+                   OpenList open) {
   constexpr double least = 0x1p-1074;  // inside is never at distance 0
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
@@ -193,7 +193,7 @@ template <unsigned D, class T>
 __global__ void __launch_bounds__(cell_threads)
     hull_cell_sides(const __grid_constant__ DevicePointView points,
                     const __grid_constant__ CellsThere hull, SideCodes codes,
-                    std::uint8_t* __restrict__ out, OpenPoints open) {
+                    std::uint8_t* __restrict__ out, OpenList open) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < points.count;
        i += step) {
@@ -245,7 +245,7 @@ template <unsigned D, class T>
 __global__ void __launch_bounds__(ask_threads)
     hull_supports(const __grid_constant__ DevicePointView directions,
                   const __grid_constant__ TablesThere hull, const std::uint64_t* __restrict__ ids,
-                  std::uint64_t* __restrict__ out, OpenPoints open) {
+                  std::uint64_t* __restrict__ out, OpenList open) {
   const std::uint64_t step = std::uint64_t{gridDim.x} * blockDim.x;
   for (std::uint64_t i = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x; i < directions.count;
        i += step) {
@@ -289,7 +289,7 @@ cudaError_t with_types(const DevicePointView& points, const Call& call) {
 
 cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t count,
                       const TablesThere& hull, SideCodes codes, std::uint8_t* out,
-                      const OpenPoints& open, cudaStream_t stream) {
+                      const OpenList& open, cudaStream_t stream) {
   if (count == 0) return cudaSuccess;
   const unsigned blocks = blocks_for(count, ask_threads);
   return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
@@ -299,7 +299,7 @@ cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, s
 }
 
 cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
-                               SideCodes codes, std::uint8_t* out, const OpenPoints& open,
+                               SideCodes codes, std::uint8_t* out, const OpenList& open,
                                cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
   const unsigned blocks = blocks_for(points.count, cell_threads);
@@ -309,7 +309,7 @@ cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& 
 }
 
 cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
-                          const OpenPoints& open, cudaStream_t stream) {
+                          const OpenList& open, cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
   const unsigned blocks = blocks_for(points.count, ask_threads);
   return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
@@ -318,7 +318,7 @@ cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull
 }
 
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
-                         const std::uint64_t* ids, std::uint64_t* out, const OpenPoints& open,
+                         const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream) {
   if (directions.count == 0) return cudaSuccess;
   const unsigned blocks = blocks_for(directions.count, ask_threads);

@@ -37,7 +37,7 @@ struct CellsThere {
 
 /// Where kernels list the points that they leave open: *count points, which begins as 0, in any
 /// order. `points` has room for all points asked about.
-struct OpenPoints {
+struct OpenList {
   std::uint32_t* count;
   std::uint32_t* points;
 };
@@ -50,15 +50,15 @@ inline constexpr double side_tiny = 0x1p-540;
 /// If `ids` is not null, of the points i = ids[k], k < count, alone.
 cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, std::uint64_t count,
                       const TablesThere& hull, SideCodes codes, std::uint8_t* out,
-                      const OpenPoints& open, cudaStream_t stream);
+                      const OpenList& open, cudaStream_t stream);
 cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
-                               SideCodes codes, std::uint8_t* out, const OpenPoints& open,
+                               SideCodes codes, std::uint8_t* out, const OpenList& open,
                                cudaStream_t stream);
 cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
-                          const OpenPoints& open, cudaStream_t stream);
+                          const OpenList& open, cudaStream_t stream);
 /// `ids`: those of the vertices, on the device.
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
-                         const std::uint64_t* ids, std::uint64_t* out, const OpenPoints& open,
+                         const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream);
 
 /// out[ids[k]] = items[k], k < count.

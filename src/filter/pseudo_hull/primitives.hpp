@@ -110,7 +110,8 @@ class SerialExecutor : public HostMemory {
   }
 
   /// Returns `identity`, map(0) ... map(count - 1), combined. `combine` must be associative and
-  /// commutative without rounding, `identity` its neutral element.
+  /// commutative without rounding, `identity` its neutral element. `map` is called once for each
+  /// item.
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
     for (std::uint32_t i = 0; i < count; ++i) identity = combine(identity, map(i));
