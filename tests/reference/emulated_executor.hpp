@@ -65,12 +65,28 @@ class EmulatedExecutor : public HostMemory {
     return none;
   }
 
+  template <class Steps>
+  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
+                       const Control& control) const {
+    std::uint32_t round = first;
+    for (; round <= last && steps.items(round) != 0; ++round) {
+      control.check();
+      for_threads([&](const GridThread& at) { StepKernel<Steps, true>{steps, round}.run(at); });
+      for_threads([&](const GridThread& at) { StepKernel<Steps, false>{steps, round}.run(at); });
+    }
+    return round - first;
+  }
+
   static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }
   static void raise(std::uint64_t& target, std::uint64_t value) {
     DeviceAtomics::raise(target, value);
   }
+  static bool is_first(std::uint32_t& target, std::uint32_t value) {
+    return DeviceAtomics::is_first(target, value);
+  }
+  static std::uint32_t next(std::uint32_t& counter) { return DeviceAtomics::next(counter); }
 
  private:
   template <class Run>

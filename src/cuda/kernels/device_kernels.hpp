@@ -39,6 +39,20 @@ struct DeviceAtomics {
     if (value < target) target = value;
 #endif
   }
+  CULLHULL_HD static bool is_first(std::uint32_t& target, std::uint32_t value) {
+#if defined(__CUDA_ARCH__)
+    return atomicMax(&target, value) < value;
+#else
+    return SerialExecutor::is_first(target, value);
+#endif
+  }
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) {
+#if defined(__CUDA_ARCH__)
+    return atomicAdd(&counter, 1U);
+#else
+    return counter++;
+#endif
+  }
 };
 
 template <class Body>
@@ -50,6 +64,25 @@ struct ForEachKernel {
     for (std::uint64_t i = at.first(); i < count; i += at.stride())
       body(static_cast<std::uint32_t>(i));
   }
+};
+
+/// A thread's items of one of the steps of a round; how many there are is in the device's memory.
+template <bool First, class Steps>
+CULLHULL_HD_INLINE void run_step(const Steps& steps, std::uint32_t round, const GridThread& at) {
+  const std::uint32_t items = steps.items(round);
+  for (std::uint64_t i = at.first(); i < items; i += at.stride()) {
+    if constexpr (First)
+      steps.first(round, static_cast<std::uint32_t>(i));
+    else
+      steps.second(round, static_cast<std::uint32_t>(i));
+  }
+}
+
+template <class Steps, bool First>
+struct StepKernel {
+  Steps steps;
+  std::uint32_t round;
+  CULLHULL_HD void run(const GridThread& at) const { run_step<First>(steps, round, at); }
 };
 
 /// A reduction. Every thread combines its items, and every block combines the results of its

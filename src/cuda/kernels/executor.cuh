@@ -35,6 +35,26 @@ __global__ void __launch_bounds__(block_size, 1)
   kernel.run(here());
 }
 
+template <class Steps, bool First>
+__global__ void __launch_bounds__(block_size, 1)
+    step(const __grid_constant__ StepKernel<Steps, First> kernel) {
+  kernel.run(here());
+}
+
+/// Rounds from `round` to `last` by one block, which waits for nobody else: for few items.
+constexpr unsigned rounds_block_size = 512;
+template <class Steps>
+__global__ void __launch_bounds__(rounds_block_size, 1)
+    rounds_of_block(const __grid_constant__ Steps steps, std::uint32_t round, std::uint32_t last) {
+  const GridThread at = here();
+  for (; round <= last && steps.items(round) != 0; ++round) {
+    run_step<true>(steps, round, at);
+    __syncthreads();
+    run_step<false>(steps, round, at);
+    __syncthreads();
+  }
+}
+
 template <class T, class Map, class Combine>
 __global__ void __launch_bounds__(reduce_block_size, 1)
     reduce(const __grid_constant__ ReduceKernel<T, Map, Combine> kernel) {
@@ -263,11 +283,51 @@ class CudaExecutor {
     return sorted;
   }
 
+  /// The host looks at the number of items now and then: a look takes as long as several rounds.
+  /// When few are left, one block does the rest.
+  template <class Steps>
+  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
+                       const Control& control) {
+    constexpr std::uint32_t between = 16, most_alone = 256;
+    constexpr std::uint32_t few = 2 * cuda_kernels::rounds_block_size;
+    std::uint32_t listed[most_alone + 1], round = first;
+    fetch(steps.count + round, 1, listed);
+    while (listed[0] != 0 && round <= last) {
+      control.check();
+      const std::uint32_t items = Steps::items_of(listed[0]);
+      const std::uint32_t now = std::min(last + 1 - round, items <= few ? most_alone : between);
+      if (items <= few) {
+        cuda_kernels::rounds_of_block<<<1, cuda_kernels::rounds_block_size, 0, stream_>>>(
+            steps, round, round + now - 1);
+      } else {
+        const unsigned blocks = grid(items, cuda_kernels::block_size);
+        for (std::uint32_t r = round; r < round + now; ++r) {
+          cuda_kernels::step<<<blocks, cuda_kernels::block_size, 0, stream_>>>(
+              StepKernel<Steps, true>{steps, r});
+          cuda_kernels::step<<<blocks, cuda_kernels::block_size, 0, stream_>>>(
+              StepKernel<Steps, false>{steps, r});
+        }
+      }
+      launched();
+      fetch(steps.count + round, now + 1, listed);
+      const std::uint32_t* end = std::find(listed, listed + now, 0U);
+      round += static_cast<std::uint32_t>(end - listed);
+      listed[0] = *end;
+    }
+    return round - first;
+  }
+
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }
   CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
     DeviceAtomics::raise(target, value);
+  }
+  CULLHULL_HD static bool is_first(std::uint32_t& target, std::uint32_t value) {
+    return DeviceAtomics::is_first(target, value);
+  }
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) {
+    return DeviceAtomics::next(counter);
   }
 
  private:

@@ -100,6 +100,20 @@ struct HostMemory {
   static void settle(const Counts&...) {}
 };
 
+/// What `rounds` of an executor on the host does.
+template <class Executor, class Steps>
+std::uint32_t rounds_in_turn(const Executor& executor, const Steps& steps, std::uint32_t first,
+                             std::uint32_t last, const Control& control) {
+  std::uint32_t round = first;
+  for (; round <= last && steps.items(round) != 0; ++round) {
+    control.check();
+    const std::uint32_t items = steps.items(round);
+    executor.for_each(items, [&](std::uint32_t i) { steps.first(round, i); });
+    executor.for_each(items, [&](std::uint32_t i) { steps.second(round, i); });
+  }
+  return round - first;
+}
+
 /// The reference implementation: loops in order.
 class SerialExecutor : public HostMemory {
  public:
@@ -161,6 +175,16 @@ class SerialExecutor : public HostMemory {
     return none;
   }
 
+  /// Rounds of two steps, from `first` to `last` or until a round has no items: items(round) of
+  /// `steps` says how many it has, then first(round, i) is called for each of them, and after all
+  /// of these second(round, i), which may add items to the next round. Returns how many rounds had
+  /// items.
+  template <class Steps>
+  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
+                       const Control& control) const {
+    return rounds_in_turn(*this, steps, first, last, control);
+  }
+
   /// For use in bodies: sets target = min(target, value), or max, atomically if bodies run
   /// concurrently.
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
@@ -169,6 +193,14 @@ class SerialExecutor : public HostMemory {
   CULLHULL_HD static void raise(std::uint64_t& target, std::uint64_t value) {
     if (value > target) target = value;
   }
+  /// Likewise: raises a word, and returns whether it was lower.
+  CULLHULL_HD static bool is_first(std::uint32_t& target, std::uint32_t value) {
+    const bool lower = target < value;
+    if (lower) target = value;
+    return lower;
+  }
+  /// Likewise: adds 1, and returns what was there before.
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) { return counter++; }
 };
 
 /// Does the same on several threads.
@@ -244,6 +276,12 @@ class ThreadExecutor : public HostMemory {
     return none;
   }
 
+  template <class Steps>
+  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
+                       const Control& control) const {
+    return rounds_in_turn(*this, steps, first, last, control);
+  }
+
   static void lower(std::uint32_t& target, std::uint32_t v) {
     std::atomic_ref<std::uint32_t> t(target);
     std::uint32_t now = t.load(std::memory_order_relaxed);
@@ -256,6 +294,18 @@ class ThreadExecutor : public HostMemory {
     std::uint64_t now = t.load(std::memory_order_relaxed);
     while (v > now && !t.compare_exchange_weak(now, v, std::memory_order_relaxed)) {
     }
+  }
+
+  static bool is_first(std::uint32_t& target, std::uint32_t v) {
+    std::atomic_ref<std::uint32_t> t(target);
+    std::uint32_t now = t.load(std::memory_order_relaxed);
+    while (v > now)
+      if (t.compare_exchange_weak(now, v, std::memory_order_relaxed)) return true;
+    return false;
+  }
+
+  static std::uint32_t next(std::uint32_t& counter) {
+    return std::atomic_ref<std::uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
   }
 
  private:

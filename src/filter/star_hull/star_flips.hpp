@@ -15,9 +15,16 @@ namespace cullhull::internal::inline filter {
 /// or second end (after the corner) removed.
 enum class StarFlip : unsigned char { none, edge, first_end, second_end };
 
-/// The surroundings of a flip: its facets and those that border on them.
+/// The surroundings of a flip: first the facets that it replaces, `own` of them, then those that
+/// border on them, of each of which it changes the one side between.
 struct FlipPatch {
   std::uint32_t facet[6];
+  unsigned own;
+};
+/// By facet: the strongest flip that would replace it, and the strongest that would change one of
+/// its sides.
+struct alignas(16) FlipClaim {
+  std::uint64_t own, beside;
 };
 
 template <class Rows>
@@ -26,11 +33,10 @@ struct StarFlips {
   double centre[3];
   StarFacet* facet;
   unsigned char* culled;  ///< by row: a vertex that a flip removes is strictly inside
-  std::uint32_t round;
 
   /// Of a side's claims: later rounds before earlier ones, and within a round each side its own
   /// number, in an order that changes from round to round.
-  CULLHULL_HD std::uint64_t key(std::uint32_t side) const {
+  CULLHULL_HD static std::uint64_t key(std::uint32_t side, std::uint32_t round) {
     std::uint32_t h =
         side * 0x9E3779B1U + round * 0x85EBCA6BU;  // odd factors and shifts: one to one
     h ^= h >> 15;
@@ -66,27 +72,26 @@ struct StarFlips {
     return StarFlip::none;
   }
 
+  /// Reads the facets that the flip replaces, and no others.
   CULLHULL_HD FlipPatch patch(std::uint32_t f, unsigned k, StarFlip flip) const {
     const StarFacet& here = facet[f];
     const StarSide beyond = here.across[k];
     const StarFacet& there = facet[beyond.facet()];
-    const unsigned m = beyond.corner(), k1 = next_corner(k), k2 = last_corner(k);
-    const unsigned m1 = next_corner(m), m2 = last_corner(m);
-    FlipPatch p = {{f, beyond.facet(), 0, 0, 0, 0}};
-    p.facet[2] = here.across[k1].facet();
-    p.facet[3] = here.across[k2].facet();
-    p.facet[4] = there.across[m1].facet();
-    p.facet[5] = there.across[m2].facet();
-    if (flip == StarFlip::edge) return p;
-    // The third facet around the removed end stands twice; the second time its outer neighbour.
-    if (flip == StarFlip::first_end) {
-      const StarSide third = here.across[k2];
-      p.facet[4] = facet[third.facet()].across[corner_of(third, here.vertex[k1])].facet();
-    } else {
-      const StarSide third = here.across[k1];
-      p.facet[5] = facet[third.facet()].across[corner_of(third, here.vertex[k2])].facet();
-    }
-    return p;
+    const unsigned m = beyond.corner();
+    const StarSide bc = here.across[next_corner(k)], ca = here.across[last_corner(k)],
+                   ad = there.across[next_corner(m)], db = there.across[last_corner(m)];
+    if (flip == StarFlip::edge)
+      return {{f, beyond.facet(), bc.facet(), ca.facet(), ad.facet(), db.facet()}, 2};
+    const StarSide third = third_facet(f, k, flip);
+    const bool first = flip == StarFlip::first_end;
+    const std::uint32_t end = here.vertex[first ? next_corner(k) : last_corner(k)];
+    const std::uint32_t outer = facet[third.facet()].across[corner_of(third, end)].facet();
+    return first ? FlipPatch{{f, beyond.facet(), third.facet(), bc.facet(), db.facet(), outer}, 3}
+                 : FlipPatch{{f, beyond.facet(), third.facet(), ca.facet(), ad.facet(), outer}, 3};
+  }
+  /// The third facet around an end that is removed.
+  CULLHULL_HD StarSide third_facet(std::uint32_t f, unsigned k, StarFlip flip) const {
+    return facet[f].across[flip == StarFlip::first_end ? last_corner(k) : next_corner(k)];
   }
 
   /// The corner of the facet at which `vertex` stands.
@@ -145,20 +150,37 @@ struct StarFlips {
   }
 };
 
-/// Item 3 f + k is side k of facet f. Finds the flip at a side and claims all facets around it. A
-/// side whose surroundings have not changed since it found nothing to do is passed over.
+/// Rounds of flips. A round looks at the sides of the facets that are listed for it: first each
+/// finds its flip and claims the facets around, then the flips that got all of their claims are
+/// done, which touch nothing in common. A flip needs the facets that it replaces: no stronger flip
+/// may replace one of them or change one of its sides. So nobody replaces what it only borders on;
+/// others may border on it, too, each of which changes another side. Listed for the next round is
+/// what a flip changed or has yet to get. The order of a list shows in nothing: claims know sides
+/// by their numbers.
 template <class Executor, class Rows>
-struct ProposeFlip {
+struct FlipRounds {
   StarFlips<Rows> flips;
-  std::uint64_t* claim;     ///< by facet
-  unsigned char* proposal;  ///< by side: a StarFlip
-  unsigned char* waiting;   ///< by side
+  FlipClaim* claim;
+  unsigned char* proposal;    ///< by item of the round: a StarFlip
+  unsigned char* waiting;     ///< by side: its surroundings have changed since it was looked at
+  std::uint32_t* listed[2];   ///< facets, for even and for odd rounds
+  std::uint32_t* listed_for;  ///< by facet: the last round that it is listed for
+  std::uint32_t* count;       ///< by round: how many facets are listed
+  std::uint32_t* flipped;     ///< how many flips were done
 
-  CULLHULL_HD void operator()(std::uint32_t side) const {
-    proposal[side] = 0;
+  /// Item 3 j + k is side k of the j-th listed facet.
+  CULLHULL_HD static std::uint32_t items_of(std::uint32_t facets) { return 3 * facets; }
+  CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return items_of(count[round]); }
+  CULLHULL_HD std::uint32_t facet_of(std::uint32_t round, std::uint32_t item) const {
+    return listed[round % 2][item / 3];
+  }
+
+  CULLHULL_HD void first(std::uint32_t round, std::uint32_t item) const {
+    const std::uint32_t f = facet_of(round, item);
+    const unsigned k = item % 3;
+    const std::uint32_t side = 3 * f + k;
+    proposal[item] = 0;
     if (waiting[side] == 0) return;
-    const std::uint32_t f = side / 3;
-    const unsigned k = side % 3;
     int reflex = 0;
     // A side is looked at from the lower of its two facets.
     const StarFlip flip = flips.facet[f].live() && flips.facet[f].across[k].facet() > f
@@ -168,57 +190,57 @@ struct ProposeFlip {
       waiting[side] = 0;
       return;
     }
-    proposal[side] = static_cast<unsigned char>(flip);
+    proposal[item] = static_cast<unsigned char>(flip);
     const FlipPatch p = flips.patch(f, k, flip);
-    const std::uint64_t key = flips.key(side);
-    for (const std::uint32_t g : p.facet) Executor::raise(claim[g], key);
+    const std::uint64_t key = flips.key(side, round);
+    for (unsigned j = 0; j < 6; ++j) {
+      FlipClaim& c = claim[p.facet[j]];
+      Executor::raise(j < p.own ? c.own : c.beside, key);
+    }
   }
-};
 
-/// Does the flips that got all of their claims, which are apart from one another; returns how many.
-/// A facet is read only once its claim is seen to be this flip's: others may be changing now.
-template <class Rows>
-struct PerformFlip {
-  StarFlips<Rows> flips;
-  const std::uint64_t* claim;
-  const unsigned char* proposal;
-  unsigned char* waiting;
-
-  CULLHULL_HD std::uint32_t operator()(std::uint32_t side) const {
-    const auto flip = static_cast<StarFlip>(proposal[side]);
-    if (flip == StarFlip::none) return 0;
-    const std::uint32_t f = side / 3;
-    const unsigned k = side % 3;
-    const std::uint64_t key = flips.key(side);
-    if (claim[f] != key) return 0;
-    const StarFacet& here = flips.facet[f];
-    for (unsigned j = 0; j < 3; ++j)
-      if (claim[here.across[j].facet()] != key) return 0;
-    const FlipPatch p = flips.patch(f, k, flip);  // reads these facets alone
-    for (const std::uint32_t g : p.facet)
-      if (claim[g] != key) return 0;
+  /// A facet is read only once it is seen to be this flip's: others may be changing now.
+  CULLHULL_HD void second(std::uint32_t round, std::uint32_t item) const {
+    const auto flip = static_cast<StarFlip>(proposal[item]);
+    if (flip == StarFlip::none) return;
+    const std::uint32_t f = facet_of(round, item);
+    const unsigned k = item % 3;
+    const std::uint64_t key = flips.key(3 * f + k, round);
+    if (!owns(f, key) || !owns(flips.facet[f].across[k].facet(), key) ||
+        (flip != StarFlip::edge && !owns(flips.third_facet(f, k, flip).facet(), key))) {
+      list(f, round + 1);
+      return;
+    }
+    const FlipPatch p = flips.patch(f, k, flip);
     flips.perform(f, k, flip);
-    for (const std::uint32_t g : p.facet)
+    for (const std::uint32_t g : p.facet) {
       for (unsigned j = 0; j < 3; ++j) waiting[3 * g + j] = 1;
-    return 1;
+      list(g, round + 1);
+    }
+    Executor::next(*flipped);
+  }
+
+ private:
+  CULLHULL_HD bool owns(std::uint32_t f, std::uint64_t key) const {
+    return claim[f].own == key && claim[f].beside < key;
+  }
+  CULLHULL_HD void list(std::uint32_t f, std::uint32_t round) const {
+    if (Executor::is_first(listed_for[f], round))
+      listed[round % 2][Executor::next(count[round])] = f;
   }
 };
 
-template <class Rows>
-struct PerformUncounted {
-  PerformFlip<Rows> flip;
-  CULLHULL_HD void operator()(std::uint32_t side) const { (void)flip(side); }
-};
-struct AddNumbers {
-  CULLHULL_HD std::uint32_t operator()(std::uint32_t a, std::uint32_t b) const { return a + b; }
-};
-/// Before the first round: nothing is claimed, and every facet is to be looked at.
-struct StartWaiting {
-  std::uint64_t* claim;
-  unsigned char* waiting;
+/// Before the first round: nothing is claimed, and every facet is listed for it.
+template <class Executor, class Rows>
+struct StartFlips {
+  FlipRounds<Executor, Rows> rounds;
+  std::uint32_t facets, first_round;
   CULLHULL_HD void operator()(std::uint32_t f) const {
-    claim[f] = 0;
-    for (unsigned k = 0; k < 3; ++k) waiting[3 * f + k] = 1;
+    rounds.claim[f] = {0, 0};
+    for (unsigned k = 0; k < 3; ++k) rounds.waiting[3 * f + k] = 1;
+    rounds.listed[first_round % 2][f] = f;
+    rounds.listed_for[f] = first_round;
+    if (f == 0) rounds.count[first_round] = facets;
   }
 };
 

@@ -25,7 +25,7 @@ struct StarCounts {
   std::uint32_t left = 0;                  ///< rows that are not culled in the end
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
   std::uint32_t flip_rounds = 0;
-  std::uint32_t flips = 0;  ///< on a device those of every eighth round alone
+  std::uint32_t flips = 0;
   double growth_seconds = 0, flip_seconds = 0;
   StarReport end;
   /// Every edge is certainly convex, and every row is a vertex or inside.
@@ -139,7 +139,7 @@ class StarHull {
     Executor& executor = growth_.executor();
     const std::uint32_t slots = growth_.facet_count(), left = done.left, facets = done.end.facets;
     std::uint32_t* number = executor.reserve(number_, count_);
-    std::uint32_t* facet_number = executor.reserve(facet_number_, slots);
+    std::uint32_t* facet_number = executor.reserve(number_of_facet_, slots);
     std::uint32_t* listed = executor.reserve(listed_, std::size_t{std::max(left, facets)} + 1);
     StarTriangles found;
     const auto rows_left = executor.select(count_, NotCulled{growth_.culled()}, EmitItem{listed});
@@ -171,37 +171,30 @@ class StarHull {
     return {{c[0], c[1], c[2]}};
   }
 
-  /// Flips until a round flips nothing. A device is asked whether one did only now and then: a
-  /// round takes it little longer than the question.
+  /// Flips until there is nothing to flip.
   void flip(const Control& control, StarCounts& done) {
-    constexpr unsigned between = Executor::many_threads ? 8 : 1;
+    // Every flip adds volume, so there is an end; where it is far, the rest is the CPU's. Seventy
+    // rounds are usual.
+    constexpr std::uint32_t most_rounds = 2048, first_round = 1;
     Executor& executor = growth_.executor();
     const std::uint32_t facets = growth_.facet_count();
-    StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled(), 0};
+    StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled()};
     std::copy_n(growth_.centre(), 3, flips.centre);
-    std::uint64_t* claim = executor.reserve(claim_, facets);
-    const std::uint32_t sides = 3 * facets;  // at most 6 of 2^28 points
-    unsigned char* proposal = executor.reserve(proposal_, sides);
-    unsigned char* waiting = executor.reserve(waiting_, sides);
-    executor.for_each(facets, StartWaiting{claim, waiting});
-    // Every flip adds volume, so there is an end; where it is far, the rest is the CPU's. A hundred
-    // rounds are usual.
-    constexpr std::uint32_t most_rounds = 2048;
-    std::uint32_t flipped = 1;
-    while (flipped != 0 && flips.round < most_rounds) {
-      control.check();
-      ++flips.round;
-      const ProposeFlip<Executor, Rows> propose{flips, claim, proposal, waiting};
-      const PerformFlip<Rows> perform{flips, claim, proposal, waiting};
-      executor.for_each(sides, propose);
-      if (flips.round % between != 0) {
-        executor.for_each(sides, PerformUncounted<Rows>{perform});
-      } else {
-        flipped = executor.reduce(sides, std::uint32_t{0}, perform, AddNumbers{});
-        done.flips += flipped;
-      }
-    }
-    done.flip_rounds = flips.round;
+    const std::size_t sides = 3 * std::size_t{facets};  // at most 6 of 2^28 points
+    std::uint32_t* counts = executor.reserve(flip_counts_, most_rounds + 3);
+    executor.zero(counts, most_rounds + 3);
+    const FlipRounds<Executor, Rows> rounds{
+        flips,
+        executor.reserve(claim_, facets),
+        executor.reserve(proposal_, sides),
+        executor.reserve(waiting_, sides),
+        {executor.reserve(listed_, facets), executor.reserve(order_, facets)},
+        executor.reserve(number_of_facet_, facets),
+        counts,
+        counts + most_rounds + 2};
+    executor.for_each(facets, StartFlips<Executor, Rows>{rounds, facets, first_round});
+    done.flip_rounds = executor.rounds(rounds, first_round, most_rounds, control);
+    executor.fetch(rounds.flipped, 1, &done.flips);
     done.end = executor.reduce(facets, StarReport{}, ReportFacet<Rows>{flips}, AddReports{});
   }
   template <class T>
@@ -209,9 +202,9 @@ class StarHull {
 
   StarGrowth<Executor, Rows> growth_;
   std::uint32_t count_ = 0;
-  Array<std::uint64_t> claim_;
+  Array<FlipClaim> claim_;
   Array<unsigned char> proposal_, waiting_;
-  Array<std::uint32_t> number_, facet_number_, listed_, order_, out_;
+  Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
 };
 
 }  // namespace cullhull::internal::inline filter
