@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 #include <vector>
 
 #include "cuda/kernels/executor.cuh"
+#include "cullhull/options.hpp"
 #include "gpu/device.hpp"
+#include "reference/count_down.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -18,6 +21,12 @@ struct Touch {
   const std::uint32_t* v;
   std::uint32_t* out;
   CULLHULL_HD void operator()(std::uint32_t i) const { out[i] += v[i] + i; }
+};
+
+struct Halve {
+  const std::uint32_t* v;
+  std::uint32_t* out;
+  CULLHULL_HD void operator()(std::uint32_t i) const { out[i] = v[i / 2]; }
 };
 
 struct Best {
@@ -110,11 +119,51 @@ TEST(PrimitivesGpu, SelectAndEnumerate) {
     wanted.resize(kept);
     EXPECT_EQ(fetched(executor, got.data<std::uint32_t>(), kept), wanted);
 
-    SerialExecutor{}.enumerate(n, IsThree{v.data()}, number.data());
+    std::vector<std::uint32_t> out(n, 5);
+    const OnDevice dout(out);
+    SerialExecutor{}.enumerate(n, IsThree{v.data()}, number.data(),
+                               Touch{number.data(), out.data()});
     EXPECT_EQ(
-        executor.enumerate(n, IsThree{dv.data<std::uint32_t>()}, dnumber.data<std::uint32_t>()),
+        executor.enumerate(n, IsThree{dv.data<std::uint32_t>()}, dnumber.data<std::uint32_t>(),
+                           Touch{dnumber.data<std::uint32_t>(), dout.data<std::uint32_t>()}),
         kept);
-    EXPECT_EQ(fetched(executor, dnumber.data<std::uint32_t>(), n + 1), number);
+    number.resize(n);
+    EXPECT_EQ(fetched(executor, dnumber.data<std::uint32_t>(), n), number);
+    EXPECT_EQ(fetched(executor, dout.data<std::uint32_t>(), n), out);
+
+    const OnDevice appended(wanted), doubled(std::vector<std::uint32_t>(2 * n));
+    const CudaExecutor::Count there = executor.append(n, IsThree{dv.data<std::uint32_t>()},
+                                                      Place{appended.data<std::uint32_t>()});
+    // What is not known on the host yet can be the number of items for another.
+    executor.for_each(CudaExecutor::times(there, 2),
+                      Halve{appended.data<std::uint32_t>(), doubled.data<std::uint32_t>()});
+    EXPECT_EQ(there, kept);
+    std::vector<std::uint32_t> any_order = fetched(executor, appended.data<std::uint32_t>(), kept);
+    std::vector<std::uint32_t> copies = fetched(executor, doubled.data<std::uint32_t>(), 2 * kept);
+    for (std::size_t i = 0; i < copies.size(); ++i) EXPECT_EQ(copies[i], any_order[i / 2]);
+    std::ranges::sort(any_order);
+    EXPECT_EQ(any_order, wanted);
+  }
+}
+
+TEST(PrimitivesGpu, Rounds) {
+  CULLHULL_NEEDS_DEVICE();
+  const Stream stream;
+  CudaExecutor executor(stream);
+  for (const std::uint32_t n : sizes) {
+    std::vector<std::uint32_t> value = few_values(n), odd(n), count(301, 0);
+    std::iota(odd.begin(), odd.end(), 0U);
+    count[1] = n;
+    for (std::uint32_t i = 0; i < n; ++i) value[i] += 1 + (i % 1000 == 7 ? 40 : 0);
+    const std::uint32_t rounds = n == 0 ? 0 : *std::ranges::max_element(value);
+    const OnDevice values(value), even(odd), odds(odd), zeros(std::vector<std::uint32_t>(n, 0)),
+        counts(count);
+    const CountDown<CudaExecutor> steps{values.data<std::uint32_t>(),
+                                        {even.data<std::uint32_t>(), odds.data<std::uint32_t>()},
+                                        zeros.data<std::uint32_t>(),
+                                        counts.data<std::uint32_t>()};
+    EXPECT_EQ(executor.rounds(steps, 1, 299, Control(Options{})), rounds);
+    EXPECT_EQ(fetched(executor, values.data<std::uint32_t>(), n), std::vector<std::uint32_t>(n, 0));
   }
 }
 

@@ -21,7 +21,7 @@ class EmulatedExecutor : public HostMemory {
 
   template <class Body>
   void for_each(std::uint32_t count, Body body) const {
-    const ForEachKernel<Body> kernel{body, count};
+    const ForEachKernel<Body> kernel{body, {nullptr, count}};
     for_threads([&](const GridThread& at) { kernel.run(at); });
   }
 
@@ -48,9 +48,19 @@ class EmulatedExecutor : public HostMemory {
     return static_cast<std::uint32_t>(kept.size());
   }
 
-  template <class Keep>
-  std::uint32_t enumerate(std::uint32_t count, Keep keep, std::uint32_t* number) const {
-    return SerialExecutor{}.enumerate(count, keep, number);
+  template <class Keep, class Emit>
+  std::uint32_t append(std::uint32_t count, Keep keep, Emit emit) const {
+    std::uint32_t k = 0;
+    for (std::uint32_t i = count; i-- > 0;)
+      if (keep(i)) emit(i, k++);
+    return k;
+  }
+
+  template <class Keep, class Then>
+  std::uint32_t enumerate(std::uint32_t count, Keep keep, std::uint32_t* number, Then then) const {
+    const std::uint32_t kept = SerialExecutor{}.enumerate(count, keep, number, [](auto) {});
+    for_each(count, then);
+    return kept;
   }
 
   template <class Body>
@@ -58,7 +68,7 @@ class EmulatedExecutor : public HostMemory {
                             std::uint64_t* best) const {
     const std::uint32_t copies = scatter_copies(cells);
     std::vector<std::uint64_t> copied(std::size_t{copies} * cells, 0);
-    const ScatterMaxKernel<Body> kernel{body, count, cells, copies, copied.data()};
+    const ScatterMaxKernel<Body> kernel{body, {nullptr, count}, cells, copies, copied.data()};
     std::uint32_t none = 0;
     for_threads([&](const GridThread& at) { none += kernel.run(at); });
     for_each(cells, FoldCopies{copied.data(), cells, copies, best});

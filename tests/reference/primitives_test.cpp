@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numeric>
 #include <random>
 
+#include "cullhull/options.hpp"
+#include "reference/count_down.hpp"
 #include "reference/emulated_executor.hpp"
 
 namespace cullhull::internal {
@@ -43,17 +46,27 @@ void expect_as_plain_loops(Executor executor) {
     got.resize(kept);
     EXPECT_EQ(got, wanted);
 
-    std::vector<std::uint32_t> numbers(n + 1), sums(n + 1);
+    std::vector<std::uint32_t> appended(n);
+    EXPECT_EQ(executor.append(
+                  n, [&](std::uint32_t i) { return v[i] == 3; },
+                  [&](std::uint32_t i, std::uint32_t k) { appended.at(k) = i; }),
+              kept);
+    appended.resize(kept);
+    std::ranges::sort(appended);
+    EXPECT_EQ(appended, wanted);
+
+    std::vector<std::uint32_t> numbers(n + 1), sums(n + 1), after(n, 0);
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       sums[i] = sum;
       sum += v[i] >= 2 ? 1 : 0;
     }
-    sums[n] = sum;
     EXPECT_EQ(executor.enumerate(
-                  n, [&](std::uint32_t i) { return v[i] >= 2; }, numbers.data()),
+                  n, [&](std::uint32_t i) { return v[i] >= 2; }, numbers.data(),
+                  [&](std::uint32_t i) { after[i] = numbers[i]; }),
               sum);
-    EXPECT_EQ(numbers, sums);
+    sums.resize(n);
+    EXPECT_EQ(after, sums);
 
     // Cells 1 and 5 of 6 get nothing; some offers are to no cell.
     const auto offer = [&](std::uint32_t i) {
@@ -75,6 +88,16 @@ void expect_as_plain_loops(Executor executor) {
     executor.for_each(n, [&](std::uint32_t i) { Executor::lower(least[v[i]], i ^ 21U); });
     for (std::uint32_t i = 0; i < n; ++i) lowest[v[i]] = std::min(lowest[v[i]], i ^ 21U);
     EXPECT_EQ(least, lowest);
+
+    std::vector<std::uint32_t> value(v), odd(n), even(n), listed_for(n, 0), count(10, 0);
+    std::iota(odd.begin(), odd.end(), 0U);
+    count[1] = n;
+    for (auto& x : value) ++x;
+    const std::uint32_t rounds = n == 0 ? 0 : *std::ranges::max_element(value);
+    const CountDown<Executor> steps{
+        value.data(), {even.data(), odd.data()}, listed_for.data(), count.data()};
+    EXPECT_EQ(executor.rounds(steps, 1, 9, Control(Options{})), rounds);
+    EXPECT_EQ(value, std::vector<std::uint32_t>(n, 0));
   }
 }
 

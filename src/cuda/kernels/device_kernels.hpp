@@ -58,9 +58,10 @@ struct DeviceAtomics {
 template <class Body>
 struct ForEachKernel {
   Body body;
-  std::uint32_t count;
+  ItemCount items;
 
   CULLHULL_HD void run(const GridThread& at) const {
+    const std::uint32_t count = items.get();
     for (std::uint64_t i = at.first(); i < count; i += at.stride())
       body(static_cast<std::uint32_t>(i));
   }
@@ -119,12 +120,14 @@ struct ReduceKernel {
 template <class Body>
 struct ScatterMaxKernel {
   Body body;
-  std::uint32_t count, cells, copies;
+  ItemCount items;
+  std::uint32_t cells, copies;
   std::uint64_t* best;  ///< the copies, `cells` values each
 
   /// Returns how many of this thread's items have no cell (no_item).
   CULLHULL_HD std::uint32_t run(const GridThread& at) const {
     std::uint64_t* mine = best + std::size_t{at.block % copies} * cells;
+    const std::uint32_t count = items.get();
     std::uint32_t none = 0;
     for (std::uint64_t i = at.first(); i < count; i += at.stride()) {
       const Offer offer = body(static_cast<std::uint32_t>(i));

@@ -15,6 +15,7 @@
 
 #include "cuda/kernels/device_kernels.hpp"
 #include "cuda/runtime.hpp"
+#include "cullhull/error.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 
 namespace cullhull::internal::inline cuda {
@@ -78,17 +79,30 @@ __global__ void __launch_bounds__(block_size)
   if (threadIdx.x % 32 == 0 && none != 0) atomicAdd(none_of_all, none);
 }
 
-/// keep(i) as 0 or 1; 0 for the item after the last, which a scan over count + 1 items includes.
+/// keep(i) as 0 or 1; 0 from the item after the last on: a scan goes one item beyond the most that
+/// there may be.
 template <class Keep>
 struct KeepAsNumber {
   Keep keep;
-  std::uint32_t count;
+  ItemCount items;
   __host__ __device__ std::uint32_t operator()(std::uint32_t i) const {
-    return i < count && keep(i) ? 1 : 0;
+    return i < items.get() && keep(i) ? 1 : 0;
   }
 };
 
-/// number[i]: the number of items kept before item i.
+/// What follows such a scan: number[i] is the number of items kept before item i, number[last] that
+/// of all.
+template <class Then>
+struct AfterNumbers {
+  Then then;
+  const std::uint32_t* number;
+  std::uint32_t last;
+  std::uint32_t* all;
+  CULLHULL_HD void operator()(std::uint32_t i) const {
+    if (i == 0) *all = number[last];
+    then(i);
+  }
+};
 template <class Keep, class Emit>
 struct EmitKept {
   Keep keep;
@@ -96,6 +110,15 @@ struct EmitKept {
   const std::uint32_t* number;
   CULLHULL_HD void operator()(std::uint32_t i) const {
     if (keep(i)) emit(i, number[i]);
+  }
+};
+template <class Keep, class Emit>
+struct AppendKept {
+  Keep keep;
+  Emit emit;
+  std::uint32_t* kept;
+  CULLHULL_HD void operator()(std::uint32_t i) const {
+    if (keep(i)) emit(i, DeviceAtomics::next(*kept));
   }
 };
 
@@ -167,15 +190,6 @@ class CudaExecutor {
     cuda::check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
   }
 
-  template <class Body>
-  void for_each(std::uint32_t count, const Body& body) {
-    if (count == 0) return;
-    cuda_kernels::
-        for_each<<<grid(count, cuda_kernels::block_size), cuda_kernels::block_size, 0, stream_>>>(
-            ForEachKernel<Body>{body, count});
-    launched();
-  }
-
   template <class T, class Map, class Combine>
   T reduce(std::uint32_t count, T identity, const Map& map, const Combine& combine) {
     if (count == 0) return identity;
@@ -194,78 +208,91 @@ class CudaExecutor {
     return identity;
   }
 
-  /// A number that a kernel writes to a word of the executor's: it must be read before as many
-  /// others are asked for as there are words.
+  /// A number of items, perhaps a multiple of one that a kernel writes to a word of the executor's.
+  /// It must be read before half as many others are asked for as there are words.
   class Count {
    public:
-    operator std::uint32_t() const {  // NOLINT: a number, as on the host
-      if (owner_ != nullptr) owner_->settle(*this);
-      return value_;
+    Count(std::uint32_t value = 0) : most_(value) {}  // NOLINT: a number, as on the host
+    operator std::uint32_t() const {                  // NOLINT
+      return owner_ == nullptr ? most_ : owner_->number_at(serial_) * each_;
     }
 
    private:
     friend CudaExecutor;
-    explicit Count(std::uint32_t value) : value_(value) {}
-    Count(CudaExecutor* owner, unsigned word) : owner_(owner), word_(word) {}
-    mutable CudaExecutor* owner_ = nullptr;  ///< null: known
-    unsigned word_ = 0;
-    mutable std::uint32_t value_ = 0;
+    CudaExecutor* owner_ = nullptr;  ///< null: known, and most_
+    std::uint64_t serial_ = 0;
+    std::uint32_t each_ = 1, most_ = 0;
   };
-  template <class... Counts>
-  void settle(const Counts&... counts) {
-    if (((counts.owner_ == nullptr) && ...)) return;
-    std::uint32_t all[word_count];
-    fetch(words_.data(), word_count, all);
-    ((counts.owner_ != nullptr ? void(counts.value_ = all[counts.word_]) : void()), ...);
-    ((counts.owner_ = nullptr), ...);
+  static Count times(Count count, std::uint32_t factor) {
+    count.each_ *= factor;
+    count.most_ *= factor;
+    return count;
+  }
+  static std::uint32_t most(const Count& count) { return count.most_; }
+  static ItemCount items(const Count& count) {
+    if (count.owner_ == nullptr) return {nullptr, count.most_};
+    return {count.owner_->word(count), count.each_};
+  }
+  /// A look at the numbers takes as long as half a round.
+  static constexpr unsigned rounds_ahead = 4;
+
+  template <class Body>
+  void for_each(const Count& count, const Body& body) {
+    if (count.most_ == 0) return;
+    cuda_kernels::for_each<<<grid(count.most_, cuda_kernels::block_size), cuda_kernels::block_size,
+                             0, stream_>>>(ForEachKernel<Body>{body, items(count)});
+    launched();
   }
 
   template <class Body>
-  Count scatter_max(std::uint32_t count, std::uint32_t cells, const Body& body,
+  Count scatter_max(const Count& count, const Count& of_cells, const Body& body,
                     std::uint64_t* best) {
-    if (count == 0) {
+    const std::uint32_t cells = of_cells.most_;
+    if (count.most_ == 0) {
       zero(best, cells);
-      return Count(0);
+      return 0;
     }
-    const Count result = next_count();
-    std::uint32_t* none = words_.data() + result.word_;
-    zero(none, 1);
+    const Count result = next_count(count.most_);
     const std::uint32_t copies = scatter_copies(cells);
     const std::size_t words = std::size_t{copies} * cells;
     std::uint64_t* copied = copies == 1 ? best : reserve(copies_, words);
     zero(copied, words);
-    cuda_kernels::scatter_max<<<grid(count, cuda_kernels::block_size), cuda_kernels::block_size, 0,
-                                stream_>>>(
-        ScatterMaxKernel<Body>{body, count, cells, copies, copied}, none);
+    cuda_kernels::scatter_max<<<grid(count.most_, cuda_kernels::block_size),
+                                cuda_kernels::block_size, 0, stream_>>>(
+        ScatterMaxKernel<Body>{body, items(count), cells, copies, copied}, word(result));
     launched();
-    if (copies != 1) for_each(cells, FoldCopies{copied, cells, copies, best});
+    if (copies != 1) for_each(of_cells, FoldCopies{copied, cells, copies, best});
     return result;
   }
 
-  template <class Keep>
-  Count enumerate(std::uint32_t count, const Keep& keep, std::uint32_t* number) {
+  template <class Keep, class Then>
+  Count enumerate(const Count& count, const Keep& keep, std::uint32_t* number, const Then& then) {
+    if (count.most_ == 0) return 0;
+    const std::uint32_t last = count.most_;
     const auto kept =
         thrust::make_transform_iterator(thrust::make_counting_iterator(std::uint32_t{0}),
-                                        cuda_kernels::KeepAsNumber<Keep>{keep, count});
+                                        cuda_kernels::KeepAsNumber<Keep>{keep, items(count)});
     with_scratch([&](void* scratch, std::size_t& bytes) {
-      return cub::DeviceScan::ExclusiveSum(scratch, bytes, kept, number, count + 1, stream_);
+      return cub::DeviceScan::ExclusiveSum(scratch, bytes, kept, number, last + 1, stream_);
     });
-    const Count result = next_count();
-    cuda::check(cudaMemcpyAsync(words_.data() + result.word_, number + count, sizeof *number,
-                                cudaMemcpyDeviceToDevice, stream_),
-                "copying on the device");
+    const Count result = next_count(last);
+    for_each(count, cuda_kernels::AfterNumbers<Then>{then, number, last, word(result)});
     return result;
   }
 
   template <class Keep, class Emit>
-  Count select(std::uint32_t count, const Keep& keep, const Emit& emit) {
-    if (count == 0) return Count(0);
+  Count select(const Count& count, const Keep& keep, const Emit& emit) {
     // First the positions, then `emit`, in two kernels: inlined into CUB's selection, which takes
     // many items a thread, a long emit would not fit into registers.
-    std::uint32_t* number = reserve(numbers_, std::size_t{count} + 1);
-    const Count kept = enumerate(count, keep, number);
-    for_each(count, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
-    return kept;
+    std::uint32_t* number = reserve(numbers_, std::size_t{count.most_} + 1);
+    return enumerate(count, keep, number, cuda_kernels::EmitKept<Keep, Emit>{keep, emit, number});
+  }
+
+  template <class Keep, class Emit>
+  Count append(const Count& count, const Keep& keep, const Emit& emit) {
+    const Count result = next_count(count.most_);
+    for_each(count, cuda_kernels::AppendKept<Keep, Emit>{keep, emit, word(result)});
+    return result;
   }
 
   template <class Key>
@@ -331,7 +358,7 @@ class CudaExecutor {
   }
 
  private:
-  static constexpr unsigned word_count = 8;  ///< numbers that may wait to be read
+  static constexpr std::uint32_t word_count = 256;  ///< half of them may wait to be read
 
   /// Enough blocks to fill the device a few times over, no more: work that each block does once
   /// (clearing and writing its table, folding) is then rarely done.
@@ -341,10 +368,29 @@ class CudaExecutor {
   }
   static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
 
-  Count next_count() {
-    if (words_.data() == nullptr) zero(reserve(words_, word_count), word_count);
-    next_word_ = (next_word_ + 1) % word_count;
-    return Count(this, next_word_);
+  /// A number, zero until a kernel writes it.
+  Count next_count(std::uint32_t most) {
+    constexpr std::uint32_t half = word_count / 2;
+    if (words_.data() == nullptr) reserve(words_, word_count);
+    ++serial_;
+    if (serial_ % half == 1) zero(words_.data() + (serial_ - 1) % word_count, half);
+    Count count(most);
+    count.owner_ = this;
+    count.serial_ = serial_;
+    return count;
+  }
+  std::uint32_t* word(const Count& count) const {
+    return words_.data() + (count.serial_ - 1) % word_count;
+  }
+  std::uint32_t number_at(std::uint64_t serial) {
+    if (serial > fetched_) {
+      numbers_here_.resize(word_count);
+      fetch(words_.data(), word_count, numbers_here_.data());
+      fetched_ = serial_;
+    }
+    if (serial + word_count / 2 <= fetched_)
+      throw Error(ErrorCode::internal, "a number of the device is read too late");
+    return numbers_here_[(serial - 1) % word_count];
   }
 
   /// Calls CUB twice: the first call returns the size of the scratch memory.
@@ -357,7 +403,9 @@ class CudaExecutor {
   }
 
   cudaStream_t stream_;
-  unsigned processors_, next_word_ = 0;
+  unsigned processors_;
+  std::uint64_t serial_ = 0, fetched_ = 0;  ///< of the last number asked for, and looked at
+  std::vector<std::uint32_t> numbers_here_;
   CudaArray<std::uint32_t> words_, numbers_;
   CudaArray<std::uint64_t> copies_, partial_, scratch_;
 };

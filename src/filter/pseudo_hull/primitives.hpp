@@ -28,6 +28,13 @@ struct Offer {
   std::uint64_t value;
 };
 
+/// How many items there are: `number`, or `number` times what stands in the executor's memory.
+struct ItemCount {
+  const std::uint32_t* there;
+  std::uint32_t number;
+  CULLHULL_HD std::uint32_t get() const { return there == nullptr ? number : *there * number; }
+};
+
 /// Memory of an executor on the host. Contents are lost when it grows.
 template <class T>
 class HostArray {
@@ -93,11 +100,15 @@ struct HostMemory {
   static void zero(T* items, std::size_t count) {
     std::fill_n(items, count, T{});
   }
-  /// What scatter_max, enumerate and select return: on a device a number that is still there. It
-  /// converts to the number, which waits for the device; settle() gets several at the price of one.
+  /// What primitives take and return as numbers of items: on a device one that may be still there.
+  /// It converts to the number, which waits for the device, once for all numbers that are there.
   using Count = std::uint32_t;
-  template <class... Counts>
-  static void settle(const Counts&...) {}
+  /// `factor` times a number; the most that it may be; and the number for use in bodies.
+  static Count times(Count count, std::uint32_t factor) { return count * factor; }
+  static std::uint32_t most(Count count) { return count; }
+  static ItemCount items(Count count) { return {nullptr, count}; }
+  /// How many rounds of an algorithm may be started before their numbers are looked at.
+  static constexpr unsigned rounds_ahead = 1;
 };
 
 /// What `rounds` of an executor on the host does.
@@ -146,15 +157,26 @@ class SerialExecutor : public HostMemory {
     return k;
   }
 
-  /// Sets number[i] to the number of items kept among [0, i), i = 0 ... count; returns the last.
-  template <class Keep>
-  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
+  /// The same in any order of the k, and nothing is emitted that is not kept.
+  template <class Keep, class Emit>
+  std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
+    std::uint32_t k = 0;
+    for (std::uint32_t i = 0; i < count; ++i)
+      if (keep(i)) emit(i, k++);
+    return k;
+  }
+
+  /// Sets number[i] to the number of items kept among [0, i), then calls then(i), for every i of
+  /// [0, count); returns the number of all that are kept. There must be room for count + 1 numbers.
+  template <class Keep, class Then>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number,
+                          Then&& then) const {
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
       number[i] = sum;
       sum += static_cast<std::uint32_t>(keep(i));
     }
-    number[count] = sum;
+    for_each(count, then);
     return sum;
   }
 
@@ -244,8 +266,14 @@ class ThreadExecutor : public HostMemory {
     return offsets.back();
   }
 
-  template <class Keep>
-  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number) const {
+  template <class Keep, class Emit>
+  std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
+    return select(count, keep, emit);
+  }
+
+  template <class Keep, class Then>
+  std::uint32_t enumerate(std::uint32_t count, Keep&& keep, std::uint32_t* number,
+                          Then&& then) const {
     const std::vector<std::uint32_t> offsets = kept_before_chunks(count, keep);
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -255,7 +283,8 @@ class ThreadExecutor : public HostMemory {
         k += static_cast<std::uint32_t>(keep(static_cast<std::uint32_t>(i)));
       }
     });
-    return number[count] = offsets.back();
+    for_each(count, then);
+    return offsets.back();
   }
 
   template <class Body>

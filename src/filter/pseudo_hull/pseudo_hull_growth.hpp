@@ -146,12 +146,12 @@ class PseudoHullGrowth {
                const typename Executor::Count& culled, PseudoHullRound& report) {
     const std::uint32_t before = exterior_;
     executor_.reserve(number_, std::size_t{cells} + 1);
-    const auto facets = executor_.enumerate(cells, CellHasPoints{best_.data()}, number_.data());
     // Room for as many as there can be: their numbers come with a single wait, at the end.
     executor_.reserve(facet_, cells);
     executor_.reserve(apex_, cells);
-    executor_.for_each(cells, MoveFacet<D>{best_.data(), number_.data(), cell_.data(),
-                                           facet_.data(), apex_.data()});
+    const auto facets = executor_.enumerate(
+        cells, CellHasPoints{best_.data()}, number_.data(),
+        MoveFacet<D>{best_.data(), number_.data(), cell_.data(), facet_.data(), apex_.data()});
     // Room for one more, because an executor may emit an item that is not kept.
     executor_.reserve(next_points_, std::size_t{before} + 1);
     const auto exterior = executor_.select(
@@ -159,7 +159,6 @@ class PseudoHullGrowth {
         MovePoint<Executor>{cells, best_.data(), number_.data(), place_.data(), distance_.data(),
                             from, next_points_.data(), apex_.data()});
     std::swap(points_, next_points_);
-    executor_.settle(culled, facets, exterior);
     facets_ = facets;
     exterior_ = exterior;
     report.exterior += before;

@@ -79,9 +79,10 @@ struct AssignToCones {
 /// Where the round's new facets go: the first takes the place of the facet that it replaces.
 struct StarSlots {
   const std::uint32_t* active;  ///< the facets that are replaced
-  std::uint32_t facets;         ///< how many facets there are before the round
+  ItemCount active_count;
+  std::uint32_t* facets;  ///< how many facets there are before the round, and after it
   CULLHULL_HD std::uint32_t slot(std::uint32_t j, unsigned i) const {
-    return i == 0 ? active[j] : facets + 2 * j + (i - 1);
+    return i == 0 ? active[j] : *facets + 2 * j + (i - 1);
   }
 };
 
@@ -101,6 +102,7 @@ struct SplitStarFacet {
   CULLHULL_HD void operator()(std::uint32_t item) const {
     const std::uint32_t j = item / 3;
     const unsigned i = item % 3, a = next_corner(i), b = last_corner(i);
+    if (item == 0) slots.facets[1] = slots.facets[0] + 2 * slots.active_count.get();
     const StarFacet& parent = facet[slots.active[j]];
     StarFacet child;
     child.vertex[0] = apex[j];
@@ -128,15 +130,6 @@ struct SplitStarFacet {
     make_plane<3>(outer, centre, fan[j].plane[i]);
     const double* through[3] = {centre, tip, at_i};
     make_plane<3>(through, at_a, fan[j].between[i]);
-  }
-};
-
-struct PlaceStarFacets {
-  StarSlots slots;
-  const StarFacet* made;
-  StarFacet* facet;
-  CULLHULL_HD void operator()(std::uint32_t item) const {
-    facet[slots.slot(item / 3, item % 3)] = made[item];
   }
 };
 
@@ -169,17 +162,19 @@ struct ReassignToCones {
   }
 };
 
-/// Lists the facets that have points outside of them.
+/// Puts the new facets into their places, and lists those that have points outside of them.
 struct ListActive {
   const std::uint64_t* best;
   const std::uint32_t* rank;
   StarSlots slots;
-  bool first;  ///< items are the facets themselves
+  const StarFacet* made;  ///< null: items are the facets themselves, which are there
+  StarFacet* facet;
   std::uint32_t* active;
   std::uint32_t* apex;
   std::uint32_t* number;
   CULLHULL_HD void operator()(std::uint32_t c) const {
-    const std::uint32_t slot = first ? c : slots.slot(c / 3, c % 3);
+    const std::uint32_t slot = made == nullptr ? c : slots.slot(c / 3, c % 3);
+    if (made != nullptr) facet[slot] = made[c];
     if (best[c] == 0) {
       number[slot] = no_item;
       return;
@@ -205,11 +200,17 @@ class StarGrowth {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
-    for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
+    executor_.upload(&facets_, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
+    // Numbers are looked at every few rounds. Until then a round takes as much room as it may need,
+    // three times that of the round before: where that would be much, they are looked at.
+    constexpr std::uint32_t much = 1U << 15;
+    for (std::uint32_t r = 1; r <= max_rounds && Executor::most(exterior_) != 0; ++r) {
       control.check();
-      if (rounds.size() <= r) rounds.resize(r + 1);
-      round(rounds[r]);
+      round(r);
+      if (waiting_.size() == Executor::rounds_ahead || Executor::most(active_count_) > much)
+        look(rounds);
     }
+    look(rounds);
     return true;
   }
   /// The number of rows that are not culled.
@@ -225,11 +226,18 @@ class StarGrowth {
   Executor& executor() { return executor_; }
 
  private:
+  using Count = typename Executor::Count;
+  struct RoundCounts {
+    std::uint32_t round;
+    Count replaced, before, culled, after;
+  };
+
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
     count_ = left_ = count;
-    exterior_ = facets_ = active_count_ = 0;
-    if (rounds.empty()) rounds.resize(1);
+    facets_ = 0;
+    exterior_ = active_count_ = 0;
+    waiting_.clear();
     constexpr std::uint32_t grain = Executor::grain;
     const AxisExtremes<3> e =
         executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<3>{},
@@ -247,7 +255,8 @@ class StarGrowth {
     exterior_ = count;
     const auto culled = executor_.scatter_max(count, 4, AssignToCones<Rows>{rows_, first, arrays()},
                                               executor_.reserve(best_, 4));
-    regroup(4, nullptr, culled, StarSlots{nullptr, 0}, true, rounds[0]);
+    regroup(0, 4, culled, nullptr, StarSlots{nullptr, {}, nullptr});
+    look(rounds);
     facets_ = 4;
     return true;
   }
@@ -300,54 +309,69 @@ class StarGrowth {
 
   PlaceArrays arrays() { return {place_.data(), distance_.data(), culled_.data()}; }
 
-  void round(PseudoHullRound& report) {
-    const std::uint32_t cells = active_count_ * 3;
-    const StarSlots slots{active_.data(), facets_};
+  void round(std::uint32_t r) {
+    const Count cells = Executor::times(active_count_, 3);
+    const std::uint32_t most_cells = Executor::most(cells);
+    const StarSlots slots{active_.data(), Executor::items(active_count_),
+                          facets_before_.data() + r};
     SplitStarFacet<Rows> split{rows_,
                                slots,
                                {},
                                facet_.data(),
                                number_.data(),
                                apex_.data(),
-                               executor_.reserve(fan_, active_count_),
-                               executor_.reserve(made_, cells)};
+                               executor_.reserve(fan_, Executor::most(active_count_)),
+                               executor_.reserve(made_, most_cells)};
     std::copy_n(centre_, 3, split.centre);
     executor_.for_each(cells, split);
-    executor_.for_each(cells, PlaceStarFacets{slots, made_.data(), facet_.data()});
     ReassignToCones<Rows> assign{rows_, {}, points_.data(), fan_.data(), arrays()};
     std::copy_n(centre_, 3, assign.centre);
-    const auto culled =
-        executor_.scatter_max(exterior_, cells, assign, executor_.reserve(best_, cells));
-    report.facets += active_count_;
-    facets_ += 2 * active_count_;
-    regroup(cells, points_.data(), culled, slots, false, report);
+    const Count culled =
+        executor_.scatter_max(exterior_, cells, assign, executor_.reserve(best_, most_cells));
+    regroup(r, cells, culled, points_.data(), slots);
   }
 
   /// Finds the facets that have points outside of them, those points, and each facet's apex.
-  void regroup(std::uint32_t cells, const ExteriorPoint* from,
-               const typename Executor::Count& culled, StarSlots slots, bool first,
-               PseudoHullRound& report) {
-    const std::uint32_t before = exterior_;
-    executor_.reserve(rank_, std::size_t{cells} + 1);
-    const auto active = executor_.enumerate(cells, CellHasPoints{best_.data()}, rank_.data());
-    executor_.reserve(next_active_, cells);
-    executor_.reserve(apex_, cells);
-    executor_.for_each(cells, ListActive{best_.data(), rank_.data(), slots, first,
-                                         next_active_.data(), apex_.data(), number_.data()});
-    executor_.reserve(next_points_, std::size_t{before} + 1);
-    const auto exterior = executor_.select(
-        before, HasFacet{place_.data()},
-        MovePoint<Executor>{cells, best_.data(), rank_.data(), place_.data(), distance_.data(),
-                            from, next_points_.data(), apex_.data()});
+  /// `from`: null in round 0, where item i is row i.
+  void regroup(std::uint32_t r, const Count& cells, const Count& culled, const ExteriorPoint* from,
+               const StarSlots& slots) {
+    const std::uint32_t most_cells = Executor::most(cells), most_points = Executor::most(exterior_);
+    std::uint32_t* rank = executor_.reserve(rank_, std::size_t{most_cells} + 1);
+    std::uint32_t* next_active = executor_.reserve(next_active_, most_cells);
+    std::uint32_t* apex = executor_.reserve(apex_, most_cells);
+    const Count active = executor_.enumerate(
+        cells, CellHasPoints{best_.data()}, rank,
+        ListActive{best_.data(), rank, slots, from == nullptr ? nullptr : made_.data(),
+                   facet_.data(), next_active, apex, number_.data()});
+    ExteriorPoint* next_points = executor_.reserve(next_points_, most_points);
+    const Count exterior =
+        executor_.append(exterior_, HasFacet{place_.data()},
+                         MovePoint<Executor>{most_cells, best_.data(), rank, place_.data(),
+                                             distance_.data(), from, next_points, apex});
+    waiting_.push_back({r, active_count_, exterior_, culled, exterior});
     std::swap(points_, next_points_);
     std::swap(active_, next_active_);
-    executor_.settle(culled, active, exterior);
     active_count_ = active;
     exterior_ = exterior;
-    report.exterior += before;
-    report.culled += culled;
-    left_ -= culled;
-    report.kept += before - culled - exterior_;
+  }
+
+  /// Reads the numbers of the rounds since the last look.
+  void look(std::vector<PseudoHullRound>& rounds) {
+    for (const RoundCounts& w : waiting_) {
+      const std::uint32_t before = w.before, culled = w.culled, after = w.after;
+      if (before == 0) break;
+      if (rounds.size() <= w.round) rounds.resize(w.round + 1);
+      PseudoHullRound& report = rounds[w.round];
+      report.facets += w.replaced;
+      report.exterior += before;
+      report.culled += culled;
+      report.kept += before - culled - after;
+      facets_ += 2 * w.replaced;
+      left_ -= culled;
+    }
+    waiting_.clear();
+    exterior_ = std::uint32_t{exterior_};
+    active_count_ = std::uint32_t{active_count_};
   }
 
   template <class T>
@@ -356,7 +380,9 @@ class StarGrowth {
   Executor executor_;
   Rows rows_{};
   double centre_[3] = {};
-  std::uint32_t count_ = 0, left_ = 0, exterior_ = 0, facets_ = 0, active_count_ = 0;
+  std::uint32_t count_ = 0, left_ = 0, facets_ = 0;
+  Count exterior_ = 0, active_count_ = 0;
+  std::vector<RoundCounts> waiting_;  ///< rounds whose numbers have not been looked at
   Array<ExteriorPoint> points_, next_points_;
   Array<std::uint32_t> place_, apex_, rank_, number_, active_, next_active_;
   Array<double> distance_;
@@ -364,6 +390,7 @@ class StarGrowth {
   Array<std::uint64_t> best_;
   Array<StarFacet> facet_, made_;
   Array<StarFan> fan_;
+  Array<std::uint32_t> facets_before_;  ///< by round
   RowReader<3, Rows, Executor> reader_;
 };
 

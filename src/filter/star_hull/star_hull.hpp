@@ -149,7 +149,6 @@ class StarHull {
     found.order.resize(left);
     executor.fetch_many(order, left, found.order.data(), run);
     const auto live = executor.select(slots, FacetIsLive{growth_.facets()}, EmitItem{listed});
-    executor.settle(rows_left, live);
     if (rows_left != left || live != facets) return {};
     const std::uint32_t* sorted =
         executor.sort(facets, LowestVertex{growth_.facets(), listed, number}, 32, order_);
