@@ -151,10 +151,9 @@ TEST(PrimitivesGpu, Rounds) {
   const Stream stream;
   CudaExecutor executor(stream);
   for (const std::uint32_t n : sizes) {
-    std::vector<std::uint32_t> value = few_values(n), odd(n), count(301, 0);
+    std::vector<std::uint32_t> value = few_values(n), odd(n), count(601, 0);
     std::iota(odd.begin(), odd.end(), 0U);
-    count[1] = n;
-    for (std::uint32_t i = 0; i < n; ++i) value[i] += 1 + (i % 1000 == 7 ? 40 : 0);
+    for (std::uint32_t i = 0; i < n; ++i) value[i] += 1 + (i % 1000 == 7 ? 300 : 0);
     const std::uint32_t rounds = n == 0 ? 0 : *std::ranges::max_element(value);
     const OnDevice values(value), even(odd), odds(odd), zeros(std::vector<std::uint32_t>(n, 0)),
         counts(count);
@@ -162,7 +161,7 @@ TEST(PrimitivesGpu, Rounds) {
                                         {even.data<std::uint32_t>(), odds.data<std::uint32_t>()},
                                         zeros.data<std::uint32_t>(),
                                         counts.data<std::uint32_t>()};
-    EXPECT_EQ(executor.rounds(steps, 1, 299, Control(Options{})), rounds);
+    EXPECT_EQ(executor.rounds(steps, 1, 599, n, Control(Options{})), rounds);
     EXPECT_EQ(fetched(executor, values.data<std::uint32_t>(), n), std::vector<std::uint32_t>(n, 0));
   }
 }

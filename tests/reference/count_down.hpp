@@ -16,7 +16,6 @@ struct CountDown {
   std::uint32_t* listed_for;
   std::uint32_t* count;
 
-  CULLHULL_HD static std::uint32_t items_of(std::uint32_t listed) { return listed; }
   CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return count[round]; }
   CULLHULL_HD void first(std::uint32_t round, std::uint32_t i) const {
     --value[list[round % 2][i]];
@@ -25,7 +24,7 @@ struct CountDown {
     const std::uint32_t item = list[round % 2][i];
     for (unsigned k = 0; k <= item % 2 && value[item] != 0; ++k)
       if (Executor::is_first(listed_for[item], round + 1))
-        list[(round + 1) % 2][Executor::next(count[round + 1])] = item;
+        list[(round + 1) % 2][Executor::next(count[round + 1], 1)] = item;
   }
 };
 

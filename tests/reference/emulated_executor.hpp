@@ -75,16 +75,11 @@ class EmulatedExecutor : public HostMemory {
     return none;
   }
 
+  static constexpr std::uint32_t rounds_at_once = 3, few_items = 100;
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       const Control& control) const {
-    std::uint32_t round = first;
-    for (; round <= last && steps.items(round) != 0; ++round) {
-      control.check();
-      for_threads([&](const GridThread& at) { StepKernel<Steps, true>{steps, round}.run(at); });
-      for_threads([&](const GridThread& at) { StepKernel<Steps, false>{steps, round}.run(at); });
-    }
-    return round - first;
+                       std::uint32_t listed, const Control& control) const {
+    return rounds_in_turn(*this, steps, first, last, listed, control);
   }
 
   static void lower(std::uint32_t& target, std::uint32_t value) {
@@ -96,7 +91,9 @@ class EmulatedExecutor : public HostMemory {
   static bool is_first(std::uint32_t& target, std::uint32_t value) {
     return DeviceAtomics::is_first(target, value);
   }
-  static std::uint32_t next(std::uint32_t& counter) { return DeviceAtomics::next(counter); }
+  static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
+    return DeviceAtomics::next(counter, n);
+  }
 
  private:
   template <class Run>

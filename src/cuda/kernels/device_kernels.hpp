@@ -46,11 +46,11 @@ struct DeviceAtomics {
     return SerialExecutor::is_first(target, value);
 #endif
   }
-  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) {
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
 #if defined(__CUDA_ARCH__)
-    return atomicAdd(&counter, 1U);
+    return atomicAdd(&counter, n);
 #else
-    return counter++;
+    return SerialExecutor::next(counter, n);
 #endif
   }
 };
@@ -78,13 +78,6 @@ CULLHULL_HD_INLINE void run_step(const Steps& steps, std::uint32_t round, const 
       steps.second(round, static_cast<std::uint32_t>(i));
   }
 }
-
-template <class Steps, bool First>
-struct StepKernel {
-  Steps steps;
-  std::uint32_t round;
-  CULLHULL_HD void run(const GridThread& at) const { run_step<First>(steps, round, at); }
-};
 
 /// A reduction. Every thread combines its items, and every block combines the results of its
 /// threads in a table of one T a thread, in shared memory. partial[b] receives the result of block

@@ -36,12 +36,6 @@ __global__ void __launch_bounds__(block_size, 1)
   kernel.run(here());
 }
 
-template <class Steps, bool First>
-__global__ void __launch_bounds__(block_size, 1)
-    step(const __grid_constant__ StepKernel<Steps, First> kernel) {
-  kernel.run(here());
-}
-
 /// Rounds from `round` to `last` by one block, which waits for nobody else: for few items.
 constexpr unsigned rounds_block_size = 512;
 template <class Steps>
@@ -118,7 +112,7 @@ struct AppendKept {
   Emit emit;
   std::uint32_t* kept;
   CULLHULL_HD void operator()(std::uint32_t i) const {
-    if (keep(i)) emit(i, DeviceAtomics::next(*kept));
+    if (keep(i)) emit(i, DeviceAtomics::next(*kept, 1));
   }
 };
 
@@ -234,7 +228,7 @@ class CudaExecutor {
     return {count.owner_->word(count), count.each_};
   }
   /// A look at the numbers takes as long as half a round.
-  static constexpr unsigned rounds_ahead = 4;
+  static constexpr std::uint32_t rounds_ahead = 4;
 
   template <class Body>
   void for_each(const Count& count, const Body& body) {
@@ -310,36 +304,27 @@ class CudaExecutor {
     return sorted;
   }
 
-  /// The host looks at the number of items now and then: a look takes as long as several rounds.
-  /// When few are left, one block does the rest.
+  /// A look takes as long as several rounds of few items.
+  static constexpr std::uint32_t rounds_at_once = 16;
+  /// Rounds of so few items are one block's, which waits for nobody else and needs no host.
+  static constexpr std::uint32_t few_items = 1024;
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       const Control& control) {
-    constexpr std::uint32_t between = 16, most_alone = 256;
-    constexpr std::uint32_t few = 2 * cuda_kernels::rounds_block_size;
-    std::uint32_t listed[most_alone + 1], round = first;
-    fetch(steps.count + round, 1, listed);
-    while (listed[0] != 0 && round <= last) {
+                       std::uint32_t listed, const Control& control) {
+    constexpr std::uint32_t at_once = 256;
+    std::uint32_t round = first, counts[at_once];
+    upload(&listed, 1, steps.count + round);
+    while (listed != 0 && round <= last) {
       control.check();
-      const std::uint32_t items = Steps::items_of(listed[0]);
-      const std::uint32_t now = std::min(last + 1 - round, items <= few ? most_alone : between);
-      if (items <= few) {
-        cuda_kernels::rounds_of_block<<<1, cuda_kernels::rounds_block_size, 0, stream_>>>(
-            steps, round, round + now - 1);
-      } else {
-        const unsigned blocks = grid(items, cuda_kernels::block_size);
-        for (std::uint32_t r = round; r < round + now; ++r) {
-          cuda_kernels::step<<<blocks, cuda_kernels::block_size, 0, stream_>>>(
-              StepKernel<Steps, true>{steps, r});
-          cuda_kernels::step<<<blocks, cuda_kernels::block_size, 0, stream_>>>(
-              StepKernel<Steps, false>{steps, r});
-        }
-      }
+      const std::uint32_t now = std::min(last + 1 - round, at_once);
+      cuda_kernels::rounds_of_block<<<1, cuda_kernels::rounds_block_size, 0, stream_>>>(
+          steps, round, round + now - 1);
       launched();
-      fetch(steps.count + round, now + 1, listed);
-      const std::uint32_t* end = std::find(listed, listed + now, 0U);
-      round += static_cast<std::uint32_t>(end - listed);
-      listed[0] = *end;
+      fetch(steps.count + round + 1, now, counts);
+      const std::uint32_t done =
+          static_cast<std::uint32_t>(std::find(counts, counts + now - 1, 0U) - counts);
+      round += done + 1;
+      listed = counts[done];
     }
     return round - first;
   }
@@ -353,8 +338,8 @@ class CudaExecutor {
   CULLHULL_HD static bool is_first(std::uint32_t& target, std::uint32_t value) {
     return DeviceAtomics::is_first(target, value);
   }
-  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) {
-    return DeviceAtomics::next(counter);
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
+    return DeviceAtomics::next(counter, n);
   }
 
  private:

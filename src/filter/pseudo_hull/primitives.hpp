@@ -107,20 +107,22 @@ struct HostMemory {
   static Count times(Count count, std::uint32_t factor) { return count * factor; }
   static std::uint32_t most(Count count) { return count; }
   static ItemCount items(Count count) { return {nullptr, count}; }
-  /// How many rounds of an algorithm may be started before their numbers are looked at.
-  static constexpr unsigned rounds_ahead = 1;
+  /// How many rounds of an algorithm may be started before their numbers are looked at: of rounds
+  /// that take room for what may come, and of others.
+  static constexpr std::uint32_t rounds_ahead = 1, rounds_at_once = 1;
+  /// As many items, and fewer, are better listed than looked for among all.
+  static constexpr std::uint32_t few_items = no_item;
 };
 
 /// What `rounds` of an executor on the host does.
 template <class Executor, class Steps>
 std::uint32_t rounds_in_turn(const Executor& executor, const Steps& steps, std::uint32_t first,
-                             std::uint32_t last, const Control& control) {
+                             std::uint32_t last, std::uint32_t listed, const Control& control) {
   std::uint32_t round = first;
-  for (; round <= last && steps.items(round) != 0; ++round) {
+  for (; round <= last && listed != 0; listed = steps.items(++round)) {
     control.check();
-    const std::uint32_t items = steps.items(round);
-    executor.for_each(items, [&](std::uint32_t i) { steps.first(round, i); });
-    executor.for_each(items, [&](std::uint32_t i) { steps.second(round, i); });
+    executor.for_each(listed, [&](std::uint32_t i) { steps.first(round, i); });
+    executor.for_each(listed, [&](std::uint32_t i) { steps.second(round, i); });
   }
   return round - first;
 }
@@ -198,13 +200,13 @@ class SerialExecutor : public HostMemory {
   }
 
   /// Rounds of two steps, from `first` to `last` or until a round has no items: items(round) of
-  /// `steps` says how many it has, then first(round, i) is called for each of them, and after all
-  /// of these second(round, i), which may add items to the next round. Returns how many rounds had
-  /// items.
+  /// `steps` says how many it has, `listed` for the first; then first(round, i) is called for each
+  /// of them, and after all of these second(round, i), which may add items to the next round.
+  /// Returns how many rounds had items.
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       const Control& control) const {
-    return rounds_in_turn(*this, steps, first, last, control);
+                       std::uint32_t listed, const Control& control) const {
+    return rounds_in_turn(*this, steps, first, last, listed, control);
   }
 
   /// For use in bodies: sets target = min(target, value), or max, atomically if bodies run
@@ -221,8 +223,10 @@ class SerialExecutor : public HostMemory {
     if (lower) target = value;
     return lower;
   }
-  /// Likewise: adds 1, and returns what was there before.
-  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter) { return counter++; }
+  /// Likewise: adds n, and returns what was there before.
+  CULLHULL_HD static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
+    return (counter += n) - n;
+  }
 };
 
 /// Does the same on several threads.
@@ -307,8 +311,8 @@ class ThreadExecutor : public HostMemory {
 
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       const Control& control) const {
-    return rounds_in_turn(*this, steps, first, last, control);
+                       std::uint32_t listed, const Control& control) const {
+    return rounds_in_turn(*this, steps, first, last, listed, control);
   }
 
   static void lower(std::uint32_t& target, std::uint32_t v) {
@@ -333,8 +337,8 @@ class ThreadExecutor : public HostMemory {
     return false;
   }
 
-  static std::uint32_t next(std::uint32_t& counter) {
-    return std::atomic_ref<std::uint32_t>(counter).fetch_add(1, std::memory_order_relaxed);
+  static std::uint32_t next(std::uint32_t& counter, std::uint32_t n) {
+    return std::atomic_ref<std::uint32_t>(counter).fetch_add(n, std::memory_order_relaxed);
   }
 
  private:

@@ -11,8 +11,8 @@
 
 namespace cullhull::internal::inline filter {
 
-/// What a facet would do: the side `corner`, and whether its edge is replaced or the edge's first
-/// or second end (after the corner) removed.
+/// What can be done at a side of a facet: its edge is replaced, or the edge's first or second end
+/// (after the corner) removed.
 enum class StarFlip : unsigned char { none, edge, first_end, second_end };
 
 /// The surroundings of a flip: first the facets that it replaces, `own` of them, then those that
@@ -150,97 +150,156 @@ struct StarFlips {
   }
 };
 
-/// Rounds of flips. A round looks at the sides of the facets that are listed for it: first each
-/// finds its flip and claims the facets around, then the flips that got all of their claims are
+/// Of a facet: which of its sides are to be looked at, and the flip that it proposes in a round, as
+/// 3 times its StarFlip and the side; 0 for none.
+struct alignas(4) FlipFlags {
+  unsigned char waiting[3], proposal;
+};
+
+/// Rounds of flips. In a round first every facet looks at its sides that wait, takes the first that
+/// can be flipped and claims the facets around; then the flips that got all of their claims are
 /// done, which touch nothing in common. A flip needs the facets that it replaces: no stronger flip
 /// may replace one of them or change one of its sides. So nobody replaces what it only borders on;
-/// others may border on it, too, each of which changes another side. Listed for the next round is
-/// what a flip changed or has yet to get. The order of a list shows in nothing: claims know sides
-/// by their numbers.
+/// others may border on it, too, each of which changes another side.
+///
+/// Two facets share a side; the lower of them looks at it. After a flip the sides of the new facets
+/// wait. A vertex of three triangles that is beneath its neighbours' has three reflex edges: two of
+/// them are such sides, so the third need not wait.
+///
+/// Without lists a round is for all facets, with them for the facets that are listed for it. The
+/// order of a list shows in nothing: claims know sides by their numbers.
 template <class Executor, class Rows>
 struct FlipRounds {
   StarFlips<Rows> flips;
   FlipClaim* claim;
-  unsigned char* proposal;    ///< by item of the round: a StarFlip
-  unsigned char* waiting;     ///< by side: its surroundings have changed since it was looked at
-  std::uint32_t* listed[2];   ///< facets, for even and for odd rounds
+  FlipFlags* flags;
+  std::uint32_t* listed[2];   ///< facets, for even and for odd rounds; null: no lists
   std::uint32_t* listed_for;  ///< by facet: the last round that it is listed for
   std::uint32_t* count;       ///< by round: how many facets are listed
-  std::uint32_t* flipped;     ///< how many flips were done
+  std::uint32_t* flipped;     ///< how many flips were done; null: nobody wants to know
 
-  /// Item 3 j + k is side k of the j-th listed facet.
-  CULLHULL_HD static std::uint32_t items_of(std::uint32_t facets) { return 3 * facets; }
-  CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return items_of(count[round]); }
-  CULLHULL_HD std::uint32_t facet_of(std::uint32_t round, std::uint32_t item) const {
-    return listed[round % 2][item / 3];
-  }
+  CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return count[round]; }
 
   CULLHULL_HD void first(std::uint32_t round, std::uint32_t item) const {
     const std::uint32_t f = facet_of(round, item);
-    const unsigned k = item % 3;
-    const std::uint32_t side = 3 * f + k;
-    proposal[item] = 0;
-    if (waiting[side] == 0) return;
-    int reflex = 0;
-    // A side is looked at from the lower of its two facets.
-    const StarFlip flip = flips.facet[f].live() && flips.facet[f].across[k].facet() > f
-                              ? flips.at_side(f, k, reflex)
-                              : StarFlip::none;
-    if (flip == StarFlip::none) {
-      waiting[side] = 0;
-      return;
-    }
-    proposal[item] = static_cast<unsigned char>(flip);
-    const FlipPatch p = flips.patch(f, k, flip);
-    const std::uint64_t key = flips.key(side, round);
-    for (unsigned j = 0; j < 6; ++j) {
-      FlipClaim& c = claim[p.facet[j]];
-      Executor::raise(j < p.own ? c.own : c.beside, key);
+    FlipFlags& mine = flags[f];
+    const FlipFlags before = mine;  // one load
+    if ((before.waiting[0] | before.waiting[1] | before.waiting[2]) == 0) return;
+    const bool live = flips.facet[f].live();
+    for (unsigned k = 0; k < 3; ++k) {
+      if (mine.waiting[k] == 0) continue;
+      int reflex = 0;
+      const StarFlip flip = live && flips.facet[f].across[k].facet() > f
+                                ? flips.at_side(f, k, reflex)
+                                : StarFlip::none;
+      if (flip != StarFlip::none) {
+        mine.proposal = static_cast<unsigned char>(3 * static_cast<unsigned>(flip) + k);
+        make_claims(f, k, flip, round);
+        return;
+      }
+      mine.waiting[k] = 0;
     }
   }
 
   /// A facet is read only once it is seen to be this flip's: others may be changing now.
   CULLHULL_HD void second(std::uint32_t round, std::uint32_t item) const {
-    const auto flip = static_cast<StarFlip>(proposal[item]);
-    if (flip == StarFlip::none) return;
     const std::uint32_t f = facet_of(round, item);
-    const unsigned k = item % 3;
+    const unsigned proposal = flags[f].proposal;
+    if (proposal == 0) return;
+    flags[f].proposal = 0;
+    const auto flip = static_cast<StarFlip>(proposal / 3);
+    const unsigned k = proposal % 3;
     const std::uint64_t key = flips.key(3 * f + k, round);
     if (!owns(f, key) || !owns(flips.facet[f].across[k].facet(), key) ||
         (flip != StarFlip::edge && !owns(flips.third_facet(f, k, flip).facet(), key))) {
-      list(f, round + 1);
+      if (listed[0] != nullptr && Executor::is_first(listed_for[f], round + 1))
+        listed[(round + 1) % 2][Executor::next(count[round + 1], 1)] = f;
       return;
     }
-    const FlipPatch p = flips.patch(f, k, flip);
+    const std::uint32_t g = flips.facet[f].across[k].facet();
     flips.perform(f, k, flip);
-    for (const std::uint32_t g : p.facet) {
-      for (unsigned j = 0; j < 3; ++j) waiting[3 * g + j] = 1;
-      list(g, round + 1);
+    const unsigned sides = flip == StarFlip::edge ? 6 : 3;
+    for (unsigned j = 0; j < sides; ++j) {
+      const StarSide looks = looking(f, g, j);
+      flags[looks.facet()].waiting[looks.corner()] = 1;
     }
-    Executor::next(*flipped);
+    if (listed[0] != nullptr) list_around(f, g, sides, round + 1);
+    if (flipped != nullptr) (void)Executor::next(*flipped, 1);
   }
 
  private:
+  CULLHULL_HD std::uint32_t facet_of(std::uint32_t round, std::uint32_t item) const {
+    return listed[0] == nullptr ? item : listed[round % 2][item];
+  }
+  CULLHULL_HD void make_claims(std::uint32_t f, unsigned k, StarFlip flip,
+                               std::uint32_t round) const {
+    const FlipPatch p = flips.patch(f, k, flip);
+    const std::uint64_t key = flips.key(3 * f + k, round);
+    for (unsigned j = 0; j < 6; ++j) {
+      FlipClaim& c = claim[p.facet[j]];
+      Executor::raise(j < p.own ? c.own : c.beside, key);
+    }
+  }
   CULLHULL_HD bool owns(std::uint32_t f, std::uint64_t key) const {
     return claim[f].own == key && claim[f].beside < key;
   }
-  CULLHULL_HD void list(std::uint32_t f, std::uint32_t round) const {
-    if (Executor::is_first(listed_for[f], round))
-      listed[round % 2][Executor::next(count[round])] = f;
+  /// Of the j-th side of two facets the one that is looked at.
+  CULLHULL_HD StarSide looking(std::uint32_t f, std::uint32_t g, unsigned j) const {
+    const std::uint32_t own = j < 3 ? f : g;
+    const StarSide other = flips.facet[own].across[j % 3];
+    return other.facet() < own ? other : side_of_facet(own, j % 3);
+  }
+  /// All that is asked of other threads is asked before an answer is waited for.
+  CULLHULL_HD void list_around(std::uint32_t f, std::uint32_t g, unsigned sides,
+                               std::uint32_t round) const {
+    std::uint32_t is_new = 0, count_new = 0;
+    for (unsigned j = 0; j < sides; ++j) {
+      const bool first = Executor::is_first(listed_for[looking(f, g, j).facet()], round);
+      is_new |= std::uint32_t{first} << j;
+      count_new += first;
+    }
+    std::uint32_t at = Executor::next(count[round], count_new);
+    for (unsigned j = 0; j < sides; ++j)
+      if ((is_new >> j & 1) != 0) listed[round % 2][at++] = looking(f, g, j).facet();
   }
 };
 
-/// Before the first round: nothing is claimed, and every facet is listed for it.
+/// Before the first round: nothing is claimed, and every side is to be looked at.
 template <class Executor, class Rows>
 struct StartFlips {
   FlipRounds<Executor, Rows> rounds;
-  std::uint32_t facets, first_round;
   CULLHULL_HD void operator()(std::uint32_t f) const {
     rounds.claim[f] = {0, 0};
-    for (unsigned k = 0; k < 3; ++k) rounds.waiting[3 * f + k] = 1;
-    rounds.listed[first_round % 2][f] = f;
-    rounds.listed_for[f] = first_round;
-    if (f == 0) rounds.count[first_round] = facets;
+    rounds.flags[f] = {{1, 1, 1}, 0};
+    rounds.listed_for[f] = 0;
+  }
+};
+/// Those for which there is something to look at, and their lists.
+struct FacetWaits {
+  const FlipFlags* flags;
+  CULLHULL_HD bool operator()(std::uint32_t f) const {
+    return (flags[f].waiting[0] | flags[f].waiting[1] | flags[f].waiting[2]) != 0;
+  }
+};
+struct ListForRound {
+  std::uint32_t* list;
+  std::uint32_t* listed_for;
+  std::uint32_t round;
+  CULLHULL_HD void operator()(std::uint32_t f, std::uint32_t k) const {
+    list[k] = f;
+    listed_for[f] = round;
+  }
+};
+/// A step of a round for all facets.
+template <class Rounds, bool First>
+struct FlipStep {
+  Rounds rounds;
+  std::uint32_t round;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    if constexpr (First)
+      rounds.first(round, f);
+    else
+      rounds.second(round, f);
   }
 };
 

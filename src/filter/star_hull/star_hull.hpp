@@ -25,7 +25,7 @@ struct StarCounts {
   std::uint32_t left = 0;                  ///< rows that are not culled in the end
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
   std::uint32_t flip_rounds = 0;
-  std::uint32_t flips = 0;
+  std::uint32_t flips = 0;  ///< counted on the host alone
   double growth_seconds = 0, flip_seconds = 0;
   StarReport end;
   /// Every edge is certainly convex, and every row is a vertex or inside.
@@ -170,30 +170,49 @@ class StarHull {
     return {{c[0], c[1], c[2]}};
   }
 
-  /// Flips until there is nothing to flip.
+  /// Flips until there is nothing to flip: rounds for all facets while many wait, then rounds by
+  /// lists of the few.
   void flip(const Control& control, StarCounts& done) {
+    using Rounds = FlipRounds<Executor, Rows>;
     // Every flip adds volume, so there is an end; where it is far, the rest is the CPU's. Seventy
     // rounds are usual.
-    constexpr std::uint32_t most_rounds = 2048, first_round = 1;
+    constexpr std::uint32_t most_rounds = 2048;
     Executor& executor = growth_.executor();
     const std::uint32_t facets = growth_.facet_count();
     StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled()};
     std::copy_n(growth_.centre(), 3, flips.centre);
-    const std::size_t sides = 3 * std::size_t{facets};  // at most 6 of 2^28 points
-    std::uint32_t* counts = executor.reserve(flip_counts_, most_rounds + 3);
-    executor.zero(counts, most_rounds + 3);
-    const FlipRounds<Executor, Rows> rounds{
-        flips,
-        executor.reserve(claim_, facets),
-        executor.reserve(proposal_, sides),
-        executor.reserve(waiting_, sides),
-        {executor.reserve(listed_, facets), executor.reserve(order_, facets)},
-        executor.reserve(number_of_facet_, facets),
-        counts,
-        counts + most_rounds + 2};
-    executor.for_each(facets, StartFlips<Executor, Rows>{rounds, facets, first_round});
-    done.flip_rounds = executor.rounds(rounds, first_round, most_rounds, control);
-    executor.fetch(rounds.flipped, 1, &done.flips);
+    std::uint32_t* count = executor.reserve(flip_counts_, most_rounds + 3);
+    executor.zero(count, most_rounds + 3);
+    Rounds rounds{flips,
+                  executor.reserve(claim_, facets),
+                  executor.reserve(flags_, facets),
+                  {nullptr, nullptr},
+                  executor.reserve(number_of_facet_, facets),
+                  count,
+                  Executor::many_threads ? nullptr : count + most_rounds + 2};
+    executor.for_each(facets, StartFlips<Executor, Rows>{rounds});
+    std::uint32_t* const list[2] = {executor.reserve(listed_, facets),
+                                    executor.reserve(order_, facets)};
+    std::uint32_t round = 1;
+    while (round <= most_rounds) {
+      control.check();
+      const std::uint32_t waiting =
+          executor.append(facets, FacetWaits{rounds.flags},
+                          ListForRound{list[round % 2], rounds.listed_for, round});
+      if (waiting == 0) break;
+      if (waiting <= Executor::few_items) {
+        std::copy_n(list, 2, rounds.listed);
+        round += executor.rounds(rounds, round, most_rounds, waiting, control);
+        break;
+      }
+      const std::uint32_t end = std::min(most_rounds + 1, round + Executor::rounds_at_once);
+      for (; round < end; ++round) {
+        executor.for_each(facets, FlipStep<Rounds, true>{rounds, round});
+        executor.for_each(facets, FlipStep<Rounds, false>{rounds, round});
+      }
+    }
+    done.flip_rounds = round - 1;
+    if (rounds.flipped != nullptr) executor.fetch(rounds.flipped, 1, &done.flips);
     done.end = executor.reduce(facets, StarReport{}, ReportFacet<Rows>{flips}, AddReports{});
   }
   template <class T>
@@ -202,7 +221,7 @@ class StarHull {
   StarGrowth<Executor, Rows> growth_;
   std::uint32_t count_ = 0;
   Array<FlipClaim> claim_;
-  Array<unsigned char> proposal_, waiting_;
+  Array<FlipFlags> flags_;
   Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
 };
 

@@ -362,8 +362,8 @@ PLANTED = {
     "plain-next": Planted(
         "atomicAdd made plain in `DeviceAtomics::next`",
         KERNELS + "device_kernels.hpp",
-        "return «atomicAdd(&counter, 1U)»;",
-        "counter++",
+        "return «atomicAdd(&counter, n)»;",
+        "SerialExecutor::next(counter, n)",
         *STARS,
     ),
     "no-wait-in-rounds": Planted(
@@ -376,7 +376,7 @@ PLANTED = {
     "forgotten-sides": Planted(
         "sides around a flip not looked at again",
         STAR_HULL + "star_flips.hpp",
-        "for (unsigned j = 0; «j < 3»; ++j) waiting[3 * g + j] = 1;",
+        "for (unsigned j = 0; «j < sides»; ++j) {\n      const StarSide looks",
         "j < 1",
         *STARS,
     ),
