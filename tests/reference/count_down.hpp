@@ -16,6 +16,7 @@ struct CountDown {
   std::uint32_t* listed_for;
   std::uint32_t* count;
 
+  CULLHULL_HD static std::uint32_t items_of(std::uint32_t listed) { return listed; }
   CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return count[round]; }
   CULLHULL_HD void first(std::uint32_t round, std::uint32_t i) const {
     --value[list[round % 2][i]];

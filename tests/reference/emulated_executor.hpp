@@ -51,9 +51,13 @@ class EmulatedExecutor : public HostMemory {
   template <class Keep, class Emit>
   std::uint32_t append(std::uint32_t count, Keep keep, Emit emit) const {
     std::uint32_t k = 0;
-    for (std::uint32_t i = count; i-- > 0;)
-      if (keep(i)) emit(i, k++);
+    tiles(TileKernel<Keep, Emit>{keep, emit, {nullptr, count}, &k});
     return k;
+  }
+
+  template <class Keep, class Body>
+  void for_each_where(std::uint32_t count, Keep keep, Body body) const {
+    tiles(TileKernel<Keep, Body>{keep, body, {nullptr, count}, nullptr});
   }
 
   template <class Keep, class Then>
@@ -96,6 +100,19 @@ class EmulatedExecutor : public HostMemory {
   }
 
  private:
+  template <class Kernel>
+  void tiles(const Kernel& kernel) const {
+    std::vector<std::uint32_t> list(std::size_t{Kernel::items_a_thread} * block_size_);
+    for (std::uint64_t tile = 0; tile * list.size() < kernel.items.get(); ++tile) {
+      typename Kernel::Shared shared{};
+      const auto for_block = [&](auto phase) {
+        for (std::uint32_t t = block_size_; t-- > 0;) phase(GridThread{0, t, block_size_, 1});
+      };
+      for_block([&](const GridThread& at) { kernel.find(tile, at, list.data(), shared); });
+      if (kernel.appended != nullptr) kernel.place(shared);
+      for_block([&](const GridThread& at) { kernel.use(at, list.data(), shared); });
+    }
+  }
   template <class Run>
   void for_threads(Run run) const {
     for (std::uint32_t b = blocks_; b-- > 0;)

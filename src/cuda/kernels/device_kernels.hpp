@@ -67,6 +67,49 @@ struct ForEachKernel {
   }
 };
 
+/// Items that are kept, found tile by tile: a block lists those of a tile in shared memory, so that
+/// then all of its threads have work; with `appended`, they are placed there by one atomic
+/// operation a tile.
+template <class Keep, class Body>
+struct TileKernel {
+  static constexpr std::uint32_t items_a_thread = 4;
+  Keep keep;
+  Body body;  ///< body(i) or, with `appended`, body(i, k)
+  ItemCount items;
+  std::uint32_t* appended;
+
+  struct Shared {
+    std::uint32_t count, first;
+  };
+  /// Phase 0 is one thread's; phases 1 and 3 are all threads', 2 is one thread's.
+  CULLHULL_HD void find(std::uint64_t tile, const GridThread& at, std::uint32_t* list,
+                        Shared& shared) const {
+    const std::uint32_t count = items.get();
+    bool kept[items_a_thread];
+    const std::uint64_t first = tile * items_a_thread * at.block_size + at.thread;
+    for (std::uint32_t k = 0; k < items_a_thread; ++k) {
+      const std::uint64_t i = first + std::uint64_t{k} * at.block_size;
+      kept[k] = i < count && keep(static_cast<std::uint32_t>(i));
+    }
+    for (std::uint32_t k = 0; k < items_a_thread; ++k)
+      if (kept[k])
+        list[DeviceAtomics::next(shared.count, 1)] =
+            static_cast<std::uint32_t>(first + std::uint64_t{k} * at.block_size);
+  }
+  CULLHULL_HD void place(Shared& shared) const {
+    shared.first = DeviceAtomics::next(*appended, shared.count);
+  }
+  CULLHULL_HD void use(const GridThread& at, const std::uint32_t* list,
+                       const Shared& shared) const {
+    for (std::uint32_t j = at.thread; j < shared.count; j += at.block_size) {
+      if constexpr (requires { body(0U, 0U); })
+        body(list[j], shared.first + j);
+      else
+        body(list[j]);
+    }
+  }
+};
+
 /// A thread's items of one of the steps of a round; how many there are is in the device's memory.
 template <bool First, class Steps>
 CULLHULL_HD_INLINE void run_step(const Steps& steps, std::uint32_t round, const GridThread& at) {

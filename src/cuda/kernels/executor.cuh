@@ -36,6 +36,29 @@ __global__ void __launch_bounds__(block_size, 1)
   kernel.run(here());
 }
 
+template <class Keep, class Body>
+__global__ void __launch_bounds__(block_size, 1)
+    tiles(const __grid_constant__ TileKernel<Keep, Body> kernel) {
+  using Kernel = TileKernel<Keep, Body>;
+  __shared__ std::uint32_t list[Kernel::items_a_thread * block_size];
+  __shared__ typename Kernel::Shared shared;
+  const GridThread at = here();
+  const std::uint64_t count = kernel.items.get();
+  for (std::uint64_t t = at.block; t * Kernel::items_a_thread * block_size < count;
+       t += at.blocks) {
+    if (at.thread == 0) shared.count = 0;
+    __syncthreads();
+    kernel.find(t, at, list, shared);
+    __syncthreads();
+    if constexpr (requires { kernel.body(0U, 0U); }) {
+      if (at.thread == 0) kernel.place(shared);
+      __syncthreads();
+    }
+    kernel.use(at, list, shared);
+    __syncthreads();
+  }
+}
+
 /// Rounds from `round` to `last` by one block, which waits for nobody else: for few items.
 constexpr unsigned rounds_block_size = 512;
 template <class Steps>
@@ -106,16 +129,6 @@ struct EmitKept {
     if (keep(i)) emit(i, number[i]);
   }
 };
-template <class Keep, class Emit>
-struct AppendKept {
-  Keep keep;
-  Emit emit;
-  std::uint32_t* kept;
-  CULLHULL_HD void operator()(std::uint32_t i) const {
-    if (keep(i)) emit(i, DeviceAtomics::next(*kept, 1));
-  }
-};
-
 template <class Key>
 struct KeyOfItem {
   Key key;
@@ -238,6 +251,11 @@ class CudaExecutor {
     launched();
   }
 
+  template <class Keep, class Body>
+  void for_each_where(const Count& count, const Keep& keep, const Body& body) {
+    tiles(count, keep, body, nullptr);
+  }
+
   template <class Body>
   Count scatter_max(const Count& count, const Count& of_cells, const Body& body,
                     std::uint64_t* best) {
@@ -285,7 +303,7 @@ class CudaExecutor {
   template <class Keep, class Emit>
   Count append(const Count& count, const Keep& keep, const Emit& emit) {
     const Count result = next_count(count.most_);
-    for_each(count, cuda_kernels::AppendKept<Keep, Emit>{keep, emit, word(result)});
+    tiles(count, keep, emit, word(result));
     return result;
   }
 
@@ -307,7 +325,7 @@ class CudaExecutor {
   /// A look takes as long as several rounds of few items.
   static constexpr std::uint32_t rounds_at_once = 16;
   /// Rounds of so few items are one block's, which waits for nobody else and needs no host.
-  static constexpr std::uint32_t few_items = 1024;
+  static constexpr std::uint32_t few_items = 512;
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
                        std::uint32_t listed, const Control& control) {
@@ -350,6 +368,15 @@ class CudaExecutor {
   unsigned grid(std::uint32_t count, unsigned size) const {
     const std::uint64_t wanted = chunk_count(count, size);
     return static_cast<unsigned>(std::min<std::uint64_t>(wanted, std::uint64_t{processors_} * 8));
+  }
+  template <class Keep, class Body>
+  void tiles(const Count& count, const Keep& keep, const Body& body, std::uint32_t* appended) {
+    using Kernel = TileKernel<Keep, Body>;
+    if (count.most_ == 0) return;
+    const unsigned blocks = grid(count.most_, Kernel::items_a_thread * cuda_kernels::block_size);
+    cuda_kernels::tiles<<<blocks, cuda_kernels::block_size, 0, stream_>>>(
+        Kernel{keep, body, items(count), appended});
+    launched();
   }
   static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
 

@@ -118,11 +118,11 @@ struct HostMemory {
 template <class Executor, class Steps>
 std::uint32_t rounds_in_turn(const Executor& executor, const Steps& steps, std::uint32_t first,
                              std::uint32_t last, std::uint32_t listed, const Control& control) {
-  std::uint32_t round = first;
-  for (; round <= last && listed != 0; listed = steps.items(++round)) {
+  std::uint32_t round = first, items = Steps::items_of(listed);
+  for (; round <= last && items != 0; items = steps.items(++round)) {
     control.check();
-    executor.for_each(listed, [&](std::uint32_t i) { steps.first(round, i); });
-    executor.for_each(listed, [&](std::uint32_t i) { steps.second(round, i); });
+    executor.for_each(items, [&](std::uint32_t i) { steps.first(round, i); });
+    executor.for_each(items, [&](std::uint32_t i) { steps.second(round, i); });
   }
   return round - first;
 }
@@ -134,6 +134,14 @@ class SerialExecutor : public HostMemory {
   template <class Body>
   void for_each(std::uint32_t count, Body&& body) const {
     for (std::uint32_t i = 0; i < count; ++i) body(i);
+  }
+
+  /// Calls body(i) for every i of [0, count) with keep(i), which no body may change for another i.
+  template <class Keep, class Body>
+  void for_each_where(std::uint32_t count, Keep&& keep, Body&& body) const {
+    for_each(count, [&](std::uint32_t i) {
+      if (keep(i)) body(i);
+    });
   }
 
   /// Returns `identity`, map(0) ... map(count - 1), combined. `combine` must be associative and
@@ -200,9 +208,9 @@ class SerialExecutor : public HostMemory {
   }
 
   /// Rounds of two steps, from `first` to `last` or until a round has no items: items(round) of
-  /// `steps` says how many it has, `listed` for the first; then first(round, i) is called for each
-  /// of them, and after all of these second(round, i), which may add items to the next round.
-  /// Returns how many rounds had items.
+  /// `steps` says how many it has, items_of(listed) in the first; then first(round, i) is called
+  /// for each of them, and after all of these second(round, i), which may add items to the next
+  /// round. Returns how many rounds had items.
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
                        std::uint32_t listed, const Control& control) const {
@@ -239,6 +247,13 @@ class ThreadExecutor : public HostMemory {
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) body(static_cast<std::uint32_t>(i));
+    });
+  }
+
+  template <class Keep, class Body>
+  void for_each_where(std::uint32_t count, Keep&& keep, Body&& body) const {
+    for_each(count, [&](std::uint32_t i) {
+      if (keep(i)) body(i);
     });
   }
 

@@ -150,14 +150,8 @@ struct StarFlips {
   }
 };
 
-/// Of a facet: which of its sides are to be looked at, and the flip that it proposes in a round, as
-/// 3 times its StarFlip and the side; 0 for none.
-struct alignas(4) FlipFlags {
-  unsigned char waiting[3], proposal;
-};
-
-/// Rounds of flips. In a round first every facet looks at its sides that wait, takes the first that
-/// can be flipped and claims the facets around; then the flips that got all of their claims are
+/// Rounds of flips. In a round first every side that waits finds its flip and claims the facets
+/// around; then the flips that got all of their claims are
 /// done, which touch nothing in common. A flip needs the facets that it replaces: no stronger flip
 /// may replace one of them or change one of its sides. So nobody replaces what it only borders on;
 /// others may border on it, too, each of which changes another side.
@@ -166,50 +160,59 @@ struct alignas(4) FlipFlags {
 /// wait. A vertex of three triangles that is beneath its neighbours' has three reflex edges: two of
 /// them are such sides, so the third need not wait.
 ///
-/// Without lists a round is for all facets, with them for the facets that are listed for it. The
+/// A round is for all sides that wait or, with lists, for those of the facets that are listed for
+/// it. The
 /// order of a list shows in nothing: claims know sides by their numbers.
 template <class Executor, class Rows>
 struct FlipRounds {
   StarFlips<Rows> flips;
   FlipClaim* claim;
-  FlipFlags* flags;
+  unsigned char* waiting;     ///< by side: whether it is to be looked at
+  unsigned char* proposal;    ///< by side: a StarFlip, none but within a round
   std::uint32_t* listed[2];   ///< facets, for even and for odd rounds; null: no lists
   std::uint32_t* listed_for;  ///< by facet: the last round that it is listed for
   std::uint32_t* count;       ///< by round: how many facets are listed
   std::uint32_t* flipped;     ///< how many flips were done; null: nobody wants to know
 
-  CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return count[round]; }
-
+  /// Rounds by lists: item 3 j + k is side k of the j-th listed facet.
+  CULLHULL_HD static std::uint32_t items_of(std::uint32_t facets) { return 3 * facets; }
+  CULLHULL_HD std::uint32_t items(std::uint32_t round) const { return items_of(count[round]); }
   CULLHULL_HD void first(std::uint32_t round, std::uint32_t item) const {
-    const std::uint32_t f = facet_of(round, item);
-    FlipFlags& mine = flags[f];
-    const FlipFlags before = mine;  // one load
-    if ((before.waiting[0] | before.waiting[1] | before.waiting[2]) == 0) return;
-    const bool live = flips.facet[f].live();
-    for (unsigned k = 0; k < 3; ++k) {
-      if (mine.waiting[k] == 0) continue;
-      int reflex = 0;
-      const StarFlip flip = live && flips.facet[f].across[k].facet() > f
-                                ? flips.at_side(f, k, reflex)
-                                : StarFlip::none;
-      if (flip != StarFlip::none) {
-        mine.proposal = static_cast<unsigned char>(3 * static_cast<unsigned>(flip) + k);
-        make_claims(f, k, flip, round);
-        return;
-      }
-      mine.waiting[k] = 0;
+    const std::uint32_t side = side_of(round, item);
+    if (waiting[side] != 0) propose(round, side);
+  }
+  CULLHULL_HD void second(std::uint32_t round, std::uint32_t item) const {
+    const std::uint32_t side = side_of(round, item);
+    if (proposal[side] != 0) perform(round, side);
+  }
+
+  CULLHULL_HD void propose(std::uint32_t round, std::uint32_t side) const {
+    const std::uint32_t f = side / 3;
+    const unsigned k = side % 3;
+    int reflex = 0;
+    const StarFlip flip = flips.facet[f].live() && flips.facet[f].across[k].facet() > f
+                              ? flips.at_side(f, k, reflex)
+                              : StarFlip::none;
+    if (flip == StarFlip::none) {
+      waiting[side] = 0;
+      return;
+    }
+    proposal[side] = static_cast<unsigned char>(flip);
+    const FlipPatch p = flips.patch(f, k, flip);
+    const std::uint64_t key = flips.key(side, round);
+    for (unsigned j = 0; j < 6; ++j) {
+      FlipClaim& c = claim[p.facet[j]];
+      Executor::raise(j < p.own ? c.own : c.beside, key);
     }
   }
 
   /// A facet is read only once it is seen to be this flip's: others may be changing now.
-  CULLHULL_HD void second(std::uint32_t round, std::uint32_t item) const {
-    const std::uint32_t f = facet_of(round, item);
-    const unsigned proposal = flags[f].proposal;
-    if (proposal == 0) return;
-    flags[f].proposal = 0;
-    const auto flip = static_cast<StarFlip>(proposal / 3);
-    const unsigned k = proposal % 3;
-    const std::uint64_t key = flips.key(3 * f + k, round);
+  CULLHULL_HD void perform(std::uint32_t round, std::uint32_t side) const {
+    const std::uint32_t f = side / 3;
+    const unsigned k = side % 3;
+    const auto flip = static_cast<StarFlip>(proposal[side]);
+    proposal[side] = 0;
+    const std::uint64_t key = flips.key(side, round);
     if (!owns(f, key) || !owns(flips.facet[f].across[k].facet(), key) ||
         (flip != StarFlip::edge && !owns(flips.third_facet(f, k, flip).facet(), key))) {
       if (listed[0] != nullptr && Executor::is_first(listed_for[f], round + 1))
@@ -221,24 +224,15 @@ struct FlipRounds {
     const unsigned sides = flip == StarFlip::edge ? 6 : 3;
     for (unsigned j = 0; j < sides; ++j) {
       const StarSide looks = looking(f, g, j);
-      flags[looks.facet()].waiting[looks.corner()] = 1;
+      waiting[3 * looks.facet() + looks.corner()] = 1;
     }
     if (listed[0] != nullptr) list_around(f, g, sides, round + 1);
     if (flipped != nullptr) (void)Executor::next(*flipped, 1);
   }
 
  private:
-  CULLHULL_HD std::uint32_t facet_of(std::uint32_t round, std::uint32_t item) const {
-    return listed[0] == nullptr ? item : listed[round % 2][item];
-  }
-  CULLHULL_HD void make_claims(std::uint32_t f, unsigned k, StarFlip flip,
-                               std::uint32_t round) const {
-    const FlipPatch p = flips.patch(f, k, flip);
-    const std::uint64_t key = flips.key(3 * f + k, round);
-    for (unsigned j = 0; j < 6; ++j) {
-      FlipClaim& c = claim[p.facet[j]];
-      Executor::raise(j < p.own ? c.own : c.beside, key);
-    }
+  CULLHULL_HD std::uint32_t side_of(std::uint32_t round, std::uint32_t item) const {
+    return 3 * listed[round % 2][item / 3] + item % 3;
   }
   CULLHULL_HD bool owns(std::uint32_t f, std::uint64_t key) const {
     return claim[f].own == key && claim[f].beside < key;
@@ -270,15 +264,21 @@ struct StartFlips {
   FlipRounds<Executor, Rows> rounds;
   CULLHULL_HD void operator()(std::uint32_t f) const {
     rounds.claim[f] = {0, 0};
-    rounds.flags[f] = {{1, 1, 1}, 0};
+    for (unsigned k = 0; k < 3; ++k) {
+      rounds.waiting[3 * f + k] = 1;
+      rounds.proposal[3 * f + k] = 0;
+    }
     rounds.listed_for[f] = 0;
   }
 };
-/// Those for which there is something to look at, and their lists.
+struct SideIsMarked {
+  const unsigned char* mark;
+  CULLHULL_HD bool operator()(std::uint32_t side) const { return mark[side] != 0; }
+};
 struct FacetWaits {
-  const FlipFlags* flags;
+  const unsigned char* waiting;  ///< by side
   CULLHULL_HD bool operator()(std::uint32_t f) const {
-    return (flags[f].waiting[0] | flags[f].waiting[1] | flags[f].waiting[2]) != 0;
+    return (waiting[3 * f] | waiting[3 * f + 1] | waiting[3 * f + 2]) != 0;
   }
 };
 struct ListForRound {
@@ -290,16 +290,16 @@ struct ListForRound {
     listed_for[f] = round;
   }
 };
-/// A step of a round for all facets.
+/// A step of a round without lists.
 template <class Rounds, bool First>
 struct FlipStep {
   Rounds rounds;
   std::uint32_t round;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
+  CULLHULL_HD void operator()(std::uint32_t side) const {
     if constexpr (First)
-      rounds.first(round, f);
+      rounds.propose(round, side);
     else
-      rounds.second(round, f);
+      rounds.perform(round, side);
   }
 };
 

@@ -178,14 +178,15 @@ class StarHull {
     // rounds are usual.
     constexpr std::uint32_t most_rounds = 2048;
     Executor& executor = growth_.executor();
-    const std::uint32_t facets = growth_.facet_count();
+    const std::uint32_t facets = growth_.facet_count(), sides = 3 * facets;  // 6 of 2^28 points
     StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled()};
     std::copy_n(growth_.centre(), 3, flips.centre);
     std::uint32_t* count = executor.reserve(flip_counts_, most_rounds + 3);
     executor.zero(count, most_rounds + 3);
     Rounds rounds{flips,
                   executor.reserve(claim_, facets),
-                  executor.reserve(flags_, facets),
+                  executor.reserve(waiting_, sides),
+                  executor.reserve(proposal_, sides),
                   {nullptr, nullptr},
                   executor.reserve(number_of_facet_, facets),
                   count,
@@ -197,7 +198,7 @@ class StarHull {
     while (round <= most_rounds) {
       control.check();
       const std::uint32_t waiting =
-          executor.append(facets, FacetWaits{rounds.flags},
+          executor.append(facets, FacetWaits{rounds.waiting},
                           ListForRound{list[round % 2], rounds.listed_for, round});
       if (waiting == 0) break;
       if (waiting <= Executor::few_items) {
@@ -207,8 +208,10 @@ class StarHull {
       }
       const std::uint32_t end = std::min(most_rounds + 1, round + Executor::rounds_at_once);
       for (; round < end; ++round) {
-        executor.for_each(facets, FlipStep<Rounds, true>{rounds, round});
-        executor.for_each(facets, FlipStep<Rounds, false>{rounds, round});
+        executor.for_each_where(sides, SideIsMarked{rounds.waiting},
+                                FlipStep<Rounds, true>{rounds, round});
+        executor.for_each_where(sides, SideIsMarked{rounds.proposal},
+                                FlipStep<Rounds, false>{rounds, round});
       }
     }
     done.flip_rounds = round - 1;
@@ -221,7 +224,7 @@ class StarHull {
   StarGrowth<Executor, Rows> growth_;
   std::uint32_t count_ = 0;
   Array<FlipClaim> claim_;
-  Array<FlipFlags> flags_;
+  Array<unsigned char> waiting_, proposal_;
   Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
 };
 

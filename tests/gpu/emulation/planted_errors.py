@@ -373,6 +373,20 @@ PLANTED = {
         "",
         *STARS,
     ),
+    "no-wait-in-tiles": Planted(
+        "no barrier between the list of a tile and its use",
+        KERNELS + "executor.cuh",
+        "kernel.find(t, at, list, shared);\n    «__syncthreads();»",
+        "",
+        *STARS,
+    ),
+    "early-tile": Planted(
+        "no barrier between the use of a tile's list and the next tile",
+        KERNELS + "executor.cuh",
+        "kernel.use(at, list, shared);\n    «__syncthreads();»",
+        "",
+        *PRIMITIVES,
+    ),
     "forgotten-sides": Planted(
         "sides around a flip not looked at again",
         STAR_HULL + "star_flips.hpp",
