@@ -69,7 +69,7 @@ struct Lowest {
 };
 
 constexpr std::uint32_t sizes[] = {0,   1,   2,    31,   32,   33,    255,
-                                   256, 257, 4095, 4096, 4097, 70001, 1'000'003};
+                                   256, 257, 4095, 4096, 4097, 70001, 1'200'003};
 
 std::vector<std::uint32_t> few_values(std::uint32_t n) {
   std::mt19937 random(7);

@@ -103,12 +103,13 @@ class EmulatedExecutor : public HostMemory {
   template <class Kernel>
   void tiles(const Kernel& kernel) const {
     std::vector<std::uint32_t> list(std::size_t{Kernel::items_a_thread} * block_size_);
-    for (std::uint64_t tile = 0; tile * list.size() < kernel.items.get(); ++tile) {
+    const std::uint32_t tiles = kernel.tiles(block_size_);
+    for (std::uint32_t tile = 0; tile < tiles; ++tile) {
       typename Kernel::Shared shared{};
       const auto for_block = [&](auto phase) {
         for (std::uint32_t t = block_size_; t-- > 0;) phase(GridThread{0, t, block_size_, 1});
       };
-      for_block([&](const GridThread& at) { kernel.find(tile, at, list.data(), shared); });
+      for_block([&](const GridThread& at) { kernel.find(tile, tiles, at, list.data(), shared); });
       if (kernel.appended != nullptr) kernel.place(shared);
       for_block([&](const GridThread& at) { kernel.use(at, list.data(), shared); });
     }
