@@ -64,14 +64,14 @@ class DeviceBatch {
     return fetch_points(points_, ids);
   }
 
-  DeviceHullBatch to_device() {
+  DeviceHullBatch to_device(const DeviceBatchOptions& wanted) {
     if (sets_ > most_sets)
       throw Error(ErrorCode::invalid_argument, "a batch on a device has at most 2^31 - 1 sets");
     for (std::uint64_t i = 0; i < sets_; ++i)
       if (starts_[i + 1] - starts_[i] > most_sets)
         throw Error(ErrorCode::invalid_argument, "set ", i, " has more than 2^31 - 1 points");
     run_.check();
-    find(0, static_cast<std::uint32_t>(sets_), warps_);
+    find(0, static_cast<std::uint32_t>(sets_), warps_, wanted.planes || wanted.measures);
     const std::vector<std::uint32_t> open = there_.open_sets();
     const cuda::SetRows rows = there_.fetch_rows(open);
     BatchMaker maker = made_of(open.size(), rows.points.count);
@@ -83,7 +83,7 @@ class DeviceBatch {
         [&](std::uint64_t i) { return open[i]; });
     const HullBatch rest = std::move(maker).finish();
     run_.check();
-    return there_.join(rest);
+    return there_.join(rest, wanted);
   }
 
  private:
@@ -125,9 +125,9 @@ class DeviceBatch {
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(sets, 1, std::uint64_t{1} << 20));
   }
 
-  void find(std::uint64_t first, std::uint32_t count, bool warps) {
+  void find(std::uint64_t first, std::uint32_t count, bool warps, bool measured = false) {
     if (warps)
-      there_.find(starts_.data() + first, count);
+      there_.find(starts_.data() + first, count, measured);
     else
       there_.find_nothing(starts_.data() + first, count);
   }
@@ -201,8 +201,8 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
 }
 
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
-                                       std::uint64_t set_count, const Options& options) {
-  return internal::DeviceBatch(points, offsets, set_count, options).to_device();
+                                       std::uint64_t set_count, const DeviceBatchOptions& options) {
+  return internal::DeviceBatch(points, offsets, set_count, options).to_device(options);
 }
 
 }  // namespace cullhull::inline v1
