@@ -429,7 +429,9 @@ DeviceHullBatch SetsOnDevice::join(const HullBatch& rest, const DeviceBatchOptio
   }
   Cutter size(nullptr);
   (void)ResultArrays(all, wanted, size);
-  const auto memory = std::make_shared<ResultMemory>(size.bytes(), s.stream);
+  // At least a byte, so that empty arrays differ from those not asked for.
+  const auto memory =
+      std::make_shared<ResultMemory>(std::max<std::size_t>(size.bytes(), 1), s.stream);
   Cutter cutter(memory->data());
   const ResultArrays to(all, wanted, cutter);
   s.write(rest, lengths, wanted, all, to);
