@@ -33,7 +33,8 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
 /// What a DeviceHullBatch contains, and its shapes.
 struct DeviceBatchOptions : Options {
   DeviceBatchOptions() = default;
-  DeviceBatchOptions(const Options& options) : Options(options) {}  // NOLINT: packed lists alone
+  /// Vertices and simplices alone, end to end.
+  DeviceBatchOptions(const Options& options) : Options(options) {}  // NOLINT: implicit
 
   bool planes = false;    ///< DeviceHullBatch::planes
   bool measures = false;  ///< DeviceHullBatch::volumes, areas, centroids

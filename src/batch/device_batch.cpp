@@ -37,20 +37,29 @@ class DeviceBatch {
   HullBatch to_host() {
     BatchMaker maker = made_of(sets_, points_in(0, sets_));
     std::uint64_t piece = piece_points();
+    std::uint32_t count = 0;
+    bool started = false;  // the kernels for the sets [first, first + count)
     for (std::uint64_t first = 0; first < sets_;) {
       run_.check();
-      const std::uint32_t count = sets_within(first, piece);
+      if (!started) count = sets_within(first, piece);
+      Piece taken;
       try {
-        add(maker, first, count, warps_);
+        if (!started) find(first, count, warps_);
+        taken = take(first, count);
       } catch (const cuda::OutOfMemory&) {
+        started = false;
         if (count > least_sets) {
           piece = std::max<std::uint64_t>(points_in(first, first + count) / 2, 1);
           continue;
         }
         if (must_) throw;
-        add(maker, first, count, false);
+        find(first, count, false);
+        taken = take(first, count);
       }
       first += count;
+      count = first < sets_ ? sets_within(first, piece) : 0;
+      started = count > 0 && start(first, count);  // they run while the CPU completes `taken`
+      add(maker, taken);
     }
     return std::move(maker).finish();
   }
@@ -132,23 +141,52 @@ class DeviceBatch {
       there_.find_nothing(starts_.data() + first, count);
   }
 
-  /// Adds sets [first, first + count). Throws OutOfMemory before anything is added.
-  void add(BatchMaker& maker, std::uint64_t first, std::uint32_t count, bool warps) {
-    find(first, count, warps);
-    const cuda::FoundLists found = there_.fetch();
+  /// Launches the search for the hulls of the sets [first, first + count). False where the device
+  /// has no memory for it: beside what is left of the sets before, there may be less than alone.
+  bool start(std::uint64_t first, std::uint32_t count) {
+    try {
+      find(first, count, warps_);
+      return true;
+    } catch (const cuda::OutOfMemory&) {
+      return false;
+    }
+  }
+
+  /// What the CPU needs of the sets [first, first + count).
+  struct Piece {
+    std::uint64_t first = 0;
+    std::uint32_t count = 0;
+    cuda::FoundLists found;
+    cuda::SetRows rows;                // of the open sets
+    std::vector<std::uint32_t> place;  // of each set among these
+  };
+
+  /// Copies to the host what find() has found of the sets [first, first + count). Throws
+  /// OutOfMemory.
+  Piece take(std::uint64_t first, std::uint32_t count) const {
+    Piece piece;
+    piece.first = first;
+    piece.count = count;
+    piece.found = there_.fetch();
     const std::vector<std::uint32_t> open = there_.open_sets();
-    const cuda::SetRows rows = there_.fetch_rows(open);
-    std::vector<std::uint32_t> place(count);  // among the open ones
-    for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::uint32_t>(k);
+    piece.rows = there_.fetch_rows(open);
+    piece.place.resize(count);
+    for (std::size_t k = 0; k < open.size(); ++k)
+      piece.place[open[k]] = static_cast<std::uint32_t>(k);
+    return piece;
+  }
+
+  void add(BatchMaker& maker, const Piece& piece) const {
+    const cuda::FoundLists& found = piece.found;
     maker.add(
-        count,
+        piece.count,
         [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
       if (found.vertex_at[i + 1] > found.vertex_at[i])
-        append(found, first, i, huller, part);
+        append(found, piece.first, i, huller, part);
       else
-        huller.append(rows.set(place[i]), part);
+        huller.append(piece.rows.set(piece.place[i]), part);
         },
-        [&](std::uint64_t i) { return first + i; });
+        [&](std::uint64_t i) { return piece.first + i; });
   }
 
   /// Appends set first + i, set i of those found.

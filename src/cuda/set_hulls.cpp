@@ -184,6 +184,18 @@ struct SetsOnDevice::State {
     scope.emplace(ordinal);
   }
 
+  ~State() {
+    if (arriving) (void)cudaStreamSynchronize(stream);
+  }
+
+  /// Waits for the kernels of find() and takes the counts that they have written.
+  void wait() {
+    if (!arriving) return;
+    synchronise(stream, "hulling sets");
+    std::copy_n(reinterpret_cast<const std::uint16_t*>(arriving.get()), count, counts.begin());
+    arriving = {};
+  }
+
   unsigned d() const { return points.dimension; }
   std::size_t row_bytes() const { return d() * scalar_size(points.scalar); }
   DevicePointView from(std::uint64_t first) const {
@@ -216,7 +228,8 @@ struct SetsOnDevice::State {
   const std::uint64_t* offsets = nullptr;
   std::uint32_t count = 0;
   std::vector<std::uint16_t> counts;
-  DeviceArray<std::uint64_t> starts;  // relative to the first set's first point
+  std::shared_ptr<std::byte> arriving;  // where the counts are copied to, until wait()
+  DeviceArray<std::uint64_t> starts;    // relative to the first set's first point
   DeviceArray<std::uint16_t> device_counts;
   DeviceArray<std::uint8_t> vertices, simplices;
   DeviceArray<double> measures;  // volumes, areas, centroids
@@ -246,6 +259,7 @@ std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offs
 }
 
 std::vector<std::uint32_t> SetsOnDevice::open_sets() const {
+  state_->wait();
   std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < state_->count; ++i)
     if (state_->counts[i] == 0) open.push_back(i);
@@ -254,6 +268,7 @@ std::vector<std::uint32_t> SetsOnDevice::open_sets() const {
 
 void SetsOnDevice::find_nothing(const std::uint64_t* offsets, std::uint32_t sets) {
   State& s = *state_;
+  s.wait();
   s.starts = {};
   s.device_counts = {};
   s.vertices = {};
@@ -297,10 +312,13 @@ void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool m
     s.exponents = DeviceArray<std::int8_t>(sets, s.stream);
     check(measure_sets(s.from(first), s.sets(), s.measures_of_sets(), s.stream), "measuring hulls");
   }
-  download(s.counts.data(), s.device_counts.data(), sets, s.stream);
+  s.arriving = landing(sets * sizeof(std::uint16_t));
+  send_back(reinterpret_cast<std::uint16_t*>(s.arriving.get()), s.device_counts.data(), sets,
+            s.stream);
 }
 
 FoundLists SetsOnDevice::fetch() const {
+  state_->wait();
   const State& s = *state_;
   FoundLists found;
   found.vertex_at.assign(1, 0);

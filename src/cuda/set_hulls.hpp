@@ -53,9 +53,10 @@ class SetsOnDevice {
   std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* offsets, std::uint64_t count) const;
 
   /// Finds the hulls of the sets [offsets[i], offsets[i + 1]), i < sets, and forgets those found
-  /// before. `offsets`, in the host's memory, must stay valid until the next call of find() or
-  /// find_nothing(). `measured`: also measures them, for join(); sets that this leaves uncertain
-  /// are open. Throws OutOfMemory, Failure.
+  /// before. Returns when the work is queued: open_sets() and fetch() wait for it. `offsets`, in
+  /// the host's memory, must stay valid until the next call of find() or find_nothing().
+  /// `measured`: also measures them, for join(); sets that this leaves uncertain are open. Throws
+  /// OutOfMemory, Failure.
   void find(const std::uint64_t* offsets, std::uint32_t sets, bool measured = false);
   /// Takes these sets without computing hulls: all of them are open.
   void find_nothing(const std::uint64_t* offsets, std::uint32_t sets);

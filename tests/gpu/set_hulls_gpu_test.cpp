@@ -177,6 +177,17 @@ void add_cross(Sets<T>& sets, double size) {
   sets.end_set();
 }
 
+/// A simplex with a facet so nearly orthogonal to the first axis that what tilts it is below the
+/// least normal number, once coordinates are scaled.
+void add_tilted(Sets<double>& sets) {
+  for (unsigned i = 0; i <= sets.d; ++i)
+    for (unsigned c = 0; c < sets.d; ++c)
+      sets.rows.push_back(c != 0        ? (i == c ? 0x1.8p39 : 0)
+                          : i == sets.d ? 0x1p39
+                                        : (i + 1) * 0x1.8p-1060);
+  sets.end_set();
+}
+
 TEST_F(GpuSets, PlanesAndMeasuresThatNeedMoreThanDoubles) {
   for (const unsigned d : {2U, 3U}) {
     Sets<double> sets(d);
@@ -196,6 +207,7 @@ TEST_F(GpuSets, PlanesAndMeasuresThatNeedMoreThanDoubles) {
       for (const double shift : {0.0, 0x1p-14})
         for (unsigned c = 0; c < d; ++c) sets.rows.push_back((c == 0 ? 4 : 0) + shift * (c + 1));
       sets.offsets.back() = sets.rows.size() / d;
+      add_tilted(sets);
     }
     expect_the_cpus(sets, std::to_string(d) + "D");
   }

@@ -247,6 +247,31 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
   EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{0, 1})) << "they are built";
 }
 
+// Beside the CPU's work on a piece, the kernels for the next one are launched.
+TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
+  emulation::settings() = {};
+  emulation::restart();
+  check(cudaSetDevice(0));
+  Sets<float> sets(2);
+  for (std::size_t i = 0; i < 750; ++i) sets.add_ball(20, i);
+  const OnDevice there(sets.rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 15000, 2);
+  const HullBatch expected =
+      convex_hulls(PointView::row_major(sets.rows.data(), 15000, 2), sets.offsets);
+  emulation::restart();
+  std::vector<std::uint64_t> launches;  // when the CPU begins with a piece or a part of one
+  Options options;
+  options.backend = Backend::cuda;
+  options.memory_budget = std::uint64_t{1} << 19;  // pieces of 5,461 points
+  options.progress = [&](const char*, double) {
+    launches.push_back(emulation::counters().launches["set_hulls<D, T>"]);
+  };
+  expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
+  ASSERT_FALSE(launches.empty());
+  EXPECT_EQ(launches.front(), 2U);
+  EXPECT_EQ(launches.back(), 3U);
+}
+
 // A result outlives the stream of its call, and its last copy frees it.
 TEST(EmulatedSets, AResultIsFreedBehindAllWork) {
   emulation::settings() = {};

@@ -293,7 +293,7 @@ PLANTED = {
         *MEASURES,
     ),
     "other-exponent": Planted(
-        "a set's planes in the units of the set before it",
+        "a set's planes scaled as those of the set before it",
         KERNELS + "set_hulls_kernel.cu",
         "hull.scale_to(«exponents[set]»);",
         "exponents[set == 0 ? 0 : set - 1]",
@@ -312,6 +312,13 @@ PLANTED = {
         "«2 * std::uint64_t{count} + i * n»",
         "2 * std::uint64_t{count} + i * n + 1",
         *MEASURES,
+    ),
+    "early-counts": Planted(
+        "the host does not wait for the kernels that find hulls",
+        "src/cuda/set_hulls.cpp",
+        '«synchronise(stream, "hulling sets");»',
+        "",
+        *PADDED,
     ),
     # ----------------------------------------------------------------------------- questions
     "no-open-side": Planted(
