@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -38,14 +39,15 @@ class DeviceBatch {
     BatchMaker maker = made_of(sets_, points_in(0, sets_));
     std::uint64_t piece = piece_points();
     std::uint32_t count = 0;
-    bool started = false;  // the kernels for the sets [first, first + count)
+    bool started = false;                   // the kernels for the sets [first, first + count)
+    std::optional<cuda::FoundLists> found;  // theirs, if copying them has begun
     for (std::uint64_t first = 0; first < sets_;) {
       run_.check();
       if (!started) count = sets_within(first, piece);
       Piece taken;
       try {
         if (!started) find(first, count, warps_);
-        taken = take(first, count);
+        taken = take(first, count, found);
       } catch (const cuda::OutOfMemory&) {
         started = false;
         if (count > least_sets) {
@@ -54,12 +56,16 @@ class DeviceBatch {
         }
         if (must_) throw;
         find(first, count, false);
-        taken = take(first, count);
+        taken = take(first, count, found);
       }
+      // While the CPU completes the sets taken, the device finds the hulls of the next ones, and
+      // copies them when half of the CPU's work is done.
       first += count;
       count = first < sets_ ? sets_within(first, piece) : 0;
-      started = count > 0 && start(first, count);  // they run while the CPU completes `taken`
-      add(maker, taken);
+      started = count > 0 && spared([&] { find(first, count, warps_); });
+      add(maker, taken, 0, taken.count / 2);
+      if (started) spared([&] { found = there_.fetch(); });
+      add(maker, taken, taken.count / 2, taken.count);
     }
     return std::move(maker).finish();
   }
@@ -141,11 +147,11 @@ class DeviceBatch {
       there_.find_nothing(starts_.data() + first, count);
   }
 
-  /// Launches the search for the hulls of the sets [first, first + count). False where the device
-  /// has no memory for it: beside what is left of the sets before, there may be less than alone.
-  bool start(std::uint64_t first, std::uint32_t count) {
+  /// Runs a step that is repeated later if the device has no memory for it now. False in that case.
+  template <class Step>
+  static bool spared(const Step& step) {
     try {
-      find(first, count, warps_);
+      step();
       return true;
     } catch (const cuda::OutOfMemory&) {
       return false;
@@ -161,13 +167,16 @@ class DeviceBatch {
     std::vector<std::uint32_t> place;  // of each set among these
   };
 
-  /// Copies to the host what find() has found of the sets [first, first + count). Throws
-  /// OutOfMemory.
-  Piece take(std::uint64_t first, std::uint32_t count) const {
+  /// Copies to the host what find() has found of the sets [first, first + count), unless that
+  /// has `begun`, which is used up. Throws OutOfMemory.
+  Piece take(std::uint64_t first, std::uint32_t count,
+             std::optional<cuda::FoundLists>& begun) const {
     Piece piece;
     piece.first = first;
     piece.count = count;
-    piece.found = there_.fetch();
+    piece.found = begun ? std::move(*begun) : there_.fetch();
+    begun.reset();
+    there_.settle();
     const std::vector<std::uint32_t> open = there_.open_sets();
     piece.rows = there_.fetch_rows(open);
     piece.place.resize(count);
@@ -176,17 +185,19 @@ class DeviceBatch {
     return piece;
   }
 
-  void add(BatchMaker& maker, const Piece& piece) const {
+  /// Adds sets [begin, end) of the piece.
+  void add(BatchMaker& maker, const Piece& piece, std::uint32_t begin, std::uint32_t end) const {
     const cuda::FoundLists& found = piece.found;
     maker.add(
-        piece.count,
-        [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
+        end - begin,
+        [&](SetHuller& huller, std::uint64_t k, HullBatch& part) {
+      const std::uint64_t i = begin + k;
       if (found.vertex_at[i + 1] > found.vertex_at[i])
         append(found, piece.first, i, huller, part);
       else
         huller.append(piece.rows.set(piece.place[i]), part);
         },
-        [&](std::uint64_t i) { return piece.first + i; });
+        [&](std::uint64_t k) { return piece.first + begin + k; });
   }
 
   /// Appends set first + i, set i of those found.

@@ -37,6 +37,7 @@ void SetsOnDevice::find(const std::uint64_t*, std::uint32_t, bool) {}
 void SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
 std::vector<std::uint32_t> SetsOnDevice::open_sets() const { return {}; }
 FoundLists SetsOnDevice::fetch() const { return {}; }
+void SetsOnDevice::settle() const {}
 SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
 DeviceHullBatch SetsOnDevice::join(const HullBatch&, const DeviceBatchOptions&) const { return {}; }
 

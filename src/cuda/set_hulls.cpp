@@ -185,7 +185,7 @@ struct SetsOnDevice::State {
   }
 
   ~State() {
-    if (arriving) (void)cudaStreamSynchronize(stream);
+    if (arriving || lists_arriving) (void)cudaStreamSynchronize(stream);
   }
 
   /// Waits for the kernels of find() and takes the counts that they have written.
@@ -228,8 +228,9 @@ struct SetsOnDevice::State {
   const std::uint64_t* offsets = nullptr;
   std::uint32_t count = 0;
   std::vector<std::uint16_t> counts;
-  std::shared_ptr<std::byte> arriving;  // where the counts are copied to, until wait()
-  DeviceArray<std::uint64_t> starts;    // relative to the first set's first point
+  std::shared_ptr<std::byte> arriving;        // where the counts are copied to, until wait()
+  std::shared_ptr<std::byte> lists_arriving;  // where fetch() copies to, until settle()
+  DeviceArray<std::uint64_t> starts;          // relative to the first set's first point
   DeviceArray<std::uint16_t> device_counts;
   DeviceArray<std::uint8_t> vertices, simplices;
   DeviceArray<double> measures;  // volumes, areas, centroids
@@ -338,7 +339,7 @@ FoundLists SetsOnDevice::fetch() const {
         "packing hulls");
   const bool space = s.d() == 3;  // in 2D the order of the vertices determines the edges
   const std::shared_ptr<std::byte> memory = landing(rows.size() + vertices + (space ? corners : 0));
-  const Settled settled(s.stream);
+  state_->lists_arriving = memory;
   Cutter cutter(memory.get());
   auto* const rows_here = cutter.take<std::byte>(rows.size());
   auto* const ids_here = cutter.take<std::uint8_t>(vertices);
@@ -346,12 +347,17 @@ FoundLists SetsOnDevice::fetch() const {
   send_back(rows_here, rows.data(), rows.size(), s.stream);
   send_back(ids_here, ids.data(), vertices, s.stream);
   send_back(simplices_here, simplices.data(), space ? corners : 0, s.stream);
-  synchronise(s.stream, "copying hulls from the device");
   found.rows = rows_here;
   found.vertices = ids_here;
   found.simplices = simplices_here;
   found.memory = memory;
   return found;
+}
+
+void SetsOnDevice::settle() const {
+  if (!state_->lists_arriving) return;
+  synchronise(state_->stream, "copying hulls from the device");
+  state_->lists_arriving = {};
 }
 
 SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>& which) const {

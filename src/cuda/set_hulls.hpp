@@ -62,8 +62,11 @@ class SetsOnDevice {
   void find_nothing(const std::uint64_t* offsets, std::uint32_t sets);
   /// The numbers of the open sets, ascending: those whose hulls the device has not found.
   std::vector<std::uint32_t> open_sets() const;
-  /// Copies the hulls found to the host. Throws OutOfMemory, Failure.
+  /// Starts to copy the hulls found to the host. The lists may be read, and sets found anew, after
+  /// settle(). Throws OutOfMemory, Failure.
   FoundLists fetch() const;
+  /// Waits for these copies. Throws Failure.
+  void settle() const;
   /// Copies the points of these sets to the host. If the device's memory is exhausted, packed
   /// points are copied without additional memory.
   SetRows fetch_rows(const std::vector<std::uint32_t>& which) const;

@@ -247,7 +247,8 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
   EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{0, 1})) << "they are built";
 }
 
-// Beside the CPU's work on a piece, the kernels for the next one are launched.
+// The kernels for the next piece are launched before the CPU begins with one, its lists are packed
+// when the CPU has done half.
 TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
   emulation::settings() = {};
   emulation::restart();
@@ -259,17 +260,18 @@ TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
   const HullBatch expected =
       convex_hulls(PointView::row_major(sets.rows.data(), 15000, 2), sets.offsets);
   emulation::restart();
-  std::vector<std::uint64_t> launches;  // when the CPU begins with a piece or a part of one
+  using Launches = std::pair<std::uint64_t, std::uint64_t>;
+  std::vector<Launches> launches;  // whenever the CPU begins with half a piece, and at the end
   Options options;
   options.backend = Backend::cuda;
   options.memory_budget = std::uint64_t{1} << 19;  // pieces of 5,461 points
   options.progress = [&](const char*, double) {
-    launches.push_back(emulation::counters().launches["set_hulls<D, T>"]);
+    auto launched = emulation::counters().launches;
+    launches.emplace_back(launched["set_hulls<D, T>"], launched["pack_lists<2, T, Id>"]);
   };
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
-  ASSERT_FALSE(launches.empty());
-  EXPECT_EQ(launches.front(), 2U);
-  EXPECT_EQ(launches.back(), 3U);
+  EXPECT_EQ(launches,
+            (std::vector<Launches>{{2, 1}, {2, 2}, {3, 2}, {3, 3}, {3, 3}, {3, 3}, {3, 3}}));
 }
 
 // A result outlives the stream of its call, and its last copy frees it.

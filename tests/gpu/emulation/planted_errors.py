@@ -320,6 +320,14 @@ PLANTED = {
         "",
         *PADDED,
     ),
+    "early-lists": Planted(
+        "the host does not wait for the lists of a piece",
+        "src/cuda/set_hulls.cpp",
+        '«synchronise(state_->stream, "copying hulls from the device");»',
+        "",
+        "emulated_sets_test",
+        "EmulatedSets.TheNextPiece*",
+    ),
     # ----------------------------------------------------------------------------- questions
     "no-open-side": Planted(
         "a facet whose sign is open forgotten",
