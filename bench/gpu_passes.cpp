@@ -679,7 +679,8 @@ class Passes {
             {"cpu_seconds", median({on_host.begin() + 2, on_host.end()})}};
   }
 
-  /// 100,000 sets of 50 points of a ball: the kernel by events, both kinds of results, and the CPU.
+  /// 100,000 sets of 50 points of a ball: the kernels by events, both kinds of results, and the
+  /// CPU.
   ordered_json batch(unsigned d) const {
     constexpr std::uint64_t size = 50;
     const auto sets = std::max<std::uint64_t>(200, static_cast<std::uint64_t>(1e5 * scale_));
@@ -702,21 +703,37 @@ class Passes {
     const double kernel = by_events(stream.get(), [&] {
       cuda::check(cuda::find_set_hulls(there, task, 33, 64, stream.get()), "hulling sets");
     });
+    const cuda::DeviceArray<double> numbers(sets * (d + 2), stream.get());
+    const cuda::DeviceArray<std::int8_t> exponents(sets, stream.get());
+    const cuda::SetMeasures measures{numbers.data(), numbers.data() + sets,
+                                     numbers.data() + 2 * sets, exponents.data()};
+    const double measuring = by_events(stream.get(), [&] {
+      cuda::check(cuda::measure_sets(there, task, measures, stream.get()), "measuring hulls");
+    });
     HullBatch device, host;
     const double to_host =
         wall([&] { device = convex_hulls(there, offsets.data(), sets, on(Backend::cuda)); });
     DeviceHullBatch left;
     const double on_device = wall(
         [&] { left = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda)); });
+    DeviceBatchOptions all(on(Backend::cuda));
+    all.planes = all.measures = true;
+    DeviceHullBatch measured;
+    const double with_measures =
+        wall([&] { measured = convex_hulls_on_device(there, offsets.data(), sets, all); });
+    std::vector<double> volumes(sets);
+    cuda::download(volumes.data(), measured.volumes, sets, stream.get());
     const double cpu = wall([&] { host = convex_hulls(here, offsets); });
     if (device.vertices != host.vertices || device.volumes != host.volumes ||
-        left.vertex_count != host.vertices.items.size())
+        left.vertex_count != host.vertices.items.size() || volumes != host.volumes)
       throw std::runtime_error("the device's batch is not the CPU's");
     return {{"dimension", d},
             {"sets", sets},
             {"kernel_seconds", kernel},
             {"to_host_seconds", to_host},
             {"left_there_seconds", on_device},
+            {"measures_kernel_seconds", measuring},
+            {"left_there_with_planes_and_measures_seconds", with_measures},
             {"cpu_seconds", cpu}};
   }
 

@@ -147,7 +147,8 @@ def family(name: str) -> tuple[str, int]:
             general = re.sub(rf"<{d}([,>])", r"<d\1", name)
             return re.sub(r"(CopyRows<.*), \d+>", r"\1, 2d>", general), d
     if m := re.match(
-        r"(set_hulls|pack_lists|hull_sides|hull_cell_sides|hull_distances|hull_supports)<(\d), (.*)>$",
+        r"(set_hulls|measure_hulls|write_planes|pack_lists|hull_sides|hull_cell_sides|hull_distances"
+        r"|hull_supports)<(\d), (.*)>$",
         name,
     ):
         return f"{m[1]}<{m[3]}>", int(m[2])
@@ -173,6 +174,8 @@ def worded(name: str) -> str:
         return f"pack_lists: {ids}, {'f32' if m[1] == 'float' else 'f64'}"
     if m := re.fullmatch(r"scatter_kernel<(.*)>", name):
         return f"scatter_kernel, {'bytes' if 'char' in m[1] else 'words'}"
+    if name == "item_runs<int>":
+        return "item_runs, integers"
     if m := re.fullmatch(r"(\w+)<(float|double)>", name):
         return f"{m[1]}, {'f32' if m[2] == 'float' else 'f64'}"
     return name

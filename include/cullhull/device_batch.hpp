@@ -30,28 +30,60 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
                        std::uint64_t set_count, const Options& options = {},
                        Array<double>* vertex_coordinates = nullptr);
 
-/// Vertices and simplices of the hulls of many sets, in a device's memory, in the order of
-/// HullBatch. Ids count from the set's first point. Copies share the memory, which is freed with
-/// the last copy, after all work queued on the device by then.
+/// What a DeviceHullBatch contains, and its shapes.
+struct DeviceBatchOptions : Options {
+  DeviceBatchOptions() = default;
+  /// Vertices and simplices alone, end to end.
+  DeviceBatchOptions(const Options& options) : Options(options) {}  // NOLINT: implicit
+
+  bool planes = false;    ///< DeviceHullBatch::planes
+  bool measures = false;  ///< DeviceHullBatch::volumes, areas, centroids
+  /// Give each set a row of `most_vertices` vertices and one of `most_simplices` simplices and
+  /// planes, instead of lists end to end. 0: as many as the largest hull of the batch has.
+  bool padded = false;
+  std::uint64_t most_vertices = 0, most_simplices = 0;
+  std::uint64_t reserved_batch[8] = {};
+};
+
+/// The hulls of many sets, in a device's memory, in the order of HullBatch. Ids count from the
+/// set's first point. Pointers to what the options did not ask for are null. Copies share the
+/// memory, which is freed with the last copy, after all work queued on the device by then.
 struct DeviceHullBatch {
   std::uint32_t dimension = 0;
-  std::uint64_t sets = 0, vertex_count = 0, simplex_count = 0;  ///< totals
+  std::uint64_t sets = 0, vertex_count = 0, simplex_count = 0;  ///< totals, without padding
   int device = -1;
-  const std::int64_t* vertex_offsets = nullptr;   ///< sets + 1
+  const std::int64_t* vertex_offsets = nullptr;   ///< sets + 1; null if padded
   const std::int32_t* vertices = nullptr;         ///< ids; vertex_count items
-  const std::int64_t* simplex_offsets = nullptr;  ///< sets + 1, counting simplices
+  const std::int64_t* simplex_offsets = nullptr;  ///< sets + 1, counting simplices; null if padded
   const std::int32_t* simplices = nullptr;        ///< simplex_count x dimension ids
   const std::int32_t* affine_dimensions =
       nullptr;                         ///< sets; sets below `dimension` have no simplex
   std::shared_ptr<const void> memory;  ///< holds all of these
+
+  /// If padded, the lengths of rows: `vertices` is sets x vertex_width ids, `simplices` sets x
+  /// simplex_width x dimension ids, both filled up with -1; `planes` is sets x simplex_width x
+  /// (dimension + 1) numbers, filled up with 0. Otherwise 0.
+  std::uint64_t vertex_width = 0, simplex_width = 0;
+  /// If padded, how many vertices and simplices each set has; `sets` items.
+  const std::int32_t *vertex_counts = nullptr, *simplex_counts = nullptr;
+  /// For each simplex outward unit normal and offset of its facet, as in HullBatch::facet_planes;
+  /// simplex_count x (dimension + 1).
+  const double* planes = nullptr;
+  const double *volumes = nullptr, *areas = nullptr;  ///< `sets` items, as in HullBatch
+  const double* centroids = nullptr;                  ///< sets x dimension, as in HullBatch
 };
 
-/// The same hulls, left in the device's memory. Sets that the device does not decide are computed
-/// by the CPU and copied back. All data are written when the call returns. Extra device memory: 7
-/// bytes per point in 3D, 3 in 2D, and the result; Error{out_of_budget} if that is not available,
-/// else the errors of convex_hulls. A set of more than 2^31 - 1 points is Error{invalid_argument}.
+/// The same hulls, left in the device's memory. Every number has the bits of convex_hulls. Sets
+/// that the device does not decide, or whose planes or measures are not certain in doubles, if
+/// these are asked for, are computed by the CPU and copied back. All data are written when the call
+/// returns. Thread safe. O(points) work on the device, and on the CPU as convex_hulls for the sets
+/// left to it. Extra device memory: 7 bytes per point in 3D, 3 in 2D, with planes or measures 8 d +
+/// 17 bytes per set, and the result; Error{out_of_budget} if that is not available, else the errors
+/// of convex_hulls. Error{invalid_argument} for a set of more than 2^31 - 1 points, and for one
+/// with more vertices or simplices than most_vertices or most_simplices; it names the set.
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
-                                       std::uint64_t set_count, const Options& options = {});
+                                       std::uint64_t set_count,
+                                       const DeviceBatchOptions& options = {});
 
 }  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,20 +38,34 @@ class DeviceBatch {
   HullBatch to_host() {
     BatchMaker maker = made_of(sets_, points_in(0, sets_));
     std::uint64_t piece = piece_points();
+    std::uint32_t count = 0;
+    bool started = false;                   // the kernels for the sets [first, first + count)
+    std::optional<cuda::FoundLists> found;  // theirs, if copying them has begun
     for (std::uint64_t first = 0; first < sets_;) {
       run_.check();
-      const std::uint32_t count = sets_within(first, piece);
+      if (!started) count = sets_within(first, piece);
+      Piece taken;
       try {
-        add(maker, first, count, warps_);
+        if (!started) find(first, count, warps_);
+        taken = take(first, count, found);
       } catch (const cuda::OutOfMemory&) {
+        started = false;
         if (count > least_sets) {
           piece = std::max<std::uint64_t>(points_in(first, first + count) / 2, 1);
           continue;
         }
         if (must_) throw;
-        add(maker, first, count, false);
+        find(first, count, false);
+        taken = take(first, count, found);
       }
+      // While the CPU completes the sets taken, the device finds the hulls of the next ones, and
+      // copies them when half of the CPU's work is done.
       first += count;
+      count = first < sets_ ? sets_within(first, piece) : 0;
+      started = count > 0 && spared([&] { find(first, count, warps_); });
+      add(maker, taken, 0, taken.count / 2);
+      if (started) spared([&] { found = there_.fetch(); });
+      add(maker, taken, taken.count / 2, taken.count);
     }
     return std::move(maker).finish();
   }
@@ -64,14 +79,14 @@ class DeviceBatch {
     return fetch_points(points_, ids);
   }
 
-  DeviceHullBatch to_device() {
+  DeviceHullBatch to_device(const DeviceBatchOptions& wanted) {
     if (sets_ > most_sets)
       throw Error(ErrorCode::invalid_argument, "a batch on a device has at most 2^31 - 1 sets");
     for (std::uint64_t i = 0; i < sets_; ++i)
       if (starts_[i + 1] - starts_[i] > most_sets)
         throw Error(ErrorCode::invalid_argument, "set ", i, " has more than 2^31 - 1 points");
     run_.check();
-    find(0, static_cast<std::uint32_t>(sets_), warps_);
+    find(0, static_cast<std::uint32_t>(sets_), warps_, wanted.planes || wanted.measures);
     const std::vector<std::uint32_t> open = there_.open_sets();
     const cuda::SetRows rows = there_.fetch_rows(open);
     BatchMaker maker = made_of(open.size(), rows.points.count);
@@ -83,7 +98,7 @@ class DeviceBatch {
         [&](std::uint64_t i) { return open[i]; });
     const HullBatch rest = std::move(maker).finish();
     run_.check();
-    return there_.join(rest);
+    return there_.join(rest, wanted);
   }
 
  private:
@@ -125,30 +140,64 @@ class DeviceBatch {
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(sets, 1, std::uint64_t{1} << 20));
   }
 
-  void find(std::uint64_t first, std::uint32_t count, bool warps) {
+  void find(std::uint64_t first, std::uint32_t count, bool warps, bool measured = false) {
     if (warps)
-      there_.find(starts_.data() + first, count);
+      there_.find(starts_.data() + first, count, measured);
     else
       there_.find_nothing(starts_.data() + first, count);
   }
 
-  /// Adds sets [first, first + count). Throws OutOfMemory before anything is added.
-  void add(BatchMaker& maker, std::uint64_t first, std::uint32_t count, bool warps) {
-    find(first, count, warps);
-    const cuda::FoundLists found = there_.fetch();
+  /// Runs a step that is repeated later if the device has no memory for it now. False in that case.
+  template <class Step>
+  static bool spared(const Step& step) {
+    try {
+      step();
+      return true;
+    } catch (const cuda::OutOfMemory&) {
+      return false;
+    }
+  }
+
+  /// What the CPU needs of the sets [first, first + count).
+  struct Piece {
+    std::uint64_t first = 0;
+    std::uint32_t count = 0;
+    cuda::FoundLists found;
+    cuda::SetRows rows;                // of the open sets
+    std::vector<std::uint32_t> place;  // of each set among these
+  };
+
+  /// Copies to the host what find() has found of the sets [first, first + count), unless that
+  /// has `begun`, which is used up. Throws OutOfMemory.
+  Piece take(std::uint64_t first, std::uint32_t count,
+             std::optional<cuda::FoundLists>& begun) const {
+    Piece piece;
+    piece.first = first;
+    piece.count = count;
+    piece.found = begun ? std::move(*begun) : there_.fetch();
+    begun.reset();
+    there_.settle();
     const std::vector<std::uint32_t> open = there_.open_sets();
-    const cuda::SetRows rows = there_.fetch_rows(open);
-    std::vector<std::uint32_t> place(count);  // among the open ones
-    for (std::size_t k = 0; k < open.size(); ++k) place[open[k]] = static_cast<std::uint32_t>(k);
+    piece.rows = there_.fetch_rows(open);
+    piece.place.resize(count);
+    for (std::size_t k = 0; k < open.size(); ++k)
+      piece.place[open[k]] = static_cast<std::uint32_t>(k);
+    return piece;
+  }
+
+  /// Adds sets [begin, end) of the piece.
+  void add(BatchMaker& maker, const Piece& piece, std::uint32_t begin, std::uint32_t end) const {
+    const cuda::FoundLists& found = piece.found;
     maker.add(
-        count,
-        [&](SetHuller& huller, std::uint64_t i, HullBatch& part) {
+        end - begin,
+        [&](SetHuller& huller, std::uint64_t k, HullBatch& part) {
+      const std::uint64_t i = begin + k;
       if (found.vertex_at[i + 1] > found.vertex_at[i])
-        append(found, first, i, huller, part);
+        append(found, piece.first, i, huller, part);
       else
-        huller.append(rows.set(place[i]), part);
+        huller.append(piece.rows.set(piece.place[i]), part);
         },
-        [&](std::uint64_t i) { return first + i; });
+        [&](std::uint64_t k) { return piece.first + begin + k; });
   }
 
   /// Appends set first + i, set i of those found.
@@ -201,8 +250,8 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
 }
 
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
-                                       std::uint64_t set_count, const Options& options) {
-  return internal::DeviceBatch(points, offsets, set_count, options).to_device();
+                                       std::uint64_t set_count, const DeviceBatchOptions& options) {
+  return internal::DeviceBatch(points, offsets, set_count, options).to_device(options);
 }
 
 }  // namespace cullhull::inline v1

@@ -33,12 +33,13 @@ SetsOnDevice::~SetsOnDevice() = default;
 std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t*, std::uint64_t) const {
   return {};
 }
-void SetsOnDevice::find(const std::uint64_t*, std::uint32_t) {}
+void SetsOnDevice::find(const std::uint64_t*, std::uint32_t, bool) {}
 void SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
 std::vector<std::uint32_t> SetsOnDevice::open_sets() const { return {}; }
 FoundLists SetsOnDevice::fetch() const { return {}; }
+void SetsOnDevice::settle() const {}
 SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
-DeviceHullBatch SetsOnDevice::join(const HullBatch&) const { return {}; }
+DeviceHullBatch SetsOnDevice::join(const HullBatch&, const DeviceBatchOptions&) const { return {}; }
 
 struct QuestionsOnDevice::State {};
 QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) { require_cuda(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
@@ -29,6 +30,12 @@ void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   if (count == 0) return;
   check(cudaMemcpyAsync(to, from, count * sizeof(T), cudaMemcpyDeviceToHost, stream),
         "copying hulls from the device");
+}
+
+template <class T>
+void fill(T* to, std::size_t count, int byte, cudaStream_t stream) {
+  if (count == 0) return;
+  check(cudaMemsetAsync(to, byte, count * sizeof(T), stream), "filling device memory");
 }
 
 /// A copy of the items on the device.
@@ -59,32 +66,108 @@ struct Runs {
   }
 };
 
-/// Divides a block of memory into arrays, one after another.
-class Cutter {
+/// Runs of items of the host, to copy into the device's memory.
+template <class T>
+class RunsOf {
  public:
-  explicit Cutter(std::byte* at) : at_(at) {}
-  template <class T>
-  T* take(std::size_t count) {
-    T* const begin = reinterpret_cast<T*>(at_);
-    at_ += count * sizeof(T);
-    return begin;
+  template <class Items>
+  void add(const Items& items, std::uint64_t target) {
+    runs_.add(items_.size(), target, items.size());
+    for (const auto item : items) items_.push_back(static_cast<T>(item));
+  }
+  void copy(T* to, cudaStream_t stream) const {
+    if (items_.empty()) return;
+    const DeviceArray<T> there = uploaded(items_, stream);
+    runs_.run(stream,
+              [&](const ItemRuns& all) { return copy_runs(there.data(), all, to, stream); });
   }
 
  private:
-  std::byte* at_;
+  std::vector<T> items_;
+  Runs runs_;
 };
 
-/// The offsets and dimensions of all sets' hulls: of those that the device found, and of the others
-/// from `rest`.
+/// Divides a block of memory into arrays, one after another; without a block it counts its bytes.
+class Cutter {
+ public:
+  explicit Cutter(std::byte* block) : block_(block) {}
+  std::size_t bytes() const { return bytes_; }
+  /// Null unless wanted.
+  template <class T>
+  T* take(std::size_t count, bool wanted = true) {
+    if (!wanted) return nullptr;
+    const std::size_t begin = bytes_;
+    bytes_ += count * sizeof(T);
+    return block_ == nullptr ? nullptr : reinterpret_cast<T*>(block_ + begin);
+  }
+
+ private:
+  std::byte* block_;
+  std::size_t bytes_ = 0;
+};
+
+/// The lengths of all sets' lists of one kind.
 struct Lengths {
-  std::vector<std::int64_t> vertex_at{0}, simplex_at{0};
+  std::vector<std::uint64_t> lengths;
+  std::uint64_t total = 0;
+
+  void add(std::uint64_t length) {
+    lengths.push_back(length);
+    total += length;
+  }
+  /// The length of a padded row: `most`, or that of the longest list if that is 0.
+  std::uint64_t width(std::uint64_t most, const char* what) const {
+    std::uint64_t longest = 0;
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+      longest = std::max(longest, lengths[i]);
+      if (most != 0 && lengths[i] > most)
+        throw Error(ErrorCode::invalid_argument, "set ", i, " has ", lengths[i], " ", what,
+                    ", and a padded row has room for ", most);
+    }
+    return most != 0 ? most : longest;
+  }
+  /// Where each set's list begins, and the last one's end: without gaps if `width` is 0.
+  std::vector<std::int64_t> places(std::uint64_t width) const {
+    std::vector<std::int64_t> at{0};
+    for (const std::uint64_t length : lengths)
+      at.push_back(at.back() + static_cast<std::int64_t>(width != 0 ? width : length));
+    return at;
+  }
+  std::vector<std::int32_t> counts() const { return {lengths.begin(), lengths.end()}; }
+};
+
+struct ListLengths {
+  Lengths vertices, simplices;
   std::vector<std::int32_t> affine_dimensions;
 
-  void add(std::uint64_t vertices, std::uint64_t simplices, std::int32_t affine_dimension) {
-    vertex_at.push_back(vertex_at.back() + static_cast<std::int64_t>(vertices));
-    simplex_at.push_back(simplex_at.back() + static_cast<std::int64_t>(simplices));
-    affine_dimensions.push_back(affine_dimension);
+  void add(std::uint64_t vertex_count, std::uint64_t simplex_count, std::int32_t dimension) {
+    vertices.add(vertex_count);
+    simplices.add(simplex_count);
+    affine_dimensions.push_back(dimension);
   }
+};
+
+/// The arrays of a result, in one block of memory.
+struct ResultArrays {
+  ResultArrays(const DeviceHullBatch& b, const DeviceBatchOptions& wanted, Cutter& cutter)
+      : vertex_room(wanted.padded ? b.sets * b.vertex_width : b.vertex_count),
+        simplex_room(wanted.padded ? b.sets * b.simplex_width : b.simplex_count) {
+    const std::size_t d = b.dimension;
+    vertex_offsets = cutter.take<std::int64_t>(b.sets + 1, !wanted.padded);
+    simplex_offsets = cutter.take<std::int64_t>(b.sets + 1, !wanted.padded);
+    planes = cutter.take<double>(simplex_room * (d + 1), wanted.planes);
+    measures = cutter.take<double>(b.sets * (d + 2), wanted.measures);
+    vertices = cutter.take<std::int32_t>(vertex_room);
+    simplices = cutter.take<std::int32_t>(simplex_room * d);
+    vertex_counts = cutter.take<std::int32_t>(b.sets, wanted.padded);
+    simplex_counts = cutter.take<std::int32_t>(b.sets, wanted.padded);
+    affine_dimensions = cutter.take<std::int32_t>(b.sets);
+  }
+
+  const std::uint64_t vertex_room, simplex_room;  ///< with padding
+  std::int64_t *vertex_offsets, *simplex_offsets;
+  double *planes, *measures;  ///< measures: all volumes, all areas, all centroids
+  std::int32_t *vertices, *simplices, *vertex_counts, *simplex_counts, *affine_dimensions;
 };
 
 }  // namespace
@@ -101,6 +184,18 @@ struct SetsOnDevice::State {
     scope.emplace(ordinal);
   }
 
+  ~State() {
+    if (arriving || lists_arriving) (void)cudaStreamSynchronize(stream);
+  }
+
+  /// Waits for the kernels of find() and takes the counts that they have written.
+  void wait() {
+    if (!arriving) return;
+    synchronise(stream, "hulling sets");
+    std::copy_n(reinterpret_cast<const std::uint16_t*>(arriving.get()), count, counts.begin());
+    arriving = {};
+  }
+
   unsigned d() const { return points.dimension; }
   std::size_t row_bytes() const { return d() * scalar_size(points.scalar); }
   DevicePointView from(std::uint64_t first) const {
@@ -115,8 +210,15 @@ struct SetsOnDevice::State {
   }
   SetRows rows_by_kernel(const std::vector<std::uint32_t>& which, SetRows&& rows) const;
   SetRows rows_by_copies(const std::vector<std::uint32_t>& which, SetRows&& rows) const;
-  void copy_rest(const HullBatch& rest, const Lengths& lengths, std::int32_t* vertices_to,
-                 std::int32_t* simplices_to) const;
+  SetMeasures measures_of_sets() const {
+    return {measures.data(), measures.data() + count, measures.data() + 2 * std::size_t{count},
+            exponents.data()};
+  }
+  ListLengths lengths(const HullBatch& rest) const;
+  void write(const HullBatch& rest, const ListLengths& lengths, const DeviceBatchOptions& wanted,
+             const DeviceHullBatch& all, const ResultArrays& to) const;
+  void copy_rest(const HullBatch& rest, const std::vector<std::int64_t>& vertex_at,
+                 const std::vector<std::int64_t>& simplex_at, const ResultArrays& to) const;
 
   const DevicePointView points;
   const Run& run;
@@ -126,9 +228,13 @@ struct SetsOnDevice::State {
   const std::uint64_t* offsets = nullptr;
   std::uint32_t count = 0;
   std::vector<std::uint16_t> counts;
-  DeviceArray<std::uint64_t> starts;  // relative to the first set's first point
+  std::shared_ptr<std::byte> arriving;        // where the counts are copied to, until wait()
+  std::shared_ptr<std::byte> lists_arriving;  // where fetch() copies to, until settle()
+  DeviceArray<std::uint64_t> starts;          // relative to the first set's first point
   DeviceArray<std::uint16_t> device_counts;
   DeviceArray<std::uint8_t> vertices, simplices;
+  DeviceArray<double> measures;  // volumes, areas, centroids
+  DeviceArray<std::int8_t> exponents;
 };
 
 SetsOnDevice::SetsOnDevice(const DevicePointView& points, const Run& run)
@@ -154,6 +260,7 @@ std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offs
 }
 
 std::vector<std::uint32_t> SetsOnDevice::open_sets() const {
+  state_->wait();
   std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < state_->count; ++i)
     if (state_->counts[i] == 0) open.push_back(i);
@@ -162,16 +269,19 @@ std::vector<std::uint32_t> SetsOnDevice::open_sets() const {
 
 void SetsOnDevice::find_nothing(const std::uint64_t* offsets, std::uint32_t sets) {
   State& s = *state_;
+  s.wait();
   s.starts = {};
   s.device_counts = {};
   s.vertices = {};
   s.simplices = {};
+  s.measures = {};
+  s.exponents = {};
   s.offsets = offsets;
   s.count = sets;
   s.counts.assign(sets, 0);
 }
 
-void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets) {
+void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool measured) {
   find_nothing(offsets, sets);
   State& s = *state_;
   // One launch each for sets of up to 32, 64, 96 and 128 points, since the warps of a launch have
@@ -198,10 +308,18 @@ void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets) {
       check(find_set_hulls(s.from(first), s.sets(), std::max(step * c + 1, s.d() + 1),
                            step * (c + 1), s.stream),
             "hulling sets");
-  download(s.counts.data(), s.device_counts.data(), sets, s.stream);
+  if (measured) {
+    s.measures = DeviceArray<double>(std::size_t{sets} * (s.d() + 2), s.stream);
+    s.exponents = DeviceArray<std::int8_t>(sets, s.stream);
+    check(measure_sets(s.from(first), s.sets(), s.measures_of_sets(), s.stream), "measuring hulls");
+  }
+  s.arriving = landing(sets * sizeof(std::uint16_t));
+  send_back(reinterpret_cast<std::uint16_t*>(s.arriving.get()), s.device_counts.data(), sets,
+            s.stream);
 }
 
 FoundLists SetsOnDevice::fetch() const {
+  state_->wait();
   const State& s = *state_;
   FoundLists found;
   found.vertex_at.assign(1, 0);
@@ -221,7 +339,7 @@ FoundLists SetsOnDevice::fetch() const {
         "packing hulls");
   const bool space = s.d() == 3;  // in 2D the order of the vertices determines the edges
   const std::shared_ptr<std::byte> memory = landing(rows.size() + vertices + (space ? corners : 0));
-  const Settled settled(s.stream);
+  state_->lists_arriving = memory;
   Cutter cutter(memory.get());
   auto* const rows_here = cutter.take<std::byte>(rows.size());
   auto* const ids_here = cutter.take<std::uint8_t>(vertices);
@@ -229,12 +347,17 @@ FoundLists SetsOnDevice::fetch() const {
   send_back(rows_here, rows.data(), rows.size(), s.stream);
   send_back(ids_here, ids.data(), vertices, s.stream);
   send_back(simplices_here, simplices.data(), space ? corners : 0, s.stream);
-  synchronise(s.stream, "copying hulls from the device");
   found.rows = rows_here;
   found.vertices = ids_here;
   found.simplices = simplices_here;
   found.memory = memory;
   return found;
+}
+
+void SetsOnDevice::settle() const {
+  if (!state_->lists_arriving) return;
+  synchronise(state_->stream, "copying hulls from the device");
+  state_->lists_arriving = {};
 }
 
 SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>& which) const {
@@ -295,86 +418,134 @@ SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& wh
   return std::move(rows);
 }
 
-DeviceHullBatch SetsOnDevice::join(const HullBatch& rest) const {
-  const State& s = *state_;
-  Lengths lengths;
+/// The lengths of all sets' lists: of those found, and of the others from `rest`.
+ListLengths SetsOnDevice::State::lengths(const HullBatch& rest) const {
+  ListLengths all;
   std::size_t k = 0;
-  for (const std::uint16_t c : s.counts) {
+  for (const std::uint16_t c : counts) {
     if (c != 0) {
-      lengths.add(c & 0xFF, c >> 8, static_cast<std::int32_t>(s.d()));
+      all.add(c & 0xFF, c >> 8, static_cast<std::int32_t>(d()));
       continue;
     }
-    const bool full = rest.affine_dimensions[k] == static_cast<std::int32_t>(s.d());
-    lengths.add(rest.vertices[k].size(), full ? rest.simplices[k].size() / s.d() : 0,
-                rest.affine_dimensions[k]);
+    const bool full = rest.affine_dimensions[k] == static_cast<std::int32_t>(d());
+    all.add(rest.vertices[k].size(), full ? rest.simplices[k].size() / d() : 0,
+            rest.affine_dimensions[k]);
     ++k;
   }
+  return all;
+}
+
+DeviceHullBatch SetsOnDevice::join(const HullBatch& rest, const DeviceBatchOptions& wanted) const {
+  const State& s = *state_;
+  const ListLengths lengths = s.lengths(rest);
   DeviceHullBatch all;
   all.dimension = s.d();
   all.sets = s.count;
   all.device = device().ordinal;
-  all.vertex_count = static_cast<std::uint64_t>(lengths.vertex_at.back());
-  all.simplex_count = static_cast<std::uint64_t>(lengths.simplex_at.back());
-
-  const std::size_t ends = std::size_t{s.count} + 1;
-  const auto memory = std::make_shared<ResultMemory>(
-      2 * ends * sizeof(std::int64_t) +
-          (all.vertex_count + all.simplex_count * s.d() + s.count) * sizeof(std::int32_t),
-      s.stream);
-  Cutter cutter(memory->data());
-  auto* const vertex_at = cutter.take<std::int64_t>(ends);
-  auto* const simplex_at = cutter.take<std::int64_t>(ends);
-  auto* const vertices = cutter.take<std::int32_t>(all.vertex_count);
-  auto* const simplices = cutter.take<std::int32_t>(all.simplex_count * s.d());
-  auto* const dimensions = cutter.take<std::int32_t>(s.count);
-  upload(vertex_at, lengths.vertex_at.data(), ends, s.stream);
-  upload(simplex_at, lengths.simplex_at.data(), ends, s.stream);
-  upload(dimensions, lengths.affine_dimensions.data(), s.count, s.stream);
-  if (k < s.count) {
-    const PackedLists at{reinterpret_cast<const std::uint64_t*>(vertex_at),
-                         reinterpret_cast<const std::uint64_t*>(simplex_at)};
-    check(pack_set_hulls(s.from(s.offsets[0]), s.sets(), at, vertices, simplices, s.stream),
-          "packing hulls");
+  all.vertex_count = lengths.vertices.total;
+  all.simplex_count = lengths.simplices.total;
+  if (wanted.padded) {
+    all.vertex_width = lengths.vertices.width(wanted.most_vertices, "vertices");
+    all.simplex_width = lengths.simplices.width(wanted.most_simplices, "simplices");
+    const double row = std::max(static_cast<double>(all.vertex_width),
+                                static_cast<double>(all.simplex_width) * (s.d() + 1.0));
+    if (row * s.count > 0x1p50) throw OutOfMemory("no device has memory for rows of this length");
   }
-  s.copy_rest(rest, lengths, vertices, simplices);
-  synchronise(s.stream, "packing hulls");
-  all.vertex_offsets = vertex_at;
-  all.simplex_offsets = simplex_at;
-  all.vertices = vertices;
-  all.simplices = simplices;
-  all.affine_dimensions = dimensions;
+  Cutter size(nullptr);
+  (void)ResultArrays(all, wanted, size);
+  // At least a byte, so that empty arrays differ from those not asked for.
+  const auto memory =
+      std::make_shared<ResultMemory>(std::max<std::size_t>(size.bytes(), 1), s.stream);
+  Cutter cutter(memory->data());
+  const ResultArrays to(all, wanted, cutter);
+  s.write(rest, lengths, wanted, all, to);
+  all.vertex_offsets = to.vertex_offsets;
+  all.simplex_offsets = to.simplex_offsets;
+  all.vertices = to.vertices;
+  all.simplices = to.simplices;
+  all.affine_dimensions = to.affine_dimensions;
+  all.vertex_counts = to.vertex_counts;
+  all.simplex_counts = to.simplex_counts;
+  all.planes = to.planes;
+  if (wanted.measures) {
+    all.volumes = to.measures;
+    all.areas = to.measures + all.sets;
+    all.centroids = to.measures + 2 * all.sets;
+  }
   all.memory = memory;
   return all;
 }
 
-/// Copies the lists of the open sets' hulls from `rest` to the result.
-void SetsOnDevice::State::copy_rest(const HullBatch& rest, const Lengths& lengths,
-                                    std::int32_t* vertices_to, std::int32_t* simplices_to) const {
-  std::vector<std::int32_t> ids, corners;
-  Runs id_runs, corner_runs;
+void SetsOnDevice::State::write(const HullBatch& rest, const ListLengths& lengths,
+                                const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
+                                const ResultArrays& to) const {
+  const std::vector<std::int64_t> vertex_at = lengths.vertices.places(all.vertex_width),
+                                  simplex_at = lengths.simplices.places(all.simplex_width);
+  DeviceArray<std::int64_t> vertex_rows, simplex_rows;
+  if (wanted.padded) {
+    vertex_rows = uploaded(vertex_at, stream);
+    simplex_rows = uploaded(simplex_at, stream);
+    upload(to.vertex_counts, lengths.vertices.counts().data(), count, stream);
+    upload(to.simplex_counts, lengths.simplices.counts().data(), count, stream);
+    fill(to.vertices, to.vertex_room, 0xFF, stream);
+    fill(to.simplices, to.simplex_room * d(), 0xFF, stream);
+    fill(to.planes, wanted.planes ? to.simplex_room * (d() + 1) : 0, 0, stream);
+  } else {
+    upload(to.vertex_offsets, vertex_at.data(), vertex_at.size(), stream);
+    upload(to.simplex_offsets, simplex_at.data(), simplex_at.size(), stream);
+  }
+  upload(to.affine_dimensions, lengths.affine_dimensions.data(), count, stream);
+  if (rest.size() < count) {
+    const PackedLists at{reinterpret_cast<const std::uint64_t*>(wanted.padded ? vertex_rows.data()
+                                                                              : to.vertex_offsets),
+                         reinterpret_cast<const std::uint64_t*>(
+                             wanted.padded ? simplex_rows.data() : to.simplex_offsets)};
+    const DevicePointView there = from(offsets[0]);
+    check(pack_set_hulls(there, sets(), at, to.vertices, to.simplices, stream), "packing hulls");
+    if (wanted.planes)
+      check(write_set_planes(there, sets(), exponents.data(), at.simplex_at, to.planes, stream),
+            "writing planes");
+    if (wanted.measures)
+      check(cudaMemcpyAsync(to.measures, measures.data(), measures.size() * sizeof(double),
+                            cudaMemcpyDeviceToDevice, stream),
+            "copying measures");
+  }
+  copy_rest(rest, vertex_at, simplex_at, to);
+  synchronise(stream, "packing hulls");
+}
+
+/// Copies what the result has of the open sets' hulls from `rest`.
+void SetsOnDevice::State::copy_rest(const HullBatch& rest,
+                                    const std::vector<std::int64_t>& vertex_at,
+                                    const std::vector<std::int64_t>& simplex_at,
+                                    const ResultArrays& to) const {
+  RunsOf<std::int32_t> ids, corners;
+  RunsOf<double> planes, numbers;
+  const std::size_t n = d();
   std::size_t k = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (counts[i] != 0) continue;
-    const auto list = [&](const Lists<std::uint64_t>& lists, std::vector<std::int32_t>& items,
-                          Runs& runs, std::int64_t at) {
-      const auto of_set = lists[k];
-      runs.add(items.size(), static_cast<std::uint64_t>(at), of_set.size());
-      for (const std::uint64_t id : of_set) items.push_back(static_cast<std::int32_t>(id));
-    };
-    list(rest.vertices, ids, id_runs, lengths.vertex_at[i]);
-    if (lengths.simplex_at[i + 1] > lengths.simplex_at[i])
-      list(rest.simplices, corners, corner_runs,
-           lengths.simplex_at[i] * static_cast<std::int64_t>(d()));
+    ids.add(rest.vertices[k], static_cast<std::uint64_t>(vertex_at[i]));
+    if (rest.affine_dimensions[k] == static_cast<std::int32_t>(n)) {
+      const auto at = static_cast<std::uint64_t>(simplex_at[i]);
+      corners.add(rest.simplices[k], at * n);
+      if (to.planes != nullptr)
+        for (std::size_t j = 0; const std::uint32_t f : rest.simplex_facets[k])
+          planes.add(
+              std::span(rest.facet_planes).subspan((rest.facet_starts[k] + f) * (n + 1), n + 1),
+              (at + j++) * (n + 1));
+    }
+    if (to.measures != nullptr) {
+      numbers.add(std::span(&rest.volumes[k], 1), i);
+      numbers.add(std::span(&rest.areas[k], 1), std::uint64_t{count} + i);
+      numbers.add(std::span(rest.centroids).subspan(k * n, n), 2 * std::uint64_t{count} + i * n);
+    }
     ++k;
   }
-  const auto copy =
-      [&](const std::vector<std::int32_t>& items, const Runs& runs, std::int32_t* to) {
-    if (items.empty()) return;
-    const DeviceArray<std::int32_t> there = uploaded(items, stream);
-    runs.run(stream, [&](const ItemRuns& all) { return copy_runs(there.data(), all, to, stream); });
-  };
-  copy(ids, id_runs, vertices_to);
-  copy(corners, corner_runs, simplices_to);
+  ids.copy(to.vertices, stream);
+  corners.copy(to.simplices, stream);
+  planes.copy(to.planes, stream);
+  numbers.copy(to.measures, stream);
 }
 
 }  // namespace cullhull::internal::inline cuda

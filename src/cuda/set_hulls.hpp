@@ -53,21 +53,27 @@ class SetsOnDevice {
   std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* offsets, std::uint64_t count) const;
 
   /// Finds the hulls of the sets [offsets[i], offsets[i + 1]), i < sets, and forgets those found
-  /// before. `offsets`, in the host's memory, must stay valid until the next call of find() or
-  /// find_nothing(). Throws OutOfMemory, Failure.
-  void find(const std::uint64_t* offsets, std::uint32_t sets);
+  /// before. Returns when the work is queued: open_sets() and fetch() wait for it. `offsets`, in
+  /// the host's memory, must stay valid until the next call of find() or find_nothing().
+  /// `measured`: also measures them, for join(); sets that this leaves uncertain are open. Throws
+  /// OutOfMemory, Failure.
+  void find(const std::uint64_t* offsets, std::uint32_t sets, bool measured = false);
   /// Takes these sets without computing hulls: all of them are open.
   void find_nothing(const std::uint64_t* offsets, std::uint32_t sets);
   /// The numbers of the open sets, ascending: those whose hulls the device has not found.
   std::vector<std::uint32_t> open_sets() const;
-  /// Copies the hulls found to the host. Throws OutOfMemory, Failure.
+  /// Starts to copy the hulls found to the host. The lists may be read, and sets found anew, after
+  /// settle(). Throws OutOfMemory, Failure.
   FoundLists fetch() const;
+  /// Waits for these copies. Throws Failure.
+  void settle() const;
   /// Copies the points of these sets to the host. If the device's memory is exhausted, packed
   /// points are copied without additional memory.
   SetRows fetch_rows(const std::vector<std::uint32_t>& which) const;
   /// Makes the result on the device from the hulls found and from `rest`, the hulls of open_sets().
-  /// Throws OutOfMemory, Failure.
-  DeviceHullBatch join(const HullBatch& rest) const;
+  /// Planes and measures need hulls that are `measured`. Throws OutOfMemory, Failure,
+  /// Error{invalid_argument} for a set that does not fit the padded shape.
+  DeviceHullBatch join(const HullBatch& rest, const DeviceBatchOptions& wanted) const;
 
  private:
   struct State;

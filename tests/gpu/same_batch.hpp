@@ -126,28 +126,64 @@ std::vector<T> fetched(const T* there, std::uint64_t count) {
   return here;
 }
 
+/// The lists of all sets end to end, or each filled up to a row of `width` items.
+template <class T>
+struct Rows {
+  std::vector<T> items;
+  std::vector<std::int64_t> offsets{0};
+  std::vector<std::int32_t> counts;
+
+  void end_list(std::uint64_t width, std::size_t item, T filler) {
+    const std::size_t begin = width * item * counts.size();
+    const std::size_t length = items.size() - (width != 0 ? begin : offsets.back() * item);
+    if (width != 0) items.resize(begin + width * item, filler);
+    counts.push_back(static_cast<std::int32_t>(length / item));
+    offsets.push_back(offsets.back() + counts.back());
+  }
+};
+
+/// What is in the device's memory is what the CPU's batch has, bit for bit.
 inline void expect_same_lists(const DeviceHullBatch& there, const HullBatch& b) {
   ASSERT_EQ(there.dimension, b.dimension);
   ASSERT_EQ(there.sets, b.size());
-  std::vector<std::int64_t> vertex_at{0}, simplex_at{0};
-  std::vector<std::int32_t> vertices, simplices;
+  const std::size_t d = b.dimension;
+  const bool padded = there.vertex_offsets == nullptr;
+  Rows<std::int32_t> vertices, simplices;
+  Rows<double> planes;
   for (std::size_t i = 0; i < b.size(); ++i) {
-    for (const std::uint64_t id : b.vertices[i]) vertices.push_back(static_cast<std::int32_t>(id));
-    if (b.affine_dimensions[i] == static_cast<std::int32_t>(b.dimension))
+    for (const std::uint64_t id : b.vertices[i])
+      vertices.items.push_back(static_cast<std::int32_t>(id));
+    if (b.affine_dimensions[i] == static_cast<std::int32_t>(d)) {
       for (const std::uint64_t id : b.simplices[i])
-        simplices.push_back(static_cast<std::int32_t>(id));
-    vertex_at.push_back(static_cast<std::int64_t>(vertices.size()));
-    simplex_at.push_back(static_cast<std::int64_t>(simplices.size() / b.dimension));
+        simplices.items.push_back(static_cast<std::int32_t>(id));
+      for (const std::uint32_t f : b.simplex_facets[i])
+        for (std::size_t c = 0; c <= d; ++c)
+          planes.items.push_back(b.facet_planes[(b.facet_starts[i] + f) * (d + 1) + c]);
+    }
+    vertices.end_list(there.vertex_width, 1, -1);
+    simplices.end_list(there.simplex_width, d, -1);
+    planes.end_list(there.simplex_width, d + 1, 0);
   }
-  ASSERT_EQ(there.vertex_count, vertices.size());
-  ASSERT_EQ(there.simplex_count, simplices.size() / b.dimension);
-  expect_same_bits(fetched(there.vertex_offsets, there.sets + 1), vertex_at, "offsets");
-  expect_same_bits(fetched(there.simplex_offsets, there.sets + 1), simplex_at, "offsets");
-  expect_same_bits(fetched(there.vertices, there.vertex_count), vertices, "vertices");
-  expect_same_bits(fetched(there.simplices, there.simplex_count * b.dimension), simplices,
-                   "simplices");
-  expect_same_bits(fetched(there.affine_dimensions, there.sets), b.affine_dimensions,
-                   "affine dimensions");
+  EXPECT_EQ(there.vertex_count, static_cast<std::uint64_t>(vertices.offsets.back()));
+  EXPECT_EQ(there.simplex_count, static_cast<std::uint64_t>(simplices.offsets.back()));
+  const auto same = [](const auto* found, const auto& expected, const char* what) {
+    if (!expected.empty()) expect_same_bits(fetched(found, expected.size()), expected, what);
+  };
+  if (padded) {
+    same(there.vertex_counts, vertices.counts, "numbers of vertices");
+    same(there.simplex_counts, simplices.counts, "numbers of simplices");
+  } else {
+    same(there.vertex_offsets, vertices.offsets, "offsets");
+    same(there.simplex_offsets, simplices.offsets, "offsets");
+  }
+  same(there.vertices, vertices.items, "vertices");
+  same(there.simplices, simplices.items, "simplices");
+  same(there.affine_dimensions, b.affine_dimensions, "affine dimensions");
+  if (there.planes != nullptr) same(there.planes, planes.items, "planes");
+  if (there.volumes == nullptr) return;
+  same(there.volumes, b.volumes, "volumes");
+  same(there.areas, b.areas, "areas");
+  same(there.centroids, b.centroids, "centroids");
 }
 
 }  // namespace cullhull::testing

@@ -29,6 +29,20 @@ PointView host_view(const Sets<T>& sets) {
   return PointView::row_major(sets.rows.data(), sets.offsets.back(), sets.d);
 }
 
+/// Planes and measures beside the lists, end to end and padded.
+void expect_all_left_there(const DevicePointView& points, const std::uint64_t* offsets,
+                           const HullBatch& expected, DeviceBatchOptions options = {}) {
+  options.planes = options.measures = true;
+  for (const bool padded : {false, true}) {
+    SCOPED_TRACE(padded ? "padded" : "end to end");
+    options.padded = padded;
+    const DeviceHullBatch left = convex_hulls_on_device(points, offsets, expected.size(), options);
+    EXPECT_TRUE(left.volumes != nullptr && left.areas != nullptr && left.centroids != nullptr &&
+                left.planes != nullptr);
+    expect_same_lists(left, expected);
+  }
+}
+
 template <class T>
 void expect_the_cpus(const Sets<T>& sets, const std::string& what) {
   SCOPED_TRACE(what);
@@ -38,8 +52,7 @@ void expect_the_cpus(const Sets<T>& sets, const std::string& what) {
   Options options;
   options.backend = Backend::cuda;  // not the CPU in its stead where memory is short
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
-  expect_same_lists(convex_hulls_on_device(view, sets.offsets.data(), sets.count(), options),
-                    expected);
+  expect_all_left_there(view, sets.offsets.data(), expected, options);
 }
 
 TEST_F(GpuSets, AllSizesAreTheCpusBatch) {
@@ -90,13 +103,13 @@ TEST_F(GpuSets, SpheresEllipsoidsCapsFarPointsAndNegativeZeros) {
 }
 
 template <class T>
-std::size_t open_sets(const Sets<T>& sets) {
+std::size_t open_sets(const Sets<T>& sets, bool measured = false) {
   const OnDevice there(sets.rows);
   const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
   const Options options;
   const internal::Run run(options);
   internal::cuda::SetsOnDevice device(view, run);
-  device.find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()));
+  device.find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()), measured);
   return device.open_sets().size();
 }
 
@@ -143,6 +156,107 @@ TEST_F(GpuSets, SetsThatNeedExactSigns) {
     }
     expect_the_cpus(sets, std::to_string(d) + "D");
   }
+}
+
+TEST_F(GpuSets, MeasuresOfOrdinarySetsAreMadeThere) {
+  for (const unsigned d : {2U, 3U}) {
+    Sets<float> sets(d);
+    for (std::size_t i = 0; i < 200; ++i) sets.add_ball(50, i);
+    EXPECT_LT(open_sets(sets, true), 10U) << d;  // facets so thin that normals need more bits
+    expect_the_cpus(sets, "balls");
+  }
+}
+
+/// The ends of all axes, at different distances: the centroid is the origin.
+template <class T>
+void add_cross(Sets<T>& sets, double size) {
+  for (unsigned c = 0; c < sets.d; ++c)
+    for (const double side : {size, -size})
+      for (unsigned j = 0; j < sets.d; ++j)
+        sets.rows.push_back(static_cast<T>(j == c ? side * (1 + c) : c % 2 == 0 ? 0.0 : -0.0));
+  sets.end_set();
+}
+
+/// A simplex with a facet so nearly orthogonal to the first axis that what tilts it is below the
+/// least normal number, once coordinates are scaled.
+void add_tilted(Sets<double>& sets) {
+  for (unsigned i = 0; i <= sets.d; ++i)
+    for (unsigned c = 0; c < sets.d; ++c)
+      sets.rows.push_back(c != 0        ? (i == c ? 0x1.8p39 : 0)
+                          : i == sets.d ? 0x1p39
+                                        : (i + 1) * 0x1.8p-1060);
+  sets.end_set();
+}
+
+TEST_F(GpuSets, PlanesAndMeasuresThatNeedMoreThanDoubles) {
+  for (const unsigned d : {2U, 3U}) {
+    Sets<double> sets(d);
+    for (std::size_t i = 0; i < 30; ++i) {
+      for (const double power : {0x1p-98, 0x1p-42, 0x1p-40, 0x1p39, 0x1p40, 0x1p41, 0x1p98}) {
+        sets.add_ball(12, i);
+        for (unsigned c = 0; c < d; ++c) sets.stretch_last(12, c, power);
+      }
+      add_cross(sets, 1);
+      add_cross(sets, 0x1p-20);
+      sets.add_sphere(20, i, 2, 0x1p25);  // a small hull far from the origin
+      sets.add_ball(20, i);
+      sets.stretch_last(20, 0, 0x1p-44);  // thin facets, a thin hull
+      sets.add_ball(20, i);
+      sets.stretch_last(20, d - 1, 0x1p-140);
+      sets.add_ball(15, i);  // two neighbours far away: normals of thin facets
+      for (const double shift : {0.0, 0x1p-14})
+        for (unsigned c = 0; c < d; ++c) sets.rows.push_back((c == 0 ? 4 : 0) + shift * (c + 1));
+      sets.offsets.back() = sets.rows.size() / d;
+      add_tilted(sets);
+    }
+    expect_the_cpus(sets, std::to_string(d) + "D");
+  }
+}
+
+TEST_F(GpuSets, PaddedRows) {
+  for (const unsigned d : {2U, 3U, 4U}) {
+    Sets<float> sets(d);
+    for (const std::size_t n : {5, 0, 30, 2, 140, 9}) sets.add_ball(n, n);
+    sets.add_lattice(20, 2, 1);
+    const OnDevice there(sets.rows);
+    const auto view = DevicePointView::row_major(there.data<float>(), sets.offsets.back(), d);
+    const HullBatch expected = convex_hulls(host_view(sets), sets.offsets);
+    const std::uint64_t vertices = expected.vertices[4].size(),
+                        simplices = expected.simplices[4].size() / d;
+    DeviceBatchOptions options;
+    options.padded = true;
+    const auto left = [&] {
+      return convex_hulls_on_device(view, sets.offsets.data(), sets.count(), options);
+    };
+    DeviceHullBatch batch = left();
+    EXPECT_EQ(batch.vertex_width, vertices);
+    EXPECT_EQ(batch.simplex_width, simplices);
+    EXPECT_EQ(batch.planes, nullptr);
+    EXPECT_EQ(batch.volumes, nullptr);
+    expect_same_lists(batch, expected);
+    options.planes = true;
+    options.most_vertices = vertices + 3;
+    options.most_simplices = simplices + 7;
+    batch = left();
+    EXPECT_EQ(batch.vertex_width, vertices + 3);
+    EXPECT_EQ(batch.simplex_width, simplices + 7);
+    EXPECT_EQ(batch.volumes, nullptr);
+    expect_same_lists(batch, expected);
+    options.most_vertices = vertices - 1;
+    EXPECT_EQ(error_of(left), "0 set 4 has " + std::to_string(vertices) +
+                                  " vertices, and a padded row has room for " +
+                                  std::to_string(vertices - 1));
+    options.most_vertices = 0;
+    options.most_simplices = simplices - 1;
+    EXPECT_EQ(error_of(left), "0 set 4 has " + std::to_string(simplices) +
+                                  " simplices, and a padded row has room for " +
+                                  std::to_string(simplices - 1));
+    options.most_simplices = std::uint64_t{1} << 63;
+    EXPECT_EQ(error_of(left), "4 no device has memory for rows of this length");
+  }
+  Sets<double> empty(3);
+  for (unsigned i = 0; i < 3; ++i) empty.end_set();
+  expect_the_cpus(empty, "empty sets");
 }
 
 TEST_F(GpuSets, OtherDimensionsAndNoSets) {
@@ -218,6 +332,7 @@ TEST_F(GpuSets, ManySetsInPieces) {
     const HullBatch expected = convex_hulls(host_view(sets), sets.offsets);
     expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
     expect_same_lists(convex_hulls_on_device(view, sets.offsets.data(), sets.count()), expected);
+    if (!short_run()) expect_all_left_there(view, sets.offsets.data(), expected);
   }
 }
 

@@ -330,6 +330,8 @@ class DeviceHullBatch:
     ------
     TypeError
         When called: batches are made by `convex_hulls_on_device`.
+    AttributeError
+        For an array that the call did not ask for.
 
     Examples
     --------
@@ -362,28 +364,75 @@ class DeviceHullBatch:
 
     @property
     def vertices(self) -> DeviceArray:
-        """(vertices of all sets,) int32, end to end, each set's in the order of `Hull.vertices`."""
+        """(vertices of all sets,) int32, end to end, each set's in the order of `Hull.vertices`.
+
+        Padded: (b, most vertices), filled up with -1.
+        """
         return DeviceArray._of(self._batch.vertices)
 
     @property
     def vertex_offsets(self) -> DeviceArray:
-        """(b + 1,) int64: set i has the vertices [``vertex_offsets[i]``, ``...[i + 1]``)."""
+        """(b + 1,) int64: set i has the vertices [``vertex_offsets[i]``, ``...[i + 1]``).
+
+        Padded batches have `vertex_counts` instead.
+        """
         return DeviceArray._of(self._batch.vertex_offsets)
 
     @property
+    def vertex_counts(self) -> DeviceArray:
+        """(b,) int32: the number of vertices of each set. Padded batches only."""
+        return DeviceArray._of(self._batch.vertex_counts)
+
+    @property
     def simplices(self) -> DeviceArray:
-        """(simplices of all sets, d) int32, end to end: see `Hull.simplices`."""
+        """(simplices of all sets, d) int32, end to end: see `Hull.simplices`.
+
+        Padded: (b, most simplices, d), filled up with -1.
+        """
         return DeviceArray._of(self._batch.simplices)
 
     @property
     def simplex_offsets(self) -> DeviceArray:
-        """(b + 1,) int64, as ``vertex_offsets``. A set in a flat has vertices, but no simplex."""
+        """(b + 1,) int64, as ``vertex_offsets``. A set in a flat has vertices, but no simplex.
+
+        Padded batches have `simplex_counts` instead.
+        """
         return DeviceArray._of(self._batch.simplex_offsets)
+
+    @property
+    def simplex_counts(self) -> DeviceArray:
+        """(b,) int32: the number of simplices of each set. Padded batches only."""
+        return DeviceArray._of(self._batch.simplex_counts)
 
     @property
     def affine_dimensions(self) -> DeviceArray:
         """(b,) int32: dimension of the flat each set spans, -1 for an empty one."""
         return DeviceArray._of(self._batch.affine_dimensions)
+
+    @property
+    def planes(self) -> DeviceArray:
+        """(simplices of all sets, d + 1) float64: the plane of each simplex's facet.
+
+        Unit outward normal and offset: a point x of the set has ``normal @ x + offset <= 0``, up to
+        rounding. Simplices of one facet have the same plane, that of `Hull.facet_planes`, bit for
+        bit. With ``planes=True``; padded: (b, most simplices, d + 1), filled up with 0.
+        """
+        return DeviceArray._of(self._batch.planes)
+
+    @property
+    def volumes(self) -> DeviceArray:
+        """(b,) float64: see `Hull.volume`. With ``measures=True``, as the next two."""
+        return DeviceArray._of(self._batch.volumes)
+
+    @property
+    def areas(self) -> DeviceArray:
+        """(b,) float64: see `Hull.area`. In the plane the perimeter."""
+        return DeviceArray._of(self._batch.areas)
+
+    @property
+    def centroids(self) -> DeviceArray:
+        """(b, d) float64: see `Hull.centroid`; zeros for an empty set."""
+        return DeviceArray._of(self._batch.centroids)
 
     def __repr__(self) -> str:
         return f"<DeviceHullBatch of {len(self)} hulls in {self.dimension}D>"
@@ -393,6 +442,9 @@ def convex_hulls_on_device(
     points: Any,
     offsets: Any = None,
     *,
+    planes: bool = False,
+    measures: bool = False,
+    padded: bool | tuple[int, int] = False,
     threads: int | None = None,
     memory_budget: int | None = None,
     progress: Progress = None,
@@ -407,17 +459,26 @@ def convex_hulls_on_device(
         (coplanar points, say), larger ones and flats are hulled by the CPU and copied back.
     offsets : (b + 1,) integers, ascending
         Set i is ``points[offsets[i]:offsets[i + 1]]``. On a device: int64.
+    planes : bool
+        Compute `DeviceHullBatch.planes`.
+    measures : bool
+        Compute `DeviceHullBatch.volumes`, ``areas`` and ``centroids``.
+    padded : bool or (most vertices, most simplices)
+        Whether each set has a row of a fixed length in place of lists end to end, for programs with
+        fixed shapes. True: as long as the largest hull of the batch needs.
     threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
     DeviceHullBatch
-        The vertices and simplices of `convex_hulls`, exactly.
+        What `convex_hulls` gives, bit for bit. Sets whose planes or measures are not certain in
+        doubles are computed by the CPU, too, if these are asked for.
 
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
-        As `convex_hulls`; TypeError also for points on the host.
+        As `convex_hulls`; TypeError also for points on the host; InvalidArgument also for a set
+        that does not fit the rows, naming it.
     BackendUnavailable (a RuntimeError)
         Where there is no device.
 
@@ -427,6 +488,10 @@ def convex_hulls_on_device(
     >>> def vertices(tensor):    # (b, m, d), on a device
     ...     import torch
     ...     return torch.from_dlpack(cullhull.convex_hulls_on_device(tensor).vertices)
+    >>> def volumes(tensor):
+    ...     import torch
+    ...     batch = cullhull.convex_hulls_on_device(tensor, measures=True)
+    ...     return torch.from_dlpack(batch.volumes)
     >>> cullhull.convex_hulls_on_device(np.zeros((2, 4, 3)))
     Traceback (most recent call last):
     TypeError: convex_hulls_on_device needs points in a CUDA device's memory
@@ -435,7 +500,20 @@ def convex_hulls_on_device(
     there = _on_device(points, offsets)
     if there is None:
         raise TypeError("convex_hulls_on_device needs points in a CUDA device's memory")
-    return DeviceHullBatch._of(_core.convex_hulls_on_device(*there, chosen))
+    rows = (0, 0) if isinstance(padded, bool) else _as_rows(padded)
+    return DeviceHullBatch._of(
+        _core.convex_hulls_on_device(
+            *there, bool(planes), bool(measures), padded is not False, *rows, chosen
+        )
+    )
+
+
+def _as_rows(padded: Any) -> tuple[int, int]:
+    vertices, simplices = padded
+    return (
+        as_count(vertices, "the most vertices", least=1),
+        as_count(simplices, "the most simplices", least=1),
+    )
 
 
 def _end_to_end(points: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:

@@ -67,13 +67,21 @@ std::unique_ptr<Batch> convex_hulls(const DevicePoints& points, nb::handle array
   return batch;
 }
 
+/// `most_vertices`, `most_simplices`: the sizes of padded rows; 0: the largest hull's.
 DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle array,
-                                       std::uintptr_t address, std::uint64_t count,
-                                       const Settings* settings) {
+                                       std::uintptr_t address, std::uint64_t count, bool planes,
+                                       bool measures, bool padded, std::uint64_t most_vertices,
+                                       std::uint64_t most_simplices, const Settings* settings) {
   const Offsets offsets(array, address, count);
   DeviceHullBatch batch;
   run(settings, Length::long_, [&](const Options& options) {
-    batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), options);
+    cullhull::DeviceBatchOptions wanted(options);
+    wanted.planes = planes;
+    wanted.measures = measures;
+    wanted.padded = padded;
+    wanted.most_vertices = most_vertices;
+    wanted.most_simplices = most_simplices;
+    batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), wanted);
   });
   batch.memory = freed_without_gil(std::move(batch.memory));
   return batch;
@@ -82,6 +90,65 @@ DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle ar
 template <class T>
 DeviceItems items_of(const DeviceHullBatch& b, const T* data, std::vector<std::size_t> shape) {
   return {data, std::move(shape), nb::dtype<T>(), b.device, b.memory};
+}
+
+bool padded(const DeviceHullBatch& b) { return b.vertex_offsets == nullptr; }
+
+/// Throws AttributeError, with a reason, where the call did not ask for an array.
+void require(bool given, const char* otherwise) {
+  if (!given) throw nb::attribute_error(otherwise);
+}
+constexpr const char* end_to_end = "the batch is padded: see vertex_counts and simplex_counts";
+constexpr const char* in_rows = "the batch is not padded: see vertex_offsets and simplex_offsets";
+constexpr const char* no_measures = "measures were not asked for: measures=True";
+
+/// The shape of an array with `length` numbers for each simplex.
+std::vector<std::size_t> simplex_shape(const DeviceHullBatch& b, std::size_t length) {
+  if (padded(b)) return {b.sets, b.simplex_width, length};
+  return {b.simplex_count, length};
+}
+
+DeviceItems vertices(const DeviceHullBatch& b) {
+  if (padded(b)) return items_of(b, b.vertices, {b.sets, b.vertex_width});
+  return items_of(b, b.vertices, {b.vertex_count});
+}
+DeviceItems simplices(const DeviceHullBatch& b) {
+  return items_of(b, b.simplices, simplex_shape(b, b.dimension));
+}
+DeviceItems vertex_offsets(const DeviceHullBatch& b) {
+  require(!padded(b), end_to_end);
+  return items_of(b, b.vertex_offsets, {b.sets + 1});
+}
+DeviceItems simplex_offsets(const DeviceHullBatch& b) {
+  require(!padded(b), end_to_end);
+  return items_of(b, b.simplex_offsets, {b.sets + 1});
+}
+DeviceItems vertex_counts(const DeviceHullBatch& b) {
+  require(padded(b), in_rows);
+  return items_of(b, b.vertex_counts, {b.sets});
+}
+DeviceItems simplex_counts(const DeviceHullBatch& b) {
+  require(padded(b), in_rows);
+  return items_of(b, b.simplex_counts, {b.sets});
+}
+DeviceItems affine_dimensions(const DeviceHullBatch& b) {
+  return items_of(b, b.affine_dimensions, {b.sets});
+}
+DeviceItems planes(const DeviceHullBatch& b) {
+  require(b.planes != nullptr, "planes were not asked for: planes=True");
+  return items_of(b, b.planes, simplex_shape(b, std::size_t{b.dimension} + 1));
+}
+DeviceItems volumes(const DeviceHullBatch& b) {
+  require(b.volumes != nullptr, no_measures);
+  return items_of(b, b.volumes, {b.sets});
+}
+DeviceItems areas(const DeviceHullBatch& b) {
+  require(b.areas != nullptr, no_measures);
+  return items_of(b, b.areas, {b.sets});
+}
+DeviceItems centroids(const DeviceHullBatch& b) {
+  require(b.centroids != nullptr, no_measures);
+  return items_of(b, b.centroids, {b.sets, b.dimension});
 }
 
 }  // namespace
@@ -97,27 +164,22 @@ void bind_device_batch(nb::module_& m) {
   nb::class_<DeviceHullBatch>(m, "DeviceBatch", "Hulls: cullhull.DeviceHullBatch wraps it.")
       .def_prop_ro("dimension", [](const DeviceHullBatch& b) { return b.dimension; })
       .def("__len__", [](const DeviceHullBatch& b) { return b.sets; })
-      .def_prop_ro(
-          "vertices",
-          [](const DeviceHullBatch& b) { return items_of(b, b.vertices, {b.vertex_count}); })
-      .def_prop_ro(
-          "vertex_offsets",
-          [](const DeviceHullBatch& b) { return items_of(b, b.vertex_offsets, {b.sets + 1}); })
-      .def_prop_ro(
-          "simplices",
-          [](const DeviceHullBatch& b) {
-    return items_of(b, b.simplices, {b.simplex_count, b.dimension});
-          })
-      .def_prop_ro(
-          "simplex_offsets",
-          [](const DeviceHullBatch& b) { return items_of(b, b.simplex_offsets, {b.sets + 1}); })
-      .def_prop_ro("affine_dimensions", [](const DeviceHullBatch& b) {
-        return items_of(b, b.affine_dimensions, {b.sets});
-      });
+      .def_prop_ro("vertices", vertices)
+      .def_prop_ro("vertex_offsets", vertex_offsets)
+      .def_prop_ro("vertex_counts", vertex_counts)
+      .def_prop_ro("simplices", simplices)
+      .def_prop_ro("simplex_offsets", simplex_offsets)
+      .def_prop_ro("simplex_counts", simplex_counts)
+      .def_prop_ro("affine_dimensions", affine_dimensions)
+      .def_prop_ro("planes", planes)
+      .def_prop_ro("volumes", volumes)
+      .def_prop_ro("areas", areas)
+      .def_prop_ro("centroids", centroids);
   m.def("convex_hulls_of_device_points", convex_hulls, nb::arg("points"), nb::arg("offsets").none(),
         nb::arg("address"), nb::arg("count"), nb::arg("settings").none());
   m.def("convex_hulls_on_device", convex_hulls_on_device, nb::arg("points"),
-        nb::arg("offsets").none(), nb::arg("address"), nb::arg("count"),
+        nb::arg("offsets").none(), nb::arg("address"), nb::arg("count"), nb::arg("planes"),
+        nb::arg("measures"), nb::arg("padded"), nb::arg("most_vertices"), nb::arg("most_simplices"),
         nb::arg("settings").none());
 }
 

@@ -386,6 +386,41 @@ def test_a_dlpack_capsule_is_viewed_and_its_memory_kept():
     assert (view.dimension, view.sets, view.set_size) == (3, 2, 2)
 
 
+def batch_left_there(cupy, points, offsets, expected):
+    """Planes, measures and padded rows of balls, whose facets are simplices."""
+
+    def here(array):
+        return cupy.asnumpy(cupy.asarray(array))
+
+    left = cullhull.convex_hulls_on_device(points, offsets, planes=True, measures=True)
+    for name in ("volumes", "areas", "centroids", "affine_dimensions"):
+        assert np.array_equal(here(getattr(left, name)), getattr(expected, name)), name
+    assert np.array_equal(here(left.vertex_offsets), expected.vertices.offsets)
+    assert np.array_equal(3 * here(left.simplex_offsets), expected.simplices.offsets)
+    assert np.array_equal(here(left.planes), expected.facet_planes)
+    with pytest.raises(AttributeError, match="not padded"):
+        _ = left.vertex_counts
+    most = int(np.diff(expected.vertices.offsets).max())
+    for padded in (True, (most, 2 * most), (most + 1, 2 * most + 5)):
+        rows = cullhull.convex_hulls_on_device(points, offsets, padded=padded, planes=True)
+        vertices, simplices, planes = map(here, (rows.vertices, rows.simplices, rows.planes))
+        width = most if padded is True else padded[0]
+        assert vertices.shape == (len(expected), width) and vertices.dtype == np.int32
+        assert simplices.shape[2] == 3 and planes.shape == (*simplices.shape[:2], 4)
+        there = np.arange(width) < here(rows.vertex_counts)[:, None]
+        assert np.array_equal(vertices[there], expected.vertices.items)
+        assert (vertices[~there] == -1).all()
+        there = np.arange(simplices.shape[1]) < here(rows.simplex_counts)[:, None]
+        assert np.array_equal(simplices[there].ravel(), expected.simplices.items)
+        assert np.array_equal(planes[there], expected.facet_planes)
+        assert (simplices[~there] == -1).all() and not planes[~there].any()
+        for name in ("vertex_offsets", "volumes"):
+            with pytest.raises(AttributeError):
+                getattr(rows, name)
+    with pytest.raises(cullhull.InvalidArgument, match=r"set \d+ has \d+ vertices"):
+        cullhull.convex_hulls_on_device(points, offsets, padded=(most - 1, 2 * most))
+
+
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_batches_and_questions_on_a_device(dtype):
@@ -398,6 +433,7 @@ def test_batches_and_questions_on_a_device(dtype):
         assert np.array_equal(batch.volumes, expected.volumes)
         assert np.array_equal(batch.vertex_points, expected.vertex_points)
         assert np.array_equal(batch.facet_planes, expected.facet_planes)
+    batch_left_there(cupy, flat, offsets, expected)
     left = cullhull.convex_hulls_on_device(flat, offsets)
     vertices = cupy.asarray(left.vertices)
     assert np.array_equal(cupy.asnumpy(vertices), expected.vertices.items)

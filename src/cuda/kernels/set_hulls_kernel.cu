@@ -1,6 +1,7 @@
-// Kernels for many small sets, a warp a set.
+// Kernels for many small sets, a warp a set; a thread a set where sums have an order.
 
 #include "cuda/kernels/set_hulls_kernel.hpp"
+#include "cuda/kernels/set_measures.cuh"
 #include "cuda/kernels/warp_hull.cuh"
 #include "cuda/runtime.hpp"
 
@@ -68,6 +69,45 @@ __global__ void pack_lists(const __grid_constant__ DevicePointView points,
     rows[vertex_at * D + e] = coordinate<T>(points, first + ids[step * (e / D)], e % D);
 }
 
+/// A thread a set: a hull's shares are added one after another.
+template <unsigned D, class T>
+__global__ void measure_hulls(const __grid_constant__ DevicePointView points,
+                              const __grid_constant__ WarpSets sets,
+                              const __grid_constant__ SetMeasures out) {
+  const std::uint64_t set = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x;
+  if (set >= sets.sets || sets.counts[set] == 0) return;
+  FoundHullOfSet<D, T> hull(points, sets, set);
+  double volume, area, centroid[D];
+  if (!hull.find_exponent() || !hull.measure(volume, area, centroid)) {
+    sets.counts[set] = 0;
+    return;
+  }
+  out.volumes[set] = volume;
+  out.areas[set] = area;
+  out.exponents[set] = static_cast<std::int8_t>(hull.exponent);
+#pragma unroll
+  for (unsigned c = 0; c < D; ++c) out.centroids[D * set + c] = centroid[c];
+}
+
+template <unsigned D, class T>
+__global__ void write_planes(const __grid_constant__ DevicePointView points,
+                             const __grid_constant__ WarpSets sets,
+                             const std::int8_t* __restrict__ exponents,
+                             const std::uint64_t* __restrict__ simplex_at,
+                             double* __restrict__ planes) {
+  const std::uint64_t set = warp_of();
+  if (set >= sets.sets || sets.counts[set] == 0) return;
+  FoundHullOfSet<D, T> hull(points, sets, set);
+  hull.scale_to(exponents[set]);
+  for (unsigned i = lane_of(); i < hull.simplex_count; i += lanes) {
+    double plane[D + 1];
+    Share<D> share;
+    hull.facet(i, plane, share);
+#pragma unroll
+    for (unsigned c = 0; c <= D; ++c) planes[(simplex_at[set] + i) * (D + 1) + c] = plane[c];
+  }
+}
+
 template <class T>
 __global__ void point_runs(const __grid_constant__ DevicePointView points,
                            const __grid_constant__ ItemRuns runs, T* __restrict__ rows) {
@@ -80,15 +120,17 @@ __global__ void point_runs(const __grid_constant__ DevicePointView points,
                           static_cast<unsigned>(e % points.dimension));
 }
 
-__global__ void item_runs(const std::int32_t* __restrict__ items,
-                          const __grid_constant__ ItemRuns runs, std::int32_t* __restrict__ out) {
+template <class Item>
+__global__ void item_runs(const Item* __restrict__ items, const __grid_constant__ ItemRuns runs,
+                          Item* __restrict__ out) {
   const std::uint64_t run = warp_of();
   if (run >= runs.count) return;
   for (std::uint64_t i = lane_of(); i < runs.length[run]; i += lanes)
     out[runs.to[run] + i] = items[runs.from[run] + i];
 }
 
-constexpr unsigned copying_warps = 4;  // a guess
+constexpr unsigned copying_warps = 4;       // a guess
+constexpr unsigned measuring_threads = 64;  // few, so that small batches reach many processors
 
 unsigned blocks_of(std::uint64_t warps, unsigned in_block) {
   return static_cast<unsigned>((warps + in_block - 1) / in_block);
@@ -126,21 +168,56 @@ cudaError_t pack(const DevicePointView& points, const WarpSets& sets, const Pack
   return cudaGetLastError();
 }
 
+/// Calls launch.operator()<D, T>() for the dimension and the scalar type of the points.
+template <class Launch>
+cudaError_t of_type(const DevicePointView& points, const Launch& launch) {
+  const bool wide = points.scalar == ScalarType::f64;
+  if (points.dimension == 2 && wide)
+    launch.template operator()<2, double>();
+  else if (points.dimension == 2)
+    launch.template operator()<2, float>();
+  else if (wide)
+    launch.template operator()<3, double>();
+  else
+    launch.template operator()<3, float>();
+  return cudaGetLastError();
+}
+
+template <class Item>
+cudaError_t copy_items(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream) {
+  if (runs.count == 0) return cudaSuccess;
+  item_runs<Item><<<blocks_of(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(
+      items, runs, out);
+  return cudaGetLastError();
+}
+
 }  // namespace
 
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
-  const bool wide = points.scalar == ScalarType::f64;
-  if (points.dimension == 2 && wide)
-    launch_hulls<2, double>(points, sets, least, most, stream);
-  else if (points.dimension == 2)
-    launch_hulls<2, float>(points, sets, least, most, stream);
-  else if (wide)
-    launch_hulls<3, double>(points, sets, least, most, stream);
-  else
-    launch_hulls<3, float>(points, sets, least, most, stream);
-  return cudaGetLastError();
+  return of_type(points, [&]<unsigned D, class T>() {
+    launch_hulls<D, T>(points, sets, least, most, stream);
+  });
+}
+
+cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
+                         const SetMeasures& measures, cudaStream_t stream) {
+  if (sets.sets == 0) return cudaSuccess;
+  return of_type(points, [&]<unsigned D, class T>() {
+    measure_hulls<D, T><<<blocks_of(sets.sets, measuring_threads), measuring_threads, 0, stream>>>(
+        points, sets, measures);
+  });
+}
+
+cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets,
+                             const std::int8_t* exponents, const std::uint64_t* simplex_at,
+                             double* planes, cudaStream_t stream) {
+  if (sets.sets == 0) return cudaSuccess;
+  return of_type(points, [&]<unsigned D, class T>() {
+    write_planes<D, T><<<blocks_of(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
+        points, sets, exponents, simplex_at, planes);
+  });
 }
 
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
@@ -168,10 +245,11 @@ cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs,
 
 cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
                       cudaStream_t stream) {
-  if (runs.count == 0) return cudaSuccess;
-  item_runs<<<blocks_of(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(items, runs,
-                                                                                        out);
-  return cudaGetLastError();
+  return copy_items(items, runs, out, stream);
+}
+
+cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cudaStream_t stream) {
+  return copy_items(items, runs, out, stream);
 }
 
 }  // namespace cullhull::internal::inline cuda

@@ -55,6 +55,24 @@ cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
                            const PackedLists& at, std::int32_t* vertices, std::int32_t* simplices,
                            cudaStream_t stream);
 
+/// Volume, area and centroid of each set's hull, and the exponent by which its coordinates are
+/// scaled: what measure_sets() finds.
+struct SetMeasures {
+  double* volumes;
+  double* areas;
+  double* centroids;  ///< d numbers a set
+  std::int8_t* exponents;
+};
+/// Measures the decided sets. Sets whose measures or planes doubles leave uncertain become
+/// undecided.
+cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
+                         const SetMeasures& measures, cudaStream_t stream);
+/// Writes the planes of the decided sets' simplices, those of set i from simplex_at[i] (d + 1) on.
+/// `exponents`: as measure_sets() finds them.
+cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets,
+                             const std::int8_t* exponents, const std::uint64_t* simplex_at,
+                             double* planes, cudaStream_t stream);
+
 /// Runs of items to copy: run i has length[i] items, at from[i] in the source and at to[i] in the
 /// destination.
 struct ItemRuns {
@@ -66,8 +84,9 @@ struct ItemRuns {
 /// Copies runs of points to packed rows of the points' scalar type.
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
                             cudaStream_t stream);
-/// Copies runs of integers.
+/// Copies runs of numbers.
 cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
                       cudaStream_t stream);
+cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cudaStream_t stream);
 
 }  // namespace cullhull::internal::inline cuda

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <cstdint>
 
+#include "parallel/host_device.hpp"
+
 namespace cullhull::internal::inline exact {
 
-#define CULLHULL_MATH inline
+#define CULLHULL_MATH CULLHULL_HD_INLINE
 #include "exact/determinants/cofactors-inl.hpp"
 #undef CULLHULL_MATH
 

@@ -6,43 +6,45 @@
 
 #include <cmath>
 
+#include "parallel/host_device.hpp"
+
 namespace cullhull::internal::inline exact {
 
 struct DoubleDouble {
   double high = 0, low = 0;
 
   DoubleDouble() = default;
-  DoubleDouble(double v) : high(v) {}  // NOLINT: every double is one
-  DoubleDouble(double h, double l) : high(h), low(l) {}
-  double value() const { return high + low; }
+  CULLHULL_HD DoubleDouble(double v) : high(v) {}  // NOLINT: every double is one
+  CULLHULL_HD DoubleDouble(double h, double l) : high(h), low(l) {}
+  CULLHULL_HD double value() const { return high + low; }
 
   /// Returns a + b exactly (Knuth).
-  static DoubleDouble sum(double a, double b) {
+  static CULLHULL_HD DoubleDouble sum(double a, double b) {
     const double s = a + b;
     const double t = s - a;
     return {s, (a - (s - t)) + (b - t)};
   }
   /// Returns a * b exactly (Dekker, Veltkamp), barring overflow and underflow.
-  static DoubleDouble product(double a, double b) {
+  static CULLHULL_HD DoubleDouble product(double a, double b) {
     const double p = a * b;
     const double ta = 134217729.0 * a, tb = 134217729.0 * b;
     const double ah = ta - (ta - a), bh = tb - (tb - b);
     const double al = a - ah, bl = b - bh;
     return {p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
   }
-  DoubleDouble operator-() const { return {-high, -low}; }
-  friend DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
+  CULLHULL_HD DoubleDouble operator-() const { return {-high, -low}; }
+  friend CULLHULL_HD DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
     DoubleDouble s = sum(a.high, b.high);
     const DoubleDouble t = sum(a.low, b.low);
     s = quick(s.high, s.low + t.high);
     return quick(s.high, s.low + t.low);
   }
-  friend DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + -b; }
-  friend DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
+  friend CULLHULL_HD DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + -b; }
+  friend CULLHULL_HD DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
     const DoubleDouble p = product(a.high, b.high);
     return quick(p.high, p.low + (a.high * b.low + a.low * b.high));
   }
-  friend DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
+  friend CULLHULL_HD DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
     const double q1 = a.high / b.high;
     DoubleDouble rest = a - b * DoubleDouble(q1);
     const double q2 = rest.high / b.high;
@@ -51,7 +53,7 @@ struct DoubleDouble {
   }
 
  private:
-  static DoubleDouble quick(double a, double b) {
+  static CULLHULL_HD DoubleDouble quick(double a, double b) {
     const double s = a + b;
     return {s, b - (s - a)};
   }

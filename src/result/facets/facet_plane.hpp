@@ -14,12 +14,9 @@
 #include "exact/planes/elimination.hpp"
 #include "result/facets/orthogonal_parts.hpp"
 #include "result/measures/measure_frame.hpp"
+#include "result/measures/share.hpp"
 
 namespace cullhull::internal::inline result {
-
-/// A normal shorter than this fraction of the product of its edges' lengths is computed again with
-/// more bits. So the direction of a normal is off by about 2^-38 rad at most, usually far less.
-inline constexpr double conditioned = 0x1p-12;
 
 /// The same fraction for dimensions above those of `cofactors`. It also allows for edges in random
 /// directions, which are far from orthogonal in high dimensions: the determinant of k random unit

@@ -420,68 +420,6 @@ void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFl
   }
 }
 
-namespace {
-
-/// Rounds v, known to within `error`, times 2^shift to a double `out`. Returns false if the
-/// rounding is uncertain or the result is near overflow or underflow. If it returns true, every
-/// more precise arithmetic gives the same double.
-bool round_surely(const DoubleDouble& v, double error, long shift, double& out) {
-  const double low = v.high + (v.low - error), high = v.high + (v.low + error);
-  if (low != high || !(std::fabs(low) > 0x1p-400 && std::fabs(low) < 0x1p400) || shift < -400 ||
-      shift > 400)
-    return false;
-  out = scale_by(low, static_cast<int>(shift));
-  return true;
-}
-
-/// Bounds the relative error of quotients and sums of double-doubles, which is a few units of
-/// 2^-104, with a wide margin.
-constexpr double double_double_error = 0x1p-96;
-
-/// Whether q m = v exactly, for q = v / m rounded. Since q is so near the quotient, the difference
-/// v.high - fl(q.high m) and the products' rounding errors are exact. Two double-doubles are equal
-/// if and only if both their parts are.
-bool is_quotient(const DoubleDouble& q, double m, const DoubleDouble& v) {
-  const DoubleDouble high = DoubleDouble::product(q.high, m), low = DoubleDouble::product(q.low, m);
-  const DoubleDouble rest = DoubleDouble::sum((v.high - high.high) - high.low, v.low);
-  return rest.high == low.high && rest.low == low.low;
-}
-
-}  // namespace
-
-bool finish_quickly(unsigned k, int exponent, const double* origin, const DoubleDouble& volume,
-                    const DoubleDouble& area, const DoubleDouble* moment, double* volume_out,
-                    double* area_out, double* centroid_out) {
-  if (k > 8 || exponent < -40 || exponent > 40) return false;
-  double factorial = 1;
-  for (unsigned i = 2; i < k; ++i) factorial *= i;
-  // For k <= 3 the division by (k - 1)!, 1 or 2, is exact. This matters because a sum of two runs
-  // is often half-way between two doubles, and then rounds surely only without error.
-  const bool exact = k <= 3;
-  const DoubleDouble share = exact ? DoubleDouble(area.high / factorial, area.low / factorial)
-                                   : area / DoubleDouble(factorial);
-  const double share_error = exact ? 0 : double_double_error * std::fabs(share.high);
-  // One sum of few runs in three is divisible by 3, and its quotient may be half-way, too.
-  const DoubleDouble content = volume / DoubleDouble(factorial * k);
-  const double content_error = is_quotient(content, factorial * k, volume)
-                                   ? 0
-                                   : double_double_error * std::fabs(content.high);
-  if (!round_surely(share, share_error, exponent * (k - 1L), *area_out) ||
-      !round_surely(content, content_error, exponent * static_cast<long>(k), *volume_out))
-    return false;
-  const DoubleDouble weight = volume * DoubleDouble(k + 1.0);
-  for (unsigned c = 0; c < k; ++c) {
-    const DoubleDouble shift = moment[c] / weight;
-    // The origin's coordinates are in units of 2^exponent, which leaves the significand of a normal
-    // double unchanged.
-    const DoubleDouble from(origin[c]);
-    if (from.high != 0 && std::fabs(from.high) < 0x1p-900) return false;
-    const double error = double_double_error * (std::fabs(shift.high) + std::fabs(from.high));
-    if (!round_surely(from + shift, error, exponent, centroid_out[c])) return false;
-  }
-  return true;
-}
-
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull) {
   if (!frame.flat()) {
     hull.centroid.resize(frame.dimension);

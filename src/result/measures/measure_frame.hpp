@@ -1,8 +1,6 @@
 // Frame: the hull's vertices as input of the measures, gathered and scaled.
 #pragma once
 
-#include <bit>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -12,15 +10,9 @@
 #include "cullhull/point_view.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "parallel/threads/run.hpp"
+#include "result/measures/share.hpp"
 
 namespace cullhull::internal::inline result {
-
-/// v 2^e; a multiplication if 2^e is a normal double.
-inline double scale_by(double v, int e) {
-  return e > -1022 && e < 1023
-             ? v * std::bit_cast<double>(static_cast<std::uint64_t>(e + 1023) << 52)
-             : std::ldexp(v, e);
-}
 
 /// The coordinates of the hull's vertices, scaled so that products stay within the range of
 /// doubles, and the map from the projection on coordinate axes to the flat that the points span.

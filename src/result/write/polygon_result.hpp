@@ -57,22 +57,10 @@ class EdgeKernel {
   /// the edge is too short for doubles.
   bool edge(PlanarPoint p, PlanarPoint q, PlanarPoint o, double* out, Share<2>& share) const {
     const double corner[2][2] = {{p.x, p.y}, {q.x, q.y}}, origin[2] = {o.x, o.y};
-    double edge[1][2], n[2], sum[2], plane[3];
-    edges_of<2>(corner, edge);
-    cofactors<2>(edge, n);
-    sum_of_corners<2>(corner, origin, sum);
-    const double length = root(square_of<2>(n));
-    const FacetMoments<2, double> moments = moments_of<2>(n, corner[0], origin, sum);
-    plane_of<2>(n, length, corner[0], plane);
-    share = {moments.volume,
-             length,
-             {moments.moment[0], moments.moment[1]},
-             length * moments.reach,
-             length};
-    out[0] = plane[0];
-    out[1] = plane[1];
-    out[2] = plane[2] * unscale_;
-    return largest_of<2>(n) > 0x1p-400;
+    double plane[3];
+    const bool plain = plain_facet<2>(corner, origin, unscale_, plane, share);
+    std::copy_n(plane, 3, out);
+    return plain;
   }
 
  private:

@@ -102,7 +102,11 @@ class RandomBatch : public RandomWork<RandomBatch> {
         if (to_host) {
           expect_same(convex_hulls(view, offsets, s.count(), o), expected);
         } else {
-          const DeviceHullBatch batch = convex_hulls_on_device(view, offsets, s.count(), o);
+          DeviceBatchOptions wanted = o;
+          wanted.planes = one_in(2);
+          wanted.measures = one_in(2);
+          wanted.padded = one_in(2);
+          const DeviceHullBatch batch = convex_hulls_on_device(view, offsets, s.count(), wanted);
           emulation::settings() = {};
           emulation::settings().devices = 2;
           expect_same_lists(batch, expected);
@@ -241,6 +245,33 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
   EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{1, 0})) << "cells take 4 ms to build";
   EXPECT_EQ(launches(1e15, 1e8, Backend::cuda), (Launches{0, 1}));
   EXPECT_EQ(launches(1e15, 1e11, Backend::cuda), (Launches{0, 1})) << "they are built";
+}
+
+// The kernels for the next piece are launched before the CPU begins with one, its lists are packed
+// when the CPU has done half.
+TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
+  emulation::settings() = {};
+  emulation::restart();
+  check(cudaSetDevice(0));
+  Sets<float> sets(2);
+  for (std::size_t i = 0; i < 750; ++i) sets.add_ball(20, i);
+  const OnDevice there(sets.rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 15000, 2);
+  const HullBatch expected =
+      convex_hulls(PointView::row_major(sets.rows.data(), 15000, 2), sets.offsets);
+  emulation::restart();
+  using Launches = std::pair<std::uint64_t, std::uint64_t>;
+  std::vector<Launches> launches;  // whenever the CPU begins with half a piece, and at the end
+  Options options;
+  options.backend = Backend::cuda;
+  options.memory_budget = std::uint64_t{1} << 19;  // pieces of 5,461 points
+  options.progress = [&](const char*, double) {
+    auto launched = emulation::counters().launches;
+    launches.emplace_back(launched["set_hulls<D, T>"], launched["pack_lists<2, T, Id>"]);
+  };
+  expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
+  EXPECT_EQ(launches,
+            (std::vector<Launches>{{2, 1}, {2, 2}, {3, 2}, {3, 3}, {3, 3}, {3, 3}, {3, 3}}));
 }
 
 // A result outlives the stream of its call, and its last copy frees it.

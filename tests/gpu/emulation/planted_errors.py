@@ -38,6 +38,8 @@ SETS = (
     "emulated_set_hulls_gpu_test",
     "GpuSets.AnyStrides*:GpuSets.Ordinary*:GpuSets.SetsThat*:GpuSets.Spheres*",
 )
+MEASURES = ("emulated_set_hulls_gpu_test", "GpuSets.PlanesAndMeasures*")
+PADDED = ("emulated_set_hulls_gpu_test", "GpuSets.Padded*")
 STARS = ("emulated_star_hull_gpu_test", "StarHullGpu.Equals*:StarHullGpu.Few*")
 STAR_HULL = "src/filter/star_hull/"
 SIZES = ("emulated_set_hulls_gpu_test", "GpuSets.AllSizes*")
@@ -282,6 +284,49 @@ PLANTED = {
         "simplices.data(), rows.data(), «s.stream»)",
         "nullptr",
         *SETS,
+    ),
+    "trusted-measures": Planted(
+        "measures taken although rounding may show in them, or a normal needs more bits",
+        KERNELS + "set_hulls_kernel.cu",
+        "if («!hull.find_exponent() || !hull.measure(volume, area, centroid)») {",
+        "!hull.find_exponent() || (hull.measure(volume, area, centroid), false)",
+        *MEASURES,
+    ),
+    "other-exponent": Planted(
+        "a set's planes scaled as those of the set before it",
+        KERNELS + "set_hulls_kernel.cu",
+        "hull.scale_to(«exponents[set]»);",
+        "exponents[set == 0 ? 0 : set - 1]",
+        *MEASURES,
+    ),
+    "unfilled-rows": Planted(
+        "padded rows of simplices not filled up",
+        "src/cuda/set_hulls.cpp",
+        "«fill(to.simplices, to.simplex_room * d(), 0xFF, stream);»",
+        "",
+        *PADDED,
+    ),
+    "shifted-centroids": Planted(
+        "centroids of sets that the CPU computed written one number too far",
+        "src/cuda/set_hulls.cpp",
+        "«2 * std::uint64_t{count} + i * n»",
+        "2 * std::uint64_t{count} + i * n + 1",
+        *MEASURES,
+    ),
+    "early-counts": Planted(
+        "the host does not wait for the kernels that find hulls",
+        "src/cuda/set_hulls.cpp",
+        '«synchronise(stream, "hulling sets");»',
+        "",
+        *PADDED,
+    ),
+    "early-lists": Planted(
+        "the host does not wait for the lists of a piece",
+        "src/cuda/set_hulls.cpp",
+        '«synchronise(state_->stream, "copying hulls from the device");»',
+        "",
+        "emulated_sets_test",
+        "EmulatedSets.TheNextPiece*",
     ),
     # ----------------------------------------------------------------------------- questions
     "no-open-side": Planted(
