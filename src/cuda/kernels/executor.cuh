@@ -43,12 +43,11 @@ __global__ void __launch_bounds__(block_size, 1)
   __shared__ std::uint32_t list[Kernel::items_a_thread * block_size];
   __shared__ typename Kernel::Shared shared;
   const GridThread at = here();
-  const std::uint64_t count = kernel.items.get();
-  for (std::uint64_t t = at.block; t * Kernel::items_a_thread * block_size < count;
-       t += at.blocks) {
+  const std::uint32_t of_all = kernel.tiles(block_size);
+  for (std::uint32_t t = at.block; t < of_all; t += at.blocks) {
     if (at.thread == 0) shared.count = 0;
     __syncthreads();
-    kernel.find(t, tiles, at, list, shared);
+    kernel.find(t, of_all, at, list, shared);
     __syncthreads();
     if constexpr (requires { kernel.body(0U, 0U); }) {
       if (at.thread == 0) kernel.place(shared);
