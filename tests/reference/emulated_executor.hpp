@@ -109,7 +109,7 @@ class EmulatedExecutor : public HostMemory {
       const auto for_block = [&](auto phase) {
         for (std::uint32_t t = block_size_; t-- > 0;) phase(GridThread{0, t, block_size_, 1});
       };
-      for_block([&](const GridThread& at) { kernel.find(tile, tiles, at, list.data(), shared); });
+      for_block([&](const GridThread& at) { kernel.find(tile, at, list.data(), shared); });
       if (kernel.appended != nullptr) kernel.place(shared);
       for_block([&](const GridThread& at) { kernel.use(at, list.data(), shared); });
     }

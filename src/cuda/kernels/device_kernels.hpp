@@ -69,7 +69,8 @@ struct ForEachKernel {
 
 /// Items that are kept, found tile by tile: a block lists those of a tile in shared memory, so that
 /// then all of its threads have work; with `appended`, they are placed there by one atomic
-/// operation a tile. A tile is of warps' items that lie far apart: kept items often lie together.
+/// operation a tile. Tiles of items that lie apart, which share the work more evenly, were slower:
+/// the flips of a sphere of 1M points took 9.8 ms for 7.4 (H200).
 template <class Keep, class Body>
 struct TileKernel {
   static constexpr std::uint32_t items_a_thread = 4;
@@ -86,19 +87,19 @@ struct TileKernel {
     return static_cast<std::uint32_t>((std::uint64_t{items.get()} + of_tile - 1) / of_tile);
   }
   /// Lists a thread's items of a tile.
-  CULLHULL_HD void find(std::uint32_t tile, std::uint32_t tiles, const GridThread& at,
-                        std::uint32_t* list, Shared& shared) const {
-    const std::uint32_t lanes = at.block_size < 32 ? at.block_size : 32;
-    const std::uint32_t count = items.get(), warps = at.block_size / lanes;
-    const auto item = [&](std::uint32_t k) {
-      const std::uint64_t warp = std::uint64_t{k} * warps + at.thread / lanes;
-      return (warp * tiles + tile) * lanes + at.thread % lanes;
-    };
+  CULLHULL_HD void find(std::uint32_t tile, const GridThread& at, std::uint32_t* list,
+                        Shared& shared) const {
+    const std::uint32_t count = items.get();
+    const std::uint64_t first = std::uint64_t{tile} * items_a_thread * at.block_size + at.thread;
     bool kept[items_a_thread];
+    for (std::uint32_t k = 0; k < items_a_thread; ++k) {
+      const std::uint64_t i = first + std::uint64_t{k} * at.block_size;
+      kept[k] = i < count && keep(static_cast<std::uint32_t>(i));
+    }
     for (std::uint32_t k = 0; k < items_a_thread; ++k)
-      kept[k] = item(k) < count && keep(static_cast<std::uint32_t>(item(k)));
-    for (std::uint32_t k = 0; k < items_a_thread; ++k)
-      if (kept[k]) list[DeviceAtomics::next(shared.count, 1)] = static_cast<std::uint32_t>(item(k));
+      if (kept[k])
+        list[DeviceAtomics::next(shared.count, 1)] =
+            static_cast<std::uint32_t>(first + std::uint64_t{k} * at.block_size);
   }
   CULLHULL_HD void place(Shared& shared) const {
     shared.first = DeviceAtomics::next(*appended, shared.count);

@@ -47,7 +47,7 @@ __global__ void __launch_bounds__(block_size, 1)
   for (std::uint32_t t = at.block; t < of_all; t += at.blocks) {
     if (at.thread == 0) shared.count = 0;
     __syncthreads();
-    kernel.find(t, of_all, at, list, shared);
+    kernel.find(t, at, list, shared);
     __syncthreads();
     if constexpr (requires { kernel.body(0U, 0U); }) {
       if (at.thread == 0) kernel.place(shared);
@@ -324,7 +324,7 @@ class CudaExecutor {
   /// A look takes as long as several rounds of few items.
   static constexpr std::uint32_t rounds_at_once = 16;
   /// Rounds of so few items are one block's, which waits for nobody else and needs no host.
-  static constexpr std::uint32_t few_items = 1024;
+  static constexpr std::uint32_t few_items = 512;
   template <class Steps>
   std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
                        std::uint32_t listed, const Control& control) {

@@ -421,7 +421,7 @@ PLANTED = {
     "no-wait-in-tiles": Planted(
         "no barrier between the list of a tile and its use",
         KERNELS + "executor.cuh",
-        "kernel.find(t, of_all, at, list, shared);\n    «__syncthreads();»",
+        "kernel.find(t, at, list, shared);\n    «__syncthreads();»",
         "",
         *STARS,
     ),
