@@ -220,8 +220,7 @@ void expect_stream_order(Executor executor) {
   const auto before = growth.facets();
   const auto apexes = growth.apexes();
   const auto facets = static_cast<std::uint32_t>(before.size());
-  PseudoHullRound report;
-  growth.round(report);
+  growth.round(2, rounds);
   ASSERT_GT(growth.facets().size(), D);
   std::uint32_t next = 0;
   for (const auto& f : growth.facets()) {

@@ -167,13 +167,10 @@ class SerialExecutor : public HostMemory {
     return k;
   }
 
-  /// The same in any order of the k, and nothing is emitted that is not kept.
+  /// The same in any order of the k.
   template <class Keep, class Emit>
   std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
-    std::uint32_t k = 0;
-    for (std::uint32_t i = 0; i < count; ++i)
-      if (keep(i)) emit(i, k++);
-    return k;
+    return select(count, keep, emit);
   }
 
   /// Sets number[i] to the number of items kept among [0, i), then calls then(i), for every i of

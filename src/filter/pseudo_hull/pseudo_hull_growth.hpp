@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "filter/pseudo_hull/growth_rounds.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
@@ -30,13 +31,14 @@ class PseudoHullGrowth {
       executor_.zero(executor_.reserve(culled_, count), count);
       return;
     }
-    for (unsigned r = 1; r <= max_rounds && exterior_ != 0; ++r) {
+    for (std::uint32_t r = 1; r <= max_rounds && !growth_.done(); ++r) {
       control.check();
-      round(at(rounds, r));
+      round(r, rounds);
     }
+    growth_.read(rounds);
   }
   /// The number of rows that are not culled.
-  std::uint32_t left() const { return left_; }
+  std::uint32_t left() const { return growth_.left(); }
   /// One byte per row, in the executor's memory.
   const unsigned char* culled() const { return culled_.data(); }
   Executor& executor() { return executor_; }
@@ -49,16 +51,16 @@ class PseudoHullGrowth {
   const std::vector<std::uint32_t>& corners() const { return corners_; }
 
   // For tests.
-  std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), facets_); }
-  std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), facets_); }
-  std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), exterior_); }
+  std::vector<PseudoFacet<D>> facets() { return fetched(facet_.data(), growth_.facets()); }
+  std::vector<std::uint32_t> apexes() { return fetched(apex_.data(), growth_.facets()); }
+  std::vector<ExteriorPoint> exterior() { return fetched(points_.data(), growth_.exterior()); }
 
   /// Algorithm 1's first part: builds the simplex and the exterior sets of its facets. Returns
   /// false if there is no simplex; then nothing is culled.
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
-    count_ = left_ = count;
-    exterior_ = facets_ = 0;
+    count_ = count;
+    growth_.begin(count);
     corners_.clear();
     if (recording_) simplex_of_.assign(count, no_item);
     constexpr std::uint32_t grain = Executor::grain;
@@ -73,34 +75,36 @@ class PseudoHullGrowth {
     StartFacets<D> first;
     if (!first_facets(simplex, first)) return false;
     if (recording_) corners_.assign(simplex.row, simplex.row + D + 1);
-    assign_first(first, at(rounds, 0));
+    assign_first(first);
+    growth_.read(rounds);
     return true;
   }
 
   /// Replaces every facet (each has an exterior set) by the D facets through its apex.
-  void round(PseudoHullRound& report) {
-    const std::uint32_t cells = facets_ * D;
-    executor_.reserve(fan_, facets_);
+  void round(std::uint32_t r, std::vector<PseudoHullRound>& rounds) {
+    // The most facets that there may be stand for their number where only an order is wanted.
+    const Count facets = growth_.facets();
+    const std::uint32_t most = Executor::most(facets), cells = most * D;
+    executor_.reserve(fan_, most);
     executor_.reserve(cell_, cells);
-    const ReplaceFacet<D, Rows> replace{rows_,        facets_,     facet_.data(),
+    const ReplaceFacet<D, Rows> replace{rows_,        most,        facet_.data(),
                                         apex_.data(), fan_.data(), cell_.data()};
     if constexpr (Executor::many_threads)
-      executor_.for_each(cells, ReplaceFacetInParts<D, Rows>{replace});
+      executor_.for_each(Executor::times(facets, D), ReplaceFacetInParts<D, Rows>{replace});
     else
-      executor_.for_each(facets_, replace);
-    const auto culled = executor_.scatter_max(
-        exterior_, cells, Reassign<D, Rows>{rows_, facets_, points_.data(), fan_.data(), arrays()},
-        executor_.reserve(best_, cells));
-    report.facets += facets_;
+      executor_.for_each(facets, replace);
+    const Count culled =
+        executor_.scatter_max(growth_.exterior(), cells,
+                              Reassign<D, Rows>{rows_, most, points_.data(), fan_.data(), arrays()},
+                              executor_.reserve(best_, cells));
     if (recording_) record_round();
-    regroup(cells, points_.data(), culled, report);
+    regroup(r, cells, points_.data(), culled);
+    if (growth_.due()) growth_.read(rounds);
   }
 
  private:
-  static PseudoHullRound& at(std::vector<PseudoHullRound>& rounds, std::size_t r) {
-    if (rounds.size() <= r) rounds.resize(r + 1);
-    return rounds[r];
-  }
+  using Count = typename Executor::Count;
+
   template <class T>
   std::vector<T> fetched(const T* from, std::size_t count) {
     std::vector<T> items(count);
@@ -126,56 +130,50 @@ class PseudoHullGrowth {
     return true;
   }
 
-  void assign_first(const StartFacets<D>& first, PseudoHullRound& report) {
+  void assign_first(const StartFacets<D>& first) {
     executor_.reserve(place_, count_);
     executor_.reserve(distance_, count_);
     executor_.reserve(culled_, count_);
-    exterior_ = count_;  // all rows, until regroup() removes the culled
     const auto culled =
         executor_.scatter_max(count_, D + 1, AssignFirst<D, Rows>{rows_, first, arrays()},
                               executor_.reserve(best_, D + 1));
     if (recording_)
       for (std::uint32_t i = 0; i < count_; ++i)
         if (culled_.data()[i] != 0) simplex_of_[i] = 0;
-    regroup(D + 1, nullptr, culled, report);
+    regroup(0, D + 1, nullptr, culled);
   }
 
   /// Removes the null cells of the facet stream and the points that are culled or survive, and
   /// finds each facet's apex.
-  void regroup(std::uint32_t cells, const ExteriorPoint* from,
-               const typename Executor::Count& culled, PseudoHullRound& report) {
-    const std::uint32_t before = exterior_;
-    executor_.reserve(number_, std::size_t{cells} + 1);
-    // Room for as many as there can be: their numbers come with a single wait, at the end.
-    executor_.reserve(facet_, cells);
-    executor_.reserve(apex_, cells);
-    const auto facets = executor_.enumerate(
-        cells, CellHasPoints{best_.data()}, number_.data(),
-        MoveFacet<D>{best_.data(), number_.data(), cell_.data(), facet_.data(), apex_.data()});
+  void regroup(std::uint32_t r, std::uint32_t cells, const ExteriorPoint* from,
+               const Count& culled) {
+    std::uint32_t* number = executor_.reserve(number_, std::size_t{cells} + 1);
+    // Room for as many as there can be: their numbers may be read rounds later.
+    PseudoFacet<D>* facet = executor_.reserve(facet_, cells);
+    std::uint32_t* apex = executor_.reserve(apex_, cells);
+    const Count facets =
+        executor_.enumerate(cells, CellHasPoints{best_.data()}, number,
+                            MoveFacet<D>{best_.data(), number, cell_.data(), facet, apex});
+    const Count before = growth_.exterior();
     // Room for one more, because an executor may emit an item that is not kept.
-    executor_.reserve(next_points_, std::size_t{before} + 1);
-    const auto exterior = executor_.select(
-        before, HasFacet{place_.data()},
-        MovePoint<Executor>{cells, best_.data(), number_.data(), place_.data(), distance_.data(),
-                            from, next_points_.data(), apex_.data()});
+    ExteriorPoint* to = executor_.reserve(next_points_, std::size_t{Executor::most(before)} + 1);
+    const Count exterior =
+        executor_.append(before, HasFacet{place_.data()},
+                         MovePoint<Executor>{cells, best_.data(), number, place_.data(),
+                                             distance_.data(), from, to, apex});
     std::swap(points_, next_points_);
-    facets_ = facets;
-    exterior_ = exterior;
-    report.exterior += before;
-    report.culled += culled;
-    left_ -= culled;
-    report.kept += before - culled - exterior_;
+    growth_.add(r, culled, facets, exterior);
   }
 
   /// Each facet with its apex is a simplex; those of a round are stored consecutively.
   void record_round() {
     const auto first = static_cast<std::uint32_t>(corners_.size() / (D + 1));
-    for (std::uint32_t j = 0; j < facets_; ++j) {
+    for (std::uint32_t j = 0; j < growth_.facets(); ++j) {
       const std::uint32_t* vertex = facet_.data()[j].vertex;
       corners_.insert(corners_.end(), vertex, vertex + D);
       corners_.push_back(apex_.data()[j]);
     }
-    for (std::uint32_t i = 0; i < exterior_; ++i)
+    for (std::uint32_t i = 0; i < growth_.exterior(); ++i)
       if (place_.data()[i] == place_inside)
         simplex_of_[points_.data()[i].row] = first + points_.data()[i].facet;
   }
@@ -185,7 +183,8 @@ class PseudoHullGrowth {
 
   Executor executor_;
   Rows rows_{};
-  std::uint32_t count_ = 0, left_ = 0, exterior_ = 0, facets_ = 0;
+  std::uint32_t count_ = 0;
+  GrowthRounds<Executor> growth_;
   Array<ExteriorPoint> points_, next_points_;
   Array<std::uint32_t> place_, apex_, number_;
   Array<double> distance_;

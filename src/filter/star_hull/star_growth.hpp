@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "filter/pseudo_hull/growth_rounds.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
@@ -200,26 +201,23 @@ class StarGrowth {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
-    executor_.upload(&facets_, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
-    // Numbers are looked at every few rounds. Until then a round takes as much room as it may need,
-    // three times that of the round before: where that would be much, they are looked at.
-    constexpr std::uint32_t much = 1U << 15;
-    for (std::uint32_t r = 1; r <= max_rounds && Executor::most(exterior_) != 0; ++r) {
+    const std::uint32_t four = 4;
+    executor_.upload(&four, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
+    for (std::uint32_t r = 1; r <= max_rounds && !growth_.done(); ++r) {
       control.check();
       round(r);
-      if (waiting_.size() == Executor::rounds_ahead || Executor::most(active_count_) > much)
-        look(rounds);
+      if (growth_.due()) growth_.read(rounds);
     }
-    look(rounds);
+    growth_.read(rounds);
     return true;
   }
   /// The number of rows that are not culled.
-  std::uint32_t left() const { return left_; }
+  std::uint32_t left() const { return growth_.left(); }
   /// One byte a row, in the executor's memory.
   unsigned char* culled() { return culled_.data(); }
   /// The surface, in the executor's memory: 2 V - 4 facets for V vertices.
   StarFacet* facets() { return facet_.data(); }
-  std::uint32_t facet_count() const { return facets_; }
+  std::uint32_t facet_count() const { return count_ == 0 ? 0 : 4 + 2 * growth_.replaced(); }
   const double* centre() const { return centre_; }
   /// The rows, scaled.
   const Rows& rows() const { return rows_; }
@@ -227,17 +225,11 @@ class StarGrowth {
 
  private:
   using Count = typename Executor::Count;
-  struct RoundCounts {
-    std::uint32_t round;
-    Count replaced, before, culled, after;
-  };
 
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
-    count_ = left_ = count;
-    facets_ = 0;
-    exterior_ = active_count_ = 0;
-    waiting_.clear();
+    count_ = count;
+    growth_.begin(count);
     constexpr std::uint32_t grain = Executor::grain;
     const AxisExtremes<3> e =
         executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<3>{},
@@ -252,12 +244,10 @@ class StarGrowth {
     executor_.reserve(place_, count);
     executor_.reserve(distance_, count);
     executor_.reserve(culled_, count);
-    exterior_ = count;
     const auto culled = executor_.scatter_max(count, 4, AssignToCones<Rows>{rows_, first, arrays()},
                                               executor_.reserve(best_, 4));
     regroup(0, 4, culled, nullptr, StarSlots{nullptr, {}, nullptr});
-    look(rounds);
-    facets_ = 4;
+    growth_.read(rounds);
     return true;
   }
 
@@ -310,9 +300,9 @@ class StarGrowth {
   PlaceArrays arrays() { return {place_.data(), distance_.data(), culled_.data()}; }
 
   void round(std::uint32_t r) {
-    const Count cells = Executor::times(active_count_, 3);
+    const Count cells = Executor::times(growth_.facets(), 3);
     const std::uint32_t most_cells = Executor::most(cells);
-    const StarSlots slots{active_.data(), Executor::items(active_count_),
+    const StarSlots slots{active_.data(), Executor::items(growth_.facets()),
                           facets_before_.data() + r};
     SplitStarFacet<Rows> split{rows_,
                                slots,
@@ -320,14 +310,14 @@ class StarGrowth {
                                facet_.data(),
                                number_.data(),
                                apex_.data(),
-                               executor_.reserve(fan_, Executor::most(active_count_)),
+                               executor_.reserve(fan_, Executor::most(growth_.facets())),
                                executor_.reserve(made_, most_cells)};
     std::copy_n(centre_, 3, split.centre);
     executor_.for_each(cells, split);
     ReassignToCones<Rows> assign{rows_, {}, points_.data(), fan_.data(), arrays()};
     std::copy_n(centre_, 3, assign.centre);
-    const Count culled =
-        executor_.scatter_max(exterior_, cells, assign, executor_.reserve(best_, most_cells));
+    const Count culled = executor_.scatter_max(growth_.exterior(), cells, assign,
+                                               executor_.reserve(best_, most_cells));
     regroup(r, cells, culled, points_.data(), slots);
   }
 
@@ -335,7 +325,8 @@ class StarGrowth {
   /// `from`: null in round 0, where item i is row i.
   void regroup(std::uint32_t r, const Count& cells, const Count& culled, const ExteriorPoint* from,
                const StarSlots& slots) {
-    const std::uint32_t most_cells = Executor::most(cells), most_points = Executor::most(exterior_);
+    const std::uint32_t most_cells = Executor::most(cells),
+                        most_points = Executor::most(growth_.exterior());
     std::uint32_t* rank = executor_.reserve(rank_, std::size_t{most_cells} + 1);
     std::uint32_t* next_active = executor_.reserve(next_active_, most_cells);
     std::uint32_t* apex = executor_.reserve(apex_, most_cells);
@@ -343,35 +334,15 @@ class StarGrowth {
         cells, CellHasPoints{best_.data()}, rank,
         ListActive{best_.data(), rank, slots, from == nullptr ? nullptr : made_.data(),
                    facet_.data(), next_active, apex, number_.data()});
-    ExteriorPoint* next_points = executor_.reserve(next_points_, most_points);
+    // Room for one more, because an executor may emit an item that is not kept.
+    ExteriorPoint* next_points = executor_.reserve(next_points_, std::size_t{most_points} + 1);
     const Count exterior =
-        executor_.append(exterior_, HasFacet{place_.data()},
+        executor_.append(growth_.exterior(), HasFacet{place_.data()},
                          MovePoint<Executor>{most_cells, best_.data(), rank, place_.data(),
                                              distance_.data(), from, next_points, apex});
-    waiting_.push_back({r, active_count_, exterior_, culled, exterior});
     std::swap(points_, next_points_);
     std::swap(active_, next_active_);
-    active_count_ = active;
-    exterior_ = exterior;
-  }
-
-  /// Reads the numbers of the rounds since the last look.
-  void look(std::vector<PseudoHullRound>& rounds) {
-    for (const RoundCounts& w : waiting_) {
-      const std::uint32_t before = w.before, culled = w.culled, after = w.after;
-      if (before == 0) break;
-      if (rounds.size() <= w.round) rounds.resize(w.round + 1);
-      PseudoHullRound& report = rounds[w.round];
-      report.facets += w.replaced;
-      report.exterior += before;
-      report.culled += culled;
-      report.kept += before - culled - after;
-      facets_ += 2 * w.replaced;
-      left_ -= culled;
-    }
-    waiting_.clear();
-    exterior_ = std::uint32_t{exterior_};
-    active_count_ = std::uint32_t{active_count_};
+    growth_.add(r, culled, active, exterior);
   }
 
   template <class T>
@@ -380,9 +351,8 @@ class StarGrowth {
   Executor executor_;
   Rows rows_{};
   double centre_[3] = {};
-  std::uint32_t count_ = 0, left_ = 0, facets_ = 0;
-  Count exterior_ = 0, active_count_ = 0;
-  std::vector<RoundCounts> waiting_;  ///< rounds whose numbers have not been looked at
+  std::uint32_t count_ = 0;
+  GrowthRounds<Executor> growth_;  ///< of the facets that are replaced
   Array<ExteriorPoint> points_, next_points_;
   Array<std::uint32_t> place_, apex_, rank_, number_, active_, next_active_;
   Array<double> distance_;

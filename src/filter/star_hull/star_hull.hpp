@@ -192,8 +192,8 @@ class StarHull {
                   count,
                   Executor::many_threads ? nullptr : count + most_rounds + 2};
     executor.for_each(facets, StartFlips<Executor, Rows>{rounds});
-    std::uint32_t* const list[2] = {executor.reserve(listed_, facets),
-                                    executor.reserve(order_, facets)};
+    std::uint32_t* const list[2] = {executor.reserve(listed_, std::size_t{facets} + 1),
+                                    executor.reserve(order_, std::size_t{facets} + 1)};
     std::uint32_t round = 1;
     while (round <= most_rounds) {
       control.check();
