@@ -1,5 +1,5 @@
-// What tests in Python call of the emulated device, by ctypes: memory, copies, streams, and how many
-// calls of the run-time library have waited for the device, and how many of them with Python's
+// What tests in Python call of the emulated device, by ctypes: memory, copies, streams, and how
+// many calls of the run-time library have waited for the device, and how many of them with Python's
 // interpreter lock held, while no other thread of Python can run.
 #include <cuda_runtime_api.h>
 
