@@ -16,6 +16,7 @@
 #         tests      every suite of the tests of a device
 #         python     arrays of CuPy and PyTorch
 #         cpu        the tests' host twins and a hull (needs no device)
+#         recipes    those of docs/how-to/frameworks.md for PyTorch and CuPy
 #         sanitizer  compute-sanitizer's tools (--tool: memcheck, racecheck, initcheck, synccheck)
 #                    over the suites with short sets, an hour in all
 #       Call 1 is all but the last part, call 2 the last. --suite limits tests and sanitizer.
@@ -126,7 +127,7 @@ stage() {
   mkdir -p "$folder/python/tests"
   cp -r bindings/python/cullhull "$folder/python/"
   cp "$build"/bindings/python/_core.*.so "$folder/python/cullhull/"
-  cp bindings/python/tests/test_arrays.py "$folder/python/tests/"
+  cp bindings/python/tests/test_{arrays,recipes}.py docs/how-to/frameworks.md "$folder/python/tests/"
   mkdir "$folder/python/lib"
   # The C++ library is what PyTorch and CuPy run with, which may need a newer one than ours.
   for library in "$folder"/lib/*; do
@@ -346,17 +347,25 @@ run_tests() {
 }
 
 # By the machine's own Python, and so its C library. A test that skips has not passed.
-run_python() {
-  local tests=$root/python/tests/test_arrays.py from
+python_step() { # NAME PYTEST ARGUMENTS...: a test that skips has not passed
+  local name=$1 from
+  shift
   if [[ ! -d $root/python ]]; then
-    failed "LEFT OUT: the bundle was made without it  python"
+    failed "LEFT OUT: the bundle was made without it  $name"
     return
   fi
   from=$(log_lines)
-  step "$suite_seconds" "python" env PYTHONPATH="$root/python" PYTHONDONTWRITEBYTECODE=1 python3 -m pytest -q -rs -p no:cacheprovider \
-    "$tests"::test_{batches_and_questions_on_a_device,device_arrays_of_side_streams,device_arrays}
+  step "$suite_seconds" "$name" env PYTHONPATH="$root/python" PYTHONDONTWRITEBYTECODE=1 python3 -m pytest -q -rs -p no:cacheprovider "$@"
   logged "$from" '^SKIPPED' >>"$summary"
-  no_skips "$from" '^SKIPPED' python
+  no_skips "$from" '^SKIPPED' "$name"
+}
+
+run_python() {
+  python_step python "$root/python/tests/test_arrays.py"::test_{batches_and_questions_on_a_device,device_arrays_of_side_streams,device_arrays}
+}
+
+run_recipes() {
+  python_step recipes "$root/python/tests/test_recipes.py" -k "torch or cupy"
 }
 
 # A run of one tool over one suite is a line of `$done_file` once it has ended: a later call goes on
@@ -436,7 +445,7 @@ check_list() {
 }
 
 run() {
-  local all_tools="memcheck racecheck initcheck synccheck" figures_and_tests=passes,bench,scaling,tests,python,cpu
+  local all_tools="memcheck racecheck initcheck synccheck" figures_and_tests=passes,bench,scaling,tests,python,cpu,recipes
   local only="" bundle="" words="$0 run $*" seconds=400 part
   results="" tools="" only_suites="" done_before=""
   while (($#)); do
@@ -468,7 +477,7 @@ run() {
   # Who names a tool wants that.
   : "${only:=${tools:+sanitizer}}"
   : "${only:=$figures_and_tests,sanitizer}" "${tools:=${all_tools// /,}}"
-  check_list "$only" passes bench scaling tests python cpu sanitizer
+  check_list "$only" passes bench scaling tests python cpu recipes sanitizer
   # shellcheck disable=SC2086
   check_list "$tools" $all_tools
   deadline=$((SECONDS + seconds))
@@ -503,9 +512,9 @@ run() {
   record_cpu
   find_launcher
   no_device=""
-  if wants passes || wants bench || wants tests || wants python || wants sanitizer; then find_device; fi
+  if wants passes || wants bench || wants tests || wants python || wants recipes || wants sanitizer; then find_device; fi
   # What gives figures comes first: a call may be cut off.
-  for part in passes bench scaling tests python cpu sanitizer; do
+  for part in passes bench scaling tests python cpu recipes sanitizer; do
     wants "$part" || continue
     if [[ -n $no_device && $part != scaling && $part != cpu ]]; then
       note "LEFT OUT: no device  $part"

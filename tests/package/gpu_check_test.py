@@ -143,7 +143,7 @@ class Run(Case):
             '{"part":"last of gpu_passes"}', "passed  bench", '{"part":"last of gpu_bench"}',
             "passed  scaling", '{"part":"last of scaling_bench"}', "passed  gpu hull",
             "passed  gpu GpuA", "passed  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
-            "passed  cpu twin_test",
+            "passed  cpu twin_test", "passed  recipes",
         )  # fmt: skip
         self.assertIn("all passed", self.said.read_text())
 
@@ -177,14 +177,16 @@ class Run(Case):
 
     def test_left_out_python_is_a_failure(self) -> None:
         shutil.rmtree(self.bundle / "python")
-        status, summary = self.run_it("--only", "python")
+        status, summary = self.run_it("--only", "python,recipes")
         self.assertEqual(status, 1)
-        self.assert_lines(summary, "LEFT OUT: the bundle was made without it  python")
+        for name in ("python", "recipes"):
+            self.assert_lines(summary, f"LEFT OUT: the bundle was made without it  {name}")
 
     def test_skipped_python_is_a_failure(self) -> None:
-        status, summary = self.run_it("--only", "python", python="skip")
-        self.assertEqual(status, 1)
-        self.assert_lines(summary, "passed  python", "SKIPPED [1]", "FAILED: skipped  python")
+        for name in ("python", "recipes"):
+            status, summary = self.run_it("--only", name, python="skip")
+            self.assertEqual(status, 1)
+            self.assert_lines(summary, f"passed  {name}", "SKIPPED [1]", f"FAILED: skipped  {name}")
 
     def test_no_device_leaves_the_figures_of_the_processor(self) -> None:
         status, summary = self.run_it("--call", "1", no_device="1")

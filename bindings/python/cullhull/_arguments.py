@@ -97,7 +97,7 @@ def as_array(points: Any, what: str) -> npt.NDArray[Any]:
         device, _ = points.__dlpack_device__()
         if device not in _DLPACK_HOST:
             raise _device_memory(what)
-        return np.from_dlpack(points)
+        return _from_dlpack(points, what)
     columns = _columns(points)
     if columns is not None:
         return _from_columns(columns, what)
@@ -106,6 +106,17 @@ def as_array(points: Any, what: str) -> npt.NDArray[Any]:
     except ValueError as error:  # rows of different lengths
         raise InvalidArgument(f"`{what}` is no rectangular array: {error}") from None
     return _without_objects(array, what) if array.dtype == object else array
+
+
+def _from_dlpack(points: Any, what: str) -> npt.NDArray[Any]:
+    """An array over the memory of another package's; what cannot be one raises one line."""
+    try:
+        return np.from_dlpack(points)
+    except BufferError as error:  # a tensor that requires a gradient or is sparse, say
+        raise InvalidArgument(f"`{what}`: {error}") from None
+    except RuntimeError:  # NumPy's: bfloat16, say
+        kind = getattr(points, "dtype", type(points).__name__)
+        raise TypeError(f"`{what}` of type {kind} is not readable by NumPy; convert it first") from None
 
 
 def _without_objects(array: npt.NDArray[Any], what: str) -> npt.NDArray[Any]:

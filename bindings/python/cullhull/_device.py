@@ -22,7 +22,10 @@ def as_device_points(points: Any, *, sets: bool = False) -> _core.DevicePoints |
     """
     if hasattr(points, "__array_interface__"):
         return None
-    interface = getattr(points, "__cuda_array_interface__", None)
+    try:
+        interface = getattr(points, "__cuda_array_interface__", None)
+    except RuntimeError as error:  # PyTorch's, for a tensor that requires a gradient
+        raise InvalidArgument(f"`points`: {error}") from None
     dlpack = (
         hasattr(points, "__dlpack_device__") and points.__dlpack_device__()[0] in _DLPACK_CUDA
     )
@@ -170,6 +173,8 @@ def _from_dlpack(points: Any) -> _core.DevicePoints:
     """Names the stream that reads: without it a library may order nothing."""
     try:
         capsule = points.__dlpack__(stream=_LEGACY_DEFAULT_STREAM)
+    except BufferError as error:
+        raise InvalidArgument(f"`points`: {error}") from None
     except TypeError:  # no stream can be named: wait for all work of the device
         view = _core.DevicePoints.from_dlpack(points.__dlpack__(), points)
         _core.wait_for_cuda_device_of(view.data)

@@ -517,7 +517,7 @@ def _as_rows(padded: Any) -> tuple[int, int]:
 
 
 def _end_to_end(points: Any) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:
-    if isinstance(points, np.ndarray):
+    if hasattr(points, "__array_interface__") or hasattr(points, "__dlpack_device__"):
         array = as_points(points, axes=3)
         sets, size, dimension = array.shape
         # A view wherever the sets follow one another at equal steps.

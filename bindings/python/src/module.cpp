@@ -10,6 +10,9 @@
 
 NB_MODULE(_core, m) {
   if (PyArray_ImportNumPyAPI() < 0) throw nanobind::python_error();
+  // Packages that keep modules' globals until the end (PyTorch's custom operators do) also keep the
+  // hulls in them; nanobind would report these as leaks of ours.
+  nanobind::set_leak_warnings(false);
   m.attr("version") = CULLHULL_VERSION;
   binding::bind_call(m);
   binding::bind_hull(m);

@@ -16,7 +16,7 @@ pyvista=0.49.1
 extras=(pandas pyarrow shapely geopandas polars xarray scikit-image rtree hypothesis miniball "coxeter==$coxeter"
   docrep numba pint pooch pyamg pyproj rich traitlets transforms3d
   "dask[array,dataframe,distributed]" duckdb ray h5py laspy lazrs zarr pye57 pyogrio fsspec
-  scikit-learn "libpysal==$libpysal")
+  scikit-learn "libpysal==$libpysal" jax warp-lang)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
 for extra in "${extras[@]}"; do

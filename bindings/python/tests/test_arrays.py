@@ -110,6 +110,52 @@ def test_dlpack():
     assert cullhull.convex_hull(Dlpack(CUBE.astype(np.float32))).volume == 1
 
 
+class NoDlpack(Dlpack):
+    """Refuses as a tensor of PyTorch does that requires a gradient, or is of no type of NumPy's."""
+
+    dtype = "bfloat16"
+
+    def __init__(self, error, device=(1, 0)):
+        super().__init__(error, device)
+
+    def __dlpack__(self, **arguments):
+        raise self.array
+
+
+def test_what_dlpack_refuses_is_one_line():
+    hull = cullhull.convex_hull(CUBE)
+    for call in (cullhull.convex_hull, cullhull.convex_hulls, hull.contains, cullhull.delaunay):
+        with pytest.raises(cullhull.InvalidArgument, match="`points.*: use tensor.detach"):
+            call(NoDlpack(BufferError("use tensor.detach()")))
+        with pytest.raises(TypeError, match="`points.* of type bfloat16 is not readable by NumPy"):
+            call(NoDlpack(RuntimeError("Unsupported dtype in DLTensor.")))
+
+
+def test_sets_in_any_array_of_three_axes():
+    sets = np.random.default_rng(1).random((5, 20, 3))
+    volumes = cullhull.convex_hulls(sets).volumes
+
+    class Interface:
+        __array_interface__ = sets.__array_interface__
+
+    for array in (Dlpack(sets), Interface()):
+        assert np.array_equal(cullhull.convex_hulls(array).volumes, volumes)
+    with pytest.raises(cullhull.InvalidArgument, match="3D array; its number of dimensions is 2"):
+        cullhull.convex_hulls(Dlpack(CUBE.astype(float)))
+
+
+def test_hulls_that_live_until_the_end_are_no_leaks():
+    import subprocess
+
+    keep = (
+        "import ctypes, cullhull\n"
+        "hull = cullhull.convex_hull([[0, 0], [1, 0], [0, 1]])\n"
+        "ctypes.pythonapi.Py_IncRef(ctypes.py_object(hull))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", keep], capture_output=True, text=True, timeout=100)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 class Device:
     """Says that it is in a device's memory."""
 
@@ -293,6 +339,19 @@ def test_dlpack_is_told_the_stream_that_reads(fake_core):
 
     assert as_device_points(OldMaker(CUBE, device=(2, 0))) is not None
     assert fake_core.waited == [("device", 1 << 20)]
+
+
+def test_a_tensor_on_a_device_that_requires_a_gradient_is_refused(fake_core):
+    from cullhull._device import as_device_points
+
+    class Tensor(Dlpack):
+        @property
+        def __cuda_array_interface__(self):
+            raise RuntimeError("use var.detach()")
+
+    for points in (Tensor(CUBE, (2, 0)), NoDlpack(BufferError("use var.detach()"), (2, 0))):
+        with pytest.raises(cullhull.InvalidArgument, match="`points`: use var.detach"):
+            as_device_points(points)
 
 
 def test_dlpack_comes_before_an_interface_that_names_no_stream(fake_core):

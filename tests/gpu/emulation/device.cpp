@@ -203,7 +203,13 @@ bool count_strided_copy() {
   return static_cast<long>(++the_counters.strided_copies) != the_settings.failing_strided_copy;
 }
 void count_trim() { ++the_counters.trims; }
-void count_wait() { ++the_counters.waits; }
+void count_wait() {
+  ++the_counters.waits;
+  about_to_wait();
+}
+void about_to_wait() {
+  if (settings().at_wait) settings().at_wait();
+}
 
 cudaStream_t create_stream(bool blocking) {
   auto* s = new CUstream_st;

@@ -33,6 +33,8 @@ void count_copy();
 bool count_strided_copy();
 void count_trim();
 void count_wait();
+/// What calls begin with that wait for work of a device: the test may want to know.
+void about_to_wait();
 
 // Streams. Null and cudaStreamLegacy are the current device's default stream, which waits for all
 // blocking streams and they for it; cudaStreamPerThread is the calling thread's.

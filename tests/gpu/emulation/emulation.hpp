@@ -46,6 +46,8 @@ struct Settings {
   /// Called once, when a launch has been prepared and not yet been made: what other threads do
   /// then.
   std::function<void()> before_launch;
+  /// Called by every call that waits for work of a device, before it waits.
+  std::function<void()> at_wait;
 };
 
 /// Changed between calls only.

@@ -200,6 +200,7 @@ cudaError_t cudaMalloc(void** memory, std::size_t bytes) {
 cudaError_t cudaFree(void* memory) {
   return call([&] {
     if (memory == nullptr) return cudaSuccess;
+    about_to_wait();
     drain_device();
     release_device(memory);
     return cudaSuccess;
@@ -258,7 +259,10 @@ cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpy
   return call_on(nullptr, [&] {
     const cudaError_t error = copy(to, from, {bytes, 1, bytes, bytes}, kind, nullptr);
     // From pageable memory to a device it returns once the bytes are staged.
-    if (kind != cudaMemcpyHostToDevice || is_pinned(from)) drain(nullptr);
+    if (kind != cudaMemcpyHostToDevice || is_pinned(from)) {
+      about_to_wait();
+      drain(nullptr);
+    }
     return error;
   });
 }
