@@ -406,11 +406,11 @@ void fail_at_every_step(long emulation::Settings::*which, const std::function<vo
 }
 
 TEST_F(EmulatedEdges, EveryAllocationMayFail) {
-  const auto rows = ball(3, 15000, 5);
+  const auto rows = ball(3, 8000, 5);
   const std::uint64_t expected = plain_hash(rows, 3);
   const OnDevice there(rows);
-  const auto on_it = DevicePointView::row_major(there.data<float>(), 15000, 3);
-  const auto here = PointView::row_major(rows.data(), 15000, 3);
+  const auto on_it = DevicePointView::row_major(there.data<float>(), 8000, 3);
+  const auto here = PointView::row_major(rows.data(), 8000, 3);
   const auto outcome = [&](const std::function<Hull()>& call, Backend backend) {
     try {
       EXPECT_EQ(canonical_hash(call()), expected);
