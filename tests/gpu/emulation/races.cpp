@@ -152,9 +152,9 @@ enum class Kind { read, volatile_read, write, atomic };
 }
 
 [[gnu::noinline]] void check_repeated(Record& r) {
-  if (std::memcmp(r.repeated, r.repeated_value, r.repeated_bytes) != 0)
-    violation("threads write different values to one address: nothing orders them");
-  r.repeated = nullptr;
+  const bool same = std::memcmp(r.repeated, r.repeated_value, r.repeated_bytes) == 0;
+  r.repeated = nullptr;  // first: violation() may be code that reports accesses, and so come here
+  if (!same) violation("threads write different values to one address: nothing orders them");
 }
 
 [[gnu::noinline]] void repeat(Record& r, const Shadow& shadow, std::size_t offset, const void* p,
