@@ -62,7 +62,8 @@ double median(std::vector<double> times) {
   return times[times.size() / 2];
 }
 
-constexpr unsigned repeats = 5;
+/// Timed runs, and calls between two events; a run of smaller sets, which is a test, makes fewer.
+unsigned repeats = 5, calls = 10;
 
 double wall(const std::function<void()>& work) {
   work();
@@ -90,9 +91,6 @@ double between_events(cudaStream_t stream, const std::function<void()>& work) {
   (void)cudaEventDestroy(end);
   return 1e-3 * milliseconds;
 }
-
-/// Calls between two events; a run of smaller sets, which is a test, makes fewer.
-unsigned calls = 10;
 
 /// Time of the work that a call of `work` queues on the stream: several calls between two events,
 /// so that the time of a launch and the clock's step of half a microsecond do not count.
@@ -184,7 +182,7 @@ class Passes {
  public:
   Passes(double scale, double seconds, const std::string& file)
       : scale_(scale), lines_(file, seconds) {
-    if (scale < 1) calls = 2;
+    if (scale < 1) repeats = 1, calls = 2;
   }
 
   void run() {

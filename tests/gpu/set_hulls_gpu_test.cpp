@@ -321,7 +321,7 @@ TEST_F(GpuSets, ErrorsAreTheCpus) {
 }
 
 TEST_F(GpuSets, ManySetsInPieces) {
-  const std::size_t count = short_run() ? 2000 : 100000;
+  const std::size_t count = short_run() ? 1300 : 100000;
   for (const unsigned d : {2U, 3U}) {
     Sets<float> sets(d);
     for (std::size_t i = 0; i < count; ++i) sets.add_ball(50, i);

@@ -19,7 +19,13 @@ def _run(folder, stand_ins, arguments, who):
         capture_output=True,
         text=True,
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(path), "CULLHULL_STAND_IN": who},
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(path),
+            "CULLHULL_STAND_IN": who,
+            # Plugins of packages that are there for other tests take longer than most of these.
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+        },
     )
 
 

@@ -1,10 +1,50 @@
 #!/usr/bin/env bash
-# Installs the package into FOLDER/venv and runs its tests there: run.sh FOLDER [PYTEST ARGUMENTS...]
+# Installs the package into FOLDER/venv and runs its tests there:
+#
+#     run.sh FOLDER [PYTEST ARGUMENTS...]     both
+#     run.sh FOLDER --install                 the first alone
+#     run.sh FOLDER --part foreign|own        the second alone: the files named below, or all others
+#
+# Exit status 77: PyPI is out of reach, or this machine cannot make a virtual environment.
 set -euo pipefail
-folder=$(realpath -m "${1:?usage: run.sh FOLDER [PYTEST ARGUMENTS...]}")
+folder=$(realpath -m "${1:?usage: run.sh FOLDER [--install | --part foreign|own | PYTEST ARGUMENTS...]}")
 shift
 here=$(cd "$(dirname "$0")" && pwd)
-"$here/../../../scripts/python-venv.sh" "$folder" test
+# Mostly other projects' own tests; together these take about as long as all others.
+foreign=(test_coxeter.py test_libpysal.py test_metpy.py test_openpnm.py test_scipy_suite.py
+  test_skimage.py test_trimesh.py)
+files=()
+case ${1:-} in
+  --install)
+    installs=yes
+    rm -f "$folder/installed"
+    ;;
+  --part)
+    installs=no
+    if [[ ! -f $folder/installed ]]; then
+      echo "run.sh: the package is not installed in $folder" >&2
+      exit 77
+    fi
+    for file in "$here"/test_*.py; do
+      kind=own
+      for name in "${foreign[@]}"; do [[ ${file##*/} != "$name" ]] || kind=foreign; done
+      [[ $kind != "$2" ]] || files+=("$file")
+    done
+    if [[ ${#files[@]} -eq 0 ]]; then
+      echo "run.sh: there is no part $2" >&2
+      exit 2
+    fi
+    shift 2
+    ;;
+  *)
+    installs=yes
+    files=("$here")
+    ;;
+esac
+if [[ $installs = yes ]]; then
+  export PIP_COMPILE=0 # Python compiles what is imported, a small part of what is installed
+  "$here/../../../scripts/python-venv.sh" "$folder" test
+fi
 
 # Extras of whose parts PyPI may lack one or the other: without it, its tests say so and are skipped.
 # Other projects' own tests are those of one version.
@@ -19,6 +59,7 @@ extras=(pandas pyarrow shapely geopandas polars xarray scikit-image rtree hypoth
   scikit-learn "libpysal==$libpysal" jax warp-lang)
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
+if [[ $installs = no ]]; then extras=(); fi
 for extra in "${extras[@]}"; do
   name=${extra%%[\[=]*}
   "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('$name')" 2>/dev/null ||
@@ -27,7 +68,9 @@ for extra in "${extras[@]}"; do
 done
 
 # These two need the ones above alone for what is tested; OpenPNM asks for a gigabyte of MKL.
-for extra in "openpnm==$openpnm" "metpy==$metpy"; do
+extras=("openpnm==$openpnm" "metpy==$metpy")
+if [[ $installs = no ]]; then extras=(); fi
+for extra in "${extras[@]}"; do
   "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('${extra%%=*}')" 2>/dev/null ||
     "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --no-deps "$extra" ||
     echo "run.sh: PyPI has not given $extra; its tests are left out" >&2
@@ -36,7 +79,7 @@ done
 # Other projects' own tests are in their source archives alone, but for libpysal's.
 fetch() { # PROJECT VERSION: prints the folder of its tests
   local archive=$folder/$1-$2
-  if [[ ! -d $archive ]]; then
+  if [[ ! -d $archive && $installs = yes ]]; then
     mkdir -p "$folder/download"
     "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
       --no-binary "$1" --dest "$folder/download" "$1==$2" >&2 &&
@@ -57,7 +100,7 @@ export CULLHULL_TRIMESH_TESTS CULLHULL_COXETER_TESTS CULLHULL_OPENPNM_TESTS CULL
 
 # PyVista's example meshes are in its wheel; the package itself asks for a hundred megabytes of VTK.
 examples=$folder/pyvista-$pyvista/pyvista/examples
-if [[ ! -d $examples ]]; then
+if [[ ! -d $examples && $installs = yes ]]; then
   "$folder/venv/bin/pip" download --quiet --disable-pip-version-check --no-deps \
     --only-binary :all: --dest "$folder/download" "pyvista==$pyvista" >&2 &&
     "$folder/venv/bin/python" -m zipfile -e "$folder/download/pyvista-$pyvista"-*.whl \
@@ -70,7 +113,7 @@ if [[ -d $examples ]]; then export CULLHULL_PYVISTA_EXAMPLES=$examples; fi
 # stops once the archive is unpacked, which is all that is wanted.
 if version=$("$folder/venv/bin/python" -c 'import skimage; print(skimage.__version__)' 2>/dev/null); then
   archive=$folder/scikit-image-$version
-  if [[ ! -d $archive ]]; then
+  if [[ ! -d $archive && $installs = yes ]]; then
     mkdir -p "$folder/download/unpacked"
     TMPDIR=$folder/download/unpacked "$folder/venv/bin/pip" download --quiet \
       --disable-pip-version-check --no-clean --no-build-isolation --no-deps \
@@ -79,8 +122,12 @@ if version=$("$folder/venv/bin/python" -c 'import skimage; print(skimage.__versi
       echo "run.sh: scikit-image's source archive is out of reach; its own tests are left out" >&2
     rm -rf "$folder/download/unpacked"
   fi
-  tests=$(find "$archive" -name test_convex_hull.py -path '*morphology*' 2>/dev/null | head -n 1)
+  tests=$(find "$archive" -name test_convex_hull.py -path '*morphology*' 2>/dev/null | head -n 1) || true
   if [[ -n $tests ]]; then export CULLHULL_SKIMAGE_TESTS=$tests; fi
 fi
+if [[ ${1:-} = --install ]]; then
+  touch "$folder/installed"
+  exit
+fi
 cd "$folder" # where nothing but the installed package is called cullhull
-exec "$folder/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" "$here"
+exec "$folder/venv/bin/python" -m pytest -q -p no:cacheprovider "$@" "${files[@]}"

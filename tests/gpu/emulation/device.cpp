@@ -31,7 +31,13 @@ namespace {
 
 Settings the_settings;
 Counters the_counters;
-std::uint64_t random_state = 0x9E3779B97F4A7C15U;
+/// A start of the random order of threads and streams. CULLHULL_DEVICE_SEED gives all others.
+std::uint64_t random_start(std::uint64_t seed) {
+  static const char* text = std::getenv("CULLHULL_DEVICE_SEED");
+  static const std::uint64_t of_process = text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
+  return 0x9E3779B97F4A7C15U * (2 * (seed + 1000003 * of_process) + 1);
+}
+std::uint64_t random_state = random_start(0);
 long allocations_since_restart = 0, launches_since_restart = 0;
 cudaError_t lasting = cudaSuccess;
 thread_local cudaError_t last = cudaSuccess;
@@ -139,7 +145,7 @@ Settings& settings() { return the_settings; }
 
 void restart(std::uint64_t seed) {
   const Lock lock(mutex());
-  random_state = 0x9E3779B97F4A7C15U * (2 * seed + 1);
+  random_state = random_start(seed);
   allocations_since_restart = launches_since_restart = 0;
   const std::size_t live = the_counters.live_bytes;
   the_counters = {};

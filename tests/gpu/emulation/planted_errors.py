@@ -4,6 +4,7 @@
     planted_errors.py PROGRAMS [NAME ...]       run them: PROGRAMS is the folder of the test programs
     planted_errors.py --list                    the names
     planted_errors.py PROGRAMS --write FILE     run all; write the table into FILE (docs/gpu.md)
+    planted_errors.py PROGRAMS --seeds N        run them with N random orders of threads each
 
 rewrite_kernels.py writes all errors into the texts that the emulated tests are built of, each behind
 a switch; a program makes the one that the environment variable CULLHULL_PLANTED names. So one build
@@ -240,7 +241,8 @@ PLANTED = {
         KERNELS + "warp_hull.cuh",
         "return «s > doubt ? 1 : s < -doubt ? -1 : side(m_.corners[f], p)»;",
         "s > 0x1p-60F ? 1 : s < -0x1p-60F ? -1 : side(m_.corners[f], p)",
-        *SETS,
+        "emulated_set_hulls_gpu_test",
+        "GpuSets.Ordinary*",
     ),
     "loose-doubles": Planted(
         "signs in doubles trusted beyond their bound",
@@ -283,7 +285,8 @@ PLANTED = {
         "src/cuda/set_hulls.cpp",
         "simplices.data(), rows.data(), «s.stream»)",
         "nullptr",
-        *SETS,
+        "emulated_set_hulls_gpu_test",
+        "GpuSets.AnyStrides*",
     ),
     "trusted-measures": Planted(
         "measures taken although rounding may show in them, or a normal needs more bits",
@@ -483,12 +486,18 @@ def with_switches(text: str, file: str) -> str:
     return text
 
 
-def noticed_by(name: str, programs: Path) -> tuple[str, str] | None:
-    """The test that notices an error, and what it says."""
+def noticed_by(name: str, programs: Path, seed: int = 0) -> tuple[str, str] | None:
+    """The test that notices an error, and what it says. A seed stands for a random order of threads,
+    streams and blocks; with one seed, runs are alike."""
     error = PLANTED[name]
     run = subprocess.run(
-        [programs / error.program, f"--gtest_filter={error.tests}", "--gtest_fail_fast"],
-        env={**os.environ, "CULLHULL_PLANTED": name, "CULLHULL_GPU_TESTS": "short"},
+        [programs / error.program, f"--gtest_filter={error.tests}", "--gtest_break_on_failure"],
+        env={
+            **os.environ,
+            "CULLHULL_PLANTED": name,
+            "CULLHULL_GPU_TESTS": "short",
+            "CULLHULL_DEVICE_SEED": str(seed),
+        },
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
@@ -500,10 +509,9 @@ def noticed_by(name: str, programs: Path) -> tuple[str, str] | None:
     tests = re.findall(r"\[ RUN +\] (\S+)", run.stdout)
     if not tests:
         sys.exit(f"planted_errors: {error.program} did not run any test:\n{run.stdout}")
-    failed = re.findall(r"\[  FAILED  \] ([\w.]+)", run.stdout)
     said = re.search(r"^emulated device: (.*)$", run.stdout, re.MULTILINE)
-    why = said.group(1) if said else "a wrong result" if failed else "a crash"
-    return (failed or tests[-1:])[0], why
+    wrong = re.search(r": Failure$", run.stdout, re.MULTILINE)
+    return tests[-1], said.group(1) if said else "a wrong result" if wrong else "a crash"
 
 
 BEGIN, END = "<!-- planted_errors.py: begin -->\n", "<!-- planted_errors.py: end -->\n"
@@ -515,6 +523,7 @@ def main() -> int:
     parser.add_argument("names", nargs="*")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--write", type=Path)
+    parser.add_argument("--seeds", type=int, default=1, metavar="N")
     arguments = parser.parse_args()
     if arguments.list:
         print("\n".join(PLANTED))
@@ -524,10 +533,13 @@ def main() -> int:
             parser.error(f"there is no planted error {name}")
     rows, unnoticed = [], []
     for name in arguments.names or PLANTED:
-        found = noticed_by(name, arguments.programs)
+        for seed in range(max(1, arguments.seeds)):
+            found = noticed_by(name, arguments.programs, seed)
+            if found is None:
+                print(f"{name}: NOT NOTICED" + f" with seed {seed}" * (seed > 0), flush=True)
+                break
         if found is None:
             unnoticed.append(name)
-            print(f"{name}: NOT NOTICED", flush=True)
             continue
         print(f"{name}: {found[0]}: {found[1]}", flush=True)
         rows.append(f"| {name} | {PLANTED[name].what} | `{found[0]}` |\n")

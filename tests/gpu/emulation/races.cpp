@@ -2,10 +2,9 @@
 
 #include <sys/mman.h>
 
-#include <cstdio>
+#include <algorithm>
 #include <cstring>
 #include <string>
-#include <vector>
 
 #include "block.hpp"
 #include "emulation.hpp"
@@ -34,28 +33,30 @@ struct Cell {
 
 /// Cells for the words of a range of addresses, and for accesses of one or two bytes.
 struct Shadow {
-  explicit Shadow(std::size_t bytes) : words(map(bytes / 4)), bytes(map(bytes)) {}
+  void cover(std::size_t addresses) {
+    words = map(addresses / 4);
+    bytes = map(addresses);
+  }
   static Cell* map(std::size_t cells) {
     void* memory = mmap(nullptr, cells * sizeof(Cell), PROT_READ | PROT_WRITE,
                         MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (memory == MAP_FAILED) violation("no addresses are left for the record of accesses");
     return static_cast<Cell*>(memory);
   }
-  Cell *words, *bytes;
+  Cell *words = nullptr, *bytes = nullptr;
 };
 
 constexpr std::size_t most_shared = std::size_t{1} << 20;  // addresses, most of them never used
 
 struct Record {
-  char* arena = static_cast<char*>(mmap(nullptr, device_arena_bytes, PROT_NONE,
-                                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0));
-  Shadow of_device{device_arena_bytes}, of_shared{most_shared};
+  char* arena = nullptr;
+  Shadow of_device, of_shared;
   unsigned char* shared = nullptr;
   std::size_t shared_bytes = 0;
 
   // Each is the tick since which accesses count.
   std::uint32_t now = 1, launch = 1, block = 1, barrier = 1;
-  std::vector<std::uint32_t> warps;
+  std::uint32_t warps[1024 / warp_lanes] = {};
   std::uint32_t blocks = 0;  ///< that ran in this launch
   std::uint32_t me = 0, my_warp_since = 1;
   std::uint64_t until_switch = 0;
@@ -63,15 +64,23 @@ struct Record {
   // A write to an address that another thread wrote: must leave its bytes as they are.
   const void* repeated = nullptr;
   std::size_t repeated_bytes = 0;
-  unsigned char repeated_value[8];
+  unsigned char repeated_value[8] = {};
+
+  /// Reserves the addresses, which needs to be done once.
+  void reserve() {
+    if (arena != nullptr) return;
+    void* memory = mmap(nullptr, device_arena_bytes, PROT_NONE,
+                        MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (memory == MAP_FAILED) violation("no addresses are left for device memory");
+    of_device.cover(device_arena_bytes);
+    of_shared.cover(most_shared);
+    arena = static_cast<char*>(memory);
+  }
 };
 
-Record& record() {
-  static Record& r = *new Record;
-  return r;
-}
-
-thread_local bool in_kernel = false;
+// Initialised by the compiler: every access begins here.
+constinit Record the_record;
+constinit thread_local bool in_kernel = false;
 
 /// Threads that take turns before accesses: in some blocks often, in some seldom, in half never,
 /// so that the turns at barriers alone occur, too.
@@ -84,7 +93,8 @@ std::uint64_t next_switch(bool first) {
   return gap == 0 ? ~std::uint64_t{0} : 1 + random64() % gap;
 }
 
-bool ordered(const Record& r, const Accesses& a, std::uint32_t since) {
+/// Whether accesses are ordered before the running thread's next one.
+inline bool ordered(const Record& r, const Accesses& a, std::uint32_t since) {
   if (a.tick < since) return true;
   const Scope scope = scope_of(a.who);
   if (scope == grid || ((a.who ^ r.me) & block_bits) != 0) return false;
@@ -95,7 +105,7 @@ bool ordered(const Record& r, const Accesses& a, std::uint32_t since) {
   return scope == thread && apart == 0;
 }
 
-Accesses joined(const Record& r, const Accesses& a, std::uint32_t since) {
+inline Accesses joined(const Record& r, const Accesses& a, std::uint32_t since) {
   if (ordered(r, a, since)) return {r.now, r.me};
   const std::uint32_t apart = a.who ^ r.me;
   Scope scope = (apart & block_bits) != 0                 ? grid
@@ -115,7 +125,7 @@ enum class Kind { read, volatile_read, write, atomic };
 
 /// A record of an access to a cell. True: another thread wrote there, which is allowed where this
 /// write does not change the value.
-bool touch(Record& r, Cell& cell, Kind kind, std::uint32_t since) {
+[[gnu::always_inline]] inline bool touch(Record& r, Cell& cell, Kind kind, std::uint32_t since) {
   const bool by_atomic = (cell.writes.who & atomically) != 0;
   const bool clear = ordered(r, cell.writes, since);
   switch (kind) {
@@ -141,17 +151,31 @@ bool touch(Record& r, Cell& cell, Kind kind, std::uint32_t since) {
   return false;
 }
 
-void check_repeated(Record& r) {
-  if (r.repeated == nullptr) return;
-  if (std::memcmp(r.repeated, r.repeated_value, r.repeated_bytes) != 0)
-    violation("threads write different values to one address: nothing orders them");
-  r.repeated = nullptr;
+[[gnu::noinline]] void check_repeated(Record& r) {
+  const bool same = std::memcmp(r.repeated, r.repeated_value, r.repeated_bytes) == 0;
+  r.repeated = nullptr;  // first: violation() may be code that reports accesses, and so come here
+  if (!same) violation("threads write different values to one address: nothing orders them");
 }
 
-void access(const void* p, std::size_t bytes, Kind kind) {
+[[gnu::noinline]] void repeat(Record& r, const Shadow& shadow, std::size_t offset, const void* p,
+                              std::size_t bytes) {
+  if (bytes > sizeof r.repeated_value)
+    race("a write of many bytes:", shadow.words[offset / 4].writes);
+  r.repeated = p;
+  r.repeated_bytes = bytes;
+  std::memcpy(r.repeated_value, p, bytes);
+}
+
+[[gnu::noinline]] void let_others_run_now(Record& r) {
+  r.until_switch = next_switch(false);
+  let_others_run();
+}
+
+/// Inlined into each function that the compiler calls, so that size and kind are known there.
+[[gnu::always_inline]] inline void access(const void* p, std::size_t bytes, Kind kind) {
   if (!in_kernel) return;
-  Record& r = record();
-  check_repeated(r);
+  Record& r = the_record;
+  if (r.repeated != nullptr) check_repeated(r);
   const auto* at = static_cast<const char*>(p);
   const Shadow* shadow = &r.of_device;
   auto offset = static_cast<std::size_t>(at - r.arena);
@@ -164,10 +188,7 @@ void access(const void* p, std::size_t bytes, Kind kind) {
     shadow = &r.of_shared;
     since = r.block;
   }
-  if (--r.until_switch == 0) {
-    r.until_switch = next_switch(false);
-    let_others_run();
-  }
+  if (--r.until_switch == 0) let_others_run_now(r);
   const bool words = bytes >= 4;
   bool repeats = false;
   for (std::size_t k = 0; k < bytes; k += words ? 4 : bytes) {
@@ -177,65 +198,69 @@ void access(const void* p, std::size_t bytes, Kind kind) {
       violation("a read of shared memory that nobody wrote");
     repeats |= touch(r, cell, kind, since);
   }
-  if (!repeats) return;
-  if (bytes > sizeof r.repeated_value)
-    race("a write of many bytes:", shadow->words[offset / 4].writes);
-  r.repeated = p;
-  r.repeated_bytes = bytes;
-  std::memcpy(r.repeated_value, p, bytes);
+  if (repeats) repeat(r, *shadow, offset, p, bytes);
 }
 
 }  // namespace
 
-char* device_arena() { return record().arena; }
+char* device_arena() {
+  the_record.reserve();
+  return the_record.arena;
+}
 
 void forget_accesses(const char* begin, std::size_t bytes) {
-  Record& r = record();
+  Record& r = the_record;
   const auto offset = static_cast<std::size_t>(begin - r.arena);
   (void)madvise(r.of_device.words + offset / 4, bytes / 4 * sizeof(Cell), MADV_DONTNEED);
   (void)madvise(r.of_device.bytes + offset, bytes * sizeof(Cell), MADV_DONTNEED);
 }
 
 void launch_begins() {
-  Record& r = record();
+  Record& r = the_record;
+  r.reserve();
   r.launch = ++r.now;
   r.blocks = 0;
 }
 
 void block_begins(unsigned warps, unsigned char* shared, std::size_t bytes) {
   if (bytes > most_shared) violation("more shared memory than any device has");
-  Record& r = record();
+  Record& r = the_record;
   r.block = r.barrier = ++r.now;
   r.shared = shared;
   r.shared_bytes = bytes;
-  r.warps.assign(warps, r.now);
+  std::fill_n(r.warps, warps, r.now);
   ++r.blocks;
   r.until_switch = next_switch(true);
 }
 
 void thread_runs(unsigned thread) {
-  Record& r = record();
+  Record& r = the_record;
   r.me = (r.blocks << block_shift & block_bits) | thread;
   r.my_warp_since = r.warps[thread / warp_lanes];
   in_kernel = true;
 }
 
 void thread_stops() {
-  check_repeated(record());
+  if (the_record.repeated != nullptr) check_repeated(the_record);
   in_kernel = false;
 }
 
 void warp_is_synchronised(unsigned warp) {
-  Record& r = record();
+  Record& r = the_record;
   r.my_warp_since = r.warps[warp] = ++r.now;
 }
 
 void block_is_synchronised() {
-  Record& r = record();
+  Record& r = the_record;
   r.barrier = ++r.now;
 }
 
-void atomic_access(const void* address, std::size_t bytes) { access(address, bytes, Kind::atomic); }
+void atomic_access(const void* address, std::size_t bytes) {
+  if (bytes == 4)
+    access(address, 4, Kind::atomic);
+  else
+    access(address, bytes, Kind::atomic);
+}
 
 }  // namespace emulation
 

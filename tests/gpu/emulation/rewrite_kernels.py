@@ -47,7 +47,7 @@ def with_launches(text: str) -> str:
         name = " ".join(text[begin:at].split()).replace(":: ", "::")
         # Attributes belong to a function; only where it is called by a variable are any set.
         function = f"reinterpret_cast<const void*>({name})" if name == "kernel" else "nullptr"
-        call = f"[=](auto... arguments) {{ {name}(arguments...); }}"
+        call = f"[=](const auto&... arguments) {{ {name}(arguments...); }}"
         launch = f'emulation::launch("{name}", {function}, {call}, {text[at + 3 : end]})'
         text = text[:begin] + launch + text[end + 3 :]
     return text
