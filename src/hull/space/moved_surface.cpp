@@ -9,7 +9,7 @@ namespace cullhull::internal::inline hull {
 namespace {
 
 using Id = std::uint32_t;
-constexpr std::uint64_t grain = 8192;
+constexpr std::uint64_t grain = 2048;
 
 /// The sign (1 or -1) of det [a; b; c] where the error bound proves it, else 0. Rows are
 /// differences, exact or rounded once. The filter of Orientation3D::side.

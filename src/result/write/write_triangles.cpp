@@ -214,8 +214,12 @@ class TriangleWriter {
   }
 
   /// Divides the lowest vertices into buckets of about 4096 facets, and the facets into ranges of
-  /// 4096, so that each fits the L2 cache. 2048 and 8192 were no faster.
+  /// 4096, so that each fits the L2 cache (2048 and 8192 were no faster); of 1024, where there would
+  /// be too few for the threads.
   void divide() {
+    constexpr Id usual = 4096, least = 1024;
+    const std::uint64_t share = count_ / (2 * std::uint64_t{run_.threads});
+    const Id stretch = share >= usual || run_.threads == 1 ? usual : least;
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     shift_ = bucket_shift(count_, vertex_count, stretch);
     buckets_ = ((vertex_count - 1U) >> shift_) + 1;
@@ -449,7 +453,6 @@ class TriangleWriter {
     hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
   }
 
-  static constexpr Id stretch = 4096;  // facets in a range, see divide()
   /// Prefetch distance in facets. Without prefetching the hull of 1M points on a sphere takes 37%
   /// more time; distances of 4, 8 and 32 differ by less than 3%.
   static constexpr std::uint64_t ahead = 16;
