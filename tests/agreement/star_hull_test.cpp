@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/hard_sets.hpp"
+#include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "flow/pipeline.hpp"
@@ -123,6 +125,24 @@ TEST(StarHull, PointsInGeneralPosition) {
       }
   RecordProperty("tally", said(tally));
   EXPECT_EQ(tally.sets, 1600U);
+  EXPECT_EQ(tally.held, tally.sets) << said(tally);
+}
+
+// Flips come to an end at reflex edges that none of them can take: vertices are doomed, and
+// removed.
+TEST(StarHull, FlipsThatComeToAnEndTooEarly) {
+  Tally tally;
+  const std::tuple<const char*, unsigned, unsigned> sets[] = {
+      {"ball", 2000, 57}, {"ball", 8000, 5},   {"gauss", 8000, 28}, {"gauss", 8000, 35},
+      {"cube", 2000, 67}, {"cube", 2000, 134}, {"cube", 8000, 28},  {"cube", 8000, 31}};
+  unsigned doomed = 0;
+  for (const auto& [shape, n, seed] : sets) {
+    const std::vector<double> points = generate(shape, n, 3, seed);
+    expect_the_engines(points, shape, tally);
+    doomed += surface_of_points<double>(PointView::row_major(points.data(), n, 3), SerialExecutor{})
+                  .counts.dooms > 0;
+  }
+  EXPECT_EQ(doomed, tally.sets);
   EXPECT_EQ(tally.held, tally.sets) << said(tally);
 }
 

@@ -33,6 +33,7 @@ struct StarFlips {
   double centre[3];
   StarFacet* facet;
   unsigned char* culled;  ///< by row: a vertex that a flip removes is strictly inside
+  unsigned char* doomed;  ///< by row: a vertex proved to be strictly inside; null: none
 
   /// Of a side's claims: later rounds before earlier ones, and within a round each side its own
   /// number, in an order that changes from round to round.
@@ -44,30 +45,66 @@ struct StarFlips {
     h ^= h >> 13;
     return std::uint64_t{round} << 32 | h;
   }
-  CULLHULL_HD bool positive(const double* a, const double* b, const double* c) const {
-    return star_sign(centre, a, b, c) > 0;
+
+  CULLHULL_HD bool is_doomed(std::uint32_t row) const {
+    return doomed != nullptr && doomed[row] != 0;
   }
 
-  /// The flip at one side of a facet; `reflex`: 1 for a certain reflex edge, 0 for one whose sign
-  /// is not certain.
-  CULLHULL_HD StarFlip at_side(std::uint32_t f, unsigned k, int& reflex) const {
+  /// An edge and what is needed to decide about it: side k of a facet.
+  struct Edge {
+    std::uint32_t c, a, b, d;        ///< its ends a, b, and the vertices opposite to it
+    int reflex;                      ///< 1: certainly; 0: the sign is not certain
+    int with_first, with_second;     ///< the signs of (c, a, d) and (c, d, b); if `wanted`
+    bool wanted;                     ///< it should be replaced
+    bool first_has_3, second_has_3;  ///< whether a or b has three triangles alone
+  };
+  CULLHULL_HD Edge edge_at(std::uint32_t f, unsigned k) const {
     const StarFacet& here = facet[f];
     const StarSide beyond = here.across[k];
     const StarFacet& there = facet[beyond.facet()];
     const unsigned m = beyond.corner();
+    Edge e = {here.vertex[k],
+              here.vertex[next_corner(k)],
+              here.vertex[last_corner(k)],
+              there.vertex[m],
+              0,
+              0,
+              0,
+              false,
+              false,
+              false};
     double c[3], a[3], b[3], d[3];
-    rows.load(here.vertex[k], c);
-    rows.load(here.vertex[next_corner(k)], a);
-    rows.load(here.vertex[last_corner(k)], b);
-    rows.load(there.vertex[m], d);
-    reflex = star_sign(c, a, b, d);
-    if (reflex <= 0) return StarFlip::none;
-    const bool with_first = positive(c, a, d), with_second = positive(c, d, b);
-    if (with_first && with_second) return StarFlip::edge;
+    rows.load(e.c, c);
+    rows.load(e.a, a);
+    rows.load(e.b, b);
+    rows.load(e.d, d);
+    e.reflex = star_sign(c, a, b, d);
+    e.wanted = e.reflex > 0 || is_doomed(e.a) || is_doomed(e.b);
+    if (!e.wanted) return e;
+    e.with_first = star_sign(centre, c, a, d);
+    e.with_second = star_sign(centre, c, d, b);
     // There: d at m, b after it, a before it.
-    if (with_second && here.across[last_corner(k)].facet() == there.across[next_corner(m)].facet())
+    e.first_has_3 = here.across[last_corner(k)].facet() == there.across[next_corner(m)].facet();
+    e.second_has_3 = here.across[next_corner(k)].facet() == there.across[last_corner(m)].facet();
+    return e;
+  }
+  /// Of two rows the lowest that is doomed, or no_item.
+  CULLHULL_HD std::uint32_t lowest_doomed(std::uint32_t v, std::uint32_t w) const {
+    const std::uint32_t low = v < w ? v : w;
+    return is_doomed(low) ? low : is_doomed(v + w - low) ? v + w - low : no_item;
+  }
+
+  /// The flip at an edge. A vertex that is doomed gets an edge only where a lower one that is
+  /// doomed loses one: the lowest of them can always lose one, so all are removed in the end.
+  CULLHULL_HD StarFlip flip_of(const Edge& e) const {
+    if (!e.wanted) return StarFlip::none;
+    if (e.with_first > 0 && e.with_second > 0) {
+      const std::uint32_t gets = lowest_doomed(e.c, e.d);
+      return gets == no_item || lowest_doomed(e.a, e.b) < gets ? StarFlip::edge : StarFlip::none;
+    }
+    if (e.with_second > 0 && e.first_has_3 && (e.reflex > 0 || is_doomed(e.a)))
       return StarFlip::first_end;
-    if (with_first && here.across[next_corner(k)].facet() == there.across[last_corner(m)].facet())
+    if (e.with_first > 0 && e.second_has_3 && (e.reflex > 0 || is_doomed(e.b)))
       return StarFlip::second_end;
     return StarFlip::none;
   }
@@ -189,9 +226,8 @@ struct FlipRounds {
   CULLHULL_HD void propose(std::uint32_t round, std::uint32_t side) const {
     const std::uint32_t f = side / 3;
     const unsigned k = side % 3;
-    int reflex = 0;
     const StarFlip flip = flips.facet[f].live() && flips.facet[f].across[k].facet() > f
-                              ? flips.at_side(f, k, reflex)
+                              ? flips.flip_of(flips.edge_at(f, k))
                               : StarFlip::none;
     if (flip == StarFlip::none) {
       waiting[side] = 0;
@@ -303,6 +339,47 @@ struct FlipStep {
   }
 };
 
+/// Where flips have come to an end at a certainly reflex edge a b: if, seen from the centre, an end
+/// is in the triangle of the other three vertices, it is beneath it, too: strictly inside. Such a
+/// vertex is doomed: its edges are flipped away, whether they are reflex or not, until it has three
+/// triangles and is removed (the flop of Flip-Flop). Returns 1 where it dooms an end.
+template <class Rows>
+struct DoomEnds {
+  StarFlips<Rows> flips;
+  unsigned char* doomed;  ///< by row
+  CULLHULL_HD std::uint32_t operator()(std::uint32_t side) const {
+    const std::uint32_t f = side / 3;
+    const unsigned k = side % 3;
+    if (!flips.facet[f].live() || flips.facet[f].across[k].facet() < f) return 0;
+    const auto e = flips.edge_at(f, k);
+    if (e.reflex <= 0) return 0;
+    if (e.with_first < 0 && e.with_second > 0) {
+      doomed[e.a] = 1;
+      return 1;
+    }
+    if (e.with_second < 0 && e.with_first > 0) {
+      doomed[e.b] = 1;
+      return 1;
+    }
+    return 0;
+  }
+};
+struct AddNumbers {
+  CULLHULL_HD std::uint32_t operator()(std::uint32_t a, std::uint32_t b) const { return a + b; }
+};
+/// All sides at a doomed vertex are to be looked at.
+struct WakeDoomed {
+  const StarFacet* facet;
+  const unsigned char* doomed;
+  unsigned char* waiting;
+  CULLHULL_HD void operator()(std::uint32_t side) const {
+    const StarFacet& f = facet[side / 3];
+    const unsigned k = side % 3;
+    if (f.live() && (doomed[f.vertex[next_corner(k)]] | doomed[f.vertex[last_corner(k)]]) != 0)
+      waiting[side] = 1;
+  }
+};
+
 /// What is left in the end.
 struct StarReport {
   std::uint32_t facets = 0, reflex = 0, uncertain = 0;
@@ -321,8 +398,7 @@ struct ReportFacet {
     r.facets = 1;
     for (unsigned k = 0; k < 3; ++k) {
       if (flips.facet[f].across[k].facet() < f) continue;
-      int reflex = 0;
-      (void)flips.at_side(f, k, reflex);
+      const int reflex = flips.edge_at(f, k).reflex;
       r.reflex += reflex > 0;
       r.uncertain += reflex == 0;
     }

@@ -26,6 +26,7 @@ struct StarCounts {
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
   std::uint32_t flip_rounds = 0;
   std::uint32_t flips = 0;  ///< counted on the host alone
+  std::uint32_t dooms = 0;  ///< how often flips had come to an end where vertices were doomed
   double growth_seconds = 0, flip_seconds = 0;
   StarReport end;
   /// Every edge is certainly convex, and every row is a vertex or inside.
@@ -179,7 +180,7 @@ class StarHull {
     constexpr std::uint32_t most_rounds = 2048;
     Executor& executor = growth_.executor();
     const std::uint32_t facets = growth_.facet_count(), sides = 3 * facets;  // 6 of 2^28 points
-    StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled()};
+    StarFlips<Rows> flips{growth_.rows(), {}, growth_.facets(), growth_.culled(), nullptr};
     std::copy_n(growth_.centre(), 3, flips.centre);
     std::uint32_t* count = executor.reserve(flip_counts_, most_rounds + 3);
     executor.zero(count, most_rounds + 3);
@@ -192,9 +193,35 @@ class StarHull {
                   count,
                   Executor::many_threads ? nullptr : count + most_rounds + 2};
     executor.for_each(facets, StartFlips<Executor, Rows>{rounds});
+    std::uint32_t round = 1;
+    // Flips that come to an end before all is convex are rare, and one doomed vertex seldom leads
+    // to the next.
+    constexpr unsigned most_dooms = 16;
+    for (unsigned dooms = 0;; ++dooms) {
+      flip_while_sides_wait(rounds, facets, round, most_rounds, control);
+      done.end = executor.reduce(facets, StarReport{}, ReportFacet<Rows>{flips}, AddReports{});
+      done.dooms = dooms;
+      if (done.end.reflex == 0 || dooms == most_dooms || round > most_rounds) break;
+      if (dooms == 0) executor.zero(executor.reserve(doomed_, count_), count_);
+      unsigned char* doomed = doomed_.data();
+      if (executor.reduce(sides, std::uint32_t{0}, DoomEnds<Rows>{flips, doomed}, AddNumbers{}) ==
+          0)
+        break;
+      rounds.flips.doomed = doomed;
+      executor.for_each(sides, WakeDoomed{growth_.facets(), doomed, rounds.waiting});
+    }
+    done.flip_rounds = round - 1;
+    if (rounds.flipped != nullptr) executor.fetch(rounds.flipped, 1, &done.flips);
+  }
+
+  /// From `round` on.
+  template <class Rounds>
+  void flip_while_sides_wait(Rounds& rounds, std::uint32_t facets, std::uint32_t& round,
+                             std::uint32_t most_rounds, const Control& control) {
+    Executor& executor = growth_.executor();
+    const std::uint32_t sides = 3 * facets;
     std::uint32_t* const list[2] = {executor.reserve(listed_, std::size_t{facets} + 1),
                                     executor.reserve(order_, std::size_t{facets} + 1)};
-    std::uint32_t round = 1;
     while (round <= most_rounds) {
       control.check();
       const std::uint32_t waiting =
@@ -202,8 +229,9 @@ class StarHull {
                           ListForRound{list[round % 2], rounds.listed_for, round});
       if (waiting == 0) break;
       if (waiting <= Executor::few_items) {
-        std::copy_n(list, 2, rounds.listed);
-        round += executor.rounds(rounds, round, most_rounds, waiting, control);
+        Rounds listed = rounds;
+        std::copy_n(list, 2, listed.listed);
+        round += executor.rounds(listed, round, most_rounds, waiting, control);
         break;
       }
       const std::uint32_t end = std::min(most_rounds + 1, round + Executor::rounds_at_once);
@@ -214,9 +242,6 @@ class StarHull {
                                 FlipStep<Rounds, false>{rounds, round});
       }
     }
-    done.flip_rounds = round - 1;
-    if (rounds.flipped != nullptr) executor.fetch(rounds.flipped, 1, &done.flips);
-    done.end = executor.reduce(facets, StarReport{}, ReportFacet<Rows>{flips}, AddReports{});
   }
   template <class T>
   using Array = typename Executor::template Array<T>;
@@ -224,7 +249,7 @@ class StarHull {
   StarGrowth<Executor, Rows> growth_;
   std::uint32_t count_ = 0;
   Array<FlipClaim> claim_;
-  Array<unsigned char> waiting_, proposal_;
+  Array<unsigned char> waiting_, proposal_, doomed_;
   Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
 };
 

@@ -435,6 +435,13 @@ PLANTED = {
         "",
         *PRIMITIVES,
     ),
+    "sleeping-doomed": Planted(
+        "sides at a doomed vertex not looked at again",
+        STAR_HULL + "star_flips.hpp",
+        "| doomed[f.vertex[last_corner(k)]]) != 0)\n      «waiting[side] = 1;»",
+        "",
+        *STARS,
+    ),
     "forgotten-sides": Planted(
         "sides around a flip not looked at again",
         STAR_HULL + "star_flips.hpp",
