@@ -1,7 +1,8 @@
 // Flips that make a star-shaped surface of triangles convex: an edge that is certainly reflex is
 // replaced by the other diagonal of its two triangles, or, where one of its ends has three
-// triangles alone, that end is removed. Each flip adds volume, so the end is reached; what then is
-// left may be reflex edges that no flip can take (Gao, Cao and Tan, "Flip-flop", 2013).
+// triangles alone, that end is removed. Each flip adds volume, so the end is reached. Where reflex
+// edges are left that no flip takes, vertices that are certainly inside are flipped free and
+// removed (Gao, Cao and Tan, "Flip-flop", 2013).
 #pragma once
 
 #include <cstdint>

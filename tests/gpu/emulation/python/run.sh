@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The Python package on the emulated device, in the virtual environment that the test python.tests has
+# The Python package on the emulated device, in the virtual environment that the test python.install has
 # made: run.sh FOLDER VENV INSTALLED EMULATED. Builds the extension module in FOLDER with the library
 # EMULATED in the place of the core, and runs what the tests of the package leave out without a device.
 # Exit status 77: there is no virtual environment.
@@ -8,7 +8,7 @@ folder=$(realpath -m "$1") venv=$2 installed=$3 emulated=$4
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(realpath "$here/../../../..")
 if ! "$venv/bin/python" -c "import nanobind, numpy, pytest" 2>/dev/null; then
-  echo "emulated python: the test python.tests has made no virtual environment in $venv" >&2
+  echo "emulated python: the test python.install has made no virtual environment in $venv" >&2
   exit 77
 fi
 
