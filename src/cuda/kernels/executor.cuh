@@ -128,6 +128,7 @@ struct EmitKept {
     if (keep(i)) emit(i, number[i]);
   }
 };
+
 template <class Key>
 struct KeyOfItem {
   Key key;
@@ -382,7 +383,8 @@ class CudaExecutor {
   /// A number, zero until a kernel writes it.
   Count next_count(std::uint32_t most) {
     constexpr std::uint32_t half = word_count / 2;
-    if (words_.data() == nullptr) reserve(words_, word_count);
+    // All of them: a look copies those that have not been asked for, too.
+    if (words_.data() == nullptr) zero(reserve(words_, word_count), word_count);
     ++serial_;
     if (serial_ % half == 1) zero(words_.data() + (serial_ - 1) % word_count, half);
     Count count(most);

@@ -189,18 +189,17 @@ struct StarFlips {
 };
 
 /// Rounds of flips. In a round first every side that waits finds its flip and claims the facets
-/// around; then the flips that got all of their claims are
-/// done, which touch nothing in common. A flip needs the facets that it replaces: no stronger flip
-/// may replace one of them or change one of its sides. So nobody replaces what it only borders on;
-/// others may border on it, too, each of which changes another side.
+/// around; then the flips that got all of their claims are done, which touch nothing in common. A
+/// flip needs the facets that it replaces: no stronger flip may replace one of them or change one
+/// of its sides. So nobody replaces what it only borders on; others may border on it, too, each of
+/// which changes another side.
 ///
 /// Two facets share a side; the lower of them looks at it. After a flip the sides of the new facets
 /// wait. A vertex of three triangles that is beneath its neighbours' has three reflex edges: two of
 /// them are such sides, so the third need not wait.
 ///
 /// A round is for all sides that wait or, with lists, for those of the facets that are listed for
-/// it. The
-/// order of a list shows in nothing: claims know sides by their numbers.
+/// it. The order of a list shows in nothing: claims know sides by their numbers.
 template <class Executor, class Rows>
 struct FlipRounds {
   StarFlips<Rows> flips;

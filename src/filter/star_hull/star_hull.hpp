@@ -171,11 +171,10 @@ class StarHull {
     return {{c[0], c[1], c[2]}};
   }
 
-  /// Flips until there is nothing to flip: rounds for all facets while many wait, then rounds by
-  /// lists of the few.
+  /// Flips until all edges are convex or nothing can be flipped.
   void flip(const Control& control, StarCounts& done) {
     using Rounds = FlipRounds<Executor, Rows>;
-    // Every flip adds volume, so there is an end; where it is far, the rest is the CPU's. Seventy
+    // There is an end (docs/exactness.md, H5); where it is far, the rest is the CPU's. Seventy
     // rounds are usual.
     constexpr std::uint32_t most_rounds = 2048;
     Executor& executor = growth_.executor();
@@ -214,7 +213,7 @@ class StarHull {
     if (rounds.flipped != nullptr) executor.fetch(rounds.flipped, 1, &done.flips);
   }
 
-  /// From `round` on.
+  /// From `round` on: rounds for all sides while many wait, then by lists of the few.
   template <class Rounds>
   void flip_while_sides_wait(Rounds& rounds, std::uint32_t facets, std::uint32_t& round,
                              std::uint32_t most_rounds, const Control& control) {
