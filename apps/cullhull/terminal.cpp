@@ -115,8 +115,10 @@ void write_stderr(std::string_view text) { (void)write_all(system::standard_erro
 void complain(std::string_view message) {
   const std::string line = "cullhull: " + printable(message) + '\n';
   // Where another thread ends the program, its line is the last.
-  for (int state = line_state; !line_state.compare_exchange_weak(state, writing);)
+  int state = line_state;
+  do {
     if (state >= ending) return;
+  } while (!line_state.compare_exchange_weak(state, writing));
   (void)write_all(system::standard_error, line);
   line_state = written;
 }
