@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._arguments import as_position
 from ._compared import Compared
 
@@ -98,6 +99,8 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
         >>> cullhull.Lists(np.array([0, 2, 5]), np.arange(5)).tolist()
         [[0, 1], [2, 3, 4]]
         """
+        if self.items.dtype == np.int32 and len(self) > 0:
+            return plain_lists(self, list(range(min(len(self.items), int(self.items.max(initial=0)) + 1))))
         items: list[int] = self.items.tolist()
         ends: list[int] = self.offsets.tolist()
         with collector_paused():
@@ -105,3 +108,13 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<Lists: {len(self)} lists, {len(self.items)} items>"
+
+
+def plain_lists(
+    lists: Lists, numbers: list[int], rows: npt.NDArray[np.int64] | None = None
+) -> list[list[int]]:
+    """Plain lists of those in `rows`, of all if not given. ``numbers[i]`` is i: the lists share these
+    integers, which otherwise take more memory than the lists."""
+    with collector_paused():
+        offsets = np.ascontiguousarray(lists.offsets, dtype=np.int64)
+        return _core.nested_lists(offsets, np.ascontiguousarray(lists.items), numbers, rows)

@@ -7,12 +7,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
+from ._arguments import settings
 from ._delaunay import Lifted
-from ._diagram import VoronoiDiagram, voronoi
+from ._diagram import VoronoiDiagram
 from ._forms import Picture, Table
 from ._incremental import Lazy
-from ._lists import collector_paused
+from ._lists import collector_paused, plain_lists
 from ._shown import Saved, Shown
+
+#: The attributes that are made of the native diagram.
+_LISTS = ("ridge_vertices", "regions")
+_ARRAYS = ("vertices", "ridge_points")
 
 
 class Voronoi(Shown, Saved, Lifted):
@@ -78,13 +84,34 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def diagram(self) -> VoronoiDiagram:
         """The native diagram."""
+        return self._dual
+
+    @Lazy
+    def _dual(self) -> VoronoiDiagram:
+        """The native diagram, until all that is made of it has been made."""
         threads, _, progress = self._choices
-        return voronoi(self.triangulation, threads=threads, progress=progress)
+        diagram = _core.voronoi(
+            self.triangulation._cells, settings(threads=threads, progress=progress)
+        )
+        return VoronoiDiagram._of(self.triangulation, diagram)
 
     @property
     def _shown(self) -> Any:
         """What the attributes are made of: a diagram's vertices, ridges and regions."""
-        return self.diagram
+        return self._dual
+
+    @Lazy
+    def _numbers(self) -> list[int]:
+        """The integers in the lists, while some are to be made."""
+        return list(range(len(self._shown.vertices)))
+
+    def _let_go(self, made: str) -> None:
+        """Frees what no attribute is to be made of any more. `made`: the one that is being made."""
+        held = self.__dict__
+        if all(name in held or name == made for name in _LISTS):
+            held.pop("_numbers", None)
+            if all(name in held for name in _ARRAYS):
+                held.pop("_dual", None)
 
     @Lazy
     def vertices(self) -> npt.NDArray[np.float64]:
@@ -101,7 +128,8 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def ridge_vertices(self) -> list[list[int]]:
         """For each of `ridge_points` the vertices of the face; -1 is at infinity."""
-        lists: list[list[int]] = self._shown.ridges.tolist()
+        lists = plain_lists(self._shown.ridges, self._numbers)
+        self._let_go("ridge_vertices")
         return lists
 
     @Lazy
@@ -114,26 +142,33 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def regions(self) -> list[list[int]]:
         """The vertices of each region; -1 is at infinity."""
-        each = self._shown.regions.tolist()
-        mine: list[list[int]] = [each[i] for i in self._sites.tolist()]
-        return [[], *mine] if self._has_empty else mine
+        equal = self.triangulation._cells.duplicates
+        rows = self._sites if len(equal) else None
+        lists = plain_lists(self._shown.regions, self._numbers, rows)
+        if self._has_empty:
+            lists.insert(0, [])
+        self._let_go("regions")
+        return lists
 
     @Lazy
     def point_region(self) -> npt.NDArray[np.int64]:
         """(n,) int64: the region of each point."""
+        first = int(self._has_empty)
+        equal = self.triangulation._cells.duplicates
+        if len(equal) == 0:
+            return np.arange(first, first + self.npoints, dtype=np.int64)
         number = np.full(self.npoints, -1, dtype=np.int64)
-        number[self._sites] = np.arange(len(self._sites)) + self._has_empty
+        number[self._sites] = np.arange(first, first + len(self._sites))
         if self._options.coplanar:
-            equal = self.triangulation.duplicates
             number[equal[:, 0]] = number[equal[:, 1]]
         return number
 
     @property
-    def _sites(self) -> npt.NDArray[np.intp]:
+    def _sites(self) -> npt.NDArray[np.int64]:
         """Points that have a region of their own, be it empty."""
         site = np.ones(self.npoints, dtype=bool)
         site[self.triangulation.duplicates[:, 0]] = False
-        return np.flatnonzero(site)
+        return np.flatnonzero(site).astype(np.int64, copy=False)
 
     @property
     def _has_empty(self) -> bool:

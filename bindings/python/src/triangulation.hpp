@@ -11,6 +11,7 @@
 #include "call.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_query.hpp"
+#include "nearest_tree.hpp"
 #include "points.hpp"
 
 namespace binding {
@@ -36,6 +37,10 @@ class Cells {
   /// that was stopped is made anew by the next question.
   const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
   bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
+  /// For the nearest points, likewise; null where the query must be asked: for power distances, the
+  /// furthest site, and coordinates that a tree does not take.
+  const NearestTree* tree() const;
+  bool has_tree() const noexcept { return has_tree_.load(std::memory_order_relaxed); }
 
  private:
   cullhull::Triangulation triangulation_;
@@ -45,6 +50,9 @@ class Cells {
   mutable std::once_flag prepared_;
   mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
   mutable std::atomic<bool> is_prepared_ = false;
+  mutable std::once_flag planted_;
+  mutable std::unique_ptr<const NearestTree> tree_;
+  mutable std::atomic<bool> has_tree_ = false;
 };
 
 /// How Python sees a triangulation whose arrays it shows: by its object, which keeps their memory.
@@ -52,6 +60,6 @@ using CellsHandle = nanobind::handle_t<Cells>;
 inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cells>(self); }
 
 /// Questions to a triangulation.
-void bind_cells_query(nanobind::class_<Cells>& c);
+void bind_cells_query(nanobind::module_& m, nanobind::class_<Cells>& c);
 
 }  // namespace binding

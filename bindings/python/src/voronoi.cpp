@@ -1,11 +1,15 @@
 // Voronoi and power diagrams, whole and within a region.
 #include "cullhull/voronoi.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -104,6 +108,45 @@ std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi
   return result;
 }
 
+/// Python's lists of int of lists that lie end to end in `items`; of those that `rows` numbers, or of
+/// all. `numbers`: the integers 0, 1, ..., which the lists share; those that it lacks are made anew.
+nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb::list numbers,
+                      std::optional<Array<std::int64_t>> rows) {
+  if (!offsets.is_list() || !items.is_list() || offsets.size() == 0 || (rows && !rows->is_list()))
+    throw nb::value_error("numbers must lie one after another");
+  const std::size_t all = offsets.size() - 1, count = rows ? rows->size() : all;
+  const auto known = static_cast<std::int32_t>(
+      std::min<std::size_t>(numbers.size(), std::numeric_limits<std::int32_t>::max()));
+  const auto item = [&](std::int32_t number) {
+    if (number < 0 || number >= known) return PyLong_FromLong(number);
+    PyObject* const shared = PyList_GetItem(numbers.ptr(), number);
+    Py_XINCREF(shared);
+    return shared;
+  };
+  const auto list_of_length = [](std::size_t length) {
+    PyObject* const list = PyList_New(static_cast<Py_ssize_t>(length));
+    if (list == nullptr) throw nb::python_error();
+    return nb::steal<nb::list>(list);
+  };
+  /// A list that is not complete has null pointers, which its destruction allows for.
+  const auto put = [](const nb::list& list, std::size_t at, PyObject* owned) {
+    if (owned == nullptr || PyList_SetItem(list.ptr(), static_cast<Py_ssize_t>(at), owned) != 0)
+      throw nb::python_error();
+  };
+  nb::list result = list_of_length(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = rows ? static_cast<std::uint64_t>(rows->data()[i]) : i;
+    if (row >= all) throw nb::value_error("there is no such list");
+    const auto begin = static_cast<std::uint64_t>(offsets.data()[row]),
+               end = static_cast<std::uint64_t>(offsets.data()[row + 1]);
+    if (begin > end || end > items.size()) throw nb::value_error("offsets must ascend");
+    nb::list own = list_of_length(end - begin);
+    for (std::uint64_t j = begin; j < end; ++j) put(own, j - begin, item(items.data()[j]));
+    put(result, i, own.release().ptr());
+  }
+  return result;
+}
+
 void bind_diagram(nb::module_& m) {
   nb::class_<Voronoi>(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.")
       .def_prop_ro(
@@ -167,6 +210,8 @@ void bind_clipped_cells(nb::module_& m) {
 void bind_voronoi(nb::module_& m) {
   bind_diagram(m);
   bind_clipped_cells(m);
+  m.def("nested_lists", nested_lists, nb::arg("offsets"), nb::arg("items"), nb::arg("numbers"),
+        nb::arg("rows").none());
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
   m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("diagram"), nb::arg("low"),
         nb::arg("high"), nb::arg("shapes"), nb::arg("settings").none());

@@ -1,4 +1,5 @@
-// voronoi(): vertices, rays and regions. Ridges are written in ridges.cpp.
+// voronoi(): vertices, rays and regions. ridges.cpp writes the ridges, plane_walks.cpp both in the
+// plane.
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include "exact/insphere/circumcentre.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
-#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -39,32 +39,7 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Writes the groups of cells around a point in 2D, counterclockwise, starting at infinity if the
-/// point is on the hull, else at the lowest group.
-void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
-                 std::vector<std::uint32_t>& out) {
-  const auto across = [&](std::uint32_t c, unsigned turn) {
-    return t.neighbours_of(c)[(place_in(t.cell(c), v) + turn) % 3];
-  };
-  std::uint32_t first = start;
-  for (std::uint32_t c = across(start, 2); c != start; c = across(c, 2)) {
-    if (c == no_cell) {
-      out.push_back(at_infinity);
-      break;
-    }
-    first = c;
-  }
-  if (out.empty()) first = start;
-  for (std::uint32_t c = first;;) {
-    if (out.empty() || out.back() != t.group(c)) out.push_back(t.group(c));
-    c = across(c, 1);
-    if (c == no_cell || c == first) break;
-  }
-  if (out.front() == at_infinity) return;
-  if (out.size() > 1 && out.back() == out.front()) out.pop_back();
-  std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
-}
-
+/// For k != 2.
 void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
   const Adjacency<std::uint32_t> stars = rows_by_id(t.cells, t.corners(), t.point_count);
   std::vector<bool> unbounded(t.point_count);
@@ -77,15 +52,11 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
     for (std::uint64_t v = begin; v < end; ++v) {
       list.clear();
       const auto star = stars[v];
-      if (t.corners() == 3 && !star.empty()) {
-        turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
-      } else {
-        if (t.corners() > 1)
-          for (const std::uint32_t c : star) list.push_back(t.group(c));
-        if (unbounded[v]) list.push_back(at_infinity);
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-      }
+      if (t.corners() > 1)
+        for (const std::uint32_t c : star) list.push_back(t.group(c));
+      if (unbounded[v]) list.push_back(at_infinity);
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
       lists.add(chunk, list);
     }
   });
@@ -176,9 +147,13 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   write_vertices(p, t, out, run);
   if (k > 0) write_rays(p, t, out, run);
   run.report("ridges", 0.4);
-  write_ridges(p, t, out, run);
-  run.report("regions", 0.8);
-  write_regions(t, out, run);
+  if (k == 2) {
+    write_plane(t, out, run);
+  } else {
+    write_ridges(p, t, out, run);
+    run.report("regions", 0.8);
+    write_regions(t, out, run);
+  }
   run.report("done", 1);
   return out;
 }
