@@ -162,12 +162,12 @@ class Delaunay(ShownCells, Lifted):
     @Lazy
     def simplices(self) -> npt.NDArray[np.int32]:
         """(s, d + 1) int32: indices of the simplices' vertices."""
-        return self.triangulation._cells.scipy_simplices()
+        return self._cells.copy()
 
     @Lazy
     def neighbors(self) -> npt.NDArray[np.int32]:
         """(s, d + 1) int32: entry j is the simplex opposite to vertex j, or -1."""
-        return self.triangulation._cells.scipy_neighbors()
+        return self.triangulation._cells.neighbours.copy()
 
     @Lazy
     def good(self) -> npt.NDArray[np.int32]:

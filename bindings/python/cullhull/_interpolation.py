@@ -218,18 +218,24 @@ class LinearNDInterpolator(_OnCells):
 
     def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
         rows = xi if xi.ndim == 2 else xi.reshape(-1, xi.shape[-1])
-        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
-        numbers = np.ascontiguousarray(self.values, dtype=kind).view(np.float64)
-        outside: Any = self.fill_value
-        found = self.tri.triangulation._cells.linear(
+        numbers, outside = self.values, [self.fill_value]
+        if not (is_doubles(numbers) and numbers.flags.c_contiguous):
+            if np.iscomplexobj(numbers):
+                outside = [complex(self.fill_value).real, complex(self.fill_value).imag]
+                numbers = np.ascontiguousarray(numbers, dtype=np.complex128).view(np.float64)
+            else:
+                numbers = np.ascontiguousarray(numbers, dtype=np.float64)
+        found: npt.NDArray[Any] = self.tri.triangulation._cells.linear(
             rows,
             self.tri.find_simplex(rows),
-            numbers.reshape(-1),
+            numbers,
             numbers.shape[1],
-            [outside.real, outside.imag] if kind is np.complex128 else [outside],
-            settings(threads=self._threads),
+            outside,
+            None if self._threads is None else settings(threads=self._threads),
         )
-        return found.view(kind).reshape(xi.shape[:-1] + self.values_shape)
+        if len(outside) == 2:
+            found = found.view(np.complex128)
+        return found.reshape(xi.shape[:-1] + self.values_shape)
 
 
 class NaturalNDInterpolator(_OnCells):

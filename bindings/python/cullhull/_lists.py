@@ -100,7 +100,8 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
         [[0, 1], [2, 3, 4]]
         """
         if self.items.dtype == np.int32 and len(self) > 0:
-            return plain_lists(self, list(range(min(len(self.items), int(self.items.max(initial=0)) + 1))))
+            most = min(len(self.items), int(self.items.max(initial=-1)) + 1)
+            return plain_lists(self, list(range(most)))
         items: list[int] = self.items.tolist()
         ends: list[int] = self.offsets.tolist()
         with collector_paused():
@@ -114,7 +115,10 @@ def plain_lists(
     lists: Lists, numbers: list[int], rows: npt.NDArray[np.int64] | None = None
 ) -> list[list[int]]:
     """Plain lists of those in `rows`, of all if not given. ``numbers[i]`` is i: the lists share these
-    integers, which otherwise take more memory than the lists."""
+    integers, which otherwise take a third of the memory."""
+    offsets = np.ascontiguousarray(lists.offsets, dtype=np.int64)
+    items = np.ascontiguousarray(lists.items, dtype=np.int32)
+    if len(offsets) < 500:  # too few for the collector to begin
+        return _core.nested_lists(offsets, items, numbers, rows)
     with collector_paused():
-        offsets = np.ascontiguousarray(lists.offsets, dtype=np.int64)
-        return _core.nested_lists(offsets, np.ascontiguousarray(lists.items), numbers, rows)
+        return _core.nested_lists(offsets, items, numbers, rows)

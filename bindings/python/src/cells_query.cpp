@@ -176,8 +176,8 @@ void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found,
   }
   for (const double pull : {share, 0.25 * share}) {
     if (open.empty()) return;
-    const Chosen at(view, all, open);
-    std::vector<double> pulled(at.size() * d), shares(at.size() * corners);
+    const Chosen at(view, all, std::move(open));
+    std::vector<double> pulled(at.size() * d);
     for (std::size_t i = 0; i < at.size(); ++i)
       for (std::size_t j = 0; j < d; ++j) {
         const double x = all[at[i] * d + j];
@@ -186,15 +186,19 @@ void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found,
     PointView there = at.view();
     there.data = reinterpret_cast<const std::byte*>(pulled.data());
     std::vector<std::uint32_t> there_cells(at.size());
+    std::vector<double> shares(at.size() * corners);
     ask_all(cells, there, settings,
             [&](const TriangulationQuery& query, const PointView& asked, const Options& options) {
       query.find(asked, there_cells.data(), options);
-      query.barycentric(at.view(), there_cells.data(), shares.data(), options);
+      const bool any = std::any_of(there_cells.begin(), there_cells.end(),
+                                   [](std::uint32_t cell) { return cell != cullhull::no_cell; });
+      if (any) query.barycentric(at.view(), there_cells.data(), shares.data(), options);
     });
     open.clear();
     for (std::size_t i = 0; i < at.size(); ++i) {
-      const double* const own = shares.data() + i * corners;  // NaN where no cell was found
-      if (std::all_of(own, own + corners, [&](double x) { return x >= -tolerance; }))
+      const double* const own = shares.data() + i * corners;
+      if (there_cells[i] != cullhull::no_cell &&
+          std::all_of(own, own + corners, [&](double x) { return x >= -tolerance; }))
         found.data()[at[i]] = static_cast<std::int32_t>(there_cells[i]);
       else
         open.push_back(at[i]);
@@ -276,7 +280,7 @@ Array<double> linear(const Cells& cells, nb::handle array, Array<std::int32_t> f
   const cullhull::Triangulation& t = cells.triangulation();
   const std::size_t count = view.count, corners = t.corners(), width = components;
   check_cells(cells, found, count);
-  if (!values.is_list() || values.size() != t.point_count * width || outside.empty())
+  if (!values.is_contiguous() || values.size() != t.point_count * width || outside.empty())
     throw nb::value_error("a value for each point");
   const std::int32_t* const own = found.data();
   const auto missing = static_cast<std::size_t>(

@@ -5,7 +5,6 @@
 #include <nanobind/stl/unique_ptr.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -92,17 +91,6 @@ Array<std::int32_t> number_list(const Numbers& numbers, Self self) {
   return list_of(reinterpret_cast<const std::int32_t*>(numbers.data()), numbers.size(), self);
 }
 
-/// The same with memory of its own, writable, as SciPy has it.
-template <class Numbers>
-Array<std::int32_t> own_rows(const Cells& cells, const Numbers& numbers) {
-  const Triangulation& t = cells.triangulation();
-  check_numbers(t.point_count);
-  check_numbers(t.size());
-  Array<std::int32_t> all = Array<std::int32_t>::make({t.size(), t.corners()});
-  std::memcpy(all.data(), numbers.data(), numbers.size() * sizeof(std::int32_t));
-  return all;
-}
-
 Array<std::int32_t> cell_groups(Self self) {
   const Triangulation& t = shown(self);
   if (!t.cell_groups.empty()) return number_list(t.cell_groups, self);
@@ -170,10 +158,6 @@ void bind_triangulation(nb::module_& m) {
                    [](Self self) { return number_list(shown(self).hull_cells, self); })
       .def_prop_ro("duplicates", duplicates)
       .def_prop_ro("hidden", [](Self self) { return number_list(shown(self).hidden, self); });
-  c.def("scipy_simplices",
-        [](const Cells& s) { return own_rows(s, s.triangulation().cells); })
-      .def("scipy_neighbors",
-           [](const Cells& s) { return own_rows(s, s.triangulation().neighbours); });
   bind_cells_query(m, c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());

@@ -3,12 +3,14 @@
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "cullhull/error.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
+#include "exact/insphere/circumcentres.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/memory/pages.hpp"
@@ -110,12 +112,39 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
   const Array<std::uint32_t> first = first_cells(t);
   const std::uint64_t groups = first.empty() ? t.size() : first.size();
   out.vertices.resize(groups * d);
+  const auto cell_of = [&](std::uint64_t g) { return t.cell(first.empty() ? g : first[g]); };
+  const bool by_blocks = d == k && !p.weighted() && has_centres_block(k);
   run.each(groups, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<const double*> rows(k + 1);
-    for (std::uint64_t g = begin; g < end; ++g) {
-      const auto cell = t.cell(first.empty() ? g : first[g]);
+    const auto write = [&](std::uint64_t g) {
+      const auto cell = cell_of(g);
       for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(cell[i]);
       circumcentre(d, k, p.weighted(), rows.data(), out.vertices.data() + g * d);
+    };
+    if (!by_blocks) {
+      for (std::uint64_t g = begin; g < end; ++g) write(g);
+      return;
+    }
+    std::vector<double> corners(std::size_t{k + 1} * k * centres_block), centres(corners.size());
+    for (std::uint64_t base = begin; base < end; base += centres_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(centres_block, end - base);
+      for (std::uint64_t lane = 0; lane < centres_block; ++lane) {
+        const auto cell = cell_of(base + std::min(lane, count - 1));
+        for (unsigned i = 0; i <= k; ++i) {
+          const double* const row = p.row(cell[i]);
+          for (unsigned j = 0; j < k; ++j) corners[(i * k + j) * centres_block + lane] = row[j];
+        }
+      }
+      circumcentres_double_double(k, corners.data(), centres.data());
+      for (std::uint64_t lane = 0; lane < count; ++lane) {
+        double* const centre = out.vertices.data() + (base + lane) * k;
+        bool known = true;
+        for (unsigned j = 0; j < k; ++j) {
+          centre[j] = centres[j * centres_block + lane];
+          known = known && !std::isnan(centre[j]);
+        }
+        if (!known) write(base + lane);
+      }
     }
   });
 }
