@@ -34,3 +34,9 @@ if(CULLHULL_SANITIZE)
     "$<$<NOT:${_cuda}>:-fno-omit-frame-pointer>" "$<$<NOT:${_cuda}>:-fno-sanitize-recover=all>")
   add_link_options(-fsanitize=${CULLHULL_SANITIZE})
 endif()
+
+# A library of which nothing is used is not loaded: Highway's, in whose place
+# src/parallel/simd_targets.cpp chooses instruction sets on x86-64.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  add_link_options(LINKER:--as-needed)
+endif()

@@ -360,19 +360,22 @@ class Builder {
   /// space".
   static constexpr float doubt = 0x1p-18F;
 
-  /// Bit masks of the facets f, ..., f + lanes - 1 that a point is certainly above, and certainly
-  /// beneath.
-  struct Sides {
-    std::uint64_t above, beneath;
-  };
-  HWY_INLINE Sides sides(unsigned f, V x, V y, V z) const {
+  /// Lane i: on which side of facet f + i a point is, above if positive.
+  HWY_INLINE V side_of(unsigned f, V x, V y, V z) const {
     const Tag tag;
-    const V s = hn::MulAdd(
+    return hn::MulAdd(
         hn::Load(tag, plane_[0] + f), x,
         hn::MulAdd(hn::Load(tag, plane_[1] + f), y,
                    hn::MulSub(hn::Load(tag, plane_[2] + f), z, hn::Load(tag, plane_[3] + f))));
-    return {bits_of(tag, hn::Gt(s, hn::Set(tag, doubt))),
-            bits_of(tag, hn::Lt(s, hn::Set(tag, -doubt)))};
+  }
+  /// Whether the point is certainly beneath all facets from `begin` to `end`, which is rounded up
+  /// to whole vectors.
+  HWY_INLINE bool all_beneath(unsigned begin, unsigned end, V x, V y, V z) const {
+    const Tag tag;
+    const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
+    V most = side_of(begin, x, y, z);
+    for (unsigned f = begin + lanes; f < end; f += lanes) most = hn::Max(most, side_of(f, x, y, z));
+    return hn::AllTrue(tag, hn::Lt(most, hn::Set(tag, -doubt)));
   }
 
   /// The facets that are visible from p, as a bit mask.
@@ -381,14 +384,23 @@ class Builder {
     const auto lanes = static_cast<unsigned>(hn::Lanes(tag));
     const V x = hn::Set(tag, near_[0][p]), y = hn::Set(tag, near_[1][p]),
             z = hn::Set(tag, near_[2][p]);
+    const V most = hn::Set(tag, doubt), least = hn::Set(tag, -doubt);
     const unsigned top = surface_.top;
+    // Most words of a large surface have no visible facet, and to see this takes half the
+    // operations of two masks: a tenth less time for 1,000 points on a sphere, 5 % more for 200 and
+    // 400.
+    const bool look_twice = Surface::linked && top >= 512;
     for (unsigned w = 0; 64 * w < top; ++w) {
       std::uint64_t seen = 0, hidden = 0;
       const unsigned end = std::min(top, 64 * w + 64);
+      if (look_twice && all_beneath(64 * w, end, x, y, z)) {
+        visible[w] = 0;
+        continue;
+      }
       for (unsigned f = 64 * w; f < end; f += lanes) {
-        const Sides s = sides(f, x, y, z);
-        seen |= s.above << f % 64;
-        hidden |= s.beneath << f % 64;
+        const V s = side_of(f, x, y, z);
+        seen |= bits_of(tag, hn::Gt(s, most)) << f % 64;
+        hidden |= bits_of(tag, hn::Lt(s, least)) << f % 64;
       }
       const unsigned used = end - 64 * w;
       std::uint64_t open = ~(seen | hidden) & (~std::uint64_t{0} >> (64 - used));

@@ -291,6 +291,27 @@ TEST(HullTracker, AFrameWithoutLeadersIsOneStaticCall) {
   }
 }
 
+TEST(HullTracker, LeadersAreUsedWhereAMapOfTheOutermostPointsLeavesMuch) {
+  struct Case {
+    const char *kind, *motion;
+    bool led;
+  };
+  for (const auto& [kind, motion, led] :
+       {Case{"bumpy", "twist", true}, {"bumpy", "teleport", false}, {"ball", "twist", false}}) {
+    SCOPED_TRACE(std::string(kind) + ", " + motion);
+    HullTracker tracker;
+    int frames_led = 0;
+    for (const Rows& rows : moving_frames(kind, motion, 40000, 3, 6)) {
+      EXPECT_EQ(canonical_hash(tracker.update(rows_of(rows, 3))), static_hash(rows_of(rows, 3)));
+      frames_led += std::string_view(tracker.report().method) == "gauge" ? 1 : 0;
+    }
+    if (led)
+      EXPECT_EQ(frames_led, 5);
+    else
+      EXPECT_LE(frames_led, 2);  // a try each time that the pause is over
+  }
+}
+
 Rows turned(const Rows& rows, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return mapped(rows, 3, [&](std::uint64_t, double* x) {

@@ -11,7 +11,7 @@
 
 namespace cullhull::internal {
 
-class EmulatedExecutor : public HostMemory {
+class EmulatedExecutor : public HostExecutor<EmulatedExecutor> {
  public:
   static constexpr std::uint32_t grain = 1;  // as on the device
   static constexpr bool many_threads = true;
@@ -80,12 +80,6 @@ class EmulatedExecutor : public HostMemory {
   }
 
   static constexpr std::uint32_t rounds_at_once = 3, few_items = 100;
-  template <class Steps>
-  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       std::uint32_t listed, const Control& control) const {
-    return rounds_in_turn(*this, steps, first, last, listed, control);
-  }
-
   static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }

@@ -60,6 +60,17 @@ extras=(pandas pyarrow shapely geopandas polars xarray scikit-image rtree hypoth
 if command -v mpirun >/dev/null; then extras+=(mpi4py); fi
 if command -v java >/dev/null; then extras+=(pyspark); fi
 if [[ $installs = no ]]; then extras=(); fi
+# uv takes all at once, in a quarter of the time that pip takes for one after the other. It refuses all
+# where one is missing: then pip takes those that are there.
+if [[ ${#extras[@]} -gt 0 && ! -e $folder/extras ]]; then
+  certificates=${SSL_CERT_FILE:-${PIP_CERT:-}}
+  if "$folder/venv/bin/pip" install --quiet --disable-pip-version-check uv &&
+    env ${certificates:+"SSL_CERT_FILE=$certificates"} ${PIP_INDEX_URL:+"UV_DEFAULT_INDEX=$PIP_INDEX_URL"} \
+      "$folder/venv/bin/uv" pip install --quiet --no-cache --python "$folder/venv/bin/python" \
+      "${extras[@]}"; then
+    touch "$folder/extras"
+  fi
+fi
 for extra in "${extras[@]}"; do
   name=${extra%%[\[=]*}
   "$folder/venv/bin/python" -c "import importlib.metadata as m; m.version('$name')" 2>/dev/null ||

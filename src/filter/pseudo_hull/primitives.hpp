@@ -114,34 +114,51 @@ struct HostMemory {
   static constexpr std::uint32_t few_items = no_item;
 };
 
-/// What `rounds` of an executor on the host does.
-template <class Executor, class Steps>
-std::uint32_t rounds_in_turn(const Executor& executor, const Steps& steps, std::uint32_t first,
-                             std::uint32_t last, std::uint32_t listed, const Control& control) {
-  std::uint32_t round = first, items = Steps::items_of(listed);
-  for (; round <= last && items != 0; items = steps.items(++round)) {
-    control.check();
-    executor.for_each(items, [&](std::uint32_t i) { steps.first(round, i); });
-    executor.for_each(items, [&](std::uint32_t i) { steps.second(round, i); });
+/// What both executors on the host do by their for_each() and select().
+template <class Executor>
+class HostExecutor : public HostMemory {
+ public:
+  /// Calls body(i) for every i of [0, count) with keep(i), which no body may change for another i.
+  template <class Keep, class Body>
+  void for_each_where(std::uint32_t count, Keep&& keep, Body&& body) const {
+    executor().for_each(count, [&](std::uint32_t i) {
+      if (keep(i)) body(i);
+    });
   }
-  return round - first;
-}
+
+  /// As select(), in any order of the k.
+  template <class Keep, class Emit>
+  std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
+    return executor().select(count, keep, emit);
+  }
+
+  /// Rounds of two steps, from `first` to `last` or until a round has no items: items(round) of
+  /// `steps` says how many it has, items_of(listed) in the first; then first(round, i) is called
+  /// for each of them, and after all of these second(round, i), which may add items to the next
+  /// round. Returns how many rounds had items.
+  template <class Steps>
+  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
+                       std::uint32_t listed, const Control& control) const {
+    std::uint32_t round = first, items = Steps::items_of(listed);
+    for (; round <= last && items != 0; items = steps.items(++round)) {
+      control.check();
+      executor().for_each(items, [&](std::uint32_t i) { steps.first(round, i); });
+      executor().for_each(items, [&](std::uint32_t i) { steps.second(round, i); });
+    }
+    return round - first;
+  }
+
+ private:
+  const Executor& executor() const { return static_cast<const Executor&>(*this); }
+};
 
 /// The reference implementation: loops in order.
-class SerialExecutor : public HostMemory {
+class SerialExecutor : public HostExecutor<SerialExecutor> {
  public:
   /// Calls body(i) for every i of [0, count).
   template <class Body>
   void for_each(std::uint32_t count, Body&& body) const {
     for (std::uint32_t i = 0; i < count; ++i) body(i);
-  }
-
-  /// Calls body(i) for every i of [0, count) with keep(i), which no body may change for another i.
-  template <class Keep, class Body>
-  void for_each_where(std::uint32_t count, Keep&& keep, Body&& body) const {
-    for_each(count, [&](std::uint32_t i) {
-      if (keep(i)) body(i);
-    });
   }
 
   /// Returns `identity`, map(0) ... map(count - 1), combined. `combine` must be associative and
@@ -165,12 +182,6 @@ class SerialExecutor : public HostMemory {
       k += static_cast<std::uint32_t>(keep(i));
     }
     return k;
-  }
-
-  /// The same in any order of the k.
-  template <class Keep, class Emit>
-  std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
-    return select(count, keep, emit);
   }
 
   /// Sets number[i] to the number of items kept among [0, i), then calls then(i), for every i of
@@ -204,16 +215,6 @@ class SerialExecutor : public HostMemory {
     return none;
   }
 
-  /// Rounds of two steps, from `first` to `last` or until a round has no items: items(round) of
-  /// `steps` says how many it has, items_of(listed) in the first; then first(round, i) is called
-  /// for each of them, and after all of these second(round, i), which may add items to the next
-  /// round. Returns how many rounds had items.
-  template <class Steps>
-  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       std::uint32_t listed, const Control& control) const {
-    return rounds_in_turn(*this, steps, first, last, listed, control);
-  }
-
   /// For use in bodies: sets target = min(target, value), or max, atomically if bodies run
   /// concurrently.
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
@@ -235,7 +236,7 @@ class SerialExecutor : public HostMemory {
 };
 
 /// Does the same on several threads.
-class ThreadExecutor : public HostMemory {
+class ThreadExecutor : public HostExecutor<ThreadExecutor> {
  public:
   explicit ThreadExecutor(unsigned threads) : threads_(threads) {}
 
@@ -244,13 +245,6 @@ class ThreadExecutor : public HostMemory {
     for_each_chunk(count, chunk, threads_,
                    [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) body(static_cast<std::uint32_t>(i));
-    });
-  }
-
-  template <class Keep, class Body>
-  void for_each_where(std::uint32_t count, Keep&& keep, Body&& body) const {
-    for_each(count, [&](std::uint32_t i) {
-      if (keep(i)) body(i);
     });
   }
 
@@ -280,11 +274,6 @@ class ThreadExecutor : public HostMemory {
         if (keep(static_cast<std::uint32_t>(i))) emit(static_cast<std::uint32_t>(i), k++);
     });
     return offsets.back();
-  }
-
-  template <class Keep, class Emit>
-  std::uint32_t append(std::uint32_t count, Keep&& keep, Emit&& emit) const {
-    return select(count, keep, emit);
   }
 
   template <class Keep, class Then>
@@ -319,12 +308,6 @@ class ThreadExecutor : public HostMemory {
       none += mine;
     });
     return none;
-  }
-
-  template <class Steps>
-  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       std::uint32_t listed, const Control& control) const {
-    return rounds_in_turn(*this, steps, first, last, listed, control);
   }
 
   static void lower(std::uint32_t& target, std::uint32_t v) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The Python package on the emulated device, in the virtual environment that the test python.install has
-# made: run.sh FOLDER VENV INSTALLED EMULATED. Builds the extension module in FOLDER with the library
+# made: run.sh FOLDER VENV INSTALLED EMULATED. Links the extension module in FOLDER with the library
 # EMULATED in the place of the core, and runs what the tests of the package leave out without a device.
 # Exit status 77: there is no virtual environment.
 set -euo pipefail
@@ -12,8 +12,12 @@ if ! "$venv/bin/python" -c "import nanobind, numpy, pytest" 2>/dev/null; then
   exit 77
 fi
 
+# pip compiles in build-dir of pyproject.toml, whose {wheel_tag} ends with the platform.
+tag=$("$venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
+compiled=("$root/build/python-$tag-"*)
 cmake -S "$here" -B "$folder" -G Ninja "-DPython_EXECUTABLE=$venv/bin/python" \
-  "-DCULLHULL_INSTALLED=$installed" "-DCULLHULL_EMULATED=$emulated" >"$folder.log"
+  "-DCULLHULL_INSTALLED=$installed" "-DCULLHULL_EMULATED=$emulated" \
+  "-DCULLHULL_PIP_BUILD=${compiled[0]}" >"$folder.log"
 cmake --build "$folder" >>"$folder.log" || {
   cat "$folder.log" >&2
   exit 1

@@ -1,0 +1,89 @@
+// The functions of <hwy/targets.h>, which choose the instruction set of each kernel, so that
+// programs need not load Highway's library: when it is loaded, it measures the processor's timer
+// for its benchmarks, which takes 3 to 4 ms of each process (Highway 1.0.3 and later), half of the
+// time that the program takes to start. They are weak: where Highway's static library is linked and
+// has more that is needed, its own functions take their place. Other processors and compilers have
+// those alone.
+#include "parallel/simd_targets.hpp"
+
+#undef HWY_SHARED_DEFINE  // not exported: other libraries of a process keep Highway's
+#include <hwy/targets.h>
+
+#if HWY_ARCH_X86_64 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG)
+#include <cpuid.h>
+
+#include <atomic>
+#include <cstdint>
+
+namespace hwy {
+namespace {
+
+std::atomic<std::int64_t> disabled{0}, for_test{0};
+
+/// Whether all bits of `wanted` are set.
+bool has(std::uint32_t value, std::uint32_t wanted) { return (value & wanted) == wanted; }
+
+/// The registers that the system saves for each thread (XCR0).
+std::uint32_t saved_registers() {
+  std::uint32_t low = 0, high = 0;
+  asm("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+  return low;
+}
+
+/// The instruction sets that processor and system support (Intel's manual, volume 2, CPUID).
+std::int64_t detected() {
+  std::int64_t found = HWY_EMU128 | HWY_SCALAR;
+#ifdef HWY_SSE2
+  found |= HWY_SSE2;
+#endif
+  std::uint32_t a = 0, b = 0, c1 = 0, d = 0, b7 = 0, c7 = 0, extended = 0;
+  if (__get_cpuid(1, &a, &b, &c1, &d) == 0) return found;
+  __get_cpuid_count(7, 0, &a, &b7, &c7, &d);
+  __get_cpuid(0x80000001, &a, &b, &extended, &d);
+  if (!has(c1, bit_SSE3 | bit_SSSE3)) return found;
+  found |= HWY_SSSE3;
+  if (!has(c1, bit_SSE4_1 | bit_SSE4_2 | bit_AES | bit_PCLMUL)) return found;
+  found |= HWY_SSE4;
+  constexpr std::uint32_t vectors_of_256 = 0x6, vectors_of_512 = 0xE6;
+  if (!has(c1, bit_OSXSAVE | bit_AVX | bit_FMA | bit_F16C) ||
+      !has(b7, bit_AVX2 | bit_BMI | bit_BMI2) || !has(extended, bit_LZCNT) ||
+      !has(saved_registers(), vectors_of_256))
+    return found;
+  found |= HWY_AVX2;
+  if (!has(b7, bit_AVX512F | bit_AVX512VL | bit_AVX512DQ | bit_AVX512BW | bit_AVX512CD) ||
+      !has(saved_registers(), vectors_of_512))
+    return found;
+  found |= HWY_AVX3;
+  if (has(c7, bit_AVX512VNNI | bit_VPCLMULQDQ | bit_AVX512VBMI | bit_AVX512VBMI2 | bit_VAES |
+                  bit_AVX512VPOPCNTDQ | bit_AVX512BITALG | bit_GFNI))
+    found |= HWY_AVX3_DL;
+  return found;
+}
+
+}  // namespace
+
+[[gnu::weak]] std::int64_t SupportedTargets() {
+  static const std::int64_t supported = detected();
+  std::int64_t found = for_test.load(std::memory_order_relaxed);
+  if (found == 0) found = supported;
+  found &= ~disabled.load(std::memory_order_relaxed);
+  return found == 0 ? HWY_STATIC_TARGET : found;
+}
+
+[[gnu::weak]] ChosenTarget& GetChosenTarget() {
+  static ChosenTarget chosen;
+  return chosen;
+}
+
+[[gnu::weak]] void DisableTargets(std::int64_t targets) {
+  disabled = targets;
+  GetChosenTarget().DeInit();
+}
+
+[[gnu::weak]] void SetSupportedTargetsForTest(std::int64_t targets) {
+  for_test = targets;
+  GetChosenTarget().DeInit();
+}
+
+}  // namespace hwy
+#endif
