@@ -218,10 +218,10 @@ class LinearNDInterpolator(_OnCells):
 
     def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
         rows = xi if xi.ndim == 2 else xi.reshape(-1, xi.shape[-1])
-        numbers, outside = self.values, [self.fill_value]
+        numbers, outside = self.values, [self.fill_value.real]
         if not (is_doubles(numbers) and numbers.flags.c_contiguous):
             if np.iscomplexobj(numbers):
-                outside = [complex(self.fill_value).real, complex(self.fill_value).imag]
+                outside.append(self.fill_value.imag)
                 numbers = np.ascontiguousarray(numbers, dtype=np.complex128).view(np.float64)
             else:
                 numbers = np.ascontiguousarray(numbers, dtype=np.float64)

@@ -100,8 +100,11 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
         [[0, 1], [2, 3, 4]]
         """
         if self.items.dtype == np.int32 and len(self) > 0:
-            most = min(len(self.items), int(self.items.max(initial=-1)) + 1)
-            return plain_lists(self, list(range(most)))
+            # The lists share the integers, which otherwise take a third of their memory.
+            numbers = list(range(min(len(self.items), int(self.items.max(initial=-1)) + 1)))
+            offsets = np.ascontiguousarray(self.offsets, dtype=np.int64)
+            with collector_paused():
+                return _core.nested_lists(offsets, np.ascontiguousarray(self.items), numbers)
         items: list[int] = self.items.tolist()
         ends: list[int] = self.offsets.tolist()
         with collector_paused():
@@ -109,16 +112,3 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<Lists: {len(self)} lists, {len(self.items)} items>"
-
-
-def plain_lists(
-    lists: Lists, numbers: list[int], rows: npt.NDArray[np.int64] | None = None
-) -> list[list[int]]:
-    """Plain lists of those in `rows`, of all if not given. ``numbers[i]`` is i: the lists share these
-    integers, which otherwise take a third of the memory."""
-    offsets = np.ascontiguousarray(lists.offsets, dtype=np.int64)
-    items = np.ascontiguousarray(lists.items, dtype=np.int32)
-    if len(offsets) < 500:  # too few for the collector to begin
-        return _core.nested_lists(offsets, items, numbers, rows)
-    with collector_paused():
-        return _core.nested_lists(offsets, items, numbers, rows)

@@ -13,12 +13,11 @@ from ._delaunay import Lifted
 from ._diagram import VoronoiDiagram
 from ._forms import Picture, Table
 from ._incremental import Lazy
-from ._lists import collector_paused, plain_lists
+from ._lists import collector_paused
 from ._shown import Saved, Shown
 
 #: The attributes that are made of the native diagram.
-_LISTS = ("ridge_vertices", "regions")
-_ARRAYS = ("vertices", "ridge_points")
+_MADE_OF_DIAGRAM = ("vertices", "ridge_points", "ridge_vertices", "regions")
 
 
 class Voronoi(Shown, Saved, Lifted):
@@ -95,42 +94,60 @@ class Voronoi(Shown, Saved, Lifted):
         )
         return VoronoiDiagram._of(self.triangulation, diagram)
 
-    @property
-    def _shown(self) -> Any:
-        """What the attributes are made of: a diagram's vertices, ridges and regions."""
-        return self._dual
+    #: Of a subclass what its attributes are made of, where that is no native diagram.
+    _shown: Any = None
 
     @Lazy
-    def _numbers(self) -> list[int]:
+    def _integers(self) -> list[int]:
         """The integers in the lists, while some are to be made."""
-        return list(range(len(self._shown.vertices)))
+        return list(range(len(self._dual._diagram.vertices)))
+
+    def _lists(self, name: str) -> list[list[int]]:
+        """The ridges or the regions; the collector would look through the lists that are made."""
+        shown = self._shown
+        if shown is not None:
+            found: list[list[int]] = getattr(shown, f"{name}s").tolist()
+            return found
+        make, numbers = getattr(self._dual._diagram, f"{name}_lists"), self._integers
+        if self.npoints < 200:
+            found = make(numbers)
+        else:
+            with collector_paused():
+                found = make(numbers)
+        self._let_go("ridge_vertices" if name == "ridge" else "regions")
+        return found
 
     def _let_go(self, made: str) -> None:
         """Frees what no attribute is to be made of any more. `made`: the one that is being made."""
         held = self.__dict__
-        if all(name in held or name == made for name in _LISTS):
-            held.pop("_numbers", None)
-            if all(name in held for name in _ARRAYS):
-                held.pop("_dual", None)
+        for name in _MADE_OF_DIAGRAM:
+            if name not in held and name != made:
+                return
+        held.pop("_integers", None)
+        held.pop("_dual", None)
 
     @Lazy
     def vertices(self) -> npt.NDArray[np.float64]:
         """(v, d) float64: coordinates of the vertices."""
-        rows: npt.NDArray[np.float64] = self._shown.vertices.copy()
+        shown = self._shown
+        if shown is None:
+            return self._dual._diagram.scipy_vertices()
+        rows: npt.NDArray[np.float64] = shown.vertices.copy()
         return rows
 
     @Lazy
     def ridge_points(self) -> npt.NDArray[np.int32]:
         """(r, 2) int32: pairs of points whose regions share a face."""
-        pairs: npt.NDArray[np.int32] = self._shown.ridge_points.copy()
+        shown = self._shown
+        if shown is None:
+            return self._dual._diagram.scipy_ridge_points()
+        pairs: npt.NDArray[np.int32] = shown.ridge_points.copy()
         return pairs
 
     @Lazy
     def ridge_vertices(self) -> list[list[int]]:
         """For each of `ridge_points` the vertices of the face; -1 is at infinity."""
-        lists = plain_lists(self._shown.ridges, self._numbers)
-        self._let_go("ridge_vertices")
-        return lists
+        return self._lists("ridge")
 
     @Lazy
     def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
@@ -142,13 +159,12 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def regions(self) -> list[list[int]]:
         """The vertices of each region; -1 is at infinity."""
-        equal = self.triangulation._cells.duplicates
-        rows = self._sites if len(equal) else None
-        lists = plain_lists(self._shown.regions, self._numbers, rows)
+        found = self._lists("region")
+        if len(self.triangulation._cells.duplicates):
+            found = [found[i] for i in self._sites.tolist()]
         if self._has_empty:
-            lists.insert(0, [])
-        self._let_go("regions")
-        return lists
+            found.insert(0, [])
+        return found
 
     @Lazy
     def point_region(self) -> npt.NDArray[np.int64]:

@@ -1,7 +1,6 @@
 // Voronoi and power diagrams, whole and within a region.
 #include "cullhull/voronoi.hpp"
 
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -9,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
-#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -108,13 +107,10 @@ std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi
   return result;
 }
 
-/// Python's lists of int of lists that lie end to end in `items`; of those that `rows` numbers, or of
-/// all. `numbers`: the integers 0, 1, ..., which the lists share; those that it lacks are made anew.
-nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb::list numbers,
-                      std::optional<Array<std::int64_t>> rows) {
-  if (!offsets.is_list() || !items.is_list() || offsets.size() == 0 || (rows && !rows->is_list()))
-    throw nb::value_error("numbers must lie one after another");
-  const std::size_t all = offsets.size() - 1, count = rows ? rows->size() : all;
+/// Python's list of `count` lists of int, of which `list_at(i)` gives the i-th. `numbers`: the
+/// integers 0, 1, ..., which the lists share; those that it lacks are made anew.
+template <class ListAt>
+nb::list nested(std::size_t count, const nb::list& numbers, const ListAt& list_at) {
   const auto known = static_cast<std::int32_t>(
       std::min<std::size_t>(numbers.size(), std::numeric_limits<std::int32_t>::max()));
   const auto item = [&](std::int32_t number) {
@@ -128,23 +124,47 @@ nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb
     if (list == nullptr) throw nb::python_error();
     return nb::steal<nb::list>(list);
   };
-  /// A list that is not complete has null pointers, which its destruction allows for.
+  // A list that is not complete has null pointers, which its destruction allows for.
   const auto put = [](const nb::list& list, std::size_t at, PyObject* owned) {
     if (owned == nullptr || PyList_SetItem(list.ptr(), static_cast<Py_ssize_t>(at), owned) != 0)
       throw nb::python_error();
   };
   nb::list result = list_of_length(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const auto row = rows ? static_cast<std::uint64_t>(rows->data()[i]) : i;
-    if (row >= all) throw nb::value_error("there is no such list");
-    const auto begin = static_cast<std::uint64_t>(offsets.data()[row]),
-               end = static_cast<std::uint64_t>(offsets.data()[row + 1]);
-    if (begin > end || end > items.size()) throw nb::value_error("offsets must ascend");
-    nb::list own = list_of_length(end - begin);
-    for (std::uint64_t j = begin; j < end; ++j) put(own, j - begin, item(items.data()[j]));
+    const std::span<const std::int32_t> items = list_at(i);
+    nb::list own = list_of_length(items.size());
+    for (std::size_t j = 0; j < items.size(); ++j) put(own, j, item(items[j]));
     put(result, i, own.release().ptr());
   }
   return result;
+}
+
+/// Of lists that lie end to end in `items`.
+nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb::list numbers) {
+  if (!offsets.is_list() || !items.is_list() || offsets.size() == 0)
+    throw nb::value_error("numbers must lie one after another");
+  return nested(offsets.size() - 1, numbers, [&](std::size_t i) {
+    const auto begin = static_cast<std::uint64_t>(offsets.data()[i]),
+               end = static_cast<std::uint64_t>(offsets.data()[i + 1]);
+    if (begin > end || end > items.size()) throw nb::value_error("offsets must ascend");
+    return std::span<const std::int32_t>(items.data() + begin, items.data() + end);
+  });
+}
+
+/// As SciPy has a diagram's ridges, or its regions.
+nb::list lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists, const nb::list& numbers) {
+  return nested(lists.size(), numbers, [&](std::size_t i) {
+    const auto list = lists[i];
+    return std::span(reinterpret_cast<const std::int32_t*>(list.data()), list.size());
+  });
+}
+
+/// Its own, writable.
+template <class T, class List>
+Array<T> copied_rows(const List& list, std::size_t width) {
+  Array<T> rows = Array<T>::make({width == 0 ? 0 : list.size() / width, width});
+  std::copy_n(reinterpret_cast<const T*>(list.data()), list.size(), rows.data());
+  return rows;
 }
 
 void bind_diagram(nb::module_& m) {
@@ -166,6 +186,22 @@ void bind_diagram(nb::module_& m) {
                    [](Self self) { return offsets_in(shown(self).regions.offsets, self); })
       .def_prop_ro("region_vertices",
                    [](Self self) { return numbers_in(shown(self).regions.items, self); })
+      .def("scipy_vertices",
+           [](const Voronoi& v) { return copied_rows<double>(v.vertices, v.dimension); })
+      .def("scipy_ridge_points",
+           [](const Voronoi& v) { return copied_rows<std::int32_t>(v.ridge_points, 2); })
+      .def(
+          "ridge_lists",
+          [](const Voronoi& v, const nb::list& numbers) {
+    return lists_of_diagram(v.ridges, numbers);
+          },
+          nb::arg("numbers"))
+      .def(
+          "region_lists",
+          [](const Voronoi& v, const nb::list& numbers) {
+    return lists_of_diagram(v.regions, numbers);
+          },
+          nb::arg("numbers"))
       .def_prop_ro("ray_vertices",
                    [](Self self) { return numbers_in(shown(self).ray_vertices, self); })
       .def_prop_ro("ray_directions", [](Self self) {
@@ -210,8 +246,7 @@ void bind_clipped_cells(nb::module_& m) {
 void bind_voronoi(nb::module_& m) {
   bind_diagram(m);
   bind_clipped_cells(m);
-  m.def("nested_lists", nested_lists, nb::arg("offsets"), nb::arg("items"), nb::arg("numbers"),
-        nb::arg("rows").none());
+  m.def("nested_lists", nested_lists, nb::arg("offsets"), nb::arg("items"), nb::arg("numbers"));
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
   m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("diagram"), nb::arg("low"),
         nb::arg("high"), nb::arg("shapes"), nb::arg("settings").none());
