@@ -11,14 +11,9 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import as_array, as_coordinates, as_point_set, is_doubles, settings
 from ._delaunay import Delaunay, as_triangulation
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, NotFinite
 from ._incremental import Lazy
 from ._scipy import of_scipy
-from ._triangulation import Triangulation, delaunay
-
-#: Up to it a triangulation finds nearest points where our tree does not take the coordinates; beyond
-#: it that has too many cells, and SciPy's tree is asked.
-_MOST_DIMENSIONS = 4
 
 
 class _Interpolator:
@@ -411,8 +406,7 @@ class NearestNDInterpolator(_Interpolator):
         if len(self.points) == 0:
             raise InvalidArgument("No points given")
         self.tri = None
-        if self._nearby is None:  # not finite, or beyond what a tree takes
-            self._native  # noqa: B018, tells which point is not finite
+        self._nearby  # noqa: B018, tells which point is not finite
 
     def __call__(
         self,
@@ -481,32 +475,24 @@ class NearestNDInterpolator(_Interpolator):
 
     def _nearest_ids(self, rows: npt.NDArray[np.float64]) -> npt.NDArray[np.int32] | None:
         """The nearest point of each of `rows`; None where SciPy's tree is to be asked."""
-        if self._nearby is not None:
-            ids = self._nearby.nearest(rows, settings(threads=self._threads))
-            if ids is not None:
-                return ids
-        _require_finite(rows)
-        if self._native is None:
+        if self._nearby is None:
             return None
-        return np.asarray(self._native.nearest(rows, threads=self._threads))
+        try:
+            return self._nearby.nearest(rows, settings(threads=self._threads))
+        except NotFinite:
+            _require_finite(rows)
+            raise
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: v for name, v in self.__dict__.items() if name not in self._remade}
 
     #: What a copy makes again when it is asked for.
-    _remade = frozenset({"tree", "_nearby", "_native"})
+    _remade = frozenset({"tree", "_nearby"})
 
     @Lazy
     def _nearby(self) -> _core.NearestTree | None:
-        """The points in a tree of our own; None where it does not take them."""
+        """The points in a tree of our own; None in more dimensions than it takes."""
         return _core.nearest_tree(self.points, settings(threads=self._threads))
-
-    @Lazy
-    def _native(self) -> Triangulation | None:
-        """For what the tree does not take; None in many dimensions, where SciPy's tree is asked."""
-        if self.points.shape[1] > _MOST_DIMENSIONS:
-            return None
-        return delaunay(self.points, threads=self._threads)
 
     @Lazy
     def tree(self) -> Any:

@@ -1,16 +1,12 @@
 // Questions to a triangulation, one array of them at a time.
-#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
-#include <limits>
 #include <memory>
-#include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -20,6 +16,7 @@
 
 namespace binding {
 
+using cullhull::NearestPoint;
 using cullhull::Options;
 using cullhull::PointView;
 using cullhull::TriangulationQuery;
@@ -33,13 +30,13 @@ const TriangulationQuery& Cells::query(const Options& options) const {
   return *query_;
 }
 
-const NearestTree* Cells::tree() const {
-  if (!weights_array_.is_none() || triangulation_.furthest_site || points_.view().count == 0)
+const NearestPoint* Cells::tree(const Options& options) const {
+  const PointView& view = points_.view();
+  if (!weights_array_.is_none() || triangulation_.furthest_site || view.count == 0 ||
+      view.dimension > NearestPoint::most_dimensions)
     return nullptr;
   std::call_once(planted_, [&] {
-    const std::vector<double> rows = rows_of_view(points_.view());
-    if (NearestTree::holds(points_.view(), rows))
-      tree_ = std::make_unique<const NearestTree>(points_.view(), rows);
+    tree_ = std::make_unique<const NearestPoint>(view, options);
     has_tree_ = true;
   });
   return tree_.get();
@@ -63,23 +60,6 @@ Length length_of_questions(std::uint64_t count) {
 Length length_of_questions(const Cells& cells, std::uint64_t count) {
   if (!cells.is_prepared()) return length_of(cells.points().view(), cells.triangulation().size());
   return length_of_questions(count);
-}
-
-unsigned threads_of(const Options& options) {
-  return options.threads != 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
-}
-
-/// Asks a tree, unless it does not take the questions (a NaN, for one).
-bool ask_tree(const NearestTree& tree, const PointView& view, std::uint32_t* out,
-              const Options& options) {
-  const std::vector<double> rows = rows_of_view(view);
-  if (!NearestTree::takes(view, rows)) return false;
-  tree.nearest(rows.data(), view.count, out, threads_of(options), [&] {
-    if (options.poll) options.poll();
-    if (options.stop.stop_requested())
-      throw cullhull::Error(cullhull::ErrorCode::cancelled, "cancelled");
-  });
-  return true;
 }
 
 /// Calls ask(query, view, options) under run().
@@ -154,8 +134,8 @@ class Chosen {
 /// way, then a quarter of it, and takes a cell if no barycentric coordinate of the point is below
 /// -tolerance. `frame`: the least coordinates of the triangulated points, the largest ones, their
 /// means.
-void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found,
-               Array<double> frame, double tolerance, double share, const Settings* settings) {
+void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found, Array<double> frame,
+               double tolerance, double share, const Settings* settings) {
   const Points points(array);
   const PointView& view = points.view();
   require_same_dimension(cells, view);
@@ -213,10 +193,12 @@ Array<std::int32_t> nearest(const Cells& cells, nb::handle array, const Settings
   require_same_dimension(cells, view);
   Output<std::uint32_t> out(view.count);
   bool answered = false;
-  run(settings, cells.has_tree() ? length_of_questions(view.count) : length_of(cells.points().view()),
+  run(settings,
+      cells.has_tree() ? length_of_questions(view.count) : length_of(cells.points().view()),
       [&](const Options& options) {
-    const NearestTree* const tree = cells.tree();
-    answered = tree != nullptr && ask_tree(*tree, view, out.data(), options);
+    const NearestPoint* const tree = cells.tree(options);
+    if (tree != nullptr) tree->nearest(view, out.data(), options);
+    answered = tree != nullptr;
   });
   if (!answered)
     ask_all(cells, view, settings,
@@ -226,32 +208,25 @@ Array<std::int32_t> nearest(const Cells& cells, nb::handle array, const Settings
   return std::move(out).to_array<std::int32_t>();
 }
 
-/// Points alone, to be asked for the nearest of them. None where a tree does not take them.
-std::unique_ptr<NearestTree> nearest_tree(nb::handle array, const Settings* settings) {
+/// Points alone, to be asked for the nearest of them. None in more dimensions than a tree takes.
+std::unique_ptr<NearestPoint> nearest_tree(nb::handle array, const Settings* settings) {
   const Points points(array);
   const PointView& view = points.view();
   check_numbers(view.count);
-  std::unique_ptr<NearestTree> tree;
-  run(settings, length_of(view), [&](const Options&) {
-    const std::vector<double> rows = rows_of_view(view);
-    if (view.count > 0 && NearestTree::holds(view, rows))
-      tree = std::make_unique<NearestTree>(view, rows);
-  });
+  if (view.dimension > NearestPoint::most_dimensions) return nullptr;
+  std::unique_ptr<NearestPoint> tree;
+  run(settings, length_of(view),
+      [&](const Options& options) { tree = std::make_unique<NearestPoint>(view, options); });
   return tree;
 }
 
-/// None where the tree does not take the questions.
-std::optional<Array<std::int32_t>> ask_for_nearest(const NearestTree& tree, nb::handle array,
-                                                   const Settings* settings) {
+Array<std::int32_t> ask_for_nearest(const NearestPoint& tree, nb::handle array,
+                                    const Settings* settings) {
   const Points points(array);
   const PointView& view = points.view();
-  if (view.dimension != tree.dimension()) throw nb::value_error("points of another dimension");
   Output<std::uint32_t> out(view.count);
-  bool answered = false;
-  run(settings, length_of_questions(view.count), [&](const Options& options) {
-    answered = ask_tree(tree, view, out.data(), options);
-  });
-  if (!answered) return std::nullopt;
+  run(settings, length_of_questions(view.count),
+      [&](const Options& options) { tree.nearest(view, out.data(), options); });
   return std::move(out).to_array<std::int32_t>();
 }
 
@@ -292,7 +267,8 @@ Array<double> linear(const Cells& cells, nb::handle array, Array<std::int32_t> f
         out.data()[i * width + c] = outside[c % outside.size()];
   if (missing == count) return std::move(out).to_array();
   /// `number(i)`: of the i-th of `asked` its place among all.
-  const auto interpolate = [&](const PointView& asked, const std::uint32_t* in, const auto& number) {
+  const auto interpolate =
+      [&](const PointView& asked, const std::uint32_t* in, const auto& number) {
     ask_all(cells, asked, settings,
             [&](const TriangulationQuery& query, const PointView&, const Options& options) {
       std::vector<double> shares(asked.count * corners);
@@ -337,7 +313,7 @@ void bind_cells_query(nb::module_& m, nb::class_<Cells>& c) {
            nb::arg("settings").none())
       .def("linear", linear, nb::arg("points"), nb::arg("cells"), nb::arg("values"),
            nb::arg("components"), nb::arg("outside"), nb::arg("settings").none());
-  nb::class_<NearestTree>(m, "NearestTree", "Points, to be asked for the nearest one.")
+  nb::class_<NearestPoint>(m, "NearestTree", "Points, to be asked for the nearest one.")
       .def("nearest", ask_for_nearest, nb::arg("points"), nb::arg("settings").none());
   m.def("nearest_tree", nearest_tree, nb::arg("points"), nb::arg("settings").none());
 }

@@ -11,7 +11,6 @@
 #include "call.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_query.hpp"
-#include "nearest_tree.hpp"
 #include "points.hpp"
 
 namespace binding {
@@ -37,9 +36,9 @@ class Cells {
   /// that was stopped is made anew by the next question.
   const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
   bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
-  /// For the nearest points, likewise; null where the query must be asked: for power distances, the
-  /// furthest site, and coordinates that a tree does not take.
-  const NearestTree* tree() const;
+  /// For the nearest points, likewise, which takes less to prepare; null where the query must be
+  /// asked: for power distances, the furthest site, no points and many dimensions.
+  const cullhull::NearestPoint* tree(const cullhull::Options& options) const;
   bool has_tree() const noexcept { return has_tree_.load(std::memory_order_relaxed); }
 
  private:
@@ -51,7 +50,7 @@ class Cells {
   mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
   mutable std::atomic<bool> is_prepared_ = false;
   mutable std::once_flag planted_;
-  mutable std::unique_ptr<const NearestTree> tree_;
+  mutable std::unique_ptr<const cullhull::NearestPoint> tree_;
   mutable std::atomic<bool> has_tree_ = false;
 };
 
