@@ -154,8 +154,8 @@ class Chosen {
 /// way, then a quarter of it, and takes a cell if no barycentric coordinate of the point is below
 /// -tolerance. `frame`: the least coordinates of the triangulated points, the largest ones, their
 /// means.
-void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found,
-               Array<double> frame, double tolerance, double share, const Settings* settings) {
+void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found, Array<double> frame,
+               double tolerance, double share, const Settings* settings) {
   const Points points(array);
   const PointView& view = points.view();
   require_same_dimension(cells, view);
@@ -213,7 +213,8 @@ Array<std::int32_t> nearest(const Cells& cells, nb::handle array, const Settings
   require_same_dimension(cells, view);
   Output<std::uint32_t> out(view.count);
   bool answered = false;
-  run(settings, cells.has_tree() ? length_of_questions(view.count) : length_of(cells.points().view()),
+  run(settings,
+      cells.has_tree() ? length_of_questions(view.count) : length_of(cells.points().view()),
       [&](const Options& options) {
     const NearestTree* const tree = cells.tree();
     answered = tree != nullptr && ask_tree(*tree, view, out.data(), options);
@@ -248,9 +249,8 @@ std::optional<Array<std::int32_t>> ask_for_nearest(const NearestTree& tree, nb::
   if (view.dimension != tree.dimension()) throw nb::value_error("points of another dimension");
   Output<std::uint32_t> out(view.count);
   bool answered = false;
-  run(settings, length_of_questions(view.count), [&](const Options& options) {
-    answered = ask_tree(tree, view, out.data(), options);
-  });
+  run(settings, length_of_questions(view.count),
+      [&](const Options& options) { answered = ask_tree(tree, view, out.data(), options); });
   if (!answered) return std::nullopt;
   return std::move(out).to_array<std::int32_t>();
 }
@@ -292,7 +292,8 @@ Array<double> linear(const Cells& cells, nb::handle array, Array<std::int32_t> f
         out.data()[i * width + c] = outside[c % outside.size()];
   if (missing == count) return std::move(out).to_array();
   /// `number(i)`: of the i-th of `asked` its place among all.
-  const auto interpolate = [&](const PointView& asked, const std::uint32_t* in, const auto& number) {
+  const auto interpolate =
+      [&](const PointView& asked, const std::uint32_t* in, const auto& number) {
     ask_all(cells, asked, settings,
             [&](const TriangulationQuery& query, const PointView&, const Options& options) {
       std::vector<double> shares(asked.count * corners);

@@ -235,9 +235,8 @@ class Tree final : public NearestTree::Base {
     for (unsigned j = 1; j < D; ++j)
       if (high[j] - low[j] > high[axis] - low[axis]) axis = j;
     Item* const middle = begin + count / 2;
-    std::nth_element(begin, middle, end, [axis](const Item& a, const Item& b) {
-      return a.at[axis] < b.at[axis];
-    });
+    std::nth_element(begin, middle, end,
+                     [axis](const Item& a, const Item& b) { return a.at[axis] < b.at[axis]; });
     splits_[node] = {middle->at[axis], axis};
     build(2 * node + 1, begin, middle);
     build(2 * node + 2, middle, end);
