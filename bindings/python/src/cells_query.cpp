@@ -74,11 +74,13 @@ bool ask_tree(const NearestTree& tree, const PointView& view, std::uint32_t* out
               const Options& options) {
   const std::vector<double> rows = rows_of_view(view);
   if (!NearestTree::takes(view, rows)) return false;
-  tree.nearest(rows.data(), view.count, out, threads_of(options), [&] {
+  tree.nearest(rows.data(), view.count, out, threads_of(options), [&](double share) {
     if (options.poll) options.poll();
+    if (options.progress) options.progress("query", share);
     if (options.stop.stop_requested())
       throw cullhull::Error(cullhull::ErrorCode::cancelled, "cancelled");
   });
+  if (options.progress) options.progress("query", 1);
   return true;
 }
 

@@ -126,7 +126,7 @@ class NearestTree::Base {
  public:
   virtual ~Base() = default;
   virtual void nearest(const double* rows, std::uint64_t count, std::uint32_t* out,
-                       unsigned threads, const std::function<void()>& check) const = 0;
+                       unsigned threads, const std::function<void(double)>& check) const = 0;
 };
 
 namespace {
@@ -157,13 +157,13 @@ class Tree final : public NearestTree::Base {
   }
 
   void nearest(const double* rows, std::uint64_t count, std::uint32_t* out, unsigned threads,
-               const std::function<void()>& check) const override {
+               const std::function<void(double)>& check) const override {
     const std::vector<std::uint32_t> order = along_the_leaves(rows, count);
     std::atomic<std::uint64_t> next = 0;
     const auto work = [&](const auto& before_each) {
       Search search(*this);
       for (std::uint64_t begin; (begin = next.fetch_add(grain)) < count;) {
-        before_each();
+        before_each(static_cast<double>(begin) / static_cast<double>(count));
         const std::uint64_t end = std::min(begin + grain, count);
         for (std::uint64_t i = begin; i < end; ++i) {
           const std::uint64_t at = order.empty() ? i : order[i];
@@ -180,7 +180,7 @@ class Tree final : public NearestTree::Base {
         for (std::uint64_t i = 1; i < most; ++i)
           helpers.emplace_back([&] {
             try {
-              work([] {});
+              work([](double) {});
             } catch (...) {  // std::bad_alloc
               failed = true;
             }
@@ -435,7 +435,7 @@ NearestTree::NearestTree(const PointView& points, const std::vector<double>& row
 NearestTree::~NearestTree() = default;
 
 void NearestTree::nearest(const double* rows, std::uint64_t count, std::uint32_t* out,
-                          unsigned threads, const std::function<void()>& check) const {
+                          unsigned threads, const std::function<void(double)>& check) const {
   tree_->nearest(rows, count, out, threads, check);
 }
 

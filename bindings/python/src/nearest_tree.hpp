@@ -35,10 +35,10 @@ class NearestTree {
   unsigned dimension() const noexcept { return dimension_; }
 
   /// Writes for each query the index of the nearest point; of several the lowest. `rows`: `count`
-  /// queries that takes() accepts. `check` is called on the calling thread, every millisecond or
-  /// so, and may throw. `threads`: the most threads to use.
+  /// queries that takes() accepts. `check` is called with the completed share on the calling
+  /// thread, every millisecond or so, and may throw. `threads`: the most threads to use.
   void nearest(const double* rows, std::uint64_t count, std::uint32_t* out, unsigned threads,
-               const std::function<void()>& check) const;
+               const std::function<void(double)>& check) const;
 
   /// The tree for a dimension.
   class Base;

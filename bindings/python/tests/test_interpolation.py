@@ -171,6 +171,9 @@ def test_nearest_points_of_any_layout_and_many():
         found = cullhull.delaunay(given)
         for threads in (1, 3):
             assert np.array_equal(found.nearest(np.asfortranarray(asked), threads=threads), wanted)
+    reports = []
+    found.nearest(asked, progress=lambda phase, share: reports.append((phase, share)))
+    assert reports[-1] == ("query", 1.0) and {phase for phase, _ in reports} == {"query"}
     with pytest.raises(cullhull.NotFinite, match="3"):
         found.nearest([[0, 0, 0], [0, 0, 1], [0, 1, 0], [0, 0, np.nan]])
     with pytest.raises(cullhull.InvalidArgument, match="dimension 3"):
