@@ -117,16 +117,12 @@ def find_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
 
 def linear_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
     module = scipy.interpolate if kind is scipy.spatial else kind
-    return one_by_one(
-        module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points)
-    )
+    return one_by_one(module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points))
 
 
 def nearest_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
     module = scipy.interpolate if kind is scipy.spatial else kind
-    return one_by_one(
-        module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points)
-    )
+    return one_by_one(module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points))
 
 
 def agree(what: str, a: Any, b: Any) -> bool:
@@ -177,7 +173,8 @@ def row(
     end = time.perf_counter() + seconds
     turn = 0
     if what.endswith("_one"):  # many calls of what is made once
-        ask, other_ask = prepare(cullhull, sets[0], threads=threads), prepare(scipy.spatial, sets[0])
+        ask = prepare(cullhull, sets[0], threads=threads)
+        other_ask = prepare(scipy.spatial, sets[0])
         while turn < 100 or time.perf_counter() < end:
             mine, a = timed(ask)
             other, b = timed(other_ask)

@@ -397,7 +397,8 @@ class Delaunay(ShownCells, Lifted):
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
         if is_doubles(x) and x.ndim and x.shape[-1] == self.ndim:
-            return x
+            rows: npt.NDArray[np.float64] = x
+            return rows
         array = as_array(x, "xi")
         if array.ndim == 0:  # SciPy's error for what is no point at all
             raise IndexError("wrong dimensionality in xi")

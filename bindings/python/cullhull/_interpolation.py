@@ -56,9 +56,8 @@ class _Interpolator:
 
     def _questions(self, args: tuple[Any, ...]) -> npt.NDArray[np.float64]:
         d = self.points.shape[1]
-        xi = args[0] if len(args) == 1 and is_doubles(args[0]) else as_coordinates(
-            _rows(args, "xi"), "xi"
-        )
+        one = len(args) == 1 and is_doubles(args[0])
+        xi = args[0] if one else as_coordinates(_rows(args, "xi"), "xi")
         if xi.ndim == 1 and (len(args) == 1 and not isinstance(args[0], tuple)) and xi.size % d == 0:
             xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
@@ -466,7 +465,7 @@ class NearestNDInterpolator(_Interpolator):
         elif distance_upper_bound < np.inf:
             away = np.sqrt(((self.points[ids] - rows) ** 2).sum(axis=1))
             inside = away < distance_upper_bound
-        found = self.values[ids if away is None else ids[inside]]
+        found: npt.NDArray[Any] = self.values[ids if away is None else ids[inside]]
         if not np.iscomplexobj(found):
             found = found.astype(np.float64, copy=False)
         if away is None:

@@ -107,10 +107,13 @@ std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi
   return result;
 }
 
+using Integers = nb::typed<nb::list, int>;
+using IntegerLists = nb::typed<nb::list, Integers>;
+
 /// Python's list of `count` lists of int, of which `list_at(i)` gives the i-th. `numbers`: the
 /// integers 0, 1, ..., which the lists share; those that it lacks are made anew.
 template <class ListAt>
-nb::list nested(std::size_t count, const nb::list& numbers, const ListAt& list_at) {
+IntegerLists nested(std::size_t count, const nb::list& numbers, const ListAt& list_at) {
   const auto known = static_cast<std::int32_t>(
       std::min<std::size_t>(numbers.size(), std::numeric_limits<std::int32_t>::max()));
   const auto item = [&](std::int32_t number) {
@@ -136,11 +139,12 @@ nb::list nested(std::size_t count, const nb::list& numbers, const ListAt& list_a
     for (std::size_t j = 0; j < items.size(); ++j) put(own, j, item(items[j]));
     put(result, i, own.release().ptr());
   }
-  return result;
+  return nb::steal<IntegerLists>(result.release());
 }
 
 /// Of lists that lie end to end in `items`.
-nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb::list numbers) {
+IntegerLists nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items,
+                          const Integers& numbers) {
   if (!offsets.is_list() || !items.is_list() || offsets.size() == 0)
     throw nb::value_error("numbers must lie one after another");
   return nested(offsets.size() - 1, numbers, [&](std::size_t i) {
@@ -152,7 +156,8 @@ nb::list nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items, nb
 }
 
 /// As SciPy has a diagram's ridges, or its regions.
-nb::list lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists, const nb::list& numbers) {
+IntegerLists lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists,
+                              const nb::list& numbers) {
   return nested(lists.size(), numbers, [&](std::size_t i) {
     const auto list = lists[i];
     return std::span(reinterpret_cast<const std::int32_t*>(list.data()), list.size());
@@ -192,13 +197,13 @@ void bind_diagram(nb::module_& m) {
            [](const Voronoi& v) { return copied_rows<std::int32_t>(v.ridge_points, 2); })
       .def(
           "ridge_lists",
-          [](const Voronoi& v, const nb::list& numbers) {
+          [](const Voronoi& v, const Integers& numbers) {
     return lists_of_diagram(v.ridges, numbers);
           },
           nb::arg("numbers"))
       .def(
           "region_lists",
-          [](const Voronoi& v, const nb::list& numbers) {
+          [](const Voronoi& v, const Integers& numbers) {
     return lists_of_diagram(v.regions, numbers);
           },
           nb::arg("numbers"))

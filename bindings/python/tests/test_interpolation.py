@@ -122,7 +122,10 @@ SETS = {
     "spread": lambda rng, d: (rng.random((90, d)), rng.random((60, d)) * 1.5 - 0.25),
     "grid": lambda rng, d: (rng.integers(0, 4, (90, d)) * 1.0, rng.integers(0, 9, (60, d)) / 2),
     "equal": lambda rng, d: (np.repeat(rng.random((9, d)), 9, axis=0), rng.random((60, d))),
-    "far away": lambda rng, d: (rng.integers(0, 4, (90, d)) + 2.0**52, rng.random((60, d)) + 2.0**52),
+    "far away": lambda rng, d: (
+        rng.integers(0, 4, (90, d)) + 2.0**52,
+        rng.random((60, d)) + 2.0**52,
+    ),
     "a last bit apart": lambda rng, d: (
         1 + rng.integers(0, 2, (90, d)) * 2.0**-52,
         1 + rng.integers(-3, 4, (60, d)) * 2.0**-53,
@@ -152,7 +155,8 @@ def test_nearest_points_are_exact(name, dimension):
 @pytest.mark.parametrize("dimension", [5, 6, 7, 8])
 def test_nearest_points_are_exact_in_more_dimensions(dimension):
     rng = np.random.default_rng(dimension)
-    points, asked = rng.integers(0, 3, (300, dimension)) * 1.0, rng.integers(0, 5, (40, dimension)) / 2
+    points = rng.integers(0, 3, (300, dimension)) * 1.0
+    asked = rng.integers(0, 5, (40, dimension)) / 2
     found = cullhull.NearestNDInterpolator(points, np.arange(300))
     assert found(asked).astype(int).tolist() == nearest_exactly(points, asked)
 
@@ -167,6 +171,9 @@ def test_nearest_points_of_any_layout_and_many():
         found = cullhull.delaunay(given)
         for threads in (1, 3):
             assert np.array_equal(found.nearest(np.asfortranarray(asked), threads=threads), wanted)
+    reports = []
+    found.nearest(asked, progress=lambda phase, share: reports.append((phase, share)))
+    assert reports[-1] == ("query", 1.0) and {phase for phase, _ in reports} == {"query"}
     with pytest.raises(cullhull.NotFinite, match="3"):
         found.nearest([[0, 0, 0], [0, 0, 1], [0, 1, 0], [0, 0, np.nan]])
     with pytest.raises(cullhull.InvalidArgument, match="dimension 3"):
@@ -179,8 +186,9 @@ def test_nearest_points_are_copied_without_their_tree():
     for again in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert np.array_equal(again(points), np.arange(50))
     assert not any(isinstance(x, cullhull._core.NearestTree) for x in found.__getstate__().values())
+    points[7] = np.nan
     with pytest.raises(cullhull.NotFinite, match="point 7"):
-        cullhull.NearestNDInterpolator(np.where(np.arange(50)[:, None] == 7, np.nan, points), points)
+        cullhull.NearestNDInterpolator(points, points)
 
 
 def test_linear_outside_and_where_nothing_is_known():

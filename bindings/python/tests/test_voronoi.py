@@ -180,14 +180,15 @@ def test_attributes_in_any_order_and_the_diagram_afterwards(dimension):
         early = found.diagram if order[0] == "regions" else None
         for name in order:
             mine, other = getattr(found, name), wanted[name]
-            assert type(mine) is type(other) and np.array_equal(np.asarray(mine, dtype=object),
-                                                                np.asarray(other, dtype=object))
+            assert type(mine) is type(other)
+            assert mine == other if isinstance(mine, list) else np.array_equal(mine, other)
         assert found.diagram == native and (early is None or early is found.diagram)
         again = pickle.loads(pickle.dumps(found))
         assert again.regions == wanted["regions"] and again.diagram == native
     found.ridge_vertices[0].append(5)
     found.vertices[:] = 0
-    assert found.diagram == native and cullhull.Voronoi(points).ridge_vertices == wanted["ridge_vertices"]
+    assert found.diagram == native
+    assert cullhull.Voronoi(points).ridge_vertices == wanted["ridge_vertices"]
 
 
 def test_lists_of_lists():
@@ -197,7 +198,8 @@ def test_lists_of_lists():
         assert same.tolist() == [[7, -1], [], [1, 2, 300]]
         assert all(type(x) is int for row in same.tolist() for x in row)
     huge = cullhull.Lists(np.array([0, 1]), np.array([2**31 - 1], dtype=np.int32))
-    assert huge.tolist() == [[2**31 - 1]] and cullhull.Lists(np.array([0]), huge.items[:0]).tolist() == []
+    assert huge.tolist() == [[2**31 - 1]]
+    assert cullhull.Lists(np.array([0]), huge.items[:0]).tolist() == []
     with pytest.raises(ValueError, match="ascend"):
         cullhull.Lists(np.array([0, 9]), lists.items).tolist()
 

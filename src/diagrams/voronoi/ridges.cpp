@@ -242,6 +242,10 @@ Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
 }
 
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  if (t.corners() == 3) {
+    write_plane(t, out, run);
+    return;
+  }
   const EdgeCells edges(t, run);
   const GroupVertices groups(t, run);
   ChunkedListBuilder vertices(t.point_count), points(t.point_count);

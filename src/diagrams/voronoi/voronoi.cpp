@@ -176,13 +176,9 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   write_vertices(p, t, out, run);
   if (k > 0) write_rays(p, t, out, run);
   run.report("ridges", 0.4);
-  if (k == 2) {
-    write_plane(t, out, run);
-  } else {
-    write_ridges(p, t, out, run);
-    run.report("regions", 0.8);
-    write_regions(t, out, run);
-  }
+  write_ridges(p, t, out, run);
+  run.report("regions", 0.8);
+  if (k != 2) write_regions(t, out, run);
   run.report("done", 1);
   return out;
 }

@@ -86,8 +86,7 @@ HWY_INLINE void centres_of_vector(const double* corners, double* centres) {
   const Lanes size = absolute(whole.high);
   good = chosen(size > Lanes(0x1p20) * whole_error, good, none);
   for (unsigned j = 0; j < K; ++j) {
-    const Lanes minor_error =
-        Lanes(error) * product / largest[j] * largest[K] + Lanes(0x1p-300);
+    const Lanes minor_error = Lanes(error) * product / largest[j] * largest[K] + Lanes(0x1p-300);
     DoubleDoubles y = short_quotient(det[all ^ (1U << j)], twice);
     if ((K - 1 - j) % 2 == 1) y = -y;
     const Lanes length = absolute(y.high), at = corner(0, j);
