@@ -7,15 +7,19 @@
 A call is the whole of what programs do. hull: make the hull and read vertices, simplices,
 equations, neighbors, area and volume. delaunay: the triangulation, its simplices and neighbors.
 voronoi: the diagram, its vertices, ridges and regions. find_simplex: as many questions as points to
-a triangulation that is made. linear: linear interpolation at as many points, likewise. Ours and SciPy's go by turns over several sets of a size; the figures are
-medians in microseconds, with the 99th percentile of ours where there are 100 calls or more. A row
-ends where one call of SciPy's takes longer than --limit seconds, or than memory allows. With --once
-SciPy has one call and ours three, over one set: for rows of minutes.
+a triangulation that is made. linear, nearest: interpolation at as many points, likewise; build_nearest
+makes the interpolator too. find_one, linear_one, nearest_one: one point at a time.
+
+Ours and SciPy's go by turns over several sets of a size; the figures are medians in microseconds,
+with the 99th percentile of ours where there are 100 calls or more. A row ends where one call of
+SciPy's takes longer than --limit seconds, or than memory allows. With --once SciPy has one call and
+ours three, over one set: for rows of minutes.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import statistics
 import time
 from collections.abc import Callable
@@ -84,6 +88,43 @@ def linear(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
     return lambda: found(questions)
 
 
+def nearest(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    module = scipy.interpolate if kind is scipy.spatial else kind
+    found, questions = module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points)
+    return lambda: found(questions)
+
+
+def build_nearest(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    questions = asked(points)
+    return lambda: nearest_values(kind, points, questions, **choices)
+
+
+def nearest_values(kind: Any, points: Any, questions: Any, **choices: Any) -> Any:
+    module = scipy.interpolate if kind is scipy.spatial else kind
+    return module.NearestNDInterpolator(points, points[:, 0], **choices)(questions)
+
+
+def one_by_one(function: Callable[[Any], Any], questions: Any) -> Callable[[], Any]:
+    """Each call of the result asks about the next point; what the first question prepares is made."""
+    function(questions[-1:])
+    turn = itertools.cycle(questions[i : i + 1] for i in range(len(questions)))
+    return lambda: function(next(turn))
+
+
+def find_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    return one_by_one(kind.Delaunay(points, **choices).find_simplex, asked(points))
+
+
+def linear_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    module = scipy.interpolate if kind is scipy.spatial else kind
+    return one_by_one(module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points))
+
+
+def nearest_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    module = scipy.interpolate if kind is scipy.spatial else kind
+    return one_by_one(module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points))
+
+
 def agree(what: str, a: Any, b: Any) -> bool:
     """Whether the results are the same, but for what Qhull takes for flat or equal."""
     if what == "hull":
@@ -92,12 +133,26 @@ def agree(what: str, a: Any, b: Any) -> bool:
         return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
     if what == "voronoi":
         return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
-    if what == "find_simplex":
+    if what in ("find_simplex", "find_one"):
         return bool(((a < 0) == (b < 0)).mean() > 0.999)
     return bool(np.isclose(a, b, rtol=1e-6, atol=1e-6, equal_nan=True).mean() > 0.999)
 
 
-CALLS = {call.__name__: call for call in (hull, delaunay, voronoi, find_simplex, linear)}
+CALLS = {
+    call.__name__: call
+    for call in (
+        hull,
+        delaunay,
+        voronoi,
+        find_simplex,
+        linear,
+        nearest,
+        build_nearest,
+        find_one,
+        linear_one,
+        nearest_one,
+    )
+}
 
 
 def row(
@@ -117,6 +172,17 @@ def row(
     ours, theirs = [], []
     end = time.perf_counter() + seconds
     turn = 0
+    if what.endswith("_one"):  # many calls of what is made once
+        ask = prepare(cullhull, sets[0], threads=threads)
+        other_ask = prepare(scipy.spatial, sets[0])
+        while turn < 100 or time.perf_counter() < end:
+            mine, a = timed(ask)
+            other, b = timed(other_ask)
+            assert agree(what, a, b)
+            ours.append(mine)
+            theirs.append(other)
+            turn += 1
+        return ours, theirs
     while turn < 4 or time.perf_counter() < end:
         points = sets[turn % count]
         mine, a = timed(prepare(cullhull, points, threads=threads))

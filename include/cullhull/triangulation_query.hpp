@@ -1,5 +1,5 @@
 // Queries to a finished triangulation: the cell that contains a point, barycentric coordinates, and
-// the nearest vertex.
+// the nearest vertex; and to points alone: the nearest of them.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,7 @@ class TriangulationQuery {
   /// The id of the vertex nearest to the point, exactly; of several, the lowest id. With weights,
   /// the vertex of the least power |x - p|^2 - w; for a furthest-site triangulation the furthest
   /// vertex. no_cell if there are no vertices. Time: O(cells k^2) once, in the first call, then a
-  /// walk over edges.
+  /// walk over edges; without weights in 3D to 8D mostly a tree as that of NearestPoint instead.
   std::uint32_t nearest(const double* point) const;
 
   /// The same for many points: `out` receives one item (barycentric: k + 1) per point; `cells`:
@@ -61,6 +61,40 @@ class TriangulationQuery {
   void barycentric(const PointView& points, const std::uint32_t* cells, double* out,
                    const RunOptions& options = {}) const;
   void nearest(const PointView& points, std::uint32_t* out, const RunOptions& options = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Points prepared for queries for the nearest of them, without a triangulation. Answers are exact:
+/// no order of queries or thread count changes one.
+///
+/// At least one point, at most 2^32 - 2, in 1 to most_dimensions; others are
+/// Error{invalid_argument}, a NaN or an infinity Error{not_finite}, which names the first index.
+/// Construction takes O(n log n) time and memory for the coordinates twice, and copies what it
+/// needs: the points need not outlive it. nearest() is const and thread safe.
+///
+/// A k-d tree: a query takes O(log n) in few dimensions, and up to O(n) where many points are
+/// nearly as near as the nearest one, as for a query that is very far from all.
+/// Source: docs/exactness.md, "Points in cells".
+class NearestPoint {
+ public:
+  static constexpr unsigned most_dimensions = 8;
+
+  explicit NearestPoint(const PointView& points, const RunOptions& options = {});
+  ~NearestPoint();
+  NearestPoint(NearestPoint&&) noexcept;
+  NearestPoint& operator=(NearestPoint&&) noexcept;
+
+  /// The id of the point nearest to the query, exactly; of several, the lowest id. `query`: as many
+  /// finite numbers as the points have; a NaN or an infinity is Error{not_finite}.
+  std::uint32_t nearest(const double* query) const;
+
+  /// The same for many queries: `out` receives one id per query. Error{not_finite} names the first
+  /// index; queries of another dimension are Error{invalid_argument}. Parallel over
+  /// options.threads, with options.stop and options.progress.
+  void nearest(const PointView& queries, std::uint32_t* out, const RunOptions& options = {}) const;
 
  private:
   struct State;

@@ -116,7 +116,9 @@ Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges);
 Array<std::uint32_t> first_cells(const Triangulation& t);
 /// Writes the vertices of `out`. Requires k >= 1.
 void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
-/// Writes the ridges of `out`.
+/// Writes ridges and regions of `out`, for k = 2.
+void write_plane(const Triangulation& t, Voronoi& out, const Run& run);
+/// Writes the ridges of `out`; for k = 2 also the regions.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 
 }  // namespace cullhull::internal::inline diagrams

@@ -27,6 +27,7 @@ _CHOICES = {"backend": get_args(Backend), "cull": get_args(CullMethod)}
 
 #: Scalar types that are read where they lie; every value of each is exactly a double.
 IN_PLACE = frozenset("?bBhHiIfd")
+_DOUBLE = np.dtype(np.float64)
 _DLPACK_HOST = (1, 3, 11)  # CPU, and host memory pinned by CUDA or ROCm
 
 
@@ -49,6 +50,11 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     if dtype.char in IN_PLACE and dtype.isnative:
         return array
     return _converted(array, what)
+
+
+def is_doubles(array: Any) -> bool:
+    """Whether it is a plain array of doubles, which needs no conversion."""
+    return type(array) is np.ndarray and array.dtype == _DOUBLE
 
 
 def refuse_mask(array: Any, what: str) -> None:

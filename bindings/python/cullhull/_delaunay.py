@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_array, as_coordinates
+from . import _core
+from ._arguments import Progress, as_array, as_coordinates, is_doubles, settings
 from ._drop_in import raise_flat
 from ._errors import InvalidArgument, NotFinite
 from ._forms import Table
@@ -56,17 +57,13 @@ class Lifted(IncrementalPoints):
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
         threads, memory_budget, progress = self._choices
-        found = delaunay(
-            everything,
-            furthest_site=self.furthest_site,
-            threads=threads,
-            memory_budget=memory_budget,
-            progress=progress,
-        )
+        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        found = _core.triangulate(everything, None, self.furthest_site, chosen)
         if found.affine_dimension < self.ndim and not self._options.joggled:
             raise_flat(everything, found.affine_dimension, "Delaunay")
-        self._array, self.triangulation = everything, found
-        self._forget()
+        if "_array" in self.__dict__:
+            self._forget()
+        self._array, self.triangulation = everything, Triangulation._of(found)
 
     @Lazy
     def min_bound(self) -> npt.NDArray[np.float64]:
@@ -170,7 +167,7 @@ class Delaunay(ShownCells, Lifted):
     @Lazy
     def neighbors(self) -> npt.NDArray[np.int32]:
         """(s, d + 1) int32: entry j is the simplex opposite to vertex j, or -1."""
-        return self.triangulation.neighbours.copy()
+        return self.triangulation._cells.neighbours.copy()
 
     @Lazy
     def good(self) -> npt.NDArray[np.int32]:
@@ -289,39 +286,35 @@ class Delaunay(ShownCells, Lifted):
         [[0, -1]]
         """
         x = self._as_questions(xi)
-        rows = x.reshape(-1, self.ndim)
+        rows = x if x.ndim == 2 else x.reshape(-1, self.ndim)
+        cells = self._find_rows(rows, _DEFAULT_TOLERANCE if tol is None else float(tol))[0]
+        return cells if x.ndim == 2 else cells.reshape(x.shape[:-1])
+
+    def _find_rows(
+        self, rows: npt.NDArray[np.float64], tolerance: float
+    ) -> tuple[npt.NDArray[np.int32], bool]:
+        """The cells of rows, and whether some may be in none."""
         try:
-            cells = self.triangulation._cells.find(rows, None)
+            cells, outside = self.triangulation._cells.find_some(rows, None)
         except NotFinite:
-            cells = np.full(len(rows), -1, dtype=np.int32)
+            cells, outside = np.full(len(rows), -1, dtype=np.int32), True
             finite = np.flatnonzero(np.isfinite(rows).all(axis=1))
             cells[finite] = self.triangulation.find_simplex(rows[finite])
-        tolerance = _DEFAULT_TOLERANCE if tol is None else float(tol)
-        if tolerance > 0 and cells.min(initial=0) < 0:
+        if outside and tolerance > 0:
             self._find_near(rows, cells, tolerance)
-        return cells.reshape(x.shape[:-1])
+        return cells, outside
 
     def _find_near(
         self, rows: npt.NDArray[np.float64], cells: npt.NDArray[np.int32], tolerance: float
     ) -> None:
         """Sets the cells of points outside that a tolerance puts into one."""
-        low, high = self.min_bound, self.max_bound
-        margin = (self.ndim + 1) * tolerance * (high - low)
-        near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
-        places = np.flatnonzero(near & (cells < 0))
-        # The cell from which a point sticks out is met on the way to the middle of all.
         pull = min(4 * tolerance, _LARGEST_PULL)
-        for share in (pull, 0.25 * pull):
-            if len(places) == 0:
-                return
-            at = rows[places]
-            found = np.asarray(self.triangulation.find_simplex(at + share * (self._middle - at)))
-            shares = self.triangulation.barycentric(at, found)
-            inside = (shares >= -tolerance).all(axis=1)  # NaN where no cell was found
-            cells[places[inside]] = found[inside]
-            places = places[~inside]
+        self.triangulation._cells.find_near(rows, cells, self._frame, tolerance, pull, None)
         if tolerance > _LARGEST_PULL:
-            self._find_far(rows, cells, places, tolerance)
+            low, high = self.min_bound, self.max_bound
+            margin = (self.ndim + 1) * tolerance * (high - low)
+            near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
+            self._find_far(rows, cells, np.flatnonzero(near & (cells < 0)), tolerance)
 
     def _find_far(
         self,
@@ -341,9 +334,9 @@ class Delaunay(ShownCells, Lifted):
             places = places[~inside]
 
     @Lazy
-    def _middle(self) -> npt.NDArray[np.float64]:
-        middle: npt.NDArray[np.float64] = self.points.mean(axis=0)
-        return middle
+    def _frame(self) -> npt.NDArray[np.float64]:
+        """The least coordinates, the largest, and the means."""
+        return np.concatenate([self.min_bound, self.max_bound, self.points.mean(axis=0)])
 
     def lift_points(self, x: Any) -> npt.NDArray[np.float64]:
         """Points lifted to the paraboloid.
@@ -403,6 +396,9 @@ class Delaunay(ShownCells, Lifted):
         return distances
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
+        if is_doubles(x) and x.ndim and x.shape[-1] == self.ndim:
+            rows: npt.NDArray[np.float64] = x
+            return rows
         array = as_array(x, "xi")
         if array.ndim == 0:  # SciPy's error for what is no point at all
             raise IndexError("wrong dimensionality in xi")

@@ -126,8 +126,10 @@ class ConvexHull(Exported, IncrementalPoints):
         if self._strict and solid.affine_dimension < self.ndim and not self._options.joggled:
             self._grower = None
             raise_flat(everything, solid.affine_dimension)
+        grows = "_array" in self.__dict__
         self._array, self._solid = everything, self._settle(solid)
-        self._forget()
+        if grows:
+            self._forget()
 
     def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
         grower = self._grower

@@ -9,16 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import as_array, as_coordinates, as_point_set, settings
+from ._arguments import as_array, as_coordinates, as_point_set, is_doubles, settings
 from ._delaunay import Delaunay, as_triangulation
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, NotFinite
 from ._incremental import Lazy
 from ._scipy import of_scipy
-from ._triangulation import Triangulation, delaunay
-
-#: Up to it nearest points are found by a triangulation; beyond it that has too many cells, and
-#: SciPy's tree is asked.
-_MOST_DIMENSIONS = 4
 
 
 class _Interpolator:
@@ -61,7 +56,8 @@ class _Interpolator:
 
     def _questions(self, args: tuple[Any, ...]) -> npt.NDArray[np.float64]:
         d = self.points.shape[1]
-        xi = as_coordinates(_rows(args, "xi"), "xi")
+        one = len(args) == 1 and is_doubles(args[0])
+        xi = args[0] if one else as_coordinates(_rows(args, "xi"), "xi")
         if xi.ndim == 1 and (len(args) == 1 and not isinstance(args[0], tuple)) and xi.size % d == 0:
             xi = xi.reshape(-1, d)  # as SciPy: coordinates one after another
         if xi.ndim == 0 or xi.shape[-1] != d:
@@ -215,17 +211,25 @@ class LinearNDInterpolator(_OnCells):
     """
 
     def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-        rows = xi.reshape(-1, xi.shape[-1])
-        cells = self.tri.find_simplex(rows)
-        inside = cells >= 0
-        if not inside.all():
-            cells, rows = cells[inside], rows[inside]
-        kind = np.complex128 if np.iscomplexobj(self.values) else np.float64
-        numbers = np.ascontiguousarray(self.values, dtype=kind).view(np.float64)
-        found = self.tri.triangulation._cells.linear(
-            rows, cells, numbers.reshape(-1), numbers.shape[1], settings(threads=self._threads)
-        ).view(kind)
-        return self._spread(xi, inside, found.reshape(len(rows), *self.values_shape))
+        rows = xi if xi.ndim == 2 else xi.reshape(-1, xi.shape[-1])
+        numbers, outside = self.values, [self.fill_value.real]
+        if not (is_doubles(numbers) and numbers.flags.c_contiguous):
+            if np.iscomplexobj(numbers):
+                outside.append(self.fill_value.imag)
+                numbers = np.ascontiguousarray(numbers, dtype=np.complex128).view(np.float64)
+            else:
+                numbers = np.ascontiguousarray(numbers, dtype=np.float64)
+        found: npt.NDArray[Any] = self.tri.triangulation._cells.linear(
+            rows,
+            self.tri.find_simplex(rows),
+            numbers,
+            numbers.shape[1],
+            outside,
+            None if self._threads is None else settings(threads=self._threads),
+        )
+        if len(outside) == 2:
+            found = found.view(np.complex128)
+        return found.reshape(xi.shape[:-1] + self.values_shape)
 
 
 class NaturalNDInterpolator(_OnCells):
@@ -343,7 +347,7 @@ class NaturalNDInterpolator(_OnCells):
 class NearestNDInterpolator(_Interpolator):
     """In place of `scipy.interpolate.NearestNDInterpolator`: the value of the nearest point.
 
-    The nearest point is found exactly; of several nearest points the first is used. In more than 4
+    The nearest point is found exactly; of several nearest points the first is used. In more than 8
     dimensions, and for distances other than Euclidean, SciPy's cKDTree is used. Calling the object
     interpolates. Pickles and copies.
 
@@ -401,9 +405,7 @@ class NearestNDInterpolator(_Interpolator):
         if len(self.points) == 0:
             raise InvalidArgument("No points given")
         self.tri = None
-        self._native: Triangulation | None = None
-        if self.points.shape[1] <= _MOST_DIMENSIONS:
-            self._native = delaunay(self.points, threads=threads)
+        self._nearby  # noqa: B018, tells which point is not finite
 
     def __call__(
         self,
@@ -449,27 +451,47 @@ class NearestNDInterpolator(_Interpolator):
         [1.0, nan]
         """
         xi = self._questions(args)
-        rows = xi.reshape(-1, xi.shape[-1])
-        if not np.isfinite(rows).all():
-            raise InvalidArgument("'x' must be finite, check for nan or inf values")
-        if self._native is not None and p == 2:
-            ids: npt.NDArray[Any] = np.asarray(self._native.nearest(rows, threads=self._threads))
-            inside = np.ones(len(rows), dtype=bool)
-            if distance_upper_bound < np.inf:
-                away = np.sqrt(((self.points[ids] - rows) ** 2).sum(axis=1))
-                inside = away < distance_upper_bound
-        else:
+        rows = xi if xi.ndim == 2 else xi.reshape(-1, xi.shape[-1])
+        ids: npt.NDArray[Any] | None = None
+        away: npt.NDArray[np.float64] | None = None
+        if p == 2:
+            ids = self._nearest_ids(rows)
+        if ids is None:
+            _require_finite(rows)
             away, ids = self.tree.query(
                 rows, eps=eps, p=p, distance_upper_bound=distance_upper_bound, workers=workers
             )
             inside = np.isfinite(away)
-        found = self.values[ids[inside]]
+        elif distance_upper_bound < np.inf:
+            away = np.sqrt(((self.points[ids] - rows) ** 2).sum(axis=1))
+            inside = away < distance_upper_bound
+        found: npt.NDArray[Any] = self.values[ids if away is None else ids[inside]]
         if not np.iscomplexobj(found):
-            found = found.astype(np.float64)
+            found = found.astype(np.float64, copy=False)
+        if away is None:
+            return found.reshape(xi.shape[:-1] + found.shape[1:])
         return self._spread(xi, inside, found)
 
+    def _nearest_ids(self, rows: npt.NDArray[np.float64]) -> npt.NDArray[np.int32] | None:
+        """The nearest point of each of `rows`; None where SciPy's tree is to be asked."""
+        if self._nearby is None:
+            return None
+        try:
+            return self._nearby.nearest(rows, settings(threads=self._threads))
+        except NotFinite:
+            _require_finite(rows)
+            raise
+
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "tree"}
+        return {name: v for name, v in self.__dict__.items() if name not in self._remade}
+
+    #: What a copy makes again when it is asked for.
+    _remade = frozenset({"tree", "_nearby"})
+
+    @Lazy
+    def _nearby(self) -> _core.NearestTree | None:
+        """The points in a tree of our own; None in more dimensions than it takes."""
+        return _core.nearest_tree(self.points, settings(threads=self._threads))
 
     @Lazy
     def tree(self) -> Any:
@@ -478,8 +500,8 @@ class NearestNDInterpolator(_Interpolator):
             from scipy.spatial import cKDTree
         except ImportError:
             raise ImportError(
-                f"in more than {_MOST_DIMENSIONS} dimensions, for p != 2 and as `tree` SciPy's tree "
-                "is used, and SciPy is not installed: pip install 'cullhull[scipy]'"
+                "in more than 8 dimensions, for p != 2 and as `tree` SciPy's tree is used, and SciPy "
+                "is not installed: pip install 'cullhull[scipy]'"
             ) from None
         return cKDTree(self.points, **self._tree_options)
 
@@ -562,6 +584,11 @@ def griddata(
     raise InvalidArgument(
         f"Unknown interpolation method {method!r} for {dimension} dimensional data"
     )
+
+
+def _require_finite(rows: npt.NDArray[np.float64]) -> None:
+    if not np.isfinite(rows).all():
+        raise InvalidArgument("'x' must be finite, check for nan or inf values")
 
 
 def _rows(points: Any, what: str = "points") -> Any:

@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
 from ._arguments import as_position
 from ._compared import Compared
 
@@ -98,6 +99,12 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
         >>> cullhull.Lists(np.array([0, 2, 5]), np.arange(5)).tolist()
         [[0, 1], [2, 3, 4]]
         """
+        if self.items.dtype == np.int32 and len(self) > 0:
+            # The lists share the integers, which otherwise take a third of their memory.
+            numbers = list(range(min(len(self.items), int(self.items.max(initial=-1)) + 1)))
+            offsets = np.ascontiguousarray(self.offsets, dtype=np.int64)
+            with collector_paused():
+                return _core.nested_lists(offsets, np.ascontiguousarray(self.items), numbers)
         items: list[int] = self.items.tolist()
         ends: list[int] = self.offsets.tolist()
         with collector_paused():

@@ -7,12 +7,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from . import _core
+from ._arguments import settings
 from ._delaunay import Lifted
-from ._diagram import VoronoiDiagram, voronoi
+from ._diagram import VoronoiDiagram
 from ._forms import Picture, Table
 from ._incremental import Lazy
 from ._lists import collector_paused
 from ._shown import Saved, Shown
+
+#: The attributes that are made of the native diagram.
+_MADE_OF_DIAGRAM = ("vertices", "ridge_points", "ridge_vertices", "regions")
 
 
 class Voronoi(Shown, Saved, Lifted):
@@ -78,31 +83,71 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def diagram(self) -> VoronoiDiagram:
         """The native diagram."""
-        threads, _, progress = self._choices
-        return voronoi(self.triangulation, threads=threads, progress=progress)
+        return self._dual
 
-    @property
-    def _shown(self) -> Any:
-        """What the attributes are made of: a diagram's vertices, ridges and regions."""
-        return self.diagram
+    @Lazy
+    def _dual(self) -> VoronoiDiagram:
+        """The native diagram, until all that is made of it has been made."""
+        threads, _, progress = self._choices
+        diagram = _core.voronoi(
+            self.triangulation._cells, settings(threads=threads, progress=progress)
+        )
+        return VoronoiDiagram._of(self.triangulation, diagram)
+
+    #: Of a subclass what its attributes are made of, where that is no native diagram.
+    _shown: Any = None
+
+    @Lazy
+    def _integers(self) -> list[int]:
+        """The integers in the lists, while some are to be made."""
+        return list(range(len(self._dual._diagram.vertices)))
+
+    def _lists(self, name: str) -> list[list[int]]:
+        """The ridges or the regions; the collector would look through the lists that are made."""
+        shown = self._shown
+        if shown is not None:
+            found: list[list[int]] = getattr(shown, f"{name}s").tolist()
+            return found
+        make, numbers = getattr(self._dual._diagram, f"{name}_lists"), self._integers
+        if self.npoints < 200:
+            found = make(numbers)
+        else:
+            with collector_paused():
+                found = make(numbers)
+        self._let_go("ridge_vertices" if name == "ridge" else "regions")
+        return found
+
+    def _let_go(self, made: str) -> None:
+        """Frees what no attribute is to be made of any more. `made`: the one that is being made."""
+        held = self.__dict__
+        for name in _MADE_OF_DIAGRAM:
+            if name not in held and name != made:
+                return
+        held.pop("_integers", None)
+        held.pop("_dual", None)
 
     @Lazy
     def vertices(self) -> npt.NDArray[np.float64]:
         """(v, d) float64: coordinates of the vertices."""
-        rows: npt.NDArray[np.float64] = self._shown.vertices.copy()
+        shown = self._shown
+        if shown is None:
+            return self._dual._diagram.scipy_vertices()
+        rows: npt.NDArray[np.float64] = shown.vertices.copy()
         return rows
 
     @Lazy
     def ridge_points(self) -> npt.NDArray[np.int32]:
         """(r, 2) int32: pairs of points whose regions share a face."""
-        pairs: npt.NDArray[np.int32] = self._shown.ridge_points.copy()
+        shown = self._shown
+        if shown is None:
+            return self._dual._diagram.scipy_ridge_points()
+        pairs: npt.NDArray[np.int32] = shown.ridge_points.copy()
         return pairs
 
     @Lazy
     def ridge_vertices(self) -> list[list[int]]:
         """For each of `ridge_points` the vertices of the face; -1 is at infinity."""
-        lists: list[list[int]] = self._shown.ridges.tolist()
-        return lists
+        return self._lists("ridge")
 
     @Lazy
     def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
@@ -114,26 +159,32 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def regions(self) -> list[list[int]]:
         """The vertices of each region; -1 is at infinity."""
-        each = self._shown.regions.tolist()
-        mine: list[list[int]] = [each[i] for i in self._sites.tolist()]
-        return [[], *mine] if self._has_empty else mine
+        found = self._lists("region")
+        if len(self.triangulation._cells.duplicates):
+            found = [found[i] for i in self._sites.tolist()]
+        if self._has_empty:
+            found.insert(0, [])
+        return found
 
     @Lazy
     def point_region(self) -> npt.NDArray[np.int64]:
         """(n,) int64: the region of each point."""
+        first = int(self._has_empty)
+        equal = self.triangulation._cells.duplicates
+        if len(equal) == 0:
+            return np.arange(first, first + self.npoints, dtype=np.int64)
         number = np.full(self.npoints, -1, dtype=np.int64)
-        number[self._sites] = np.arange(len(self._sites)) + self._has_empty
+        number[self._sites] = np.arange(first, first + len(self._sites))
         if self._options.coplanar:
-            equal = self.triangulation.duplicates
             number[equal[:, 0]] = number[equal[:, 1]]
         return number
 
     @property
-    def _sites(self) -> npt.NDArray[np.intp]:
+    def _sites(self) -> npt.NDArray[np.int64]:
         """Points that have a region of their own, be it empty."""
         site = np.ones(self.npoints, dtype=bool)
         site[self.triangulation.duplicates[:, 0]] = False
-        return np.flatnonzero(site)
+        return np.flatnonzero(site).astype(np.int64, copy=False)
 
     @property
     def _has_empty(self) -> bool:

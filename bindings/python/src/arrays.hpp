@@ -64,6 +64,8 @@ class Array : public nb::object {
 
   /// Whether its items are contiguous along one axis.
   bool is_list() { return PyArray_NDIM(numpy()) == 1 && PyArray_IS_C_CONTIGUOUS(numpy()); }
+  /// Whether its items are contiguous, row after row.
+  bool is_contiguous() { return PyArray_IS_C_CONTIGUOUS(numpy()); }
   T* data() { return static_cast<T*>(PyArray_DATA(numpy())); }
   std::size_t size() { return static_cast<std::size_t>(PyArray_SIZE(numpy())); }
   Array&& lock() {

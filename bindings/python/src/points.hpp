@@ -3,6 +3,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <vector>
+
 #include "cullhull/point_view.hpp"
 
 namespace binding {
@@ -21,5 +23,8 @@ class Points {
   nanobind::object owner_;
   cullhull::PointView view_;
 };
+
+/// All coordinates of a view as doubles, point after point.
+std::vector<double> rows_of_view(const cullhull::PointView& view);
 
 }  // namespace binding

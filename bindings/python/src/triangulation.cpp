@@ -158,7 +158,7 @@ void bind_triangulation(nb::module_& m) {
                    [](Self self) { return number_list(shown(self).hull_cells, self); })
       .def_prop_ro("duplicates", duplicates)
       .def_prop_ro("hidden", [](Self self) { return number_list(shown(self).hidden, self); });
-  bind_cells_query(c);
+  bind_cells_query(m, c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());
   m.def("certify_cells", certify, nb::arg("cells"), nb::arg("settings").none());

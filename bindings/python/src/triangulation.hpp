@@ -36,6 +36,10 @@ class Cells {
   /// that was stopped is made anew by the next question.
   const cullhull::TriangulationQuery& query(const cullhull::Options& options) const;
   bool is_prepared() const noexcept { return is_prepared_.load(std::memory_order_relaxed); }
+  /// For the nearest points, likewise, which takes less to prepare; null where the query must be
+  /// asked: for power distances, the furthest site, no points and many dimensions.
+  const cullhull::NearestPoint* tree(const cullhull::Options& options) const;
+  bool has_tree() const noexcept { return has_tree_.load(std::memory_order_relaxed); }
 
  private:
   cullhull::Triangulation triangulation_;
@@ -45,6 +49,9 @@ class Cells {
   mutable std::once_flag prepared_;
   mutable std::unique_ptr<cullhull::TriangulationQuery> query_;
   mutable std::atomic<bool> is_prepared_ = false;
+  mutable std::once_flag planted_;
+  mutable std::unique_ptr<const cullhull::NearestPoint> tree_;
+  mutable std::atomic<bool> has_tree_ = false;
 };
 
 /// How Python sees a triangulation whose arrays it shows: by its object, which keeps their memory.
@@ -52,6 +59,6 @@ using CellsHandle = nanobind::handle_t<Cells>;
 inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cells>(self); }
 
 /// Questions to a triangulation.
-void bind_cells_query(nanobind::class_<Cells>& c);
+void bind_cells_query(nanobind::module_& m, nanobind::class_<Cells>& c);
 
 }  // namespace binding

@@ -5,7 +5,10 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <limits>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -104,6 +107,71 @@ std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi
   return result;
 }
 
+using Integers = nb::typed<nb::list, int>;
+using IntegerLists = nb::typed<nb::list, Integers>;
+
+/// Python's list of `count` lists of int, of which `list_at(i)` gives the i-th. `numbers`: the
+/// integers 0, 1, ..., which the lists share; those that it lacks are made anew.
+template <class ListAt>
+IntegerLists nested(std::size_t count, const nb::list& numbers, const ListAt& list_at) {
+  const auto known = static_cast<std::int32_t>(
+      std::min<std::size_t>(numbers.size(), std::numeric_limits<std::int32_t>::max()));
+  const auto item = [&](std::int32_t number) {
+    if (number < 0 || number >= known) return PyLong_FromLong(number);
+    PyObject* const shared = PyList_GetItem(numbers.ptr(), number);
+    Py_XINCREF(shared);
+    return shared;
+  };
+  const auto list_of_length = [](std::size_t length) {
+    PyObject* const list = PyList_New(static_cast<Py_ssize_t>(length));
+    if (list == nullptr) throw nb::python_error();
+    return nb::steal<nb::list>(list);
+  };
+  // A list that is not complete has null pointers, which its destruction allows for.
+  const auto put = [](const nb::list& list, std::size_t at, PyObject* owned) {
+    if (owned == nullptr || PyList_SetItem(list.ptr(), static_cast<Py_ssize_t>(at), owned) != 0)
+      throw nb::python_error();
+  };
+  nb::list result = list_of_length(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::span<const std::int32_t> items = list_at(i);
+    nb::list own = list_of_length(items.size());
+    for (std::size_t j = 0; j < items.size(); ++j) put(own, j, item(items[j]));
+    put(result, i, own.release().ptr());
+  }
+  return nb::steal<IntegerLists>(result.release());
+}
+
+/// Of lists that lie end to end in `items`.
+IntegerLists nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items,
+                          const Integers& numbers) {
+  if (!offsets.is_list() || !items.is_list() || offsets.size() == 0)
+    throw nb::value_error("numbers must lie one after another");
+  return nested(offsets.size() - 1, numbers, [&](std::size_t i) {
+    const auto begin = static_cast<std::uint64_t>(offsets.data()[i]),
+               end = static_cast<std::uint64_t>(offsets.data()[i + 1]);
+    if (begin > end || end > items.size()) throw nb::value_error("offsets must ascend");
+    return std::span<const std::int32_t>(items.data() + begin, items.data() + end);
+  });
+}
+
+/// As SciPy has a diagram's ridges, or its regions.
+IntegerLists lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists,
+                              const nb::list& numbers) {
+  return nested(lists.size(), numbers, [&](std::size_t i) {
+    const auto list = lists[i];
+    return std::span(reinterpret_cast<const std::int32_t*>(list.data()), list.size());
+  });
+}
+
+/// Its own, writable.
+template <class T, class List>
+Array<T> copied_rows(const List& list, std::size_t width) {
+  Array<T> rows = Array<T>::make({width == 0 ? 0 : list.size() / width, width});
+  std::copy_n(reinterpret_cast<const T*>(list.data()), list.size(), rows.data());
+  return rows;
+}
+
 void bind_diagram(nb::module_& m) {
   nb::class_<Voronoi>(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.")
       .def_prop_ro(
@@ -123,6 +191,22 @@ void bind_diagram(nb::module_& m) {
                    [](Self self) { return offsets_in(shown(self).regions.offsets, self); })
       .def_prop_ro("region_vertices",
                    [](Self self) { return numbers_in(shown(self).regions.items, self); })
+      .def("scipy_vertices",
+           [](const Voronoi& v) { return copied_rows<double>(v.vertices, v.dimension); })
+      .def("scipy_ridge_points",
+           [](const Voronoi& v) { return copied_rows<std::int32_t>(v.ridge_points, 2); })
+      .def(
+          "ridge_lists",
+          [](const Voronoi& v, const Integers& numbers) {
+    return lists_of_diagram(v.ridges, numbers);
+          },
+          nb::arg("numbers"))
+      .def(
+          "region_lists",
+          [](const Voronoi& v, const Integers& numbers) {
+    return lists_of_diagram(v.regions, numbers);
+          },
+          nb::arg("numbers"))
       .def_prop_ro("ray_vertices",
                    [](Self self) { return numbers_in(shown(self).ray_vertices, self); })
       .def_prop_ro("ray_directions", [](Self self) {
@@ -167,6 +251,7 @@ void bind_clipped_cells(nb::module_& m) {
 void bind_voronoi(nb::module_& m) {
   bind_diagram(m);
   bind_clipped_cells(m);
+  m.def("nested_lists", nested_lists, nb::arg("offsets"), nb::arg("items"), nb::arg("numbers"));
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
   m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("diagram"), nb::arg("low"),
         nb::arg("high"), nb::arg("shapes"), nb::arg("settings").none());

@@ -3,6 +3,7 @@
 import copy
 import inspect
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -104,6 +105,102 @@ def test_nearest_is_exact_and_the_first():
     assert np.array_equal(cullhull.NearestNDInterpolator(many, np.arange(50))(many), np.arange(50))
     with pytest.raises(TypeError):
         found([0.5, 0.5], query_options="not a dictionary")
+
+
+def nearest_exactly(points, asked):
+    """By fractions, the lowest of several."""
+    rows = [[Fraction(x) for x in row] for row in points.tolist()]
+    found = []
+    for q in asked.tolist():
+        q = [Fraction(x) for x in q]
+        away = [sum((a - b) ** 2 for a, b in zip(row, q)) for row in rows]
+        found.append(away.index(min(away)))
+    return found
+
+
+SETS = {
+    "spread": lambda rng, d: (rng.random((90, d)), rng.random((60, d)) * 1.5 - 0.25),
+    "grid": lambda rng, d: (rng.integers(0, 4, (90, d)) * 1.0, rng.integers(0, 9, (60, d)) / 2),
+    "equal": lambda rng, d: (np.repeat(rng.random((9, d)), 9, axis=0), rng.random((60, d))),
+    "far away": lambda rng, d: (
+        rng.integers(0, 4, (90, d)) + 2.0**52,
+        rng.random((60, d)) + 2.0**52,
+    ),
+    "a last bit apart": lambda rng, d: (
+        1 + rng.integers(0, 2, (90, d)) * 2.0**-52,
+        1 + rng.integers(-3, 4, (60, d)) * 2.0**-53,
+    ),
+    "tiny": lambda rng, d: (rng.random((20, d)) * 1e-310, rng.random((9, d)) * 1e-310),
+    "tiny and not": lambda rng, d: (
+        np.vstack([rng.random((9, d)) * 1e-200, rng.random((9, d))]),
+        rng.random((9, d)) * 1e-200,
+    ),
+    "huge": lambda rng, d: (rng.random((20, d)) * 1e300, rng.random((9, d)) * 1e300),
+}
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4])
+@pytest.mark.parametrize("name", SETS)
+def test_nearest_points_are_exact(name, dimension):
+    points, asked = SETS[name](np.random.default_rng(dimension), dimension)
+    found = cullhull.NearestNDInterpolator(points, np.arange(len(points)))
+    wanted = nearest_exactly(points, asked)
+    assert found(asked).astype(int).tolist() == wanted
+    assert [int(found(q)[0]) for q in asked[:5]] == wanted[:5]
+    triangulation = cullhull.delaunay(points)
+    assert triangulation.nearest(asked).tolist() == wanted
+    assert triangulation.nearest(asked[0]) == wanted[0]
+
+
+@pytest.mark.parametrize("dimension", [5, 6, 7, 8])
+def test_nearest_points_are_exact_in_more_dimensions(dimension):
+    rng = np.random.default_rng(dimension)
+    points = rng.integers(0, 3, (300, dimension)) * 1.0
+    asked = rng.integers(0, 5, (40, dimension)) / 2
+    found = cullhull.NearestNDInterpolator(points, np.arange(300))
+    assert found(asked).astype(int).tolist() == nearest_exactly(points, asked)
+
+
+def test_nearest_points_of_any_layout_and_many():
+    rng = np.random.default_rng(1)
+    points = rng.integers(-20, 20, (500, 3)).astype(np.int8)
+    asked = rng.integers(-50, 50, (70_000, 3)) / np.float32(2)
+    wanted = cullhull.delaunay(points.astype(float)).nearest(asked.astype(float), threads=1)
+    assert np.array_equal(wanted[:200], nearest_exactly(points, asked[:200]))
+    for given in (points, np.asfortranarray(points), points.repeat(2, axis=1)[:, ::2]):
+        found = cullhull.delaunay(given)
+        for threads in (1, 3):
+            assert np.array_equal(found.nearest(np.asfortranarray(asked), threads=threads), wanted)
+    reports = []
+    found.nearest(asked, progress=lambda phase, share: reports.append((phase, share)))
+    assert reports[-1] == ("query", 1.0) and {phase for phase, _ in reports} == {"query"}
+    with pytest.raises(cullhull.NotFinite, match="3"):
+        found.nearest([[0, 0, 0], [0, 0, 1], [0, 1, 0], [0, 0, np.nan]])
+    with pytest.raises(cullhull.InvalidArgument, match="dimension 3"):
+        found.nearest([[0, 0]])
+
+
+def test_nearest_points_are_copied_without_their_tree():
+    points = np.random.default_rng(1).random((50, 3))
+    found = cullhull.NearestNDInterpolator(points, np.arange(50))
+    for again in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
+        assert np.array_equal(again(points), np.arange(50))
+    assert not any(isinstance(x, cullhull._core.NearestTree) for x in found.__getstate__().values())
+    points[7] = np.nan
+    with pytest.raises(cullhull.NotFinite, match="point 7"):
+        cullhull.NearestNDInterpolator(points, points)
+
+
+def test_linear_outside_and_where_nothing_is_known():
+    """Some rows inside, some outside, some not finite; numbers and complex ones."""
+    points = np.random.default_rng(1).random((40, 2))
+    asked = np.array([[0.5, 0.5], [9, 9], [np.nan, 0], [0.4, 0.6], [np.inf, 1]])
+    for values, fill in ((points, 7.0), (points @ [1, 1j], 7 - 2j)):
+        found = cullhull.LinearNDInterpolator(points, values, fill_value=fill)(asked)
+        assert np.allclose(found[[0, 3]], asked[[0, 3]] if fill == 7 else asked[[0, 3]] @ [1, 1j])
+        assert (found[[1, 2, 4]] == fill).all()
+        none = cullhull.LinearNDInterpolator(points, values, fill_value=fill)(asked[[1, 2]])
+        assert (none == fill).all()
 
 
 @pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])

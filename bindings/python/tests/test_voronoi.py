@@ -2,6 +2,7 @@
 
 import copy
 import inspect
+import itertools
 import pickle
 
 import numpy as np
@@ -162,6 +163,45 @@ def test_copies_and_pickles(way):
     assert again.regions.tolist() == native.regions.tolist()
     sphere = cullhull.SphericalVoronoi(points / np.linalg.norm(points, axis=1)[:, np.newaxis])
     assert way(sphere).regions == sphere.regions
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_attributes_in_any_order_and_the_diagram_afterwards(dimension):
+    """What the attributes are made of is let go when all are made, and made again when asked for."""
+    points = np.random.default_rng(1).random((300, dimension))
+    points = np.vstack([points, points[:2]])
+    names = ("vertices", "ridge_points", "ridge_vertices", "regions")
+    wanted = {name: getattr(cullhull.Voronoi(points), name) for name in names}
+    native = cullhull.voronoi(points)
+    assert wanted["ridge_vertices"] == [ridge.tolist() for ridge in native.ridges]
+    assert wanted["regions"] == [[], *(region.tolist() for region in native.regions[:300])]
+    for order in itertools.permutations(names):
+        found = cullhull.Voronoi(points)
+        early = found.diagram if order[0] == "regions" else None
+        for name in order:
+            mine, other = getattr(found, name), wanted[name]
+            assert type(mine) is type(other)
+            assert mine == other if isinstance(mine, list) else np.array_equal(mine, other)
+        assert found.diagram == native and (early is None or early is found.diagram)
+        again = pickle.loads(pickle.dumps(found))
+        assert again.regions == wanted["regions"] and again.diagram == native
+    found.ridge_vertices[0].append(5)
+    found.vertices[:] = 0
+    assert found.diagram == native
+    assert cullhull.Voronoi(points).ridge_vertices == wanted["ridge_vertices"]
+
+
+def test_lists_of_lists():
+    lists = cullhull.Lists(np.array([0, 2, 2, 5]), np.array([7, -1, 1, 2, 300], dtype=np.int32))
+    for narrow in (np.int32, np.int64):
+        same = cullhull.Lists(lists.offsets, lists.items.astype(narrow))
+        assert same.tolist() == [[7, -1], [], [1, 2, 300]]
+        assert all(type(x) is int for row in same.tolist() for x in row)
+    huge = cullhull.Lists(np.array([0, 1]), np.array([2**31 - 1], dtype=np.int32))
+    assert huge.tolist() == [[2**31 - 1]]
+    assert cullhull.Lists(np.array([0]), huge.items[:0]).tolist() == []
+    with pytest.raises(ValueError, match="ascend"):
+        cullhull.Lists(np.array([0, 9]), lists.items).tolist()
 
 
 def test_native_arrays():

@@ -2,6 +2,7 @@
 #include "cullhull/triangulation_query.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -9,6 +10,8 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "diagrams/locate/finite_coordinate.hpp"
+#include "diagrams/locate/nearest_tree.hpp"
 #include "diagrams/locate/walk.hpp"
 #include "exact/determinants/minors.hpp"
 #include "exact/insphere/lift_filter.hpp"
@@ -156,9 +159,7 @@ struct TriangulationQuery::State {
     std::vector<double> row(mesh.dimension);
     for (unsigned j = 0; j < mesh.dimension; ++j) {
       row[j] = point[mesh.columns[j]];
-      if (!std::isfinite(row[j]))
-        throw Error(ErrorCode::not_finite, "coordinate ", mesh.columns[j], " is ",
-                    (std::isnan(row[j]) ? "NaN" : "infinite"));
+      require_finite(row[j], mesh.columns[j]);
     }
     return row;
   }
@@ -230,13 +231,45 @@ struct TriangulationQuery::State {
   }
 
   const Adjacency<std::uint32_t>& graph(const Run& run) const {
-    std::call_once(graph_once, [&] { made_graph = neighbour_rows(mesh, run); });
+    std::call_once(graph_once, [&] {
+      made_graph = neighbour_rows(mesh, run);
+      has_graph = true;
+    });
     return made_graph;
   }
 
+  /// The tree that is to be asked for the vertices nearest to `count` queries; null: walks are
+  /// better, or the distances are none of a tree. One query takes about as long either way, on
+  /// uniform points: 0.2 us by a walk and 0.5 us by a tree in the plane, 0.3 and 0.5 us in 3D, 1.5
+  /// and 1.1 us in 5D. The first one prepares for all: a tree in 0.2 us a point, the graph of a
+  /// walk in 0.2 us in the plane, 2.2 us in 3D, 130 us in 5D.
+  const NearestTree* tree_for(std::uint64_t count, const Run& run) const {
+    if (mesh.stride > mesh.dimension || mesh.furthest || mesh.corners <= 3 ||
+        mesh.dimension > NearestTree::most_dimensions)
+      return nullptr;
+    const std::uint64_t points = mesh.vertex_count();
+    if (mesh.corners == 4 && (has_graph || (!has_tree && count > 8 * points))) return nullptr;
+    if (has_graph && !has_tree && count < points) return nullptr;
+    return &tree(run);
+  }
+  const NearestTree& tree(const Run& run) const {
+    std::call_once(tree_once, [&] {
+      const unsigned d = mesh.dimension;
+      Array<double> rows(std::size_t{mesh.vertex_count()} * d);
+      for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+        for (unsigned j = 0; j < d; ++j)
+          rows[std::size_t{v} * d + mesh.columns[j]] = mesh.row(v)[j];
+      made_tree.emplace(d, rows.data(), mesh.ids.data(), mesh.vertex_count(), run);
+      has_tree = true;
+    });
+    return *made_tree;
+  }
+
   WalkMesh mesh;
-  mutable std::once_flag graph_once;
+  mutable std::once_flag graph_once, tree_once;
   mutable Adjacency<std::uint32_t> made_graph;
+  mutable std::optional<NearestTree> made_tree;
+  mutable std::atomic<bool> has_graph = false, has_tree = false;
 };
 
 TriangulationQuery::TriangulationQuery(const PointView& points, const Triangulation& triangulation,
@@ -267,6 +300,12 @@ std::uint32_t TriangulationQuery::nearest(const double* point) const {
   const State& s = *state_;
   const std::vector<double> row = s.row_of(point);
   if (s.mesh.corners == 0) return no_cell;
+  if (const NearestTree* const tree = s.tree_for(1, short_run())) {
+    std::vector<double> given(s.mesh.dimension);
+    for (unsigned j = 0; j < s.mesh.dimension; ++j) given[s.mesh.columns[j]] = row[j];
+    const std::uint32_t id = tree->nearest(given.data(), NearestTree::FarQueries::left_out);
+    if (id != no_cell) return id;
+  }
   return NearestVertex(s.mesh, s.graph(short_run())).find(row.data(), s.key(row.data()));
 }
 
@@ -305,11 +344,14 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
                                  const RunOptions& options) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
+    const NearestTree* const tree = s.tree_for(points.count, run);
+    if (tree != nullptr && !tree->nearest(points, NearestTree::FarQueries::left_out, out, run))
+      return;
     const Adjacency<std::uint32_t>& graph = s.graph(run);
     each_along_curve(s.mesh, points, run, [&] {
       return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
                                                       std::uint32_t key) mutable {
-        out[i] = walk.find(row, key);
+        if (tree == nullptr || out[i] == no_cell) out[i] = walk.find(row, key);
       };
     });
   });

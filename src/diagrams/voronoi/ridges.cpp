@@ -56,9 +56,7 @@ class RidgeWriter {
   bool write(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) {
     out.clear();
     if (within_merged(e)) return false;
-    if (k_ == 2)
-      in_plane(e, out);
-    else if (k_ == 3)
+    if (k_ == 3)
       in_space(e, out);
     else
       in_any(e, out);
@@ -77,7 +75,7 @@ class RidgeWriter {
   /// group some cell at the edge has such a further vertex; it suffices to test the corners of the
   /// group that has the fewest cells here.
   bool within_merged(const EdgeCells::Star& e) {
-    if (k_ < 2) return false;
+    if (k_ < 3) return false;
     bool any = false;
     for (const auto& item : e.cells) any = any || groups_.merged(t_.group(item.cell));
     if (!any) return false;
@@ -140,18 +138,6 @@ class RidgeWriter {
     return orientation(k_, at.data()) == Sign::zero;
   }
 
-  /// Writes the left cell's vertex, then the right one's. A triangle is on the left if `high`
-  /// follows `low` in it.
-  void in_plane(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
-    out.assign(2, at_infinity);
-    for (const auto& item : e.cells) {
-      const auto v = t_.cell(item.cell);
-      const bool left = (v[0] == e.low && v[1] == e.high) || (v[1] == e.low && v[2] == e.high) ||
-                        (v[2] == e.low && v[0] == e.high);
-      out[left ? 0 : 1] = t_.group(item.cell);
-    }
-  }
-
   /// The slots of the cell's corners that are not on the edge, in counterclockwise order around the
   /// direction from low to high.
   std::pair<unsigned, unsigned> others(const EdgeCells::Star& e, std::uint32_t c) const {
@@ -167,18 +153,39 @@ class RidgeWriter {
   void in_space(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
     std::uint32_t first = e.cells[0].cell;
     for (const auto& item : e.cells) {  // infinity first
+      if (!at_hull(e, item.cell)) continue;
       if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_cell) continue;
       out.push_back(at_infinity);
       first = item.cell;
     }
+    // The way leaves each cell opposite to the corner that it shares with the cell before.
+    const auto [begin, end] = others(e, first);
+    std::uint32_t kept = t_.cell(first)[end];
+    unsigned leave = begin;
     for (std::uint32_t c = first;;) {
       if (out.empty() || out.back() != t_.group(c)) out.push_back(t_.group(c));
-      c = t_.neighbours_of(c)[others(e, c).first];
+      c = t_.neighbours_of(c)[leave];
       if (c == no_cell || c == first) break;
+      const auto v = t_.cell(c);
+      std::uint32_t added = kept;
+      for (unsigned i = 0; i < 4; ++i) {
+        if (v[i] == kept)
+          leave = i;
+        else if (!on_edge(e, v[i]))
+          added = v[i];
+      }
+      kept = added;
     }
     if (out.front() == at_infinity) return;
     if (out.size() > 1 && out.back() == out.front()) out.pop_back();
     std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
+  }
+  /// Whether the cell has a facet without a neighbour that contains the edge.
+  bool at_hull(const EdgeCells::Star& e, std::uint32_t c) const {
+    const auto v = t_.cell(c), across = t_.neighbours_of(c);
+    for (unsigned i = 0; i <= k_; ++i)
+      if (across[i] == no_cell && !on_edge(e, v[i])) return true;
+    return false;
   }
 
   void in_any(const EdgeCells::Star& e, std::vector<std::uint32_t>& out) const {
@@ -235,6 +242,10 @@ Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
 }
 
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+  if (t.corners() == 3) {
+    write_plane(t, out, run);
+    return;
+  }
   const EdgeCells edges(t, run);
   const GroupVertices groups(t, run);
   ChunkedListBuilder vertices(t.point_count), points(t.point_count);

@@ -1,16 +1,18 @@
-// voronoi(): vertices, rays and regions. Ridges are written in ridges.cpp.
+// voronoi(): vertices, rays and regions. ridges.cpp writes the ridges, plane_walks.cpp both in the
+// plane.
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "cullhull/error.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
+#include "exact/insphere/circumcentres.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/adjacency.hpp"
-#include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -39,32 +41,7 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
   });
 }
 
-/// Writes the groups of cells around a point in 2D, counterclockwise, starting at infinity if the
-/// point is on the hull, else at the lowest group.
-void turn_around(const Triangulation& t, std::uint32_t v, std::uint32_t start,
-                 std::vector<std::uint32_t>& out) {
-  const auto across = [&](std::uint32_t c, unsigned turn) {
-    return t.neighbours_of(c)[(place_in(t.cell(c), v) + turn) % 3];
-  };
-  std::uint32_t first = start;
-  for (std::uint32_t c = across(start, 2); c != start; c = across(c, 2)) {
-    if (c == no_cell) {
-      out.push_back(at_infinity);
-      break;
-    }
-    first = c;
-  }
-  if (out.empty()) first = start;
-  for (std::uint32_t c = first;;) {
-    if (out.empty() || out.back() != t.group(c)) out.push_back(t.group(c));
-    c = across(c, 1);
-    if (c == no_cell || c == first) break;
-  }
-  if (out.front() == at_infinity) return;
-  if (out.size() > 1 && out.back() == out.front()) out.pop_back();
-  std::rotate(out.begin(), std::min_element(out.begin(), out.end()), out.end());
-}
-
+/// For k != 2.
 void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
   const Adjacency<std::uint32_t> stars = rows_by_id(t.cells, t.corners(), t.point_count);
   std::vector<bool> unbounded(t.point_count);
@@ -77,15 +54,11 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
     for (std::uint64_t v = begin; v < end; ++v) {
       list.clear();
       const auto star = stars[v];
-      if (t.corners() == 3 && !star.empty()) {
-        turn_around(t, static_cast<std::uint32_t>(v), star[0], list);
-      } else {
-        if (t.corners() > 1)
-          for (const std::uint32_t c : star) list.push_back(t.group(c));
-        if (unbounded[v]) list.push_back(at_infinity);
-        std::sort(list.begin(), list.end());
-        list.erase(std::unique(list.begin(), list.end()), list.end());
-      }
+      if (t.corners() > 1)
+        for (const std::uint32_t c : star) list.push_back(t.group(c));
+      if (unbounded[v]) list.push_back(at_infinity);
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
       lists.add(chunk, list);
     }
   });
@@ -139,12 +112,39 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
   const Array<std::uint32_t> first = first_cells(t);
   const std::uint64_t groups = first.empty() ? t.size() : first.size();
   out.vertices.resize(groups * d);
+  const auto cell_of = [&](std::uint64_t g) { return t.cell(first.empty() ? g : first[g]); };
+  const bool by_blocks = d == k && !p.weighted() && has_centres_block(k);
   run.each(groups, light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<const double*> rows(k + 1);
-    for (std::uint64_t g = begin; g < end; ++g) {
-      const auto cell = t.cell(first.empty() ? g : first[g]);
+    const auto write = [&](std::uint64_t g) {
+      const auto cell = cell_of(g);
       for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(cell[i]);
       circumcentre(d, k, p.weighted(), rows.data(), out.vertices.data() + g * d);
+    };
+    if (!by_blocks) {
+      for (std::uint64_t g = begin; g < end; ++g) write(g);
+      return;
+    }
+    std::vector<double> corners(std::size_t{k + 1} * k * centres_block), centres(corners.size());
+    for (std::uint64_t base = begin; base < end; base += centres_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(centres_block, end - base);
+      for (std::uint64_t lane = 0; lane < centres_block; ++lane) {
+        const auto cell = cell_of(base + std::min(lane, count - 1));
+        for (unsigned i = 0; i <= k; ++i) {
+          const double* const row = p.row(cell[i]);
+          for (unsigned j = 0; j < k; ++j) corners[(i * k + j) * centres_block + lane] = row[j];
+        }
+      }
+      circumcentres_double_double(k, corners.data(), centres.data());
+      for (std::uint64_t lane = 0; lane < count; ++lane) {
+        double* const centre = out.vertices.data() + (base + lane) * k;
+        bool known = true;
+        for (unsigned j = 0; j < k; ++j) {
+          centre[j] = centres[j * centres_block + lane];
+          known = known && !std::isnan(centre[j]);
+        }
+        if (!known) write(base + lane);
+      }
     }
   });
 }
@@ -178,7 +178,7 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   run.report("ridges", 0.4);
   write_ridges(p, t, out, run);
   run.report("regions", 0.8);
-  write_regions(t, out, run);
+  if (k != 2) write_regions(t, out, run);
   run.report("done", 1);
   return out;
 }
