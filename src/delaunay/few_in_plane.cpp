@@ -1,0 +1,346 @@
+#include "delaunay/few_in_plane.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "delaunay/plane_insertion.hpp"
+#include "delaunay/write_triangulation.hpp"
+#include "exact/numbers/double_parts.hpp"
+#include "exact/orientation/orientation.hpp"
+#include "geometry/gather.hpp"
+#include "geometry/simplex.hpp"
+#include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
+#include "parallel/threads/thread_memory.hpp"
+
+namespace cullhull::internal::inline delaunay {
+namespace {
+
+constexpr std::uint32_t most_points = 16384;
+/// Up to this many rows are sorted by counting those that are less.
+constexpr std::uint32_t few_rows = 24;
+
+/// The places of a square's cells along a Hilbert curve. A curve through fewer, larger cells has
+/// the same beginning bits.
+class CurveTable {
+ public:
+  static constexpr unsigned bits = 7;
+
+  constexpr CurveTable() {
+    for (unsigned y = 0; y < side; ++y)
+      for (unsigned x = 0; x < side; ++x) places_[y * side + x] = place(x, y);
+  }
+  /// The place of a cell of a square of 2^used x 2^used cells.
+  std::uint32_t operator()(std::uint32_t x, std::uint32_t y, unsigned used) const {
+    return places_[(y * side + x) << (bits - used)] >> 2 * (bits - used);
+  }
+
+ private:
+  static constexpr unsigned side = 1U << bits;
+  static constexpr std::uint16_t place(unsigned x, unsigned y) {
+    unsigned sum = 0;
+    for (unsigned s = side / 2; s > 0; s /= 2) {
+      const unsigned right = (x & s) != 0 ? 1 : 0, up = (y & s) != 0 ? 1 : 0;
+      sum = sum << 2 | (3 * right ^ up);
+      if (up != 0) continue;
+      if (right != 0) {  // the curve through this quarter is turned
+        x = ~x & (side - 1);
+        y = ~y & (side - 1);
+      }
+      std::swap(x, y);
+    }
+    return static_cast<std::uint16_t>(sum);
+  }
+  std::array<std::uint16_t, side * side> places_{};
+};
+constexpr CurveTable curve;
+
+/// Memory that is reused from call to call. Calls take a few milliseconds and cannot be cancelled.
+class FewInPlane {
+ public:
+  bool triangulate(const PointView& view, Triangulation& out) {
+    n_ = static_cast<std::uint32_t>(view.count);
+    const double* const rows = load(view);
+    if (!measure(rows) || !order(rows) || !insert()) {
+      duplicates_.clear();
+      return false;
+    }
+    out.dimension = 2;
+    out.point_count = n_;
+    out.scalar = view.scalar;
+    write(out);
+    return true;
+  }
+
+ private:
+  const double* load(const PointView& view) {
+    if (view.scalar == ScalarType::f64 && view.packed_rows() &&
+        reinterpret_cast<std::uintptr_t>(view.data) % alignof(double) == 0)
+      return reinterpret_cast<const double*>(view.data);
+    loaded_.resize(2 * std::size_t{n_});
+    load_rows_as_given(view, 0, n_, loaded_.data());
+    return loaded_.data();
+  }
+
+  /// Finds the box, and the power of two that scales it to [-1, 1]; false for points that are not
+  /// finite, all equal or of extreme magnitude.
+  bool measure(const double* rows) {
+    double zero[2] = {0, 0};  // x * 0 is NaN exactly for NaN and infinities
+    for (unsigned a = 0; a < 2; ++a) low_[a] = high_[a] = rows[a];
+    for (std::uint32_t i = 0; i < n_; ++i)
+      for (unsigned a = 0; a < 2; ++a) {
+        const double v = rows[2 * std::size_t{i} + a];
+        zero[a] += v * 0.0;
+        low_[a] = std::min(low_[a], v);
+        high_[a] = std::max(high_[a], v);
+      }
+    if (zero[0] + zero[1] != 0) return false;
+    const double most = std::max({-low_[0], high_[0], -low_[1], high_[1]});
+    if (!(most >= 0x1p-500 && most <= 0x1p500)) return false;
+    up_ = std::ilogb(most) + 1;
+    widest_ = std::max(high_[0] - low_[0], high_[1] - low_[1]);
+    return widest_ > most * 0x1p-40;
+  }
+
+  /// Sorts the points along the curve, equal points by id, and scales them. False if many points
+  /// share a cell, or if scaling would not be exact.
+  bool order(const double* rows) {
+    const unsigned bits = std::clamp<unsigned>((std::bit_width(n_) + 1U) / 2, 2, CurveTable::bits);
+    const std::uint32_t cells = 1U << 2 * bits;
+    counts_.assign(cells, 0);
+    keys_.resize(n_);
+    const double across = std::ldexp(1.0, static_cast<int>(bits)) / widest_;
+    const double top = std::ldexp(1.0, static_cast<int>(bits)) - 1;
+    for (std::uint32_t i = 0; i < n_; ++i) {
+      const double x = std::min((rows[2 * std::size_t{i}] - low_[0]) * across, top),
+                   y = std::min((rows[2 * std::size_t{i} + 1] - low_[1]) * across, top);
+      const std::uint32_t key =
+          curve(static_cast<std::uint32_t>(static_cast<std::int32_t>(x)),
+                static_cast<std::uint32_t>(static_cast<std::int32_t>(y)), bits);
+      keys_[i] = static_cast<std::uint16_t>(key);
+      ++counts_[key];
+    }
+    std::uint32_t all = 0, most = 0;
+    for (std::uint32_t& count : counts_) {
+      most = std::max(most, count);
+      all += std::exchange(count, all);
+    }
+    if (most > 32 && most > n_ / 8) return false;
+    LiftedPoints& s = points_;
+    s.base = s.width = s.stride = 2;
+    s.count = n_;
+    s.filtered = true;
+    s.rows.resize(2 * std::size_t{n_});
+    s.ids.resize(n_);
+    const double scale = std::ldexp(1.0, -up_), back = std::ldexp(1.0, up_);
+    bool exact = true;
+    for (std::uint32_t i = 0; i < n_; ++i) {
+      const std::uint32_t place = counts_[keys_[i]]++;
+      s.ids[place] = i;
+      for (unsigned a = 0; a < 2; ++a) {
+        const double v = rows[2 * std::size_t{i} + a], scaled = v * scale;
+        s.rows[2 * std::size_t{place} + a] = scaled;
+        exact &= scaled * back == v;
+      }
+    }
+    find_lattice();
+    return exact;
+  }
+
+  /// Sets exact_limit by the lowest bit of all coordinates.
+  void find_lattice() {
+    LiftedPoints& s = points_;
+    constexpr int least = -51;  // differences of coordinates up to 1 are then exact
+    int lowest = 0;
+    for (std::size_t i = 0; i < s.rows.size() && lowest >= least; ++i)
+      if (s.rows[i] != 0) lowest = std::min(lowest, lowest_bit_exponent(s.rows[i]));
+    s.exact_limit = lowest < least ? 0 : std::ldexp(1.0, 53 + 4 * lowest);
+  }
+
+  /// Inserts all points; false if they are collinear. The first of several equal points in the
+  /// order has the lowest id, so the others are its duplicates.
+  bool insert() {
+    const LiftedPoints& s = points_;
+    std::uint32_t simplex[3] = {0, 1, 2};
+    const auto equal = [&](std::uint32_t a, std::uint32_t b) {
+      return s.row(a)[0] == s.row(b)[0] && s.row(a)[1] == s.row(b)[1];
+    };
+    while (simplex[1] < n_ && equal(0, simplex[1])) ++simplex[1];
+    simplex[2] = simplex[1] + 1;
+    for (;; ++simplex[2]) {
+      if (simplex[2] >= n_) return false;
+      const double* const at[3] = {s.row(0), s.row(simplex[1]), s.row(simplex[2])};
+      if (base_orientation<2>(s, at) != Sign::zero) break;
+    }
+    before_ = engine_.counts();
+    engine_.start(simplex, n_);
+    for (std::uint32_t i = 1; i < n_; ++i) {
+      if (i == simplex[1] || i == simplex[2]) continue;
+      const std::uint32_t v = engine_.insert_unless_equal(i);
+      if (v != no_index) duplicates_.push_back({s.ids[i], s.ids[v]});
+    }
+    return true;
+  }
+
+  /// A cell for sorting, from the high bits: its three corners, its number in the store.
+  using Row = std::uint64_t;
+  static constexpr unsigned id_bits = std::bit_width(most_points - 1),
+                            cell_bits = id_bits + 2;  // fewer than 4 cells a point
+  static std::uint32_t cell_of(Row r) {
+    return static_cast<std::uint32_t>(r) & ((1U << cell_bits) - 1);
+  }
+  static std::uint32_t corner_of(Row r, unsigned j) {
+    return static_cast<std::uint32_t>(r >> (cell_bits + (2 - j) * id_bits)) & ((1U << id_bits) - 1);
+  }
+
+  /// Sorts rows by corner j, stably.
+  void sort(const Row* from, Row* to, std::uint32_t rows, unsigned j) {
+    counts_.assign(n_, 0);
+    for (std::uint32_t i = 0; i < rows; ++i) ++counts_[corner_of(from[i], j)];
+    std::uint32_t all = 0;
+    for (std::uint32_t& count : counts_) all += std::exchange(count, all);
+    for (std::uint32_t i = 0; i < rows; ++i) to[counts_[corner_of(from[i], j)]++] = from[i];
+  }
+
+  /// Sorts rows_[0, rows).
+  void sort(std::uint32_t rows) {
+    Row *const a = rows_.data(), *const b = sorted_.data();
+    if (rows <= few_rows) {
+      for (std::uint32_t i = 0; i < rows; ++i) {
+        std::uint32_t less = 0;
+        for (std::uint32_t j = 0; j < rows; ++j) less += a[j] < a[i] ? 1 : 0;
+        b[less] = a[i];
+      }
+      std::swap(rows_, sorted_);
+      return;
+    }
+    sort(a, b, rows, 1);
+    sort(b, a, rows, 0);
+    for (std::uint32_t i = 1; i < rows; ++i) {  // at most two cells have the same two corners
+      const Row x = a[i - 1], y = a[i];
+      const bool swap = x > y;
+      a[i - 1] = swap ? y : x;
+      a[i] = swap ? x : y;
+    }
+  }
+
+  /// Writes the finite cells in their order. No branch depends on ids or on which cells are
+  /// finite: an item is written at the end of its list in any case, and counts if it belongs there.
+  void write(Triangulation& out) {
+    CellStore<2>& store = engine_.store();
+    const std::uint32_t* const ids = points_.ids.data();
+    const std::uint32_t count = store.count();
+    rank_.resize(count);
+    rows_.resize(count + 1);
+    sorted_.resize(count + 1);
+    std::uint32_t finite = 0;
+    for (std::uint32_t c = 0; c < count; ++c) {
+      std::uint32_t* const v = store.vertices(c);
+      rank_[c] = no_cell;
+      const bool ghost = (v[0] == infinite) | (v[1] == infinite) | (v[2] == infinite);
+      for (unsigned j = 0; j < 3; ++j) v[j] = ids[v[j] == infinite ? 0 : v[j]];
+      sort_simplex<3, true>(v, store.neighbours(c), 3);
+      rows_[finite] = ((Row{v[0]} << id_bits | v[1]) << id_bits | v[2]) << cell_bits | c;
+      finite += ghost ? 0 : 1;
+    }
+    sort(finite);
+    out.cells.resize(3 * std::size_t{finite});
+    out.neighbours.resize(3 * std::size_t{finite});
+    std::uint32_t* to = out.cells.data();
+    for (std::uint32_t i = 0; i < finite; ++i) {
+      for (unsigned j = 0; j < 3; ++j) *to++ = corner_of(rows_[i], j);
+      rank_[cell_of(rows_[i])] = i;
+    }
+    hull_.resize(count + 1);
+    std::uint32_t edges = 0;
+    to = out.neighbours.data();
+    for (std::uint32_t i = 0; i < finite; ++i) {
+      const std::uint32_t* const across = store.neighbours(cell_of(rows_[i]));
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t o = rank_[store.cell_of(across[j])];
+        *to++ = o;
+        hull_[edges] = {i, j};
+        edges += o == no_cell ? 1 : 0;
+      }
+    }
+    write_hull(edges, out);
+    std::sort(duplicates_.begin(), duplicates_.end(),
+              [](const DuplicatePoint& a, const DuplicatePoint& b) { return a.id < b.id; });
+    out.duplicates.assign(duplicates_.begin(), duplicates_.end());
+    duplicates_.clear();
+    out.axes = {0, 1};
+    out.affine_dimension = 2;
+    const LiftCounts& counts = engine_.counts();
+    for (unsigned r = 0; r < 3; ++r)
+      out.statistics.rung_counts[r] = counts.rungs[r] - before_.rungs[r];
+    out.statistics.ties = counts.ties - before_.ties;
+    out.statistics.cells_created = store.created();
+    if (out.statistics.ties > 0) write_groups(points_, out, short_run());
+  }
+
+  /// Each vertex begins at most one edge of the hull.
+  void write_hull(std::uint32_t edges, Triangulation& out) {
+    counts_.assign(n_, no_index);
+    for (std::uint32_t i = 0; i < edges; ++i) {
+      const auto [cell, slot] = hull_[i];
+      counts_[out.cells[3 * std::size_t{cell} + (slot + 1) % 3]] = i;
+    }
+    out.hull_facets.resize(2 * std::size_t{edges});
+    out.hull_cells.resize(edges);
+    for (std::uint32_t v = 0, at = 0; at < edges; ++v) {
+      const bool begins = counts_[v] != no_index;
+      const auto [cell, slot] = hull_[begins ? counts_[v] : 0];
+      out.hull_facets[2 * std::size_t{at}] = v;
+      out.hull_facets[2 * std::size_t{at} + 1] = out.cells[3 * std::size_t{cell} + (slot + 2) % 3];
+      out.hull_cells[at] = cell;
+      at += begins ? 1 : 0;
+    }
+  }
+
+  struct HullEdge {
+    std::uint32_t cell;
+    unsigned slot;  ///< opposite to the edge
+  };
+
+  std::uint32_t n_ = 0;
+  int up_ = 0;  ///< coordinates are at most 2^up_
+  double low_[2] = {}, high_[2] = {}, widest_ = 0;
+  LiftedPoints points_;
+  PlaneInsertion engine_{points_, short_run()};
+  LiftCounts before_;
+  std::vector<double> loaded_;
+  std::vector<std::uint16_t> keys_;
+  std::vector<std::uint32_t> counts_, rank_;
+  std::vector<Row> rows_, sorted_;
+  std::vector<HullEdge> hull_;
+  std::vector<DuplicatePoint> duplicates_;
+};
+
+}  // namespace
+
+bool triangulate_few_in_plane(const PointView& points, const TriangulationOptions& options,
+                              Triangulation& out) {
+  // More bytes than any of these sets takes, so that they need not be counted.
+  constexpr std::uint64_t enough = std::uint64_t{1} << 22;
+  if (points.dimension != 2 || points.count < 3 || points.count > most_points ||
+      points.data == nullptr || options.furthest_site ||
+      (options.memory_budget != 0 && options.memory_budget < enough))
+    return false;
+  const Clock::time_point start = Clock::now();
+  const Options run(options);
+  const Control control(run);
+  control.check();
+  if (!thread_memory<FewInPlane>().triangulate(points, out)) return false;
+  out.statistics.threads = resolve_threads(options.threads);
+  out.statistics.insert_seconds = out.statistics.compute_seconds = seconds_since(start);
+  control.report("done", 1);
+  return true;
+}
+
+}  // namespace cullhull::internal::inline delaunay
