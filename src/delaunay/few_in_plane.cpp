@@ -23,6 +23,9 @@ namespace cullhull::internal::inline delaunay {
 namespace {
 
 constexpr std::uint32_t most_points = 16384;
+/// Points of one cell of the curve are in no order: with more than so many in an average point's
+/// cell walks would be long.
+constexpr std::uint32_t most_sharing = 64;
 /// Up to this many rows are sorted by counting those that are less.
 constexpr std::uint32_t few_rows = 24;
 
@@ -61,7 +64,7 @@ class CurveTable {
 };
 constexpr CurveTable curve;
 
-/// Memory that is reused from call to call. Calls take a few milliseconds and cannot be cancelled.
+/// Holds at most about 2.5 MB. Calls take a few milliseconds at most and cannot be cancelled.
 class FewInPlane {
  public:
   bool triangulate(const PointView& view, Triangulation& out) {
@@ -89,7 +92,8 @@ class FewInPlane {
   }
 
   /// Finds the box, and the power of two that scales it to [-1, 1]; false for points that are not
-  /// finite, all equal or of extreme magnitude.
+  /// finite, of extreme magnitude, or so far from the origin for their extent that the curve's
+  /// cells might be inexact.
   bool measure(const double* rows) {
     double zero[2] = {0, 0};  // x * 0 is NaN exactly for NaN and infinities
     for (unsigned a = 0; a < 2; ++a) low_[a] = high_[a] = rows[a];
@@ -108,8 +112,8 @@ class FewInPlane {
     return widest_ > most * 0x1p-40;
   }
 
-  /// Sorts the points along the curve, equal points by id, and scales them. False if many points
-  /// share a cell, or if scaling would not be exact.
+  /// Sorts the points along the curve, equal points by id, and scales them. False if too many
+  /// points share cells, or if scaling would not be exact.
   bool order(const double* rows) {
     const unsigned bits = std::clamp<unsigned>((std::bit_width(n_) + 1U) / 2, 2, CurveTable::bits);
     const std::uint32_t cells = 1U << 2 * bits;
@@ -126,12 +130,13 @@ class FewInPlane {
       keys_[i] = static_cast<std::uint16_t>(key);
       ++counts_[key];
     }
-    std::uint32_t all = 0, most = 0;
+    std::uint32_t all = 0;
+    std::uint64_t sharing = 0;  // for each point, those in its cell
     for (std::uint32_t& count : counts_) {
-      most = std::max(most, count);
+      sharing += std::uint64_t{count} * count;
       all += std::exchange(count, all);
     }
-    if (most > 32 && most > n_ / 8) return false;
+    if (sharing > std::uint64_t{most_sharing} * n_) return false;
     LiftedPoints& s = points_;
     s.base = s.width = s.stride = 2;
     s.count = n_;

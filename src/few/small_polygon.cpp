@@ -50,7 +50,7 @@ bool SmallPolygon::thin_columns(std::uint32_t count) {
   constexpr std::uint32_t first = 16;  // points that show that most sets have no such axis
   if (count < smallest_worth_columns) return false;
   for (const std::uint32_t n : {first, count}) {
-    const WholeRange range = whole_range(rows_, n);
+    const WholeRange range = whole_range(rows_, n, 2);
     if (!range.finite) return false;
     const double most = std::min(count / rows_per_column, most_columns);
     const auto columns = [&](unsigned a) {
