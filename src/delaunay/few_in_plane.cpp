@@ -92,8 +92,7 @@ class FewInPlane {
   }
 
   /// Finds the box, and the power of two that scales it to [-1, 1]; false for points that are not
-  /// finite, of extreme magnitude, or so far from the origin for their extent that the curve's
-  /// cells might be inexact.
+  /// finite, all equal or of extreme magnitude.
   bool measure(const double* rows) {
     double zero[2] = {0, 0};  // x * 0 is NaN exactly for NaN and infinities
     for (unsigned a = 0; a < 2; ++a) low_[a] = high_[a] = rows[a];
@@ -109,7 +108,7 @@ class FewInPlane {
     if (!(most >= 0x1p-500 && most <= 0x1p500)) return false;
     up_ = std::ilogb(most) + 1;
     widest_ = std::max(high_[0] - low_[0], high_[1] - low_[1]);
-    return widest_ > most * 0x1p-40;
+    return widest_ > 0;
   }
 
   /// Sorts the points along the curve, equal points by id, and scales them. False if too many

@@ -7,8 +7,8 @@ namespace cullhull::internal::inline delaunay {
 
 /// delaunay() for few points in the plane on the calling thread, with memory that the thread keeps:
 /// the general path would spend most of its time on allocating, on sorting keys and on passes that
-/// threads could share. Returns false, and `out` is empty, for points that are not few, whose order
-/// along the curve needs finer keys, that are collinear, not finite or of extreme magnitude.
+/// threads could share. Returns false for other points: more than 16,384, in clusters that
+/// need finer keys for their order, collinear, not finite or of extreme magnitude.
 bool triangulate_few_in_plane(const PointView& points, const TriangulationOptions& options,
                               Triangulation& out);
 
