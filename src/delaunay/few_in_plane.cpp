@@ -35,9 +35,20 @@ class CurveTable {
  public:
   static constexpr unsigned bits = 7;
 
+  /// Four copies of a curve, the first and the last of them turned, make the next finer one.
   constexpr CurveTable() {
-    for (unsigned y = 0; y < side; ++y)
-      for (unsigned x = 0; x < side; ++x) places_[y * side + x] = place(x, y);
+    for (unsigned s = 1; s < side; s *= 2) {
+      const unsigned quarter = s * s;
+      for (unsigned y = 0; y < s; ++y)
+        for (unsigned x = 0; x < s; ++x) {
+          const unsigned p = at(x, y);
+          at(x, s + y) = static_cast<std::uint16_t>(quarter + p);
+          at(s + x, s + y) = static_cast<std::uint16_t>(2 * quarter + p);
+          at(2 * s - 1 - y, s - 1 - x) = static_cast<std::uint16_t>(3 * quarter + p);
+        }
+      for (unsigned y = 1; y < s; ++y)
+        for (unsigned x = 0; x < y; ++x) std::swap(at(x, y), at(y, x));
+    }
   }
   /// The place of a cell of a square of 2^used x 2^used cells.
   std::uint32_t operator()(std::uint32_t x, std::uint32_t y, unsigned used) const {
@@ -46,20 +57,8 @@ class CurveTable {
 
  private:
   static constexpr unsigned side = 1U << bits;
-  static constexpr std::uint16_t place(unsigned x, unsigned y) {
-    unsigned sum = 0;
-    for (unsigned s = side / 2; s > 0; s /= 2) {
-      const unsigned right = (x & s) != 0 ? 1 : 0, up = (y & s) != 0 ? 1 : 0;
-      sum = sum << 2 | (3 * right ^ up);
-      if (up != 0) continue;
-      if (right != 0) {  // the curve through this quarter is turned
-        x = ~x & (side - 1);
-        y = ~y & (side - 1);
-      }
-      std::swap(x, y);
-    }
-    return static_cast<std::uint16_t>(sum);
-  }
+  constexpr std::uint16_t& at(unsigned x, unsigned y) { return places_[y * side + x]; }
+
   std::array<std::uint16_t, side * side> places_{};
 };
 constexpr CurveTable curve;

@@ -66,7 +66,7 @@ class PlaneInsertion {
   template <class Compared>
   static unsigned mask(const Compared& c) {
 #ifdef __SSE2__
-    return static_cast<unsigned>(__builtin_ia32_movmskpd((Pair)c));
+    return static_cast<unsigned>(__builtin_ia32_movmskpd(std::bit_cast<Pair>(c)));
 #else
     return static_cast<unsigned>((c[0] & 1) | (c[1] & 2));
 #endif
