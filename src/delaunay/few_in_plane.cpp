@@ -23,9 +23,10 @@ namespace cullhull::internal::inline delaunay {
 namespace {
 
 constexpr std::uint32_t most_points = 16384;
-/// Points of one cell of the curve are in no order: with more than so many in an average point's
-/// cell walks would be long.
-constexpr std::uint32_t most_sharing = 64;
+/// Points of one cell of the curve are in no order, so walks are long where many share cells: with
+/// more than the first number in an average point's cell, the cells become smaller, with more than
+/// the second the general path is faster.
+constexpr std::uint32_t fair_sharing = 5, most_sharing = 64;
 /// Up to this many rows are sorted by counting those that are less.
 constexpr std::uint32_t few_rows = 24;
 
@@ -110,12 +111,9 @@ class FewInPlane {
     return widest_ > 0;
   }
 
-  /// Sorts the points along the curve, equal points by id, and scales them. False if too many
-  /// points share cells, or if scaling would not be exact.
-  bool order(const double* rows) {
-    const unsigned bits = std::clamp<unsigned>((std::bit_width(n_) + 1U) / 2, 2, CurveTable::bits);
-    const std::uint32_t cells = 1U << 2 * bits;
-    counts_.assign(cells, 0);
+  /// Sets the points' keys and counts them. Returns the sum of, for each point, those in its cell.
+  std::uint64_t set_keys(const double* rows, unsigned bits) {
+    counts_.assign(std::size_t{1} << 2 * bits, 0);
     keys_.resize(n_);
     const double across = std::ldexp(1.0, static_cast<int>(bits)) / widest_;
     const double top = std::ldexp(1.0, static_cast<int>(bits)) - 1;
@@ -128,13 +126,23 @@ class FewInPlane {
       keys_[i] = static_cast<std::uint16_t>(key);
       ++counts_[key];
     }
-    std::uint32_t all = 0;
-    std::uint64_t sharing = 0;  // for each point, those in its cell
-    for (std::uint32_t& count : counts_) {
-      sharing += std::uint64_t{count} * count;
-      all += std::exchange(count, all);
+    std::uint64_t sharing = 0;
+    for (const std::uint32_t count : counts_) sharing += std::uint64_t{count} * count;
+    return sharing;
+  }
+
+  /// Sorts the points along the curve, equal points by id, and scales them. False if too many
+  /// points share cells, or if scaling would not be exact.
+  bool order(const double* rows) {
+    unsigned bits = std::clamp<unsigned>((std::bit_width(n_) + 1U) / 2, 2, CurveTable::bits);
+    std::uint64_t sharing = set_keys(rows, bits);
+    if (sharing > std::uint64_t{fair_sharing} * n_ && bits < CurveTable::bits) {
+      bits = std::min(bits + 2, CurveTable::bits);
+      sharing = set_keys(rows, bits);
     }
     if (sharing > std::uint64_t{most_sharing} * n_) return false;
+    std::uint32_t all = 0;
+    for (std::uint32_t& count : counts_) all += std::exchange(count, all);
     LiftedPoints& s = points_;
     s.base = s.width = s.stride = 2;
     s.count = n_;
@@ -166,28 +174,48 @@ class FewInPlane {
     s.exact_limit = lowest < least ? 0 : std::ldexp(1.0, 53 + 4 * lowest);
   }
 
-  /// Inserts all points; false if they are collinear. The first of several equal points in the
-  /// order has the lowest id, so the others are its duplicates.
-  bool insert() {
+  /// Finds equal points, which share a cell of the curve; the first in the order has the lowest id.
+  /// The others are its duplicates, all first ones places_.
+  void find_duplicates() {
     const LiftedPoints& s = points_;
-    std::uint32_t simplex[3] = {0, 1, 2};
-    const auto equal = [&](std::uint32_t a, std::uint32_t b) {
-      return s.row(a)[0] == s.row(b)[0] && s.row(a)[1] == s.row(b)[1];
-    };
-    while (simplex[1] < n_ && equal(0, simplex[1])) ++simplex[1];
-    simplex[2] = simplex[1] + 1;
-    for (;; ++simplex[2]) {
-      if (simplex[2] >= n_) return false;
-      const double* const at[3] = {s.row(0), s.row(simplex[1]), s.row(simplex[2])};
-      if (base_orientation<2>(s, at) != Sign::zero) break;
+    places_.resize(n_);
+    std::uint32_t first = 0, kept = 0;  // of the cell, of places_
+    for (std::uint32_t i = 0; i < n_; ++i) {
+      if (keys_[s.ids[i]] != keys_[s.ids[first]]) first = i;
+      std::uint32_t j = first;
+      while (s.row(j)[0] != s.row(i)[0] || s.row(j)[1] != s.row(i)[1]) ++j;
+      if (j < i)
+        duplicates_.push_back({s.ids[i], s.ids[j]});
+      else
+        places_[kept++] = i;
     }
+    places_.resize(kept);
+  }
+
+  /// Finds three points that are not collinear; false if there are none.
+  bool find_triangle(std::uint32_t* simplex) const {
+    const std::size_t n = places_.size();
+    const auto turn = [&](std::size_t a, std::size_t b, std::size_t c) {
+      const std::size_t of[3] = {a, b, c};
+      const double* at[3];
+      for (unsigned i = 0; i < 3; ++i) at[i] = points_.row(simplex[i] = places_[of[i]]);
+      return base_orientation<2>(points_, at) != Sign::zero;
+    };
+    if (n < 3) return false;
+    if (turn(0, n / 2, n - 1)) return true;
+    for (std::size_t c = 2; c < n; ++c)
+      if (turn(0, 1, c)) return true;
+    return false;
+  }
+
+  bool insert() {
+    find_duplicates();
+    std::uint32_t simplex[3];
+    if (!find_triangle(simplex)) return false;
     before_ = engine_.counts();
     engine_.start(simplex, n_);
-    for (std::uint32_t i = 1; i < n_; ++i) {
-      if (i == simplex[1] || i == simplex[2]) continue;
-      const std::uint32_t v = engine_.insert_unless_equal(i);
-      if (v != no_index) duplicates_.push_back({s.ids[i], s.ids[v]});
-    }
+    for (const std::uint32_t i : places_)
+      if (i != simplex[0] && i != simplex[1] && i != simplex[2]) engine_.insert(i);
     return true;
   }
 
@@ -319,6 +347,7 @@ class FewInPlane {
   LiftCounts before_;
   std::vector<double> loaded_;
   std::vector<std::uint16_t> keys_;
+  std::vector<std::uint32_t> places_;
   std::vector<std::uint32_t> counts_, rank_;
   std::vector<Row> rows_, sorted_;
   std::vector<HullEdge> hull_;

@@ -43,18 +43,10 @@ class PlaneInsertion {
   /// Inserts point p; always succeeds (true). May throw cancelled.
   bool insert(std::uint32_t p) {
     Corner corners[3];
-    insert_into(p, locate(p, corners), corners);
+    const std::uint32_t first = locate(p, corners);
+    make_cells(p, find_cavity(first, corners));
+    if ((++inserted_ & 1023) == 0) run_.check();
     return true;
-  }
-
-  /// Inserts point p unless it equals a vertex; returns that vertex, or no_index.
-  std::uint32_t insert_unless_equal(std::uint32_t p) {
-    Corner corners[3];
-    const std::uint32_t c = locate(p, corners), *v = store_.vertices(c);
-    for (unsigned j = 0; j < 3; ++j)
-      if (corners[j].x == 0 && corners[j].y == 0 && v[j] != infinite) return v[j];
-    insert_into(p, c, corners);
-    return no_index;
   }
 
  private:
@@ -88,11 +80,6 @@ class PlaneInsertion {
   };
   static std::uint64_t packed(std::uint32_t low, std::uint32_t high) {
     return std::uint64_t{high} << 32 | low;
-  }
-
-  void insert_into(std::uint32_t p, std::uint32_t first, const Corner* corners) {
-    make_cells(p, find_cavity(first, corners));
-    if ((++inserted_ & 1023) == 0) run_.check();
   }
 
   const double* row(std::uint32_t v) const { return rows_ + 2 * std::size_t{v}; }
