@@ -3,7 +3,6 @@
 // no marks are needed. The new triangles overwrite those of the cavity; two more are allocated.
 #pragma once
 
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -15,6 +14,7 @@
 #include "exact/insphere/lift_side.hpp"
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/two_doubles.hpp"
 
 namespace cullhull::internal::inline delaunay {
 
@@ -50,19 +50,9 @@ class PlaneInsertion {
   }
 
  private:
-  /// Two doubles that the processor computes with at once.
-  using Pair = double __attribute__((vector_size(16)));
+  using Pair = TwoDoubles;
   static Pair firsts(const Pair& a, const Pair& b) { return Pair{a[0], b[0]}; }
   static Pair seconds(const Pair& a, const Pair& b) { return Pair{a[1], b[1]}; }
-  /// The results of two comparisons as bits.
-  template <class Compared>
-  static unsigned mask(const Compared& c) {
-#ifdef __SSE2__
-    return static_cast<unsigned>(__builtin_ia32_movmskpd(std::bit_cast<Pair>(c)));
-#else
-    return static_cast<unsigned>((c[0] & 1) | (c[1] & 2));
-#endif
-  }
 
   /// Coordinates relative to the point.
   struct Corner {
@@ -240,9 +230,9 @@ class PlaneInsertion {
     // lift, a product, 2 sums. The magnitudes of all products add up to at most |u| |w| |v|^2 + |w|
     // |v| |u|^2 + |u| |v| |w|^2, and with 2 |u| |w| <= |u|^2 + |w|^2 to the sum below.
     const Pair bound = 16 * unit_roundoff * (ul * vl + wl * (ul + vl)) + front.tiny;
-    const unsigned above = mask(det > bound);
+    const unsigned above = less_bits(bound, det);
     std::uint32_t hit = above & 1, hit_d = above >> 1;
-    const unsigned doubtful = ~(above | mask(det < -bound)) & ((1U << tests) - 1);
+    const unsigned doubtful = ~(above | less_bits(det, -bound)) & ((1U << tests) - 1);
     if (doubtful != 0) [[unlikely]] {
       if ((doubtful & 1) != 0) hit = conflict_in_doubt(c);
       if ((doubtful & 2) != 0) hit_d = conflict_in_doubt(d);
