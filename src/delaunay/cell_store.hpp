@@ -64,11 +64,14 @@ class CellStore {
     neighbours(cell_of(other))[slot_of(other)] = code(c, slot);
   }
 
-  /// Creates one positively oriented cell with vertices `v` and its ghosts, the cells that join its
-  /// facets to the infinite vertex. `points`: the expected number of points, which sizes the first
-  /// allocation.
+  /// Empties the store and keeps its memory. Creates one positively oriented cell with vertices `v`
+  /// and its ghosts, the cells that join its facets to the infinite vertex. `points`: the expected
+  /// number of points, which sizes the first allocation.
   void start(const std::uint32_t* v, std::uint32_t points) {
     expected_ = points;
+    count_ = stamp_ = 0;
+    created_ = 0;
+    free_.clear();
     for (unsigned c = 0; c <= corners(); ++c) {
       new_cell();
       std::copy_n(v, corners(), vertices(c));

@@ -1,7 +1,6 @@
 // Insertion in the plane without weights: every point becomes a vertex and no vertex is ever
-// removed. The cavity of a point is then a tree of triangles. A walk around it visits each edge
-// once and needs no marks. The new triangles, in cyclic order, overwrite those of the cavity; two
-// more are allocated.
+// removed. The cavity of a point is then a tree of triangles, so that each edge is tested once, and
+// no marks are needed. The new triangles overwrite those of the cavity; two more are allocated.
 #pragma once
 
 #include <cmath>
@@ -15,17 +14,14 @@
 #include "exact/insphere/lift_side.hpp"
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/two_doubles.hpp"
 
 namespace cullhull::internal::inline delaunay {
 
 class PlaneInsertion {
  public:
   PlaneInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points),
-        run_(run),
-        store_(2, run.budget),
-        signs_(points),
-        tiny_(points.filtered ? points.tiny : std::numeric_limits<double>::infinity()) {}
+      : s_(points), run_(run), store_(2, run.budget), signs_(points) {}
 
   CellStore<2>& store() { return store_; }
   const LiftCounts& counts() {
@@ -36,6 +32,8 @@ class PlaneInsertion {
 
   /// Starts with three points that are not collinear. `expected`: the approximate number of points.
   void start(const std::uint32_t* simplex, std::uint32_t expected) {
+    tiny_ = s_.filtered ? s_.tiny : std::numeric_limits<double>::infinity();
+    rows_ = s_.row(0);
     std::uint32_t v[3] = {simplex[0], simplex[1], simplex[2]};
     if (signs_.orientation(v) == Sign::negative) std::swap(v[1], v[2]);
     store_.start(v, expected);
@@ -44,175 +42,286 @@ class PlaneInsertion {
 
   /// Inserts point p; always succeeds (true). May throw cancelled.
   bool insert(std::uint32_t p) {
-    signs_.set_query(p);
-    px_ = s_.row(p)[0];
-    py_ = s_.row(p)[1];
     Corner corners[3];
-    const std::uint32_t first = locate(corners);
-    walk_around(first, corners);
-    make_cells(p);
+    const std::uint32_t first = locate(p, corners);
+    make_cells(p, find_cavity(first, corners));
     if ((++inserted_ & 1023) == 0) run_.check();
     return true;
   }
 
  private:
-  /// A vertex, with coordinates and lift relative to the point. `code`: the neighbour across the
-  /// edge that ends here.
+  using Pair = TwoDoubles;
+  static Pair firsts(const Pair& a, const Pair& b) { return Pair{a[0], b[0]}; }
+  static Pair seconds(const Pair& a, const Pair& b) { return Pair{a[1], b[1]}; }
+
+  /// Coordinates relative to the point.
   struct Corner {
-    double x, y, lift;
-    std::uint32_t vertex, code;
+    double x, y;
   };
-  /// An edge of the cavity's boundary, from the end of the previous one. `code`: the neighbour
-  /// outside the cavity.
-  struct Rim {
-    std::uint32_t code, to;
-  };
+  /// An edge of the cavity's boundary, in a cyclic list.
+  struct alignas(64) Edge {
+    Pair at;               ///< coordinates of its start, relative to the point
+    Pair lift;             ///< of its start; the determinant of its start and its end
+    std::uint64_t links;   ///< from the low bits: the neighbour across it (a code), the next edge
+    std::uint32_t vertex;  ///< its start
 
-  /// The infinite vertex gets NaN coordinates, so that no filter decides.
-  Corner corner(std::uint32_t v) const {
-    if (v == infinite) {
-      constexpr double none = std::numeric_limits<double>::quiet_NaN();
-      return {none, none, none, v, 0};
-    }
-    const double* q = s_.row(v);
-    const double x = q[0] - px_, y = q[1] - py_;
-    return {x, y, x * x + y * y, v, 0};
+    std::uint32_t code() const { return static_cast<std::uint32_t>(links); }
+    std::uint32_t next() const { return static_cast<std::uint32_t>(links >> 32); }
+  };
+  static std::uint64_t packed(std::uint32_t low, std::uint32_t high) {
+    return std::uint64_t{high} << 32 | low;
   }
 
-  static unsigned next(unsigned slot) { return slot == 2 ? 0 : slot + 1; }
-  static unsigned previous(unsigned slot) { return slot == 0 ? 2 : slot - 1; }
-
-  /// Visibility walk to the triangle that contains the point, or to a ghost; sets its corners.
-  std::uint32_t locate(Corner* corners) {
-    std::uint32_t c = last_;
-    if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
-    for (unsigned j = 0; j < 3; ++j) corners[j] = corner(store_.vertices(c)[j]);
-    for (unsigned from = 3;;) {
-      unsigned j = 0;
-      while (j < 3 && (j == from || !beyond(c, j, corners[next(j)], corners[previous(j)]))) ++j;
-      if (j == 3) return c;
-      const std::uint32_t code = store_.neighbours(c)[j];
-      const Corner begin = corners[next(j)], end = corners[previous(j)];
-      c = store_.cell_of(code);
-      from = store_.slot_of(code);
-      corners[from] = corner(store_.vertices(c)[from]);
-      corners[next(from)] = end;
-      corners[previous(from)] = begin;
-      if (corners[from].vertex == infinite) return c;
-      if ((++steps_ & 4095) == 0) run_.check();
-    }
+  const double* row(std::uint32_t v) const { return rows_ + 2 * std::size_t{v}; }
+  Corner finite_corner(std::uint32_t v) const {
+    const double* q = row(v);
+    return {q[0] - px_, q[1] - py_};
+  }
+  // Tables, because branches on slots would be unpredictable.
+  static unsigned next(unsigned slot) {
+    static constexpr std::uint8_t slots[4] = {1, 2, 0, 0};
+    return slots[slot];
+  }
+  static unsigned previous(unsigned slot) {
+    static constexpr std::uint8_t slots[4] = {2, 0, 1, 0};
+    return slots[slot];
   }
 
-  /// Whether the edge from a to b of the finite triangle c, opposite to corner j, separates the
-  /// point from c. Rounds as filtered_by_columns() does.
-  bool beyond(std::uint32_t c, unsigned j, const Corner& a, const Corner& b) {
-    const double l = a.x * b.y, r = a.y * b.x, det = l - r;
-    const double bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny_;
-    if (std::abs(det) > bound) return det < 0;
+  /// The determinant of two corners, and whether its sign is certain. Rounds as
+  /// filtered_by_columns() does.
+  struct Turn {
+    double det, bound;
+    bool negative() const { return det < -bound; }
+    bool positive() const { return det > bound; }
+  };
+  Turn turn(const Corner& a, const Corner& b) const {
+    const double l = a.x * b.y, r = a.y * b.x;
+    return {l - r, 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny_};
+  }
+  /// Whether the edge of triangle c opposite to corner j, which has this turn, separates the point
+  /// from c.
+  bool beyond(const Turn& t, std::uint32_t c, unsigned j) {
+    if (t.negative() || t.positive()) return t.negative();
     return signs_.replaced(store_.vertices(c), j) == Sign::negative;
   }
 
-  /// Finds the cavity (cavity_), starting with a triangle and its corners, and its boundary in
-  /// cyclic order (rims_), by depth-first search. Edges to be visited are consecutive, so the stack
-  /// open_ stores only the end of each.
-  void walk_around(std::uint32_t first, const Corner* corners) {
-    rims_.clear();
-    cavity_.clear();
-    cavity_.push_back(first);
-    const std::uint32_t* across = store_.neighbours(first);
-    Corner* open = open_.data();
-    std::size_t depth = 3;
-    for (unsigned j = 0, end = 0; j < 3; ++j, end = previous(end)) {  // the first one on top
-      open[j] = corners[end];
-      open[j].code = across[next(end)];
-    }
-    Corner from = corners[0];
-    while (depth > 0) {
-      const Corner to = open[depth - 1];
-      const std::uint32_t c = store_.cell_of(to.code);
-      const unsigned slot = store_.slot_of(to.code);
-      Corner apex = corner(store_.vertices(c)[slot]);
-      if (!conflict(c, from, apex, to)) {
-        rims_.push_back({to.code, to.vertex});
-        from = to;
-        --depth;
-        continue;
+  /// Visibility walk to the triangle that contains the point, or to a ghost; sets its corners.
+  std::uint32_t locate(std::uint32_t p, Corner* corners) {
+    signs_.set_query(p);
+    px_ = row(p)[0];
+    py_ = row(p)[1];
+    std::uint32_t c = last_;
+    if (const unsigned g = store_.ghost_slot(c); g < 3) c = store_.cell_of(store_.neighbours(c)[g]);
+    const std::uint32_t* v = store_.vertices(c);
+    // The walk enters c by the edge from b to a; the corner w is opposite.
+    Corner w = finite_corner(v[0]), a = finite_corner(v[1]), b = finite_corner(v[2]);
+    unsigned from = 0;
+    bool back = beyond(turn(a, b), c, 0);
+    for (;;) {
+      std::uint32_t code = 0;
+      if (back) {
+        code = store_.neighbours(c)[from];
+        std::swap(a, b);
+        back = false;
+      } else {
+        const Turn l = turn(b, w), r = turn(w, a);
+        bool left = l.negative();
+        if (static_cast<unsigned>(left) + static_cast<unsigned>(r.negative()) == 0) {
+          if (static_cast<unsigned>(l.positive()) + static_cast<unsigned>(r.positive()) == 2) break;
+          left = beyond(l, c, next(from));
+          if (!left && !beyond(r, c, previous(from))) break;
+        }
+        code = store_.neighbours(c)[left ? next(from) : previous(from)];
+        a.x = left ? w.x : a.x;
+        a.y = left ? w.y : a.y;
+        b.x = left ? b.x : w.x;
+        b.y = left ? b.y : w.y;
       }
-      cavity_.push_back(c);
-      // The triangle is apex, to, from. The edge from-apex, opposite to `to`, is visited first.
-      across = store_.neighbours(c);
-      open[depth - 1].code = across[previous(slot)];
-      apex.code = across[next(slot)];
-      if (depth == open_.size()) {
-        open_.resize(2 * depth);
-        open = open_.data();
+      c = store_.cell_of(code);
+      from = store_.slot_of(code);
+      const std::uint32_t apex = store_.vertices(c)[from];
+      if (apex == infinite) {
+        w = {0, 0};
+        break;
       }
-      open[depth++] = apex;
+      w = finite_corner(apex);
+      if ((++steps_ & 4095) == 0) run_.check();
     }
+    corners[from] = w;
+    corners[next(from)] = a;
+    corners[previous(from)] = b;
+    return c;
   }
 
-  /// Whether the point is in conflict with triangle c, which has the edge from u to v and the
-  /// opposite corner w.
-  bool conflict(std::uint32_t c, const Corner& u, const Corner& w, const Corner& v) {
-    // Determinant of the rows u, w, v relative to the point: positive inside the circumcircle.
-    const double uw = u.x * w.y, wu = u.y * w.x, wv = w.x * v.y, vw = w.y * v.x, vu = v.x * u.y,
-                 uv = v.y * u.x;
-    const double det = (uw - wu) * v.lift + (wv - vw) * u.lift + (vu - uv) * w.lift;
-    const double size = (std::abs(uw) + std::abs(wu)) * v.lift +
-                        (std::abs(wv) + std::abs(vw)) * u.lift +
-                        (std::abs(vu) + std::abs(uv)) * w.lift;
-    // Roundings on a path of the computation: 2 differences, a product, a difference; 4 for the
-    // lift, a product, 2 sums. Computing `size` adds 4 more.
-    const double bound = 16 * unit_roundoff * size + tiny_;
-    if (std::abs(det) > bound) {
-      ++filtered_;
-      return det > 0;
+  /// Finds the cavity and its boundary (edges_, cavity_), starting with a triangle and its corners;
+  /// returns the number of edges. Each edge is tested once; if the triangle across it is in
+  /// conflict, two edges replace it, which are tested together. The outcomes are unpredictable, so
+  /// they are added to numbers instead of branched on.
+  std::uint32_t find_cavity(std::uint32_t first, const Corner* corners) {
+    const std::uint32_t* v = store_.vertices(first);
+    for (unsigned j = 0; j < 3; ++j) {
+      const Corner &a = corners[j], &b = corners[next(j)];
+      const double lift = v[j] == infinite ? 1 : a.x * a.x + a.y * a.y;
+      edges_[j] = {Pair{a.x, a.y}, Pair{lift, a.x * b.y - a.y * b.x},
+                   packed(v[3 + previous(j)], next(j)), v[j]};
     }
+    cavity_[0] = packed(first, 0);
+    Front front{edges_.data(), cavity_.data(), store_.vertices(0), rows_,
+                {px_, py_},    Pair{px_, py_}, Pair{tiny_, tiny_}, 3};
+    test<1>(front, 2);
+    for (std::uint32_t i = 0; i < front.count - 2; ++i) {
+      if (front.count + 2 > room_) [[unlikely]] {
+        grow();
+        front.edges = edges_.data();
+        front.cavity = cavity_.data();
+      }
+      test<2>(front, static_cast<std::uint32_t>(front.cavity[i] >> 32));
+    }
+    filtered_ += 2 * front.count - 3;
+    return front.count;
+  }
+
+  /// What find_cavity() works on.
+  struct Front {
+    Edge* edges;
+    std::uint64_t* cavity;
+    std::uint32_t* cells;  ///< of the store: three vertices and three neighbours each
+    const double* rows;
+    double point[2];
+    Pair at, tiny;        ///< the point; the underflow term twice
+    std::uint32_t count;  ///< of edges; the cavity has two triangles less
+  };
+
+  /// Sets `at` to the coordinates of vertex v. The infinite vertex is (0, 0) with the lift 1: an
+  /// in-circle determinant with this row is the orientation of the point and the other two corners.
+  /// Returns what the lift adds to the square of the distance.
+  [[gnu::always_inline]] static double corner(const Front& front, std::uint32_t v, Pair& at) {
+    const double* q = front.rows + 2 * std::size_t{v};
+    q = v == infinite ? front.point : q;
+    at = Pair{q[0], q[1]} - front.at;
+    return v == infinite ? 1 : 0;
+  }
+
+  /// Tests an edge and, if `tests` is 2, the next one.
+  template <unsigned tests>
+  [[gnu::always_inline]] void test(Front& front, std::uint32_t edge) {
+    Edge& a = front.edges[edge];
+    const std::uint32_t second = a.next();
+    Edge& b = front.edges[second];
+    const Edge& after = front.edges[b.next()];
+    const std::uint32_t c = store_.cell_of(a.code()), d = store_.cell_of(b.code());
+    const std::uint32_t *const cell = front.cells + std::size_t{c} * 6, *const other =
+                                                                            front.cells +
+                                                                            std::size_t{d} * 6;
+    const unsigned slot = store_.slot_of(a.code()), slot_d = store_.slot_of(b.code());
+    const std::uint32_t apex = cell[slot], apex_d = other[slot_d];
+    Pair p, q;
+    const double more = corner(front, apex, p), more_d = corner(front, apex_d, q);
+    // Rows u, w, v relative to the point: start, apex and end. The determinant is positive inside
+    // the circumcircle.
+    const Pair ux = firsts(a.at, b.at), uy = seconds(a.at, b.at), ul = firsts(a.lift, b.lift);
+    const Pair vx = firsts(b.at, after.at), vy = seconds(b.at, after.at),
+               vl = firsts(b.lift, after.lift);
+    const Pair uv = seconds(a.lift, b.lift);
+    const Pair wx = firsts(p, q), wy = seconds(p, q), wl = wx * wx + wy * wy + Pair{more, more_d};
+    const Pair uw = ux * wy - uy * wx, wv = wx * vy - wy * vx;
+    const Pair det = uw * vl + wv * ul - uv * wl;
+    // Roundings on a path of the computation: 2 differences, a product, a difference; 4 for the
+    // lift, a product, 2 sums. The magnitudes of all products add up to at most |u| |w| |v|^2 + |w|
+    // |v| |u|^2 + |u| |v| |w|^2, and with 2 |u| |w| <= |u|^2 + |w|^2 to the sum below.
+    const Pair bound = 16 * unit_roundoff * (ul * vl + wl * (ul + vl)) + front.tiny;
+    const unsigned above = less_bits(bound, det);
+    std::uint32_t hit = above & 1, hit_d = above >> 1;
+    const unsigned doubtful = ~(above | less_bits(det, -bound)) & ((1U << tests) - 1);
+    if (doubtful != 0) [[unlikely]] {
+      if ((doubtful & 1) != 0) hit = conflict_in_doubt(c);
+      if ((doubtful & 2) != 0) hit_d = conflict_in_doubt(d);
+    }
+    replace(front, a, edge, hit, c, cell, slot, apex, p, firsts(wl, wv), uw[0]);
+    if (tests == 2)
+      replace(front, b, second, hit_d, d, other, slot_d, apex_d, q, seconds(wl, wv), uw[1]);
+  }
+
+  /// If `hit` is 1, adds triangle c, across edge e in slot `slot`, to the cavity: the edge then
+  /// ends at the triangle's apex, and a new edge leads from there to the old end. `minor`: the
+  /// determinant of the shortened edge's ends.
+  [[gnu::always_inline]] static void replace(Front& front, Edge& e, std::uint32_t edge,
+                                             std::uint32_t hit, std::uint32_t c,
+                                             const std::uint32_t* cell, unsigned slot,
+                                             std::uint32_t apex, const Pair& at, const Pair& lift,
+                                             double minor) {
+    const std::uint32_t count = front.count;
+    Edge& added = front.edges[count];
+    added.at = at;
+    added.lift = lift;
+    added.links = packed(cell[3 + previous(slot)], e.next());
+    added.vertex = apex;
+    front.cavity[count - 2] = packed(c, edge);
+    e.links ^= (e.links ^ packed(cell[3 + next(slot)], count)) & (0 - std::uint64_t{hit});
+    e.lift[1] = minor;  // not used again unless hit
+    front.count = count + hit;
+  }
+
+  /// Returns 1 if triangle c is in conflict, else 0.
+  [[gnu::noinline]] std::uint32_t conflict_in_doubt(std::uint32_t c) {
+    --filtered_;
     if (const unsigned g = store_.ghost_slot(c); g < 3) {
       const Sign beyond = signs_.replaced(store_.vertices(c), g);
-      if (beyond != Sign::zero) return beyond == Sign::positive;
+      if (beyond != Sign::zero) return beyond == Sign::positive ? 1 : 0;
       c = store_.cell_of(store_.neighbours(c)[g]);
     }
-    return signs_.conflict(store_.vertices(c));
+    return signs_.conflict(store_.vertices(c)) ? 1 : 0;
+  }
+
+  void grow() {
+    room_ *= 2;
+    edges_.resize(room_);
+    cavity_.resize(room_);
   }
 
   /// Creates a triangle p, from, to for each boundary edge. Its neighbours: slot 0 outside the
   /// cavity, slot 1 the next new triangle, slot 2 the previous one.
-  void make_cells(std::uint32_t p) {
-    store_.count_reused(cavity_.size());
-    while (cavity_.size() < rims_.size()) cavity_.push_back(store_.new_cell());
-    const std::size_t n = rims_.size();
-    std::uint32_t before = cavity_[n - 1], from = rims_[n - 1].to;
-    last_ = no_index;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Rim& e = rims_[i];
-      const std::uint32_t c = cavity_[i];
-      std::uint32_t *v = store_.vertices(c), *across = store_.neighbours(c);
+  void make_cells(std::uint32_t p, std::uint32_t count) {
+    store_.count_reused(count - 2);
+    cavity_[count - 2] = store_.new_cell();
+    cavity_[count - 1] = store_.new_cell();
+    const Edge* const edges = edges_.data();
+    const std::uint64_t* const made = cavity_.data();
+    std::uint32_t* const cells = store_.vertices(0);
+    std::uint32_t last = no_index;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Edge& e = edges[i];
+      const std::uint32_t n = e.next(), code = e.code(), to = edges[n].vertex;
+      const auto c = static_cast<std::uint32_t>(made[i]),
+                 after = static_cast<std::uint32_t>(made[n]);
+      std::uint32_t *v = cells + std::size_t{c} * 6, *across = v + 3;
       v[0] = p;
-      v[1] = from;
-      v[2] = e.to;
-      store_.link(c, 0, e.code);
-      across[1] = store_.code(i + 1 < n ? cavity_[i + 1] : cavity_[0], 2);
-      across[2] = store_.code(before, 1);
-      before = c;
-      if (from != infinite && e.to != infinite) last_ = c;
-      from = e.to;
+      v[1] = e.vertex;
+      v[2] = to;
+      across[0] = code;
+      across[1] = store_.code(after, 2);
+      cells[std::size_t{store_.cell_of(code)} * 6 + 3 + store_.slot_of(code)] = store_.code(c, 0);
+      cells[std::size_t{after} * 6 + 5] = store_.code(c, 1);
+      last = e.vertex != infinite && to != infinite ? c : last;
     }
-    if (last_ == no_index) last_ = before;
+    last_ = last == no_index ? static_cast<std::uint32_t>(made[0]) : last;
   }
 
   const LiftedPoints& s_;
   const Run& run_;
   CellStore<2> store_;
   PointSigns<2> signs_;
-  double tiny_;  ///< underflow term of the filters; infinite if no filter may decide
+  double tiny_ = 0;  ///< underflow term of the filters; infinite if no filter may decide
+  const double* rows_ = nullptr;
   double px_ = 0, py_ = 0;
   std::uint64_t steps_ = 0, inserted_ = 0, filtered_ = 0;
   std::uint32_t last_ = 0;
   LiftCounts counts_;
-  std::vector<Corner> open_ = std::vector<Corner>(64);
-  std::vector<Rim> rims_;
-  std::vector<std::uint32_t> cavity_;
+  std::uint32_t room_ = 64;
+  std::vector<Edge> edges_ = std::vector<Edge>(room_);
+  /// For each triangle of the cavity its number and, in the high bits, the first of two consecutive
+  /// edges that it brought.
+  std::vector<std::uint64_t> cavity_ = std::vector<std::uint64_t>(room_);
 };
 
 /// Whether PlaneInsertion can triangulate these points.

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "delaunay/cell_insertion.hpp"
+#include "delaunay/few_in_plane.hpp"
 #include "delaunay/insert_together.hpp"
 #include "delaunay/parts.hpp"
 #include "delaunay/plane_insertion.hpp"
@@ -192,6 +193,7 @@ Triangulation triangulate(const PointView& points, const TriangulationOptions& o
 namespace cullhull::inline v1 {
 
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
+  if (Triangulation few; internal::triangulate_few_in_plane(points, options, few)) return few;
   internal::Prepared prepared;
   return internal::triangulate(points, options, prepared);
 }

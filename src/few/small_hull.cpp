@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
+#include "few/small_lattice.hpp"
 #include "few/small_polygon.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
@@ -27,9 +29,17 @@ bool small_extreme_2d(const PointView& points, ExtremePoints& result) {
   return true;
 }
 
+bool small_hull_3d(const PointView& points, Hull& hull) {
+  const std::vector<std::uint64_t>* ids = nullptr;
+  if (ends_in_small_lattice(points, ids))
+    return hull_of_few(points, ids->data(), ids->size(), hull);
+  return points.count <= most_unfiltered_in_space &&
+         hull_of_few(points, nullptr, points.count, hull);
+}
+
 bool small_extreme_3d(const PointView& points, ExtremePoints& result) {
   Hull hull;
-  if (!hull_of_few(points, nullptr, points.count, hull)) return false;
+  if (!small_hull_3d(points, hull)) return false;
   result.affine_dimension = hull.affine_dimension;
   result.ids = std::move(hull.vertices);
   return true;
@@ -52,11 +62,10 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   return true;
 }
 
-/// Whether there are so few points that the general filters do not pay.
+/// Whether there may be so few points that the general filters do not pay.
 bool few_enough(const PointView& points) {
-  return points.dimension == 2   ? points.count <= SmallPolygon::most_points
-         : points.dimension == 3 ? points.count <= most_unfiltered_in_space
-                                 : false;
+  return (points.dimension == 2 || points.dimension == 3) &&
+         points.count <= SmallPolygon::most_points;
 }
 
 /// Calls find() if size and options permit it, and fills `statistics`. False where find() is not
@@ -89,8 +98,7 @@ bool takes_small_sets(const Options& options) {
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
   return find_small(points, options, hull.statistics, [&] {
-    if (!(points.dimension == 2 ? small_hull_2d(points, hull)
-                                : hull_of_few(points, nullptr, points.count, hull)))
+    if (!(points.dimension == 2 ? small_hull_2d(points, hull) : small_hull_3d(points, hull)))
       return false;
     hull.dimension = points.dimension;
     hull.point_count = points.count;

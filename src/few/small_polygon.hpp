@@ -42,6 +42,9 @@ class SmallPolygon {
 
  private:
   const double* load(const PointView& set);
+  bool thin_columns(std::uint32_t count);
+  void keep_ends(unsigned axis, double low, std::uint32_t columns);
+  void take_kept(std::uint32_t k);
   bool thin(std::uint32_t count);
   void keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc);
   void rank(const std::vector<std::uint32_t>& corners);
@@ -55,6 +58,12 @@ class SmallPolygon {
   std::uint32_t kept_count_ = 0;
   std::vector<std::uint32_t> kept_;
   std::vector<double> kept_rows_;
+  // The ends of the rows with the same value on one axis: their values on the other, their numbers.
+  struct Column {
+    double least, most;
+    std::uint32_t first, last;
+  };
+  std::vector<Column> columns_;
   std::vector<std::uint32_t> rank_;  // by row: the rank of a corner
   struct Corner {
     std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise

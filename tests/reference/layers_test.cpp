@@ -113,6 +113,7 @@ const std::vector<std::string> portable_places = {
     "src/parallel/memory/memory.cpp",
     "src/parallel/memory/pages.cpp",
     "src/parallel/prefetch.hpp",
+    "src/parallel/two_doubles.hpp",
     "src/parallel/windows.hpp",
     "src/io/system.cpp",
     "src/io/system.hpp",

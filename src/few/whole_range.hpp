@@ -1,0 +1,18 @@
+// The range of coordinates, and which axes have whole numbers alone.
+#pragma once
+
+#include <cstdint>
+
+namespace cullhull::internal::inline few {
+
+/// Of points of up to three coordinates.
+struct WholeRange {
+  double low[3], high[3];
+  bool whole[3];  ///< all values of the axis are whole and below 2^50 in magnitude
+  bool finite;
+};
+
+/// Of `count` > 0 packed rows of d = 2 or 3 numbers. Ranges are unspecified unless all are finite.
+WholeRange whole_range(const double* rows, std::uint32_t count, unsigned d);
+
+}  // namespace cullhull::internal::inline few
