@@ -65,16 +65,16 @@ make_wheel() {
   venv
   rm -rf build/wheel/raw
   # In the same tree, where all but the module is compiled already; another Python is found anew.
-  # A run that was cut off may have left the module switched on. Without CC and CXX scikit-build-core
-  # takes the compiler of that Python, and everything would be compiled again for each of them.
+  # A run that was cut off may have left the module switched on. Scikit-build-core clears the tree's
+  # settings where its record there names another Python, and all would be compiled again.
+  rm -f build/portable/.skbuild-info.json
   cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF -U 'Python_*' -U '_Python_*' >/dev/null
   local settings=(--config-settings build-dir=build/portable)
   for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \
     "CULLHULL_SYSROOT=$sysroot" "Python_EXECUTABLE=$venv/bin/python"; do
     settings+=(--config-settings "cmake.define.$definition")
   done
-  PATH="$venv/bin:$PATH" CC=${CC:-cc} CXX=${CXX:-c++} CMAKE_BUILD_PARALLEL_LEVEL=$jobs \
-    "$venv/bin/pip" wheel . --quiet \
+  PATH="$venv/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=$jobs "$venv/bin/pip" wheel . --quiet \
     --no-deps --no-build-isolation "${settings[@]}" -w build/wheel/raw
   PATH="$venv/bin:$PATH" LD_LIBRARY_PATH=$sysroot/usr/lib/x86_64-linux-gnu \
     "$venv/bin/auditwheel" repair --strip -w "$dist" build/wheel/raw/*.whl
