@@ -65,7 +65,9 @@ make_wheel() {
   venv
   rm -rf build/wheel/raw
   # In the same tree, where all but the module is compiled already; another Python is found anew.
-  # A run that was cut off may have left the module switched on.
+  # A run that was cut off may have left the module switched on. Scikit-build-core clears the tree's
+  # settings where its record there names another Python, and all would be compiled again.
+  rm -f build/portable/.skbuild-info.json
   cmake build/portable -DCULLHULL_BUILD_PYTHON=OFF -U 'Python_*' -U '_Python_*' >/dev/null
   local settings=(--config-settings build-dir=build/portable)
   for definition in "CMAKE_TOOLCHAIN_FILE=$root/cmake/PortableToolchain.cmake" \

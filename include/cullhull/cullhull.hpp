@@ -32,3 +32,14 @@
 #include "cullhull/triangulation_query.hpp"
 #include "cullhull/version.hpp"
 #include "cullhull/voronoi.hpp"
+
+namespace cullhull::inline v1 {
+
+/// What converted options before 1.0; each struct of options has a constructor for this now.
+template <class To>
+[[deprecated("write To(options), for example TriangulationOptions(options)")]] To run_as(
+    const RunOptions& options) {
+  return To(options);
+}
+
+}  // namespace cullhull::inline v1

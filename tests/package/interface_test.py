@@ -84,7 +84,10 @@ BEFORE = [
     ("const char* text = survivors.backend;", "Backend"),
     ("cullhull::convex_hulls(view, offsets, 1);", "pass the offsets as a span"),
     ("cullhull::EvenArray<std::uint64_t>::Iterator it; (void)it;", "use const_iterator"),
+    ("cullhull::run_as<cullhull::TriangulationOptions>(cullhull::Options());",
+     "write To(options), for example TriangulationOptions(options)"),
     # No class with constructors can say more.
+    ("cullhull::Options designated{.threads = 2}; (void)designated;", "Options"),
     ("cullhull::PointView designated{.data = nullptr}; (void)designated;", "PointView"),
     ("cullhull::CertifyStream stream(cullhull::convex_hull(view), {});", "CertifyStream"),
     ("cullhull::convex_hull(std::vector<std::array<double, 3>>(4));",
