@@ -33,6 +33,7 @@
 #include "cullhull/version.hpp"
 #include "cullhull/voronoi.hpp"
 
+#pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
 
 /// What converted options before 1.0; each struct of options has a constructor for this now.
@@ -43,3 +44,4 @@ template <class To>
 }
 
 }  // namespace cullhull::inline v1
+#pragma GCC visibility pop
