@@ -69,7 +69,7 @@ class FewInPlane {
  public:
   bool triangulate(const PointView& view, Triangulation& out) {
     n_ = static_cast<std::uint32_t>(view.count);
-    const double* const rows = load(view);
+    const double* const rows = rows_as_given(view, loaded_);
     if (!measure(rows) || !order(rows) || !insert()) {
       duplicates_.clear();
       return false;
@@ -82,15 +82,6 @@ class FewInPlane {
   }
 
  private:
-  const double* load(const PointView& view) {
-    if (view.scalar == ScalarType::f64 && view.packed_rows() &&
-        reinterpret_cast<std::uintptr_t>(view.data) % alignof(double) == 0)
-      return reinterpret_cast<const double*>(view.data);
-    loaded_.resize(2 * std::size_t{n_});
-    load_rows_as_given(view, 0, n_, loaded_.data());
-    return loaded_.data();
-  }
-
   /// Finds the box, and the power of two that scales it to [-1, 1]; false for points that are not
   /// finite, all equal or of extreme magnitude.
   bool measure(const double* rows) {

@@ -23,7 +23,7 @@ class SmallLattice {
     double few[3 * first];
     load_rows_as_given(points, 0, first, few);
     if (!measure(few, first, count)) return false;
-    rows_ = load(points);
+    rows_ = rows_as_given(points, loaded_);
     if (!measure(rows_, count, count)) return false;
     note(count);
     mark_ends();
@@ -32,15 +32,6 @@ class SmallLattice {
   const std::vector<std::uint64_t>& ids() const { return ids_; }
 
  private:
-  const double* load(const PointView& points) {
-    if (points.scalar == ScalarType::f64 && points.packed_rows() &&
-        reinterpret_cast<std::uintptr_t>(points.data) % alignof(double) == 0)
-      return reinterpret_cast<const double*>(points.data);
-    loaded_.resize(3 * points.count);
-    load_rows_as_given(points, 0, points.count, loaded_.data());
-    return loaded_.data();
-  }
-
   /// Whether the rows are on a lattice that is small for `points` points and has at most 64 places
   /// along each axis.
   bool measure(const double* rows, std::uint32_t count, std::uint32_t points) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "few/whole_range.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal::inline few {
 namespace {
@@ -31,7 +32,7 @@ bool finite(const double* values, std::uint32_t count) {
 bool SmallPolygon::find(const PointView& set) {
   if (set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
   const auto n = static_cast<std::uint32_t>(set.count);
-  rows_ = load(set);
+  rows_ = rows_as_given(set, loaded_);
   kept_count_ = n;
   all_ = !thin_columns(n) && (n < smallest_worth_thinning || !thin(n));
   if (all_ && n > most_kept) return false;
@@ -152,15 +153,6 @@ void SmallPolygon::take_kept(std::uint32_t k) {
 }
 
 /// The set's coordinates as packed doubles, unchanged: negative zeros included.
-const double* SmallPolygon::load(const PointView& set) {
-  const auto address = reinterpret_cast<std::uintptr_t>(set.data);
-  if (set.scalar == ScalarType::f64 && set.packed_rows() && address % alignof(double) == 0)
-    return reinterpret_cast<const double*>(set.data);
-  if (loaded_.size() < 2 * set.count) loaded_.resize(2 * set.count);
-  load_rows_as_given(set, 0, set.count, loaded_.data());
-  return loaded_.data();
-}
-
 void SmallPolygon::rank(const std::vector<std::uint32_t>& corners) {
   const std::uint32_t rows = kept_count_;
   const std::size_t h = corners.size();

@@ -41,7 +41,6 @@ class SmallPolygon {
                    std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
 
  private:
-  const double* load(const PointView& set);
   bool thin_columns(std::uint32_t count);
   void keep_ends(unsigned axis, double low, std::uint32_t columns);
   void take_kept(std::uint32_t k);

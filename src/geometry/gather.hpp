@@ -1,6 +1,8 @@
 // Copies points of a view into packed doubles, which all later code works on.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -52,6 +54,21 @@ void load_row(const PointView& view, std::uint64_t point, double* out);
 void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 /// Does the same but keeps the sign of each zero, which affects the planes of edges.
 void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
+
+/// The rows of a view that lie as packed doubles; nullptr for others.
+inline const double* packed_doubles(const PointView& view) {
+  const bool aligned = reinterpret_cast<std::uintptr_t>(view.data) % alignof(double) == 0;
+  return view.scalar == ScalarType::f64 && view.packed_rows() && aligned
+             ? reinterpret_cast<const double*>(view.data)
+             : nullptr;
+}
+/// The rows as packed doubles: in place, or copied to `memory` by load_rows_as_given().
+inline const double* rows_as_given(const PointView& view, std::vector<double>& memory) {
+  if (const double* const rows = packed_doubles(view)) return rows;
+  memory.resize(std::max<std::size_t>(memory.size(), view.count * view.dimension));
+  load_rows_as_given(view, 0, view.count, memory.data());
+  return memory.data();
+}
 
 /// Throws as gather_points does. `ids`: nullptr means all points. Memory O(threads).
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run);

@@ -8,6 +8,7 @@
 
 #include "agreement/all_paths.hpp"
 #include "agreement/canonical_hash.hpp"
+#include "agreement/general_outcome.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
@@ -19,21 +20,6 @@ namespace {
 
 using namespace testing_support;
 using namespace internal;
-
-/// The message, or the hash of what is no error.
-std::string outcome(const PointView& points, CullMethod cull) {
-  Options options;
-  options.cull = cull;
-  try {
-    return std::to_string(canonical_hash(convex_hull(points, options)));
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
-
-void expect_general(const PointView& points, const std::string& what) {
-  EXPECT_EQ(outcome(points, CullMethod::automatic), outcome(points, CullMethod::none)) << what;
-}
 
 using Coordinate = std::function<double(Random&)>;
 

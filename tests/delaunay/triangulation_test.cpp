@@ -13,6 +13,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/brute_triangulation.hpp"
 #include "delaunay/lifted_sets.hpp"
+#include "delaunay/same_triangulation.hpp"
 #include "thrown.hpp"
 
 namespace cullhull {
@@ -31,18 +32,6 @@ Triangulation triangulate(const LiftedSet& s, const TriangulationOptions& o = {}
 
 Certificate certified(const LiftedSet& s, const Triangulation& t) {
   return s.weights.empty() ? certify(view_of(s), t) : certify(view_of(s), s.weights, t);
-}
-
-void expect_same(const Triangulation& a, const Triangulation& b, const std::string& what) {
-  EXPECT_EQ(a.affine_dimension, b.affine_dimension) << what;
-  EXPECT_EQ(a.axes, b.axes) << what;
-  EXPECT_EQ(a.cells, b.cells) << what;
-  EXPECT_EQ(a.neighbours, b.neighbours) << what;
-  EXPECT_EQ(a.cell_groups, b.cell_groups) << what;
-  EXPECT_EQ(a.hull_facets, b.hull_facets) << what;
-  EXPECT_EQ(a.hull_cells, b.hull_cells) << what;
-  EXPECT_EQ(a.duplicates, b.duplicates) << what;
-  EXPECT_EQ(a.hidden, b.hidden) << what;
 }
 
 void expect_brute(const LiftedSet& s, const Triangulation& t, int sign = 1) {

@@ -1,6 +1,5 @@
 #include "points.hpp"
 
-#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -24,18 +23,6 @@ std::optional<ScalarType> scalar_of(int type, std::size_t size) {
   if (size == 2) return is_signed ? ScalarType::i16 : ScalarType::u16;
   if (size == 4) return is_signed ? ScalarType::i32 : ScalarType::u32;
   return std::nullopt;
-}
-
-template <class T>
-void load(const PointView& view, double* to) {
-  for (std::uint64_t i = 0; i < view.count; ++i) {
-    const std::byte* at = view.data + static_cast<std::ptrdiff_t>(i) * view.point_stride;
-    for (unsigned j = 0; j < view.dimension; ++j, at += view.coordinate_stride) {
-      T value;
-      std::memcpy(&value, at, sizeof value);
-      *to++ = static_cast<double>(value);
-    }
-  }
 }
 
 }  // namespace
@@ -62,32 +49,9 @@ Points::Points(nb::handle points) : owner_(nb::borrow(points)) {
 
 std::vector<double> rows_of_view(const PointView& view) {
   std::vector<double> rows(view.count * view.dimension);
-  switch (view.scalar) {
-    case ScalarType::f32:
-      load<float>(view, rows.data());
-      break;
-    case ScalarType::f64:
-      load<double>(view, rows.data());
-      break;
-    case ScalarType::i8:
-      load<std::int8_t>(view, rows.data());
-      break;
-    case ScalarType::u8:
-      load<std::uint8_t>(view, rows.data());
-      break;
-    case ScalarType::i16:
-      load<std::int16_t>(view, rows.data());
-      break;
-    case ScalarType::u16:
-      load<std::uint16_t>(view, rows.data());
-      break;
-    case ScalarType::i32:
-      load<std::int32_t>(view, rows.data());
-      break;
-    case ScalarType::u32:
-      load<std::uint32_t>(view, rows.data());
-      break;
-  }
+  double* to = rows.data();
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    for (unsigned j = 0; j < view.dimension; ++j) *to++ = view.at(i, j);
   return rows;
 }
 

@@ -1,7 +1,6 @@
 // Circumcentres, one cell in each lane of a vector; compiled once per instruction set.
 #include "exact/insphere/circumcentres.hpp"
 
-#include <bit>
 #include <cstdint>
 #include <limits>
 
@@ -14,6 +13,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "exact/determinants/minors-inl.hpp"
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -59,26 +59,8 @@ HWY_INLINE void centres_of_vector(const double* corners, double* centres) {
     good = chosen(largest[j] < Lanes(0x1p80), good, none);
     product = product * largest[j];
   }
-  // det[mask]: the minor of the first rows on the columns of a mask, as in expand_minors.
   DoubleDoubles det[full];
-  for (unsigned mask = 1; mask < full - 1; ++mask) {
-    const auto size = static_cast<unsigned>(std::popcount(mask));
-    const DoubleDoubles* const row = m[size - 1];
-    if (size == 1) {
-      det[mask] = row[std::countr_zero(mask)];
-      continue;
-    }
-    DoubleDoubles sum;
-    bool minus = size % 2 == 0;
-    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-      const auto j = static_cast<unsigned>(std::countr_zero(rest));
-      DoubleDoubles term = row[j] * det[mask ^ (1U << j)];
-      if (minus) term = -term;
-      sum = rest == mask ? term : sum + term;
-      minus = !minus;
-    }
-    det[mask] = sum;
-  }
+  minors_of_lanes<full - 1>(m, det);
   constexpr unsigned all = full - 1;
   constexpr double error = (minor_roundings(K) + 3 * K + 12) * 0x1p-101 * factorial(K);
   const DoubleDoubles whole = det[all ^ (1U << K)], twice = whole + whole;

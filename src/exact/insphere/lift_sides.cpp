@@ -1,7 +1,6 @@
 // In-sphere tests, one cell in each lane of a vector; compiled once per instruction set.
 #include "exact/insphere/lift_sides.hpp"
 
-#include <bit>
 #include <cstdint>
 
 #include "exact/insphere/lift_filter.hpp"
@@ -14,6 +13,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "exact/determinants/minors-inl.hpp"
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -44,26 +44,8 @@ HWY_INLINE void sides_of_vector(const double* corners, const double* p, double t
     }
     largest[K] = greater_of(largest[K], absolute(m[i][K].high));
   }
-  // det[mask]: the minor of the first rows on the columns of a mask, as in expand_minors.
   DoubleDoubles det[full];
-  for (unsigned mask = 1; mask < full; ++mask) {
-    const auto size = static_cast<unsigned>(std::popcount(mask));
-    const DoubleDoubles* const row = m[size - 1];
-    if (size == 1) {
-      det[mask] = row[std::countr_zero(mask)];
-      continue;
-    }
-    DoubleDoubles sum;
-    bool minus = size % 2 == 0;
-    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-      const auto j = static_cast<unsigned>(std::countr_zero(rest));
-      DoubleDoubles term = row[j] * det[mask ^ (1U << j)];
-      if (minus) term = -term;
-      sum = rest == mask ? term : sum + term;
-      minus = !minus;
-    }
-    det[mask] = sum;
-  }
+  minors_of_lanes<full>(m, det);
   Lanes value = det[full - 1].high;
   if (columns % 2 == 1) value = -value;
   constexpr double roundings = minor_roundings(columns) + 2 * K + K + 10;

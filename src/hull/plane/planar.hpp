@@ -70,11 +70,7 @@ class PlanarSource {
   /// Rows that are read at once: 16 KB, which fit L1.
   static constexpr std::uint32_t block = 1024;
 
-  explicit PlanarSource(const PointView& view) : view_(view) {
-    const auto address = reinterpret_cast<std::uintptr_t>(view.data);
-    if (view.scalar == ScalarType::f64 && view.packed_rows() && address % alignof(double) == 0)
-      packed_ = reinterpret_cast<const double*>(view.data);
-  }
+  explicit PlanarSource(const PointView& view) : view_(view), packed_(packed_doubles(view)) {}
 
   const PointView& view() const { return view_; }
   std::uint32_t count() const { return static_cast<std::uint32_t>(view_.count); }
@@ -94,7 +90,7 @@ class PlanarSource {
 
  private:
   PointView view_;
-  const double* packed_ = nullptr;
+  const double* packed_;
 };
 
 }  // namespace cullhull::internal::inline hull

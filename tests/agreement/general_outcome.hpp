@@ -1,0 +1,29 @@
+// What a set gives by its own way and by the general one, without a filter.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "agreement/canonical_hash.hpp"
+#include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
+
+namespace cullhull::testing_support {
+
+/// The message, or the hash of what is no error.
+inline std::string outcome(const PointView& points, CullMethod cull) {
+  Options options;
+  options.cull = cull;
+  try {
+    return std::to_string(canonical_hash(convex_hull(points, options)));
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+inline void expect_general(const PointView& points, const std::string& what) {
+  EXPECT_EQ(outcome(points, CullMethod::automatic), outcome(points, CullMethod::none)) << what;
+}
+
+}  // namespace cullhull::testing_support
