@@ -101,6 +101,7 @@ class CellInsertion {
   /// Inserts point p: visibility walk, cavity, new cells. May throw cancelled.
   Inserted insert(std::uint32_t p) {
     signs_.set_query(p);
+    if constexpr (with_planes) planes_.set_point(p);
     const std::uint32_t first = locate();
     if (first == no_index) return Inserted::busy;
     if (s_.may_hide && !conflict(first)) {
@@ -313,9 +314,17 @@ class CellInsertion {
   /// cell is deferred (decide_undecided) and counts as not in conflict until then.
   [[gnu::noinline]] bool conflict_in_doubt(std::uint32_t c) {
     if constexpr (with_planes) {
-      if (planes_.known(c) && s_.exact_limit == 0) {
-        undecided_.push_back(c);
-        return false;
+      if (planes_.known(c)) {
+        if (s_.exact_limit == 0) {
+          undecided_.push_back(c);
+          return false;
+        }
+        Sign side = Sign::zero;
+        if (planes_.decides_on_lattice(c, side)) {
+          ++by_plane_;
+          if (side != Sign::zero) return side == Sign::negative;
+          return signs_.tied_conflict(cells_.store.vertices(c));
+        }
       }
     }
     return conflict(c);
@@ -363,10 +372,11 @@ class CellInsertion {
     while (searched < cells) {
       bool free = false;
       if constexpr (with_planes)
-        free = planes_.used() ? search<true>(searched, cells, facets)
-                              : search<false>(searched, cells, facets);
+        free = !planes_.used()       ? search<Tests::exact>(searched, cells, facets)
+               : planes_.on_sphere() ? search<Tests::powers>(searched, cells, facets)
+                                     : search<Tests::planes>(searched, cells, facets);
       else
-        free = search<false>(searched, cells, facets);
+        free = search<Tests::exact>(searched, cells, facets);
       if (!free) return false;
       if (!undecided_.empty()) {
         put_off = true;
@@ -384,10 +394,13 @@ class CellInsertion {
     }
     return true;
   }
-  /// Continues the search from cell number `searched` of the cavity. `by_plane`: cells have planes.
-  /// Returns false if another thread holds a cell.
-  template <bool by_plane>
-  bool search(std::size_t& searched, std::size_t& cells, std::size_t& facets) {
+  /// What decides whether a cell is in conflict: the predicate, or first its plane, of squared
+  /// distances or of powers with respect to a common sphere.
+  enum class Tests : std::uint8_t { exact, planes, powers };
+  /// Continues the search from cell number `searched` of the cavity. Returns false if another
+  /// thread holds a cell.
+  template <Tests tests>
+  [[gnu::noinline]] bool search(std::size_t& searched, std::size_t& cells, std::size_t& facets) {
     const double* const p = signs_.point();
     std::size_t cell = cells, facet = facets, i = searched;
     std::uint64_t tested = 0;
@@ -405,9 +418,9 @@ class CellInsertion {
         if (seen == CellState::busy) return false;
         bool in = seen == CellState::inside;
         if (seen == CellState::first) {
-          if constexpr (by_plane) {
+          if constexpr (tests != Tests::exact) {
             ++tested;
-            if (!planes_.decides(o, p, in)) [[unlikely]] {
+            if (!planes_.template decides<tests == Tests::powers>(o, p, in)) [[unlikely]] {
               in = conflict_in_doubt(o);
               --tested;
             }
@@ -475,12 +488,12 @@ class CellInsertion {
         if (!planes_.used()) continue;
         if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());
         if (finite)
-          planes_.add(made, v, f.slot, p);
+          planes_.add(made, v, f.slot);
         else
           planes_.set_none(made);
       }
     }
-    if constexpr (with_planes) planes_.flush(p);
+    if constexpr (with_planes) planes_.flush();
     if (last_ == no_index) last_ = facets_.front().made;
   }
 
@@ -547,7 +560,7 @@ class CellInsertion {
     }
     if constexpr (with_planes) {
       if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());
-      planes_.see(labelled_.data(), label.count(), p);
+      planes_.see(labelled_.data(), label.count());
     }
     const std::uint32_t* const vertex = labelled_.data();
     std::uint32_t last = no_index;
@@ -564,13 +577,13 @@ class CellInsertion {
       if constexpr (with_planes) {
         if (!planes_.used()) continue;
         if (finite)
-          planes_.add_seen(f.made, a, b, c, p);
+          planes_.add_seen(f.made, a, b, c);
         else
           planes_.set_none(f.made);
       }
     }
     last_ = last == no_index ? facets_.front().made : last;
-    if constexpr (with_planes) planes_.flush(p);
+    if constexpr (with_planes) planes_.flush();
   }
 
   /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary. A table holds for

@@ -9,6 +9,7 @@
 
 #include "delaunay/cell_store.hpp"
 #include "delaunay/lift_planes.hpp"
+#include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
@@ -46,7 +47,10 @@ template <unsigned K>
 class CellPlanes {
  public:
   explicit CellPlanes(const LiftedPoints& s)
-      : s_(s), used_(s.filtered && s.stride == s.base && !s.may_hide) {}
+      : s_(s),
+        used_(s.filtered && s.stride == s.base && !s.may_hide),
+        on_sphere_(!s.powers.empty()),
+        exact_bound_(0.99 * plane_roundings(K) * unit_roundoff * s.exact_limit) {}
 
   bool used() const { return used_; }
   /// To be called whenever the store may have grown or the planes may have been reallocated.
@@ -62,48 +66,43 @@ class CellPlanes {
     planes_[c].square = ShortBound(0);
   }
 
+  /// Sets the point p that decides() and the cells of the following calls refer to.
+  void set_point(std::uint32_t p) {
+    point_ = p;
+    row_ = s_.row(p);
+  }
+
   /// Adds the plane of cell c, whose corners are `v` and whose corner `slot` is the point p. Planes
   /// are computed lift_block at a time.
-  void add(std::uint32_t c, const std::uint32_t* v, unsigned slot, std::uint32_t p) {
-    const double* o = s_.row(p);
+  void add(std::uint32_t c, const std::uint32_t* v, unsigned slot) {
     for (unsigned i = 0, to = 0; i <= K; ++i) {
       if (i == slot) continue;
-      const double* q = s_.row(v[i]);
-      for (unsigned j = 0; j < K; ++j) rows_[(to * (K + 1) + j) * lift_block + open_] = q[j] - o[j];
-      ++to;
+      see(v[i], 0);
+      set_row(to++, 0);
     }
-    cells_[open_] = c;
-    odd_[open_] = slot % 2 == 1;
-    if (++open_ == lift_block) flush(p);
+    finish(c, slot % 2 == 1);
   }
   /// 3D: sets the vertices, other than p, of the next cells; add_seen() refers to them by index.
   /// The infinite vertex may be among them.
-  void see(const std::uint32_t* vertices, std::uint32_t count, std::uint32_t p) {
-    const double* o = s_.row(p);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const double* q = s_.row(vertices[i] == infinite ? p : vertices[i]);
-      for (unsigned j = 0; j < K; ++j) seen_[i][j] = q[j] - o[j];
-    }
+  void see(const std::uint32_t* vertices, std::uint32_t count) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      see(vertices[i] == infinite ? point_ : vertices[i], i);
   }
   /// 3D: add() for the positively oriented cell of p and the vertices with the indices a, b, c.
-  void add_seen(std::uint32_t cell, std::uint32_t a, std::uint32_t b, std::uint32_t c,
-                std::uint32_t p) {
-    for (unsigned j = 0; j < K; ++j) {
-      rows_[(0 * (K + 1) + j) * lift_block + open_] = seen_[a][j];
-      rows_[(1 * (K + 1) + j) * lift_block + open_] = seen_[b][j];
-      rows_[(2 * (K + 1) + j) * lift_block + open_] = seen_[c][j];
-    }
-    cells_[open_] = cell;
-    odd_[open_] = false;
-    if (++open_ == lift_block) flush(p);
+  [[gnu::always_inline]] void add_seen(std::uint32_t cell, std::uint32_t a, std::uint32_t b,
+                                       std::uint32_t c) {
+    set_row(0, a);
+    set_row(1, b);
+    set_row(2, c);
+    finish(cell, false);
   }
   /// Computes the planes that are still pending. Call after the last cell of each point p.
-  void flush(std::uint32_t p) {
+  void flush() {
     if (open_ == 0) return;
-    lift_planes(K, rows_, block_);
+    lift_planes(K, rows_, on_sphere_ ? sizes_ : nullptr, block_);
     for (std::size_t i = 0; i < open_; ++i) {
       LiftedPlane<K>& plane = planes_[cells_[i]];
-      plane.origin = p;
+      plane.origin = point_;
       for (unsigned j = 0; j <= K; ++j) {
         const double v = block_[j * lift_block + i];
         plane.normal[j] = odd_[i] ? -v : v;
@@ -119,34 +118,88 @@ class CellPlanes {
     return planes_[c].linear.value() < std::numeric_limits<double>::infinity();
   }
   void prefetch(std::uint32_t c) const { prefetch_line(planes_ + c); }
+  /// Whether lifts are powers with respect to a common sphere instead of squared distances.
+  bool on_sphere() const { return on_sphere_; }
   /// Sets `below` to whether p is below the cell's plane, as lift_side() would; returns false if
   /// the plane does not decide that or the cell has none. Branch-free on `below`, which is
-  /// unpredictable.
-  bool decides(std::uint32_t c, const double* p, bool& below) const {
+  /// unpredictable. `sphere`: on_sphere(). `p`: the row of p.
+  template <bool sphere>
+  [[gnu::always_inline]] bool decides(std::uint32_t c, const double* p, bool& below) const {
+    const auto [value, bound] = side<sphere>(c, p);
+    below = value < 0;
+    return std::abs(value) > bound;
+  }
+  /// The same where decides() returns false and the points are on a lattice: returns whether
+  /// `sign`, zero if p is on the cell's sphere, is exact.
+  [[gnu::noinline]] bool decides_on_lattice(std::uint32_t c, Sign& sign) const {
+    const auto [value, bound] = side<false>(c, row_);
+    sign = sign_of(value);
+    return bound <= exact_bound_;
+  }
+
+ private:
+  /// Computes the difference of two powers; `size` bounds it and its error as in lift_planes().
+  static void set_lift(double power, double other, double& lift, double& size) {
+    constexpr double absolute = 4 * LiftedPoints::power_error / unit_roundoff;
+    lift = power - other;
+    size = std::abs(power) + std::abs(other) + absolute;
+  }
+  /// Sets corner `to` of the list to vertex v, relative to p.
+  [[gnu::always_inline]] void see(std::uint32_t v, std::uint32_t to) {
+    const double* q = s_.row(v);
+    for (unsigned j = 0; j < K; ++j) seen_[to][j] = q[j] - row_[j];
+    if (on_sphere_) set_lift(s_.powers[v], s_.powers[point_], seen_lifts_[to], seen_sizes_[to]);
+  }
+  /// Sets row i of the next plane to a corner of the list.
+  [[gnu::always_inline]] void set_row(unsigned i, std::uint32_t from) {
+    double* const to = rows_ + i * (K + 1) * lift_block + open_;
+    for (unsigned j = 0; j < K; ++j) to[j * lift_block] = seen_[from][j];
+    if (!on_sphere_) return;
+    to[K * lift_block] = seen_lifts_[from];
+    sizes_[i * lift_block + open_] = seen_sizes_[from];
+  }
+  void finish(std::uint32_t c, bool odd) {
+    cells_[open_] = c;
+    odd_[open_] = odd;
+    if (++open_ == lift_block) flush();
+  }
+
+  /// The dot product of a cell's plane and p, and the bound of its error.
+  struct Side {
+    double value, bound;
+  };
+  template <bool sphere>
+  [[gnu::always_inline]] Side side(std::uint32_t c, const double* p) const {
     const LiftedPlane<K>& plane = planes_[c];
     const double* o = s_.row(plane.origin);
     double lift = 0, value = 0, most = 0;
     for (unsigned j = 0; j < K; ++j) {
       const double v = p[j] - o[j];
       most = std::max(most, std::abs(v));
-      lift += v * v;
+      if (!sphere) lift += v * v;
       value += plane.normal[j] * v;
     }
+    double size = lift;
+    if (sphere) set_lift(s_.powers[point_], s_.powers[plane.origin], lift, size);
     value += plane.normal[K] * lift;
-    const double bound = (plane.linear.value() + plane.square.value() * most) * most + s_.tiny;
-    below = value < 0;
-    return std::abs(value) > bound;
+    return {value, plane.linear.value() * most + plane.square.value() * size + s_.tiny};
   }
 
- private:
   const LiftedPoints& s_;
-  bool used_;
+  bool used_, on_sphere_;
+  /// Up to this bound no product or sum of the determinant is rounded, if the points are on a
+  /// lattice; 0 if they are not.
+  double exact_bound_;
   LiftedPlane<K>* planes_ = nullptr;
+  std::uint32_t point_ = 0;
+  const double* row_ = nullptr;
   std::size_t open_ = 0;
   std::uint32_t cells_[lift_block] = {};
   bool odd_[lift_block] = {};
-  double seen_[K == 3 ? 64 : 1][K] = {};
-  double rows_[K * (K + 1) * lift_block] = {}, block_[(K + 3) * lift_block] = {};
+  static constexpr unsigned most_seen = K == 3 ? 64 : 1;
+  double seen_[most_seen][K] = {}, seen_lifts_[most_seen] = {}, seen_sizes_[most_seen] = {};
+  double rows_[K * (K + 1) * lift_block] = {}, sizes_[K * lift_block] = {},
+                             block_[(K + 3) * lift_block] = {};
 };
 
 /// Replaces CellPlanes in dimensions without planes.

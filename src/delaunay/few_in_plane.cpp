@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -155,7 +156,7 @@ class FewInPlane {
     return exact;
   }
 
-  /// Sets exact_limit by the lowest bit of all coordinates.
+  /// Sets the limits up to which doubles are exact by the lowest bit of all coordinates.
   void find_lattice() {
     LiftedPoints& s = points_;
     constexpr int least = -51;  // differences of coordinates up to 1 are then exact
@@ -163,6 +164,7 @@ class FewInPlane {
     for (std::size_t i = 0; i < s.rows.size() && lowest >= least; ++i)
       if (s.rows[i] != 0) lowest = std::min(lowest, lowest_bit_exponent(s.rows[i]));
     s.exact_limit = lowest < least ? 0 : std::ldexp(1.0, 53 + 4 * lowest);
+    s.exact_orientation_limit = lowest < least ? 0 : std::ldexp(1.0, 53 + 2 * lowest);
   }
 
   /// Finds equal points, which share a cell of the curve; the first in the order has the lowest id.
@@ -256,6 +258,13 @@ class FewInPlane {
   /// finite: an item is written at the end of its list in any case, and counts if it belongs there.
   void write(Triangulation& out) {
     CellStore<2>& store = engine_.store();
+    const LiftCounts& counts = engine_.counts();
+    for (unsigned r = 0; r < 3; ++r)
+      out.statistics.rung_counts[r] = counts.rungs[r] - before_.rungs[r];
+    out.statistics.ties = counts.ties - before_.ties;
+    out.statistics.cells_created = store.created();
+    std::optional<DisjointSets> spheres;
+    if (out.statistics.ties > 0) spheres = cells_of_spheres(points_, store, short_run());
     const std::uint32_t* const ids = points_.ids.data();
     const std::uint32_t count = store.count();
     rank_.resize(count);
@@ -298,12 +307,7 @@ class FewInPlane {
     duplicates_.clear();
     out.axes = {0, 1};
     out.affine_dimension = 2;
-    const LiftCounts& counts = engine_.counts();
-    for (unsigned r = 0; r < 3; ++r)
-      out.statistics.rung_counts[r] = counts.rungs[r] - before_.rungs[r];
-    out.statistics.ties = counts.ties - before_.ties;
-    out.statistics.cells_created = store.created();
-    if (out.statistics.ties > 0) write_groups(points_, out, short_run());
+    if (spheres) write_groups(*spheres, rank_, out, short_run());
   }
 
   /// Each vertex begins at most one edge of the hull.

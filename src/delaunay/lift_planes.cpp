@@ -1,11 +1,9 @@
 // Planes of lifted cells, one cell per vector lane; compiled once per instruction set.
 #include "delaunay/lift_planes.hpp"
 
-#include <array>
-#include <bit>
-#include <cstdint>
+#include <cstddef>
 
-#include "exact/insphere/lift_filter.hpp"
+#include "exact/determinants/minors.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
@@ -15,82 +13,71 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "exact/determinants/minors-inl.hpp"
+#include "exact/numbers/lanes-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline delaunay::HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using F = hn::CappedTag<double, lift_block>;
-using V = hn::Vec<F>;
+using namespace exact::HWY_NAMESPACE;
 
-/// Computes the planes of one vector of cells. `m`, `out`: the data of the first cell.
-template <unsigned K>
-HWY_INLINE void planes_of_vector(double* m, double* out) {
-  const F f;
+static_assert(lift_block == 8);  // as many lanes as Lanes has at most
+
+/// Computes the planes of one vector of cells. `m`, `sizes`, `out`: the data of the first cell.
+template <unsigned K, bool given_lifts>
+HWY_INLINE void planes_of_vector(const double* m, const double* sizes, double* out) {
   constexpr unsigned columns = K + 1, full = 1U << columns;
-  const auto entry = [&](unsigned i, unsigned j) { return m + (i * columns + j) * lift_block; };
-  V largest[columns];
-  for (V& v : largest) v = hn::Zero(f);
+  const auto loaded = [](const double* from) HWY_ATTR { return Lanes(hn::LoadU(D(), from)); };
+  const auto write = [&](Lanes v, unsigned to)
+                         HWY_ATTR { hn::StoreU(v.v, D(), out + to * lift_block); };
+  Lanes row[K][columns], largest[columns];
+  for (Lanes& v : largest) v = 0.0;
   for (unsigned i = 0; i < K; ++i) {
-    V lift = hn::Zero(f);
+    Lanes lift = 0.0;
     for (unsigned j = 0; j < K; ++j) {
-      const V v = hn::LoadU(f, entry(i, j));
-      largest[j] = hn::Max(largest[j], hn::Abs(v));
-      lift = hn::Add(lift, hn::Mul(v, v));
+      row[i][j] = loaded(m + (i * columns + j) * lift_block);
+      largest[j] = greater_of(largest[j], absolute(row[i][j]));
+      if (!given_lifts) lift = add_product<false>(lift, row[i][j], row[i][j]);
     }
-    largest[K] = hn::Max(largest[K], lift);
-    hn::StoreU(lift, f, entry(i, K));
+    row[i][K] = given_lifts ? loaded(m + (i * columns + K) * lift_block) : lift;
+    largest[K] = greater_of(largest[K], given_lifts ? loaded(sizes + i * lift_block) : lift);
   }
-  // det[mask]: the minor of the first rows on the columns of a mask, expanded along its last row
-  // (as in expand_minors).
-  V det[full];
-  for (unsigned mask = 1; mask < full; ++mask) {
-    const auto size = static_cast<unsigned>(std::popcount(mask));
-    if (size > K) continue;
-    if (size == 1) {
-      det[mask] = hn::LoadU(f, entry(0, static_cast<unsigned>(std::countr_zero(mask))));
-      continue;
-    }
-    V sum = hn::Zero(f);
-    bool negative = size % 2 == 0;
-    for (unsigned rest = mask; rest != 0; rest &= rest - 1) {
-      const auto j = static_cast<unsigned>(std::countr_zero(rest));
-      const V term = hn::Mul(hn::LoadU(f, entry(size - 1, j)), det[mask ^ (1U << j)]);
-      sum = negative ? hn::Sub(sum, term) : hn::Add(sum, term);
-      negative = !negative;
-    }
-    det[mask] = sum;
-  }
+  Lanes det[full];
+  minors_of_lanes<full - 1>(row, det);
   // The cofactors of the last of K + 1 rows.
   for (unsigned j = 0; j < columns; ++j) {
-    const V d = det[(full - 1) ^ (1U << j)];
-    hn::StoreU((K + j) % 2 == 0 ? d : hn::Neg(d), f, out + j * lift_block);
+    const Lanes d = det[(full - 1) ^ (1U << j)];
+    write((K + j) % 2 == 0 ? d : -d, j);
   }
-  constexpr double roundings = minor_roundings(K + 1) + 2 * K + K + 18;
-  constexpr double factor = roundings * unit_roundoff * factorial(K);
-  V linear = hn::Zero(f);
+  constexpr double factor = plane_roundings(K) * unit_roundoff * factorial(K);
+  Lanes linear = 0.0;
   for (unsigned left = 0; left < columns; ++left) {
-    V product = hn::Set(f, left < K ? factor : factor * K);
+    Lanes product = factor;
     for (unsigned j = 0; j < columns; ++j)
-      if (j != left) product = hn::Mul(product, largest[j]);
+      if (j != left) product = product * largest[j];
     if (left < K)
-      linear = hn::Add(linear, product);
+      linear = linear + product;
     else
-      hn::StoreU(product, f, out + (K + 2) * lift_block);
+      write(product, K + 2);
   }
-  hn::StoreU(linear, f, out + (K + 1) * lift_block);
+  write(linear, K + 1);
 }
 
 template <unsigned K>
-void planes_of_block(double* rows, double* planes) {
-  for (std::size_t lane = 0; lane < lift_block; lane += hn::Lanes(F()))
-    planes_of_vector<K>(rows + lane, planes + lane);
+void planes_of_block(const double* rows, const double* sizes, double* planes) {
+  for (std::size_t lane = 0; lane < lift_block; lane += lane_count())
+    if (sizes != nullptr)
+      planes_of_vector<K, true>(rows + lane, sizes + lane, planes + lane);
+    else
+      planes_of_vector<K, false>(rows + lane, nullptr, planes + lane);
 }
 
 }  // namespace
 
-void planes_of_cells(unsigned k, double* rows, double* planes) {
-  with_dimension<3, 5, 6>(k, [&](auto dimension) { planes_of_block<dimension()>(rows, planes); });
+void planes_of_cells(unsigned k, const double* rows, const double* sizes, double* planes) {
+  with_dimension<3, 5, 6>(
+      k, [&](auto dimension) { planes_of_block<dimension()>(rows, sizes, planes); });
 }
 
 }  // namespace cullhull::internal::inline delaunay::HWY_NAMESPACE
@@ -101,8 +88,8 @@ namespace cullhull::internal::inline delaunay {
 
 HWY_EXPORT(planes_of_cells);
 
-void lift_planes(unsigned k, double* rows, double* planes) {
-  HWY_DYNAMIC_DISPATCH(planes_of_cells)(k, rows, planes);
+void lift_planes(unsigned k, const double* rows, const double* sizes, double* planes) {
+  HWY_DYNAMIC_DISPATCH(planes_of_cells)(k, rows, sizes, planes);
 }
 
 }  // namespace cullhull::internal::inline delaunay

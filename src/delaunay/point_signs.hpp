@@ -65,6 +65,29 @@ class PointSigns {
     return tied_conflict(v);
   }
 
+  /// conflict() for a point on the lifted cell's plane. Symbolic perturbation lowers the lift of id
+  /// i by an infinitesimal e_i, e_0 >> e_1 >> ...; the first nonzero coefficient in the order of
+  /// ids decides. docs/exactness.md, "Ties".
+  bool tied_conflict(const std::uint32_t* v) {
+    ++counts_.ties;
+    const std::uint32_t own = s_.ids[point_];
+    std::uint64_t next = 0;  // the coefficients of ids below this are zero
+    for (;;) {
+      unsigned slot = corners();
+      std::uint32_t lowest = own;
+      for (unsigned i = 0; i < corners(); ++i) {
+        const std::uint32_t id = s_.ids[v[i]];
+        if (id < next || id >= lowest) continue;
+        lowest = id;
+        slot = i;
+      }
+      if (slot == corners()) return true;
+      const Sign sign = replaced(v, slot);
+      if (sign != Sign::zero) return sign == Sign::negative;
+      next = std::uint64_t{lowest} + 1;
+    }
+  }
+
  private:
   using Rows =
       std::conditional_t<K != 0, std::array<const double*, K + 1>, std::vector<const double*>>;
@@ -100,29 +123,6 @@ class PointSigns {
       if (det < -bound || replaced(v, j) == Sign::negative) return j;
     }
     return K + 1;
-  }
-
-  /// conflict() for a point on the lifted cell's plane. Symbolic perturbation lowers the lift of id
-  /// i by an infinitesimal e_i, e_0 >> e_1 >> ...; the first nonzero coefficient in the order of
-  /// ids decides. docs/exactness.md, "Ties".
-  bool tied_conflict(const std::uint32_t* v) {
-    ++counts_.ties;
-    const std::uint32_t own = s_.ids[point_];
-    std::uint64_t next = 0;  // the coefficients of ids below this are zero
-    for (;;) {
-      unsigned slot = corners();
-      std::uint32_t lowest = own;
-      for (unsigned i = 0; i < corners(); ++i) {
-        const std::uint32_t id = s_.ids[v[i]];
-        if (id < next || id >= lowest) continue;
-        lowest = id;
-        slot = i;
-      }
-      if (slot == corners()) return true;
-      const Sign sign = replaced(v, slot);
-      if (sign != Sign::zero) return sign == Sign::negative;
-      next = std::uint64_t{lowest} + 1;
-    }
   }
 
   const LiftedPoints& s_;

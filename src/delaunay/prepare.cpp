@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "cullhull/error.hpp"
+#include "delaunay/common_sphere.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "geometry/curve_frame.hpp"
@@ -257,6 +258,7 @@ void scale(LiftedPoints& s, const Run& run) {
   if (w.most > 0) unit = std::min(unit, (w.lowest_bit + 2 * e) >> 1);
   if (unit < -51) return;
   s.exact_limit = std::ldexp(1.0, 53 + unit * static_cast<int>(s.base + 2));
+  s.exact_orientation_limit = std::ldexp(1.0, 53 + unit * static_cast<int>(s.base));
 }
 
 /// Sets the rows of the inserted points, in order: the columns of flat_columns(), then the weight.
@@ -320,6 +322,7 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   else
     gather_rows(sorted, weights, out, run);
   scale(s, run);
+  find_common_sphere(s, out.simplex, run);
   return out;
 }
 

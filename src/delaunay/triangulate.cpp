@@ -147,7 +147,6 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   }
   with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, run); });
   start = Clock::now();
-  if (statistics.ties > 0) write_groups(p.points, out, run);
   if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
   if (p.points.may_hide) out.hidden = hidden_points(out);
   statistics.write_seconds += seconds_since(start);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "exact/insphere/lift_side.hpp"
@@ -113,6 +114,8 @@ class CellWriter {
     run_.each_item(buckets_, [&](std::uint64_t b) { sort_bucket(b); });
     write_neighbours();
   }
+  /// By cell of the store: its number in the result; no_cell except for finite ones.
+  std::span<const std::uint32_t> rank() const { return rank_; }
 
  private:
   static constexpr unsigned few_ids = 11;       // log2 of the ids per bucket: its cells fit a cache
@@ -275,27 +278,6 @@ class CellWriter {
   Array<std::uint32_t> rank_;  ///< number of each cell of the store; no_cell except for finite ones
 };
 
-template <unsigned K>
-void join_groups(const LiftedPoints& s, const std::vector<std::uint32_t>& places,
-                 const Triangulation& t, DisjointSets& sets, const Run& run) {
-  const unsigned corners = t.corners();
-  run.each(t.size(), light_grain / 16, [&](std::uint64_t begin, std::uint64_t end) {
-    LiftCounts counts;
-    std::vector<const double*> rows(corners);
-    for (std::uint64_t c = begin; c < end; ++c) {
-      const auto cell = t.cell(c), across = t.neighbours_of(c);
-      for (unsigned i = 0; i < corners; ++i) rows[i] = s.row(places[cell[i]]);
-      for (unsigned j = 0; j < corners; ++j) {
-        const std::uint32_t o = across[j];
-        if (o == no_cell || o < c) continue;
-        const std::uint32_t q = t.cell(o)[place_in(t.neighbours_of(o), c)];
-        if (lift_side<K>(s, rows.data(), s.row(places[q]), counts) == Sign::zero)
-          sets.join(static_cast<std::uint32_t>(c), o);
-      }
-    }
-  });
-}
-
 }  // namespace
 
 void write_boundary(const Triangulation& t, const std::uint8_t* kept,
@@ -342,8 +324,57 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
 }
 
 template <unsigned K>
+DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run) {
+  const unsigned corners = store.corners();
+  DisjointSets sets(store.count());
+  sets.clear(0, store.count());
+  run.each(store.count(), light_grain / 16, [&](std::uint64_t begin, std::uint64_t end) {
+    LiftCounts counts;
+    std::vector<const double*> rows(corners);
+    for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c) {
+      if (store.dead(c) || store.ghost_slot(c) != corners) continue;
+      const std::uint32_t *v = store.vertices(c), *across = store.neighbours(c);
+      for (unsigned i = 0; i < corners; ++i) rows[i] = s.row(v[i]);
+      for (unsigned j = 0; j < corners; ++j) {
+        const std::uint32_t o = store.cell_of(across[j]);
+        const std::uint32_t q = store.vertices(o)[store.slot_of(across[j])];
+        if (o < c || q == infinite) continue;
+        if (lift_side < K == 1 ? 0 : K > (s, rows.data(), s.row(q), counts) == Sign::zero)
+          sets.join(c, o);
+      }
+    }
+  });
+  return sets;
+}
+template DisjointSets cells_of_spheres(const LiftedPoints&, CellStore<2>&, const Run&);
+
+void write_groups(DisjointSets& sets, std::span<const std::uint32_t> rank, Triangulation& out,
+                  const Run& run) {
+  Array<std::uint32_t> groups(out.size());
+  run.each(rank.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
+      if (rank[c] != no_cell) groups[rank[c]] = sets.root(c);
+  });
+  Array<std::uint32_t> number(rank.size(), no_cell);
+  std::uint32_t next = 0;
+  for (std::uint32_t& group : groups) {
+    std::uint32_t& known = number[group];
+    if (known == no_cell) known = next++;
+    group = known;
+  }
+  if (next < groups.size()) out.cell_groups = std::move(groups);
+}
+
+template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run) {
-  CellWriter<K>(s, store, out, run).write();
+  CellWriter<K> writer(s, store, out, run);
+  if (out.statistics.ties > 0) {
+    DisjointSets sets = cells_of_spheres(s, store, run);
+    writer.write();
+    write_groups(sets, writer.rank(), out, run);
+  } else {
+    writer.write();
+  }
   write_boundary(out, nullptr, out.hull_facets, out.hull_cells, run);
 }
 template void write_cells(const LiftedPoints&, CellStore<0>&, Triangulation&, const Run&);
@@ -353,20 +384,5 @@ template void write_cells(const LiftedPoints&, CellStore<3>&, Triangulation&, co
 template void write_cells(const LiftedPoints&, CellStore<4>&, Triangulation&, const Run&);
 template void write_cells(const LiftedPoints&, CellStore<5>&, Triangulation&, const Run&);
 template void write_cells(const LiftedPoints&, CellStore<6>&, Triangulation&, const Run&);
-
-void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run) {
-  const std::uint64_t cells = out.size();
-  const std::vector<std::uint32_t> places = places_of_ids(s, out.point_count);
-  DisjointSets sets(cells);
-  sets.clear(0, cells);
-  with_dimension<2, 6, 0>(s.base, [&](auto k) { join_groups<k()>(s, places, out, sets, run); });
-  Array<std::uint32_t> groups(cells);
-  std::uint32_t next = 0;
-  for (std::uint32_t c = 0; c < cells; ++c) {
-    const std::uint32_t root = sets.root(c);
-    groups[c] = root == c ? next++ : groups[root];
-  }
-  if (next < cells) out.cell_groups = std::move(groups);
-}
 
 }  // namespace cullhull::internal::inline delaunay

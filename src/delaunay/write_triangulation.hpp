@@ -2,22 +2,33 @@
 // or of any part of the cells, hidden points.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/triangulation.hpp"
 #include "delaunay/cell_store.hpp"
 #include "exact/points/local_points.hpp"
+#include "parallel/disjoint_sets.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::inline delaunay {
 
-/// Writes the cells, neighbours and hull of `out` from the engine's cells. Overwrites the store:
-/// its vertices become the caller's ids, and corners are reordered. K: as the store's.
+/// Writes the cells, neighbours and hull of `out` from the engine's cells, and its cell_groups if
+/// its statistics have ties. Overwrites the store: its vertices become the caller's ids, and
+/// corners are reordered. K: as the store's.
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run);
 
-/// Writes cell_groups: joins adjacent cells whose vertices are on one sphere.
-void write_groups(const LiftedPoints& s, Triangulation& out, const Run& run);
+/// Joins adjacent finite cells of the store whose vertices are on one sphere. To be called before
+/// the store is overwritten: its cells are in spatial order, those of the result are not.
+template <unsigned K>
+DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run);
+
+/// Writes cell_groups from cells_of_spheres(), unless each cell is a group of its own. rank[c]: the
+/// number of the store's cell c in the result; no_cell if it is not finite.
+void write_groups(DisjointSets& sets, std::span<const std::uint32_t> rank, Triangulation& out,
+                  const Run& run);
 
 /// Writes the facets between a kept cell and a cell that is not kept, or no cell, in the format of
 /// Triangulation::hull_facets, and for each the kept cell. `kept`: a flag for each cell; null: all

@@ -12,6 +12,7 @@
 #include "cullhull/triangulation.hpp"
 #include "delaunay/brute_triangulation.hpp"
 #include "delaunay/cell_planes.hpp"
+#include "delaunay/common_sphere.hpp"
 #include "delaunay/lifted_sets.hpp"
 #include "exact/insphere/eliminated_sign.hpp"
 #include "exact/insphere/lift_filter.hpp"
@@ -167,12 +168,33 @@ TEST(EliminatedSign, RefusesWhatIsOutsideItsProof) {
   EXPECT_FALSE(internal::eliminated_sign(0, m.data(), doubt.data(), sign));
 }
 
+/// The same and `n` points that are anywhere in the ball's box, in turn with the others.
+LiftedSet with_others(const LiftedSet& s, unsigned n, std::uint64_t seed) {
+  const LiftedSet others = random_points(s.dimension, n, seed);
+  LiftedSet all{s.name + " and others", s.dimension, {}, {}};
+  const std::uint64_t d = s.dimension;
+  for (std::uint64_t i = 0; i < std::max(s.count(), others.count()); ++i) {
+    for (std::uint64_t j = i * d; j < (i + 1) * d && j < s.rows.size(); ++j)
+      all.rows.push_back(s.rows[j]);
+    for (std::uint64_t j = i * d; j < (i + 1) * d && j < others.rows.size(); ++j)
+      all.rows.push_back(2 * others.rows[j] - 1);
+  }
+  return all;
+}
+
+void find_sphere(LiftedPoints& s) {
+  const Options options;
+  const internal::Run run(options);
+  std::vector<std::uint32_t> simplex;
+  for (std::uint32_t i = 0; i <= s.base; ++i) simplex.push_back(2 * i);  // as with_others() has it
+  internal::find_common_sphere(s, simplex, run);
+}
+
 /// As check_signs(), for lift_sides_double_double() and CellPlanes, a block of cells at a time:
 /// what the lanes tell and what the planes tell.
 template <unsigned K>
-std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
+std::pair<Told, Told> check_lanes(const LiftedPoints& s, const std::string& name, int trials) {
   constexpr std::size_t block = internal::sides_block;
-  const LiftedPoints s = lifted(set, K);
   std::mt19937_64 random(K);
   std::pair<Told, Told> told;
   internal::PlaneArray<K> room;
@@ -180,10 +202,15 @@ std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
   EXPECT_TRUE(planes.used());
   planes.set_room(room, block + 1);
   planes.set_none(block);
+  const auto below_plane = [&](std::uint32_t c, const double* p, bool& below) {
+    return planes.on_sphere() ? planes.template decides<true>(c, p, below)
+                              : planes.template decides<false>(c, p, below);
+  };
   for (int t = 0; t < trials; ++t) {
     std::vector<double> rows((K + 1) * K * block);
     std::vector<std::vector<const double*>> cells(block);
     const auto origin = static_cast<std::uint32_t>(random() % s.count);
+    planes.set_point(origin);
     for (std::size_t c = 0; c < block; ++c) {
       std::uint32_t v[K + 1];
       const auto slot = static_cast<unsigned>(random() % (K + 1));
@@ -192,10 +219,12 @@ std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
         cells[c].push_back(s.row(v[i]));
         for (unsigned j = 0; j < K; ++j) rows[(i * K + j) * block + c] = s.row(v[i])[j];
       }
-      planes.add(static_cast<std::uint32_t>(c), v, slot, origin);
+      planes.add(static_cast<std::uint32_t>(c), v, slot);
     }
-    planes.flush(origin);
-    const double* const p = s.row(static_cast<std::uint32_t>(random() % s.count));
+    planes.flush();
+    const auto query = static_cast<std::uint32_t>(random() % s.count);
+    const double* const p = s.row(query);
+    planes.set_point(query);
     double signs[block];
     internal::lift_sides_double_double(K, rows.data(), p, s.tiny, signs);
     for (std::uint32_t c = 0; c < block; ++c) {
@@ -204,18 +233,27 @@ std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
       ++told.second.asked;
       if (signs[c] != 0) {
         ++told.first.known;
-        EXPECT_EQ(internal::sign_of(signs[c]), exact) << set.name << " trial " << t;
+        EXPECT_EQ(internal::sign_of(signs[c]), exact) << name << " trial " << t;
       }
       bool below = false;
-      if (!planes.decides(c, p, below)) continue;
-      ++told.second.known;
-      EXPECT_EQ(below ? Sign::negative : Sign::positive, exact) << set.name << " trial " << t;
+      Sign side = Sign::zero;
+      if (below_plane(c, p, below)) {
+        ++told.second.known;
+        EXPECT_EQ(below ? Sign::negative : Sign::positive, exact) << name << " trial " << t;
+      } else if (!planes.on_sphere() && planes.decides_on_lattice(c, side)) {
+        ++told.second.known;
+        EXPECT_EQ(side, exact) << name << " trial " << t;
+      }
     }
     bool below = false;
-    EXPECT_FALSE(planes.decides(block, p, below));
+    EXPECT_FALSE(below_plane(block, p, below));
     EXPECT_FALSE(planes.known(block));
   }
   return told;
+}
+template <unsigned K>
+std::pair<Told, Told> check_lanes(const LiftedSet& set, int trials) {
+  return check_lanes<K>(lifted(set, K), set.name, trials);
 }
 
 template <unsigned K>
@@ -232,10 +270,26 @@ void check_lanes_of_sets() {
   const auto [lanes, planes] = check_lanes<K>(random_points(K, 4000, 6), 60);
   EXPECT_GT(lanes.known + 8, lanes.asked);  // a point may be drawn twice
   EXPECT_GT(planes.known + 16, planes.asked);
-  // Within the last bits of a sphere doubles do not tell, double-doubles do.
-  const auto [near, none] = check_lanes<K>(nearly_cospherical(K, 4000, 7), 60);
-  EXPECT_GT(near.known + 8, near.asked);
-  EXPECT_LT(none.known, none.asked / 8);
+  // Within the last bits of a sphere squared distances do not tell, double-doubles do, and so do
+  // powers with respect to the sphere.
+  LiftedPoints near = lifted(nearly_cospherical(K, 4000, 7), K);
+  const auto [by_lanes, by_squares] = check_lanes<K>(near, "near a sphere", 60);
+  EXPECT_GT(by_lanes.known + 8, by_lanes.asked);
+  EXPECT_LT(by_squares.known, by_squares.asked / 8);
+  find_sphere(near);
+  ASSERT_FALSE(near.powers.empty());
+  const Told by_powers = check_lanes<K>(near, "near a sphere, by powers", 60).second;
+  EXPECT_GT(by_powers.known + 16, by_powers.asked);
+  LiftedPoints mixed = lifted(with_others(nearly_cospherical(K, 2500, 8), 1500, 9), K);
+  find_sphere(mixed);
+  ASSERT_FALSE(mixed.powers.empty());
+  const Told by_mixed_powers = check_lanes<K>(mixed, "most near a sphere", 60).second;
+  EXPECT_GT(by_mixed_powers.known + 16, by_mixed_powers.asked);
+  // On a lattice planes tell every sign, zero among them.
+  LiftedPoints grid = lifted(drawn_grid(K, 4000, 8, 1, 0, 10), K);
+  grid.exact_limit = 0x1p53;
+  const Told on_grid = check_lanes<K>(grid, "lattice", 60).second;
+  EXPECT_EQ(on_grid.known, on_grid.asked);
 }
 
 TEST(LiftSides, AreRightWhereTheyTell) {
@@ -248,6 +302,29 @@ TEST(LiftSides, AreRightWhereTheyTell) {
     check_lanes_of_sets<6>();
   }
   hwy::SetSupportedTargetsForTest(0);
+}
+
+/// Weights of zero change nothing but the way: squared distances decide, not powers with respect to
+/// the sphere.
+TEST(Triangulation, NearASphereEqualsThatOfWeightsOfZero) {
+  for (const unsigned d : {3U, 4U, 5U}) {
+    const unsigned n = d == 3 ? 3000 : d == 4 ? 600 : 300;
+    LiftedSet shifted = nearly_cospherical(d, n, 11);
+    for (double& x : shifted.rows) x = 3 * x + 1;
+    const LiftedSet near = nearly_cospherical(d, n, 12);
+    for (const LiftedSet& set :
+         {near, shifted, with_others(nearly_cospherical(d, n, 13), n / 4, 14),
+          with_others(nearly_cospherical(d, n / 4, 15), n, 16)}) {
+      LiftedSet weighted = set;
+      weighted.weights.assign(set.count(), 0.0);
+      const Triangulation t = triangulate(set), by_weights = triangulate(weighted);
+      EXPECT_EQ(t.cells, by_weights.cells) << set.name << d;
+      EXPECT_EQ(t.neighbours, by_weights.neighbours) << set.name << d;
+      EXPECT_EQ(t.cell_groups, by_weights.cell_groups) << set.name << d;
+    }
+    const Triangulation t = triangulate(near);
+    EXPECT_LT(20 * t.statistics.rung_counts[1], t.statistics.rung_counts[0]) << d;
+  }
 }
 
 /// The counter of what was decided by integers: of random points it stays at nearly nothing.

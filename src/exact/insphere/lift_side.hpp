@@ -54,7 +54,8 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
   if constexpr (K == 0) {
     if (base_orientation_eliminated(s.base, p, sign)) return sign;
   } else if constexpr (K >= 2) {
-    if (s.filtered && filtered_by_columns<K, true>(p, s.tiny, sign)) return sign;
+    if (s.filtered && filtered_by_columns<K, true>(p, s.tiny, sign, s.exact_orientation_limit))
+      return sign;
   }
   return orientation(s.base, p);
 }

@@ -14,16 +14,20 @@ namespace cullhull::internal::inline exact {
 /// Computes the sign of the orientation of the K + 1 points p, K >= 2; returns false if doubles
 /// cannot decide. `tiny`: more than underflow adds to the determinant. `bounded`: no product of
 /// differences can overflow; else coordinates beyond 2^100 are left undecided for K > 2.
+/// `exact_limit`: 2^53 units of a lattice that contains the points, in the power of the
+/// determinant; up to this product of magnitudes doubles do not round. 0: no such lattice.
 template <unsigned K, bool bounded>
-inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign) {
-  double det = 0, bound = 0;
+inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign,
+                                double exact_limit = 0) {
+  double det = 0, bound = 0, products = 0;
   if constexpr (K == 2) {
     const double l = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]);
     const double r = (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
     // Differences, products and the last difference: 4 roundings on each path, and those of the
     // bound. Overflow makes the bound infinite or the determinant NaN.
     det = l - r;
-    bound = 6 * unit_roundoff * (std::abs(l) + std::abs(r)) + tiny;
+    products = std::abs(l) + std::abs(r);
+    bound = 6 * unit_roundoff * products + tiny;
   } else {
     double m[K][K];
     double largest[K] = {};
@@ -37,6 +41,8 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign)
     // Each product has the roundings of K differences and of the expansion; then those of the
     // bound.
     bound = determinant_bound<K>(largest, minor_roundings(K) + 2 * K, unit_roundoff, tiny);
+    products = factorial(K);
+    for (const double v : largest) products *= v;
   }
   if (det > bound) {
     sign = Sign::positive;
@@ -46,7 +52,9 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign)
     sign = Sign::negative;
     return true;
   }
-  return false;
+  if (!(exact_limit > 0 && products <= exact_limit)) return false;
+  sign = sign_of(det);  // all terms were whole numbers of units below 2^53
+  return true;
 }
 
 }  // namespace cullhull::internal::inline exact

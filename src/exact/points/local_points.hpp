@@ -51,6 +51,12 @@ struct LiftedPoints {
   /// magnitudes of its columns is at most this: 2^53 units of a lattice that contains all points
   /// and weights; 0: no such lattice.
   double exact_limit = 0;
+  double exact_orientation_limit = 0;  ///< the same for an orientation
+
+  /// If most points are nearly on one sphere (find_common_sphere), the power |x - c|^2 - r^2 of
+  /// each point, off by at most 2^-53 of its magnitude and power_error: a lift of small numbers.
+  Array<double> powers;
+  static constexpr double power_error = 0x1p-94;
 
   Array<double> rows;
   Array<std::uint32_t> ids;  ///< the caller's ids, in insertion order

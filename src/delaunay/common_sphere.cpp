@@ -1,0 +1,59 @@
+#include "delaunay/common_sphere.hpp"
+
+#include <cmath>
+
+#include "exact/insphere/circumcentre.hpp"
+#include "exact/numbers/double_double.hpp"
+
+namespace cullhull::internal::inline delaunay {
+namespace {
+
+/// |x - centre|^2 within 2^-95, for coordinates of at most 1 and a centre of at most 2 in
+/// magnitude, in up to six dimensions. docs/exactness.md, "Common spheres".
+DoubleDouble squared_distance(const double* x, const std::vector<double>& centre) {
+  DoubleDouble sum = 0.0;
+  for (std::size_t j = 0; j < centre.size(); ++j) {
+    const DoubleDouble v = DoubleDouble::sum(x[j], -centre[j]);
+    sum = sum + v * v;
+  }
+  return sum;
+}
+
+}  // namespace
+
+void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simplex,
+                        const Run& run) {
+  // For fewer points the exact centre takes longer than their in-sphere tests.
+  constexpr std::uint32_t least_points = 256;
+  constexpr double most_centre = 2;
+  // Squared distances of about 1 are rounded by 2^-53: many roundings, and cells of small volume.
+  // On float coordinates (2^-24) they decide all tests.
+  constexpr double close = 0x1p-36;
+  const unsigned k = s.base;
+  if (s.count < least_points || k < 3 || k > 6 || s.stride != k || s.may_hide || !s.filtered ||
+      s.tiny > 0x1p-1000 || s.exact_limit > 0)
+    return;
+  std::vector<const double*> corners;
+  for (const std::uint32_t place : simplex) corners.push_back(s.row(place));
+  std::vector<double> centre(k);
+  circumcentre(k, k, false, corners.data(), centre.data());
+  for (const double c : centre)
+    if (!(std::abs(c) <= most_centre)) return;
+  const DoubleDouble squared_radius = squared_distance(corners[0], centre);
+  const auto power = [&](std::uint32_t i) {
+    return (squared_distance(s.row(i), centre) - squared_radius).value();
+  };
+  constexpr std::uint32_t sample = 64;
+  std::uint32_t on_sphere = 0;
+  for (std::uint32_t i = 0; i < sample; ++i) {
+    const auto place = static_cast<std::uint32_t>(std::uint64_t{i} * s.count / sample);
+    on_sphere += std::abs(power(place)) <= close ? 1 : 0;
+  }
+  if (2 * on_sphere < sample) return;
+  s.powers.resize(s.count);
+  run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) s.powers[i] = power(static_cast<std::uint32_t>(i));
+  });
+}
+
+}  // namespace cullhull::internal::inline delaunay
