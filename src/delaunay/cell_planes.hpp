@@ -10,6 +10,7 @@
 #include "delaunay/cell_store.hpp"
 #include "delaunay/lift_planes.hpp"
 #include "exact/determinants/minors.hpp"
+#include "exact/insphere/lift_filter.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
@@ -140,9 +141,8 @@ class CellPlanes {
  private:
   /// Computes the difference of two powers; `size` bounds it and its error as in lift_planes().
   static void set_lift(double power, double other, double& lift, double& size) {
-    constexpr double absolute = 4 * LiftedPoints::power_error / unit_roundoff;
     lift = power - other;
-    size = std::abs(power) + std::abs(other) + absolute;
+    size = power_size(power, other);
   }
   /// Sets corner `to` of the list to vertex v, relative to p.
   [[gnu::always_inline]] void see(std::uint32_t v, std::uint32_t to) {

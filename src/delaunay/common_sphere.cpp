@@ -30,7 +30,7 @@ void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simpl
   // On float coordinates (2^-24) they decide all tests.
   constexpr double close = 0x1p-36;
   const unsigned k = s.base;
-  if (s.count < least_points || k < 3 || k > 6 || s.stride != k || s.may_hide || !s.filtered ||
+  if (s.count < least_points || k < 2 || k > 6 || s.stride != k || s.may_hide || !s.filtered ||
       s.tiny > 0x1p-1000 || s.exact_limit > 0)
     return;
   std::vector<const double*> corners;

@@ -59,6 +59,13 @@ class PointSigns {
 
   /// Whether p is below the lifted cell (without weights: inside its circumsphere), ties broken.
   bool conflict(const std::uint32_t* v) {
+    if constexpr (K >= 2) {
+      Sign by_powers = Sign::zero;
+      if (!s_.powers.empty() && lift_side_by_powers<K>(s_, v, point_, by_powers)) {
+        ++counts_.rungs[0];
+        return by_powers == Sign::negative;
+      }
+    }
     for (unsigned i = 0; i < corners(); ++i) at_[i] = s_.row(v[i]);
     const Sign side = lift_side<K>(s_, at_.data(), p_, counts_);
     if (side != Sign::zero) return side == Sign::negative;

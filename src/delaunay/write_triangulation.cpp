@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <span>
 #include <utility>
 
 #include "exact/insphere/lift_side.hpp"
+#include "exact/insphere/lift_sides.hpp"
 #include "geometry/simplex.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
@@ -323,26 +325,92 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
   return places;
 }
 
+namespace {
+
+/// Joins pairs of adjacent cells of one sphere. Tests them in doubles, sides_block at a time, and
+/// each that is in doubt by lift_side().
+template <unsigned K>
+class SphereJoiner {
+ public:
+  SphereJoiner(const LiftedPoints& s, DisjointSets& sets)
+      : s_(s), sets_(sets), rows_(s.base + 1), in_lanes_(s.filtered && s.stride == s.base) {}
+
+  /// Joins the cell with the vertices v and its neighbour if the neighbour's vertex q is on the
+  /// cell's sphere; perhaps not before finish().
+  void test(const std::uint32_t* v, std::uint32_t cell, std::uint32_t neighbour, std::uint32_t q) {
+    const Pair pair{v, cell, neighbour, q};
+    if constexpr (K >= 2) {
+      if (in_lanes_) {
+        for (unsigned j = 0; j < K; ++j) {
+          for (unsigned i = 0; i <= K; ++i)
+            corners_[(i * K + j) * sides_block + open_] = s_.row(v[i])[j];
+          points_[j * sides_block + open_] = s_.row(q)[j];
+        }
+        pairs_[open_] = pair;
+        if (++open_ == sides_block) finish();
+        return;
+      }
+    }
+    test_exactly(pair);
+  }
+  void finish() {
+    if constexpr (K >= 2) {
+      if (open_ == 0) return;
+      double values[sides_block], products[sides_block];
+      lift_values(K, corners_, points_, values, products);
+      for (std::size_t i = 0; i < open_; ++i) {
+        const Pair& pair = pairs_[i];
+        if (s_.exact_limit > 0 && products[i] <= s_.exact_limit) {
+          if (values[i] == 0) sets_.join(pair.cell, pair.neighbour);
+        } else if (!(std::abs(values[i]) >
+                     lift_roundings(K, K) * unit_roundoff * products[i] + s_.tiny)) {
+          test_exactly(pair);
+        }
+      }
+      open_ = 0;
+    }
+  }
+
+ private:
+  struct Pair {
+    const std::uint32_t* vertices;
+    std::uint32_t cell, neighbour, q;
+  };
+  void test_exactly(const Pair& pair) {
+    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i] = s_.row(pair.vertices[i]);
+    if (lift_side < K == 1 ? 0 : K > (s_, rows_.data(), s_.row(pair.q), counts_) == Sign::zero)
+      sets_.join(pair.cell, pair.neighbour);
+  }
+
+  const LiftedPoints& s_;
+  DisjointSets& sets_;
+  std::vector<const double*> rows_;
+  bool in_lanes_;
+  LiftCounts counts_;
+  std::size_t open_ = 0;
+  Pair pairs_[sides_block];
+  double corners_[(K + 1) * (K + 1) * sides_block] = {}, points_[(K + 1) * sides_block] = {};
+};
+
+}  // namespace
+
 template <unsigned K>
 DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run) {
   const unsigned corners = store.corners();
   DisjointSets sets(store.count());
   sets.clear(0, store.count());
   run.each(store.count(), light_grain / 16, [&](std::uint64_t begin, std::uint64_t end) {
-    LiftCounts counts;
-    std::vector<const double*> rows(corners);
+    SphereJoiner<K> joiner(s, sets);
     for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c) {
       if (store.dead(c) || store.ghost_slot(c) != corners) continue;
       const std::uint32_t *v = store.vertices(c), *across = store.neighbours(c);
-      for (unsigned i = 0; i < corners; ++i) rows[i] = s.row(v[i]);
       for (unsigned j = 0; j < corners; ++j) {
         const std::uint32_t o = store.cell_of(across[j]);
         const std::uint32_t q = store.vertices(o)[store.slot_of(across[j])];
-        if (o < c || q == infinite) continue;
-        if (lift_side < K == 1 ? 0 : K > (s, rows.data(), s.row(q), counts) == Sign::zero)
-          sets.join(c, o);
+        if (o > c && q != infinite) joiner.test(v, c, o, q);
       }
     }
+    joiner.finish();
   });
   return sets;
 }

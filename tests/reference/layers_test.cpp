@@ -197,6 +197,7 @@ const std::map<std::string, std::string> bounds_elsewhere = {
     {"src/delaunay/lift_planes.cpp", "lanes of lift_side; what is in doubt is left to it"},
     {"src/delaunay/plane_insertion.hpp", "a corner in doubt is left to point_signs"},
     {"src/delaunay/point_signs.hpp", "one bound for all facets of a cell, else orientation()"},
+    {"src/delaunay/write_triangulation.cpp", "lanes of lift_side; what is in doubt is left to it"},
     {"src/diagrams/locate/nearest_tree.cpp", "all that may be nearest are left to power_sign"},
     {"src/diagrams/locate/power_sign.cpp", "the nearer point, else sums of difference products"},
     {"src/diagrams/locate/triangulation_query.cpp",

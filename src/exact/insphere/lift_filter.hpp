@@ -15,13 +15,19 @@ namespace cullhull::internal::inline exact {
 /// Muller, Popescu 2017), with room for second-order terms.
 inline constexpr double double_double_roundoff = 0x1p-102;
 
-/// Bounds the error of the determinant of K + 1 rows [differences, lift]; largest[K]: the largest
-/// sum of the magnitudes of a lift's terms. A product passes the roundings of the expansion and
+/// Bounds the roundings on any path of the determinant of k + 1 rows [differences, lift], d squares
+/// in a lift, those of the bound included. A product passes the roundings of the expansion and
 /// those of its lift: a difference's twice, a square, d - 1 sums, a weight; the magnitudes and
 /// their product add k + d + 4.
+constexpr double lift_roundings(unsigned k, unsigned d) {
+  return minor_roundings(k + 1) + 2 * d + k + 10;
+}
+
+/// Bounds the error of that determinant; largest[K]: the largest sum of the magnitudes of a lift's
+/// terms.
 template <unsigned K>
 double lift_bound(const double* largest, unsigned d, double roundoff, double tiny) {
-  return determinant_bound<K + 1>(largest, minor_roundings(K + 1) + 2 * d + K + 10, roundoff, tiny);
+  return determinant_bound<K + 1>(largest, lift_roundings(K, d), roundoff, tiny);
 }
 
 inline double lift_difference(double a, double b, double) { return a - b; }
@@ -87,6 +93,34 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
   }
   if (s.furthest) sign = -sign;
   return true;
+}
+
+/// Bounds the magnitude of the difference of two powers (LiftedPoints::powers) and 2^52 times its
+/// error. docs/exactness.md, "Common spheres".
+inline double power_size(double a, double b) {
+  return std::abs(a) + std::abs(b) + 4 * LiftedPoints::power_error / unit_roundoff;
+}
+
+/// Evaluates lift_side in doubles with powers as lifts, for the cell of the points c and the point
+/// p, by place; returns false if they cannot decide. Only if s.powers is not empty.
+template <unsigned K>
+inline bool lift_side_by_powers(const LiftedPoints& s, const std::uint32_t* c, std::uint32_t p,
+                                Sign& sign) {
+  double m[K + 1][K + 1];
+  double largest[K + 1] = {};
+  const double *origin = s.row(c[0]), power = s.powers[c[0]];
+  for (unsigned i = 0; i <= K; ++i) {
+    const std::uint32_t v = i < K ? c[i + 1] : p;
+    for (unsigned j = 0; j < K; ++j) {
+      m[i][j] = s.row(v)[j] - origin[j];
+      largest[j] = std::max(largest[j], std::abs(m[i][j]));
+    }
+    m[i][K] = s.powers[v] - power;
+    largest[K] = std::max(largest[K], power_size(s.powers[v], power));
+  }
+  const double value = determinant(m), bound = lift_bound<K>(largest, K, unit_roundoff, s.tiny);
+  sign = sign_of(value);
+  return std::abs(value) > bound;
 }
 
 // In-sphere and power tests: the rungs whose dimension is a run-time value. docs/exactness.md,
