@@ -51,7 +51,7 @@ class CellPlanes {
       : s_(s),
         used_(s.filtered && s.stride == s.base && !s.may_hide),
         on_sphere_(!s.powers.empty()),
-        exact_bound_(0.99 * plane_roundings(K) * unit_roundoff * s.exact_limit) {}
+        exact_bound_(exact_plane_bound(K, s.exact_limit)) {}
 
   bool used() const { return used_; }
   /// To be called whenever the store may have grown or the planes may have been reallocated.
@@ -164,25 +164,21 @@ class CellPlanes {
     if (++open_ == lift_block) flush();
   }
 
-  /// The dot product of a cell's plane and p, and the bound of its error.
-  struct Side {
-    double value, bound;
-  };
   template <bool sphere>
-  [[gnu::always_inline]] Side side(std::uint32_t c, const double* p) const {
+  [[gnu::always_inline]] PlaneSide side(std::uint32_t c, const double* p) const {
     const LiftedPlane<K>& plane = planes_[c];
+    const double linear = plane.linear.value(), square = plane.square.value();
     const double* o = s_.row(plane.origin);
-    double lift = 0, value = 0, most = 0;
+    if constexpr (!sphere) return plane_side<K>(plane.normal, linear, square, o, p, s_.tiny);
+    double lift = 0, size = 0, value = 0, most = 0;
     for (unsigned j = 0; j < K; ++j) {
       const double v = p[j] - o[j];
       most = std::max(most, std::abs(v));
-      if (!sphere) lift += v * v;
       value += plane.normal[j] * v;
     }
-    double size = lift;
-    if (sphere) set_lift(s_.powers[point_], s_.powers[plane.origin], lift, size);
+    set_lift(s_.powers[point_], s_.powers[plane.origin], lift, size);
     value += plane.normal[K] * lift;
-    return {value, plane.linear.value() * most + plane.square.value() * size + s_.tiny};
+    return {value, linear * most + square * size + s_.tiny};
   }
 
   const LiftedPoints& s_;

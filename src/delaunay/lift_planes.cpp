@@ -3,7 +3,6 @@
 
 #include <cstddef>
 
-#include "exact/determinants/minors.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
@@ -76,7 +75,7 @@ void planes_of_block(const double* rows, const double* sizes, double* planes) {
 }  // namespace
 
 void planes_of_cells(unsigned k, const double* rows, const double* sizes, double* planes) {
-  with_dimension<3, 5, 6>(
+  with_dimension<2, 5, 6>(
       k, [&](auto dimension) { planes_of_block<dimension()>(rows, sizes, planes); });
 }
 

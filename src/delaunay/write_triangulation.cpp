@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "delaunay/lift_planes.hpp"
 #include "exact/insphere/lift_side.hpp"
-#include "exact/insphere/lift_sides.hpp"
 #include "geometry/simplex.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
@@ -327,89 +327,101 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
 
 namespace {
 
-/// Joins pairs of adjacent cells of one sphere. Tests them in doubles, sides_block at a time, and
-/// each that is in doubt by lift_side().
+/// Joins adjacent cells of one sphere. Computes the planes of lift_block cells at a time and tests
+/// by lift_side() what they leave in doubt.
 template <unsigned K>
 class SphereJoiner {
  public:
-  SphereJoiner(const LiftedPoints& s, DisjointSets& sets)
-      : s_(s), sets_(sets), rows_(s.base + 1), in_lanes_(s.filtered && s.stride == s.base) {}
+  SphereJoiner(const LiftedPoints& s, CellStore<K>& store, DisjointSets& sets)
+      : s_(s),
+        store_(store),
+        sets_(sets),
+        corners_(s.base + 1),
+        by_planes_(s.filtered && s.stride == s.base),
+        exact_bound_(exact_plane_bound(K, s.exact_limit)) {}
 
-  /// Joins the cell with the vertices v and its neighbour if the neighbour's vertex q is on the
-  /// cell's sphere; perhaps not before finish().
-  void test(const std::uint32_t* v, std::uint32_t cell, std::uint32_t neighbour, std::uint32_t q) {
-    const Pair pair{v, cell, neighbour, q};
+  /// Tests the sphere of a finite cell against its neighbours of higher numbers; perhaps not before
+  /// finish().
+  void add(std::uint32_t c) {
     if constexpr (K >= 2) {
-      if (in_lanes_) {
-        for (unsigned j = 0; j < K; ++j) {
-          for (unsigned i = 0; i <= K; ++i)
-            corners_[(i * K + j) * sides_block + open_] = s_.row(v[i])[j];
-          points_[j * sides_block + open_] = s_.row(q)[j];
+      if (by_planes_) {
+        const std::uint32_t* v = store_.vertices(c);
+        const double* o = s_.row(v[0]);
+        for (unsigned i = 0; i < K; ++i)
+          for (unsigned j = 0; j < K; ++j)
+            rows_[(i * (K + 1) + j) * lift_block + open_] = s_.row(v[i + 1])[j] - o[j];
+        for (std::size_t j = 0; j < corners_.size(); ++j) {
+          const std::uint32_t o = store_.cell_of(store_.neighbours(c)[j]);
+          prefetch_line(store_.vertices(o));
+          sets_.prefetch(o);
         }
-        pairs_[open_] = pair;
-        if (++open_ == sides_block) finish();
+        cells_[open_] = c;
+        if (++open_ == lift_block) finish();
         return;
       }
     }
-    test_exactly(pair);
+    test(c, [](const double*) { return Doubt::any; });
   }
   void finish() {
     if constexpr (K >= 2) {
       if (open_ == 0) return;
-      double values[sides_block], products[sides_block];
-      lift_values(K, corners_, points_, values, products);
+      double planes[(K + 3) * lift_block], normal[K + 3];
+      lift_planes(K, rows_, nullptr, planes);
       for (std::size_t i = 0; i < open_; ++i) {
-        const Pair& pair = pairs_[i];
-        if (s_.exact_limit > 0 && products[i] <= s_.exact_limit) {
-          if (values[i] == 0) sets_.join(pair.cell, pair.neighbour);
-        } else if (!(std::abs(values[i]) >
-                     lift_roundings(K, K) * unit_roundoff * products[i] + s_.tiny)) {
-          test_exactly(pair);
-        }
+        for (unsigned j = 0; j < K + 3; ++j) normal[j] = planes[j * lift_block + i];
+        const double* o = s_.row(store_.vertices(cells_[i])[0]);
+        test(cells_[i], [&](const double* q) {
+          const auto [value, bound] =
+              plane_side<K>(normal, normal[K + 1], normal[K + 2], o, q, s_.tiny);
+          if (bound <= exact_bound_) return value == 0 ? Doubt::on : Doubt::off;
+          return std::abs(value) > bound ? Doubt::off : Doubt::any;
+        });
       }
       open_ = 0;
     }
   }
 
  private:
-  struct Pair {
-    const std::uint32_t* vertices;
-    std::uint32_t cell, neighbour, q;
-  };
-  void test_exactly(const Pair& pair) {
-    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i] = s_.row(pair.vertices[i]);
-    if (lift_side < K == 1 ? 0 : K > (s_, rows_.data(), s_.row(pair.q), counts_) == Sign::zero)
-      sets_.join(pair.cell, pair.neighbour);
+  enum class Doubt : std::uint8_t { on, off, any };
+
+  template <class Known>
+  void test(std::uint32_t c, const Known& known) {
+    const std::uint32_t *v = store_.vertices(c), *across = store_.neighbours(c);
+    for (std::size_t j = 0; j < corners_.size(); ++j) {
+      const std::uint32_t o = store_.cell_of(across[j]);
+      const std::uint32_t q = store_.vertices(o)[store_.slot_of(across[j])];
+      if (o < c || q == infinite) continue;
+      const Doubt side = known(s_.row(q));
+      if (side == Doubt::on || (side == Doubt::any && on_sphere(v, q))) sets_.join(c, o);
+    }
+  }
+  bool on_sphere(const std::uint32_t* v, std::uint32_t q) {
+    for (std::size_t i = 0; i < corners_.size(); ++i) corners_[i] = s_.row(v[i]);
+    return lift_side < K == 1 ? 0 : K > (s_, corners_.data(), s_.row(q), counts_) == Sign::zero;
   }
 
   const LiftedPoints& s_;
+  CellStore<K>& store_;
   DisjointSets& sets_;
-  std::vector<const double*> rows_;
-  bool in_lanes_;
+  std::vector<const double*> corners_;
+  bool by_planes_;
+  double exact_bound_;
   LiftCounts counts_;
   std::size_t open_ = 0;
-  Pair pairs_[sides_block];
-  double corners_[(K + 1) * (K + 1) * sides_block] = {}, points_[(K + 1) * sides_block] = {};
+  std::uint32_t cells_[lift_block] = {};
+  double rows_[(K + 1) * (K + 1) * lift_block] = {};
 };
 
 }  // namespace
 
 template <unsigned K>
 DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run) {
-  const unsigned corners = store.corners();
   DisjointSets sets(store.count());
   sets.clear(0, store.count());
   run.each(store.count(), light_grain / 16, [&](std::uint64_t begin, std::uint64_t end) {
-    SphereJoiner<K> joiner(s, sets);
-    for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c) {
-      if (store.dead(c) || store.ghost_slot(c) != corners) continue;
-      const std::uint32_t *v = store.vertices(c), *across = store.neighbours(c);
-      for (unsigned j = 0; j < corners; ++j) {
-        const std::uint32_t o = store.cell_of(across[j]);
-        const std::uint32_t q = store.vertices(o)[store.slot_of(across[j])];
-        if (o > c && q != infinite) joiner.test(v, c, o, q);
-      }
-    }
+    SphereJoiner<K> joiner(s, store, sets);
+    for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
+      if (!store.dead(c) && store.ghost_slot(c) == store.corners()) joiner.add(c);
     joiner.finish();
   });
   return sets;

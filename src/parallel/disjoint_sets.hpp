@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "parallel/memory/raw_array.hpp"
+#include "parallel/prefetch.hpp"
 
 namespace cullhull::internal::inline parallel {
 
@@ -20,6 +21,7 @@ class DisjointSets {
   void clear(std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);
   }
+  void prefetch(std::uint32_t i) const { prefetch_line(&parent_[i]); }
   /// Returns the lowest member of i's set. While other threads join sets, it may instead return
   /// another member that is at most i.
   std::uint32_t root(std::uint32_t i) {

@@ -227,16 +227,8 @@ std::pair<Told, Told> check_lanes(const LiftedPoints& s, const std::string& name
     planes.set_point(query);
     double signs[block];
     internal::lift_sides_double_double(K, rows.data(), p, s.tiny, signs);
-    std::vector<double> points(K * block), values(block), products(block);
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = p[i / block];
-    internal::lift_values(K, rows.data(), points.data(), values.data(), products.data());
     for (std::uint32_t c = 0; c < block; ++c) {
       const Sign exact = internal::lift_side_exact(s, cells[c].data(), p);
-      const double bound = internal::lift_roundings(K, K) * internal::unit_roundoff * products[c];
-      if ((s.exact_limit > 0 && products[c] <= s.exact_limit) ||
-          std::abs(values[c]) > bound + s.tiny) {
-        EXPECT_EQ(internal::sign_of(values[c]), exact) << name << " trial " << t;
-      }
       ++told.first.asked;
       ++told.second.asked;
       if (signs[c] != 0) {

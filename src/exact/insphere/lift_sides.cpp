@@ -23,65 +23,44 @@ namespace {
 using DoubleDoubles = WideLanes<true>;
 static_assert(sides_block == 8);  // as many lanes as Lanes has at most
 
-HWY_INLINE Lanes high_of(const Lanes& v) { return v; }
-HWY_INLINE Lanes high_of(const DoubleDoubles& v) { return v.high; }
-HWY_INLINE Lanes difference(const Lanes& a, const Lanes& b, const Lanes&) { return a - b; }
-HWY_INLINE DoubleDoubles difference(const Lanes& a, const Lanes& b, const DoubleDoubles&) {
-  return DoubleDoubles::sum(a, -b);
-}
-
-/// Computes the determinant of one vector of cells, negative if p is below, and a bound of the sum
-/// of the magnitudes of its products, but for roundings. `corners`: the data of the first cell.
-template <unsigned K, class Real>
-HWY_INLINE void value_of_vector(const double* corners, const Lanes* p, Lanes& value,
-                                Lanes& products) {
+/// Computes the signs of one vector of cells. `corners`, `signs`: the data of the first cell.
+template <unsigned K>
+HWY_INLINE void sides_of_vector(const double* corners, const double* p, double tiny,
+                                double* signs) {
   constexpr unsigned columns = K + 1, full = 1U << columns;
   // The rows of all corners relative to p: up to the sign (-1)^columns, their determinant is that
   // of lifted_rows(), whose rows are relative to the first corner.
-  Real m[columns][columns];
+  DoubleDoubles m[columns][columns];
   Lanes largest[columns];
   for (Lanes& v : largest) v = 0.0;
   for (unsigned i = 0; i < columns; ++i) {
     for (unsigned j = 0; j < K; ++j) {
-      const Real v = difference(hn::LoadU(D(), corners + (i * K + j) * sides_block), p[j], Real());
-      largest[j] = greater_of(largest[j], absolute(high_of(v)));
-      const Real square = v * v;
+      const DoubleDoubles v =
+          DoubleDoubles::sum(hn::LoadU(D(), corners + (i * K + j) * sides_block), -p[j]);
+      largest[j] = greater_of(largest[j], absolute(v.high));
+      const DoubleDoubles square = v * v;
       m[i][j] = v;
       m[i][K] = j == 0 ? square : m[i][K] + square;
     }
-    largest[K] = greater_of(largest[K], absolute(high_of(m[i][K])));
+    largest[K] = greater_of(largest[K], absolute(m[i][K].high));
   }
-  Real det[full];
+  DoubleDoubles det[full];
   minors_of_lanes<full>(m, det);
-  value = high_of(det[full - 1]);
+  Lanes value = det[full - 1].high;
   if (columns % 2 == 1) value = -value;
-  products = factorial(columns);
-  for (const Lanes& v : largest) products = products * v;
+  constexpr double roundings = lift_roundings(K, K);
+  Lanes bound = roundings * double_double_roundoff * factorial(columns);
+  for (const Lanes& v : largest) bound = bound * v;
+  bound = bound + tiny;
+  const Lanes one = 1.0;
+  const Lanes above = chosen(value > bound, one, 0.0);
+  hn::StoreU(chosen(value < -bound, -one, above).v, D(), signs);
 }
 
 template <unsigned K>
 void sides_of_block(const double* corners, const double* p, double tiny, double* signs) {
-  Lanes point[K], value, products;
-  for (unsigned j = 0; j < K; ++j) point[j] = p[j];
-  for (std::size_t lane = 0; lane < sides_block; lane += lane_count()) {
-    value_of_vector<K, DoubleDoubles>(corners + lane, point, value, products);
-    const Lanes bound = lift_roundings(K, K) * double_double_roundoff * products + tiny;
-    const Lanes one = 1.0;
-    const Lanes above = chosen(value > bound, one, 0.0);
-    hn::StoreU(chosen(value < -bound, -one, above).v, D(), signs + lane);
-  }
-}
-
-template <unsigned K>
-void values_of_block(const double* corners, const double* points, double* values,
-                     double* products) {
-  Lanes point[K], value, magnitudes;
-  for (std::size_t lane = 0; lane < sides_block; lane += lane_count()) {
-    for (unsigned j = 0; j < K; ++j) point[j] = hn::LoadU(D(), points + j * sides_block + lane);
-    value_of_vector<K, Lanes>(corners + lane, point, value, magnitudes);
-    hn::StoreU(value.v, D(), values + lane);
-    hn::StoreU(magnitudes.v, D(), products + lane);
-  }
+  for (std::size_t lane = 0; lane < sides_block; lane += lane_count())
+    sides_of_vector<K>(corners + lane, p, tiny, signs + lane);
 }
 
 }  // namespace
@@ -90,12 +69,6 @@ void sides_of_cells(unsigned k, const double* corners, const double* p, double t
                     double* signs) {
   with_dimension<3, 5, 6>(
       k, [&](auto dimension) { sides_of_block<dimension()>(corners, p, tiny, signs); });
-}
-
-void values_of_cells(unsigned k, const double* corners, const double* points, double* values,
-                     double* products) {
-  with_dimension<2, 5, 6>(
-      k, [&](auto dimension) { values_of_block<dimension()>(corners, points, values, products); });
 }
 
 }  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
@@ -109,13 +82,6 @@ HWY_EXPORT(sides_of_cells);
 void lift_sides_double_double(unsigned k, const double* corners, const double* p, double tiny,
                               double* signs) {
   HWY_DYNAMIC_DISPATCH(sides_of_cells)(k, corners, p, tiny, signs);
-}
-
-HWY_EXPORT(values_of_cells);
-
-void lift_values(unsigned k, const double* corners, const double* points, double* values,
-                 double* products) {
-  HWY_DYNAMIC_DISPATCH(values_of_cells)(k, corners, points, values, products);
 }
 
 }  // namespace cullhull::internal::inline exact
