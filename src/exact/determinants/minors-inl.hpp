@@ -60,11 +60,12 @@ HWY_INLINE void minors_from(const T (*m)[columns], T* det) {
 }
 
 /// Computes the minors with the masks [1, end), for rows of `columns` entries: det[mask] is the
-/// determinant of the first rows on the columns of the mask. Up to five columns everything is
-/// unrolled: an expansion whose loops choose columns at run time takes three times as long.
+/// determinant of the first rows on the columns of the mask. Of plain doubles, up to five columns,
+/// everything is unrolled: an expansion whose loops choose columns at run time takes four times as
+/// long. Double-doubles gain little, and compilers take minutes for them with sanitizers.
 template <unsigned end, unsigned columns, class T>
 HWY_INLINE void minors_of_lanes(const T (*m)[columns], T* det) {
-  if constexpr (columns <= 5) {
+  if constexpr (columns <= 5 && sizeof(T) == sizeof(Lanes)) {
     minors_from<end, columns, 1>(m, det);
   } else {
     for (unsigned mask = 1; mask < end; ++mask) {
