@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <type_traits>
 
 #include "exact/numbers/lanes-inl.hpp"
 
@@ -18,19 +19,15 @@ HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::inline exact::HWY_NAMESPACE {
 namespace {
 
-/// sum + a b, or sum - a b if `minus`; in fewer operations where there are fused ones.
-template <bool minus, class T>
-HWY_INLINE T add_product(const T& sum, const T& a, const T& b) {
-  return minus ? sum + -(a * b) : sum + a * b;
-}
+/// sum + a b, or sum - a b if `minus`; in one operation where there is a fused one.
 template <bool minus>
 HWY_INLINE Lanes add_product(const Lanes& sum, const Lanes& a, const Lanes& b) {
   return minus ? hn::NegMulAdd(a.v, b.v, sum.v) : hn::MulAdd(a.v, b.v, sum.v);
 }
 
 /// Adds the products of a minor's last row with the minors of the other rows, from column j on.
-template <unsigned mask, unsigned j, unsigned columns, class T>
-HWY_INLINE T minor_from(const T* row, const T* det, const T& sum) {
+template <unsigned mask, unsigned j, unsigned columns>
+HWY_INLINE Lanes minor_from(const Lanes* row, const Lanes* det, const Lanes& sum) {
   if constexpr (j == columns) {
     return sum;
   } else if constexpr ((mask >> j & 1U) == 0) {
@@ -38,8 +35,8 @@ HWY_INLINE T minor_from(const T* row, const T* det, const T& sum) {
   } else {
     constexpr unsigned before = mask & ((1U << j) - 1);
     constexpr bool minus = (std::popcount(mask) - 1 + std::popcount(before)) % 2 == 1;
-    const T& minor = det[mask ^ (1U << j)];
-    T more;
+    const Lanes& minor = det[mask ^ (1U << j)];
+    Lanes more;
     if constexpr (before == 0)
       more = minus ? -(row[j] * minor) : row[j] * minor;
     else
@@ -47,14 +44,14 @@ HWY_INLINE T minor_from(const T* row, const T* det, const T& sum) {
     return minor_from<mask, j + 1, columns>(row, det, more);
   }
 }
-template <unsigned end, unsigned columns, unsigned mask, class T>
-HWY_INLINE void minors_from(const T (*m)[columns], T* det) {
+template <unsigned end, unsigned columns, unsigned mask>
+HWY_INLINE void minors_from(const Lanes (*m)[columns], Lanes* det) {
   if constexpr (mask < end) {
     constexpr auto size = static_cast<unsigned>(std::popcount(mask));
     if constexpr (size == 1)
       det[mask] = m[0][std::countr_zero(mask)];
     else
-      det[mask] = minor_from<mask, 0, columns>(m[size - 1], det, T());
+      det[mask] = minor_from<mask, 0, columns>(m[size - 1], det, 0.0);
     minors_from<end, columns, mask + 1>(m, det);
   }
 }
@@ -65,7 +62,7 @@ HWY_INLINE void minors_from(const T (*m)[columns], T* det) {
 /// long. Double-doubles gain little, and compilers take minutes for them with sanitizers.
 template <unsigned end, unsigned columns, class T>
 HWY_INLINE void minors_of_lanes(const T (*m)[columns], T* det) {
-  if constexpr (columns <= 5 && sizeof(T) == sizeof(Lanes)) {
+  if constexpr (columns <= 5 && std::is_same_v<T, Lanes>) {
     minors_from<end, columns, 1>(m, det);
   } else {
     for (unsigned mask = 1; mask < end; ++mask) {
