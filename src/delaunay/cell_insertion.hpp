@@ -310,21 +310,19 @@ class CellInsertion {
     return signs_.conflict(cells_.store.vertices(c));
   }
 
-  /// conflict() for a cell whose plane does not decide. If the points are not on a lattice, the
+  /// conflict() for a cell whose plane does not decide. If it decides on no lattice either, the
   /// cell is deferred (decide_undecided) and counts as not in conflict until then.
   [[gnu::noinline]] bool conflict_in_doubt(std::uint32_t c) {
     if constexpr (with_planes) {
       if (planes_.known(c)) {
-        if (s_.exact_limit == 0) {
+        Sign side = Sign::zero;
+        if (!planes_.decides_on_lattice(c, side)) {
           undecided_.push_back(c);
           return false;
         }
-        Sign side = Sign::zero;
-        if (planes_.decides_on_lattice(c, side)) {
-          ++by_plane_;
-          if (side != Sign::zero) return side == Sign::negative;
-          return signs_.tied_conflict(cells_.store.vertices(c));
-        }
+        ++by_plane_;
+        return side == Sign::zero ? signs_.tied_conflict(cells_.store.vertices(c))
+                                  : side == Sign::negative;
       }
     }
     return conflict(c);

@@ -51,7 +51,7 @@ class CellPlanes {
       : s_(s),
         used_(s.filtered && s.stride == s.base && !s.may_hide),
         on_sphere_(!s.powers.empty()),
-        exact_bound_(exact_plane_bound(K, s.exact_limit)) {}
+        exact_bound_(on_sphere_ ? 0 : exact_plane_bound(K, s.exact_limit)) {}
 
   bool used() const { return used_; }
   /// To be called whenever the store may have grown or the planes may have been reallocated.
@@ -130,7 +130,7 @@ class CellPlanes {
     below = value < 0;
     return std::abs(value) > bound;
   }
-  /// The same where decides() returns false and the points are on a lattice: returns whether
+  /// The same where decides() returns false: returns whether the points are on a lattice and
   /// `sign`, zero if p is on the cell's sphere, is exact.
   [[gnu::noinline]] bool decides_on_lattice(std::uint32_t c, Sign& sign) const {
     const auto [value, bound] = side<false>(c, row_);

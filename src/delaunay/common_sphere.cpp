@@ -1,5 +1,6 @@
 #include "delaunay/common_sphere.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "exact/insphere/circumcentre.hpp"
@@ -26,12 +27,15 @@ void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simpl
   // For fewer points the exact centre takes longer than their in-sphere tests.
   constexpr std::uint32_t least_points = 256;
   constexpr double most_centre = 2;
-  // Squared distances of about 1 are rounded by 2^-53: many roundings, and cells of small volume.
-  // On float coordinates (2^-24) they decide all tests.
+  // Squared distances of about the square of the extent are rounded by 2^-53 of it: many roundings,
+  // and cells of small volume. On float coordinates (2^-24) they decide all tests.
   constexpr double close = 0x1p-36;
+  // In-sphere tests on a finer lattice are exact in doubles only for cells smaller than 2^-19.
+  constexpr int finest_lattice = -30;
   const unsigned k = s.base;
   if (s.count < least_points || k < 2 || k > 6 || s.stride != k || s.may_hide || !s.filtered ||
-      s.tiny > 0x1p-1000 || s.exact_limit > 0)
+      s.tiny > 0x1p-1000 ||
+      s.exact_limit > std::ldexp(1.0, 53 + finest_lattice * static_cast<int>(k + 2)))
     return;
   std::vector<const double*> corners;
   for (const std::uint32_t place : simplex) corners.push_back(s.row(place));
@@ -44,12 +48,21 @@ void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simpl
     return (squared_distance(s.row(i), centre) - squared_radius).value();
   };
   constexpr std::uint32_t sample = 64;
-  std::uint32_t on_sphere = 0;
+  std::vector<double> powers;
+  double squared_extent = 0;
   for (std::uint32_t i = 0; i < sample; ++i) {
     const auto place = static_cast<std::uint32_t>(std::uint64_t{i} * s.count / sample);
-    on_sphere += std::abs(power(place)) <= close ? 1 : 0;
+    double square = 0;
+    for (unsigned j = 0; j < k; ++j) square += std::pow(s.row(place)[j] - s.row(0)[j], 2);
+    squared_extent = std::max(squared_extent, square);
+    powers.push_back(std::abs(power(place)));
   }
-  if (2 * on_sphere < sample) return;
+  // The error of a power, 2^-94, has to be far below the distances from the sphere.
+  constexpr double least_squared_extent = 0x1p-20;
+  const auto on_sphere = std::count_if(powers.begin(), powers.end(),
+                                       [&](double p) { return p <= close * squared_extent; });
+  if (2 * on_sphere < sample || squared_extent < least_squared_extent) return;
+  s.exact_limit = s.exact_orientation_limit = 0;
   s.powers.resize(s.count);
   run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) s.powers[i] = power(static_cast<std::uint32_t>(i));

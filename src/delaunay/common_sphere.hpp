@@ -11,8 +11,8 @@ namespace cullhull::internal::inline delaunay {
 
 /// Sets s.powers if at least half of the points are so close to the sphere through `simplex`, the
 /// places of k + 1 independent points, that in-sphere tests with squared distances would not be
-/// decided in doubles. For 2 to 6 dimensions, full-dimensional points without weights, in the
-/// scaled frame.
+/// decided in doubles. The points then have no lattice. For 2 to 6 dimensions, full-dimensional
+/// points without weights, in the scaled frame.
 void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simplex, const Run& run);
 
 }  // namespace cullhull::internal::inline delaunay

@@ -71,10 +71,8 @@ class FewInPlane {
   bool triangulate(const PointView& view, Triangulation& out) {
     n_ = static_cast<std::uint32_t>(view.count);
     const double* const rows = rows_as_given(view, loaded_);
-    if (!measure(rows) || !order(rows) || !insert()) {
-      duplicates_.clear();
-      return false;
-    }
+    duplicates_.clear();  // an exception may have left some
+    if (!measure(rows) || !order(rows) || !insert()) return false;
     out.dimension = 2;
     out.point_count = n_;
     out.scalar = view.scalar;
@@ -304,7 +302,6 @@ class FewInPlane {
     std::sort(duplicates_.begin(), duplicates_.end(),
               [](const DuplicatePoint& a, const DuplicatePoint& b) { return a.id < b.id; });
     out.duplicates.assign(duplicates_.begin(), duplicates_.end());
-    duplicates_.clear();
     out.axes = {0, 1};
     out.affine_dimension = 2;
     if (spheres) write_groups(*spheres, rank_, out, short_run());

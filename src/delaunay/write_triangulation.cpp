@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -108,16 +109,16 @@ class CellWriter {
         shift_(shift_of(out.point_count)),
         buckets_((out.point_count >> shift_) + 1) {}
 
-  void write() {
+  /// Returns for each cell of the store its number in the result; no_cell except for finite ones.
+  Array<std::uint32_t> write() {
     count_cells();
     out_.cells.resize(cells_.size() * corners());
     out_.neighbours.resize(cells_.size() * corners());
     fill_buckets();
     run_.each_item(buckets_, [&](std::uint64_t b) { sort_bucket(b); });
     write_neighbours();
+    return std::move(rank_);
   }
-  /// By cell of the store: its number in the result; no_cell except for finite ones.
-  std::span<const std::uint32_t> rank() const { return rank_; }
 
  private:
   static constexpr unsigned few_ids = 11;       // log2 of the ids per bucket: its cells fit a cache
@@ -396,6 +397,10 @@ class SphereJoiner {
     }
   }
   bool on_sphere(const std::uint32_t* v, std::uint32_t q) {
+    if constexpr (K >= 2) {
+      Sign side = Sign::zero;
+      if (!s_.powers.empty() && lift_side_by_powers<K>(s_, v, q, side)) return false;
+    }
     for (std::size_t i = 0; i < corners_.size(); ++i) corners_[i] = s_.row(v[i]);
     return lift_side < K == 1 ? 0 : K > (s_, corners_.data(), s_.row(q), counts_) == Sign::zero;
   }
@@ -428,14 +433,15 @@ DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const 
 }
 template DisjointSets cells_of_spheres(const LiftedPoints&, CellStore<2>&, const Run&);
 
-void write_groups(DisjointSets& sets, std::span<const std::uint32_t> rank, Triangulation& out,
+void write_groups(DisjointSets& sets, std::span<std::uint32_t> rank, Triangulation& out,
                   const Run& run) {
   Array<std::uint32_t> groups(out.size());
   run.each(rank.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
       if (rank[c] != no_cell) groups[rank[c]] = sets.root(c);
   });
-  Array<std::uint32_t> number(rank.size(), no_cell);
+  const std::span<std::uint32_t> number = rank;  // of each root's group
+  std::fill(number.begin(), number.end(), no_cell);
   std::uint32_t next = 0;
   for (std::uint32_t& group : groups) {
     std::uint32_t& known = number[group];
@@ -447,14 +453,10 @@ void write_groups(DisjointSets& sets, std::span<const std::uint32_t> rank, Trian
 
 template <unsigned K>
 void write_cells(const LiftedPoints& s, CellStore<K>& store, Triangulation& out, const Run& run) {
-  CellWriter<K> writer(s, store, out, run);
-  if (out.statistics.ties > 0) {
-    DisjointSets sets = cells_of_spheres(s, store, run);
-    writer.write();
-    write_groups(sets, writer.rank(), out, run);
-  } else {
-    writer.write();
-  }
+  std::optional<DisjointSets> spheres;
+  if (out.statistics.ties > 0) spheres = cells_of_spheres(s, store, run);
+  Array<std::uint32_t> rank = CellWriter<K>(s, store, out, run).write();
+  if (spheres) write_groups(*spheres, rank, out, run);
   write_boundary(out, nullptr, out.hull_facets, out.hull_cells, run);
 }
 template void write_cells(const LiftedPoints&, CellStore<0>&, Triangulation&, const Run&);

@@ -26,8 +26,8 @@ template <unsigned K>
 DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run);
 
 /// Writes cell_groups from cells_of_spheres(), unless each cell is a group of its own. rank[c]: the
-/// number of the store's cell c in the result; no_cell if it is not finite.
-void write_groups(DisjointSets& sets, std::span<const std::uint32_t> rank, Triangulation& out,
+/// number of the store's cell c in the result; no_cell if it is not finite; overwritten.
+void write_groups(DisjointSets& sets, std::span<std::uint32_t> rank, Triangulation& out,
                   const Run& run);
 
 /// Writes the facets between a kept cell and a cell that is not kept, or no cell, in the format of

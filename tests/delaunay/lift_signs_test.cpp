@@ -312,9 +312,15 @@ TEST(Triangulation, NearASphereEqualsThatOfWeightsOfZero) {
     LiftedSet shifted = nearly_cospherical(d, n, 11);
     for (double& x : shifted.rows) x = 3 * x + 1;
     const LiftedSet near = nearly_cospherical(d, n, 12);
-    for (const LiftedSet& set :
-         {near, shifted, with_others(nearly_cospherical(d, n, 13), n / 4, 14),
-          with_others(nearly_cospherical(d, n / 4, 15), n, 16)}) {
+    LiftedSet mirrored = nearly_cospherical(d, n / 2, 17);  // each point and its image: ties
+    for (std::uint64_t i = 0, end = mirrored.rows.size(); i < end; ++i)
+      mirrored.rows.push_back(i % d == 0 ? -mirrored.rows[i] : mirrored.rows[i]);
+    LiftedSet rounded = near, tight = random_points(d, n, 18);
+    for (double& x : rounded.rows) x = std::ldexp(std::round(std::ldexp(x, 50)), -50);
+    for (double& x : tight.rows) x = 0.7 + std::ldexp(x, -20);
+    for (const LiftedSet& set : {near, shifted, mirrored, rounded, tight,
+                                 with_others(nearly_cospherical(d, n, 13), n / 4, 14),
+                                 with_others(nearly_cospherical(d, n / 4, 15), n, 16)}) {
       LiftedSet weighted = set;
       weighted.weights.assign(set.count(), 0.0);
       const Triangulation t = triangulate(set), by_weights = triangulate(weighted);
@@ -322,8 +328,10 @@ TEST(Triangulation, NearASphereEqualsThatOfWeightsOfZero) {
       EXPECT_EQ(t.neighbours, by_weights.neighbours) << set.name << d;
       EXPECT_EQ(t.cell_groups, by_weights.cell_groups) << set.name << d;
     }
-    const Triangulation t = triangulate(near);
-    EXPECT_LT(20 * t.statistics.rung_counts[1], t.statistics.rung_counts[0]) << d;
+    for (const LiftedSet* set : std::initializer_list<const LiftedSet*>{&near, &rounded, &tight}) {
+      const auto& rungs = triangulate(*set).statistics.rung_counts;
+      EXPECT_LT(20 * rungs[1], rungs[0]) << set->name << d;
+    }
   }
 }
 

@@ -55,6 +55,7 @@ struct LiftedPoints {
 
   /// If most points are nearly on one sphere (find_common_sphere), the power |x - c|^2 - r^2 of
   /// each point, off by at most 2^-53 of its magnitude and power_error: a lift of small numbers.
+  /// Never beside a lattice.
   Array<double> powers;
   static constexpr double power_error = 0x1p-94;
 
