@@ -39,7 +39,7 @@ void find_cones(const OutermostFrame& frame, const OutermostBlock& block, unsign
   const F f;
   const hn::RebindToSigned<F> i32;
   const V half = hn::Set(f, 0.5F * static_cast<float>(cells));
-  const auto last = hn::Set(i32, static_cast<std::int32_t>(cells) - 1);
+  const V last = hn::Set(f, static_cast<float>(cells) - 1);
   const auto edge = hn::Set(i32, static_cast<std::int32_t>(cells));
   for (unsigned i = 0; i < OutermostBlock::size; i += static_cast<unsigned>(hn::Lanes(f))) {
     const V x = hn::Load(f, near[0] + i), y = hn::Load(f, near[1] + i),
@@ -50,9 +50,11 @@ void find_cones(const OutermostFrame& frame, const OutermostBlock& block, unsign
     const V s = hn::IfThenElse(on_x, y, x), t = hn::IfThenElse(on_z, y, z);
     const V w = hn::IfThenElse(on_x, x, hn::IfThenElse(on_z, z, y));
     const V stretch = hn::Div(half, hn::Max(most, hn::Set(f, 0x1p-100F)));
+    // Limited before it is converted, because the conversion of a NaN is undefined: points are not
+    // checked before.
     const auto place = [&](V v) HWY_ATTR {
-      const auto p = hn::ConvertTo(i32, hn::MulAdd(v, stretch, half));
-      return hn::Min(hn::Max(p, hn::Zero(i32)), last);
+      const V p = hn::MulAdd(v, stretch, half);
+      return hn::ConvertTo(i32, hn::Min(hn::IfThenElseZero(hn::Gt(p, hn::Zero(f)), p), last));
     };
     const V side =
         hn::Add(hn::IfThenElseZero(hn::Lt(w, hn::Zero(f)), hn::Set(f, 3.0F)),
