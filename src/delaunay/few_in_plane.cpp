@@ -98,7 +98,7 @@ class FewInPlane {
     if (!(most >= 0x1p-500 && most <= 0x1p500)) return false;
     up_ = std::ilogb(most) + 1;
     widest_ = std::max(high_[0] - low_[0], high_[1] - low_[1]);
-    return widest_ > 0;
+    return widest_ >= 0x1p-600;  // below that on a line; quotients would overflow
   }
 
   /// Sets the points' keys and counts them. Returns the sum of, for each point, those in its cell.

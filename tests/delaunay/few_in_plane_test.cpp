@@ -231,5 +231,14 @@ TEST(FewInPlane, CallsDoNotDependOnEarlierOnes) {
   EXPECT_EQ(first.statistics.rung_counts[0], again.statistics.rung_counts[0]);
 }
 
+/// The extent is so small that its reciprocal overflows, beside a coordinate of ordinary size.
+TEST(FewInPlane, OnALineOfSubnormalLength) {
+  std::vector<double> rows;
+  for (const int i : {2, 0, 4, 1, 3}) rows.insert(rows.end(), {1.0, i * 0x1p-1070});
+  const Triangulation t = delaunay(PointView::row_major(rows.data(), 5, 2));
+  EXPECT_EQ(t.affine_dimension, 1);
+  EXPECT_EQ(t.size(), 4U);
+}
+
 }  // namespace
 }  // namespace cullhull
