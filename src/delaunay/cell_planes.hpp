@@ -194,8 +194,8 @@ class CellPlanes {
   bool odd_[lift_block] = {};
   static constexpr unsigned most_seen = K == 3 ? 64 : 1;
   double seen_[most_seen][K] = {}, seen_lifts_[most_seen] = {}, seen_sizes_[most_seen] = {};
-  double rows_[K * (K + 1) * lift_block] = {}, sizes_[K * lift_block] = {},
-                             block_[(K + 3) * lift_block] = {};
+  double rows_[K * (K + 1) * lift_block] = {}, sizes_[K * lift_block] = {};
+  double block_[(K + 3) * lift_block] = {};
 };
 
 /// Replaces CellPlanes in dimensions without planes.

@@ -352,9 +352,9 @@ class SphereJoiner {
           for (unsigned j = 0; j < K; ++j)
             rows_[(i * (K + 1) + j) * lift_block + open_] = s_.row(v[i + 1])[j] - o[j];
         for (std::size_t j = 0; j < corners_.size(); ++j) {
-          const std::uint32_t o = store_.cell_of(store_.neighbours(c)[j]);
-          prefetch_line(store_.vertices(o));
-          sets_.prefetch(o);
+          const std::uint32_t neighbour = store_.cell_of(store_.neighbours(c)[j]);
+          prefetch_line(store_.vertices(neighbour));
+          sets_.prefetch(neighbour);
         }
         cells_[open_] = c;
         if (++open_ == lift_block) finish();
@@ -402,7 +402,8 @@ class SphereJoiner {
       if (!s_.powers.empty() && lift_side_by_powers<K>(s_, v, q, side)) return false;
     }
     for (std::size_t i = 0; i < corners_.size(); ++i) corners_[i] = s_.row(v[i]);
-    return lift_side < K == 1 ? 0 : K > (s_, corners_.data(), s_.row(q), counts_) == Sign::zero;
+    constexpr unsigned k = K == 1 ? 0 : K;  // lift_side() has no filter for a line
+    return lift_side<k>(s_, corners_.data(), s_.row(q), counts_) == Sign::zero;
   }
 
   const LiftedPoints& s_;
