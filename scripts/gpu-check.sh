@@ -15,6 +15,7 @@
 #         scaling    1, 2, 4, 8 and 16 threads of the CPU (needs no device)
 #         tests      every suite of the tests of a device
 #         python     arrays of CuPy and PyTorch
+#         hulls      hulls from Python, of many kinds and sizes, beside the CPU's: the same bits
 #         cpu        the tests' host twins and a hull (needs no device)
 #         recipes    those of docs/how-to/frameworks.md for PyTorch and CuPy
 #         sanitizer  compute-sanitizer's tools (--tool: memcheck, racecheck, initcheck, synccheck)
@@ -128,6 +129,7 @@ stage() {
   cp -r bindings/python/cullhull "$folder/python/"
   cp "$build"/bindings/python/_core.*.so "$folder/python/cullhull/"
   cp bindings/python/tests/test_{arrays,recipes}.py docs/how-to/frameworks.md "$folder/python/tests/"
+  cp bench/device_hulls.py data/autzen-150k.ply "$folder/python/"
   mkdir "$folder/python/lib"
   # The C++ library is what PyTorch and CuPy run with, which may need a newer one than ours.
   for library in "$folder"/lib/*; do
@@ -364,6 +366,15 @@ run_python() {
   python_step python "$root/python/tests/test_arrays.py"::test_{batches_and_questions_on_a_device,device_arrays_of_side_streams,device_arrays}
 }
 
+run_hulls() {
+  if [[ ! -d $root/python ]]; then
+    failed "LEFT OUT: the bundle was made without it  hulls"
+    return
+  fi
+  figures "$suite_seconds" hulls "$results/gpu-hulls-$date.jsonl" env PYTHONPATH="$root/python" \
+    PYTHONDONTWRITEBYTECODE=1 python3 "$root/python/device_hulls.py" "$root/python/autzen-150k.ply"
+}
+
 run_recipes() {
   python_step recipes "$root/python/tests/test_recipes.py" -k "torch or cupy"
 }
@@ -445,7 +456,7 @@ check_list() {
 }
 
 run() {
-  local all_tools="memcheck racecheck initcheck synccheck" figures_and_tests=passes,bench,scaling,tests,python,cpu,recipes
+  local all_tools="memcheck racecheck initcheck synccheck" figures_and_tests=passes,bench,scaling,tests,python,hulls,cpu,recipes
   local only="" bundle="" words="$0 run $*" seconds=400 part
   results="" tools="" only_suites="" done_before=""
   while (($#)); do
@@ -477,7 +488,7 @@ run() {
   # Who names a tool wants that.
   : "${only:=${tools:+sanitizer}}"
   : "${only:=$figures_and_tests,sanitizer}" "${tools:=${all_tools// /,}}"
-  check_list "$only" passes bench scaling tests python cpu recipes sanitizer
+  check_list "$only" passes bench scaling tests python hulls cpu recipes sanitizer
   # shellcheck disable=SC2086
   check_list "$tools" $all_tools
   deadline=$((SECONDS + seconds))
@@ -512,9 +523,9 @@ run() {
   record_cpu
   find_launcher
   no_device=""
-  if wants passes || wants bench || wants tests || wants python || wants recipes || wants sanitizer; then find_device; fi
+  if wants passes || wants bench || wants tests || wants python || wants hulls || wants recipes || wants sanitizer; then find_device; fi
   # What gives figures comes first: a call may be cut off.
-  for part in passes bench scaling tests python cpu recipes sanitizer; do
+  for part in passes bench scaling tests python hulls cpu recipes sanitizer; do
     wants "$part" || continue
     if [[ -n $no_device && $part != scaling && $part != cpu ]]; then
       note "LEFT OUT: no device  $part"

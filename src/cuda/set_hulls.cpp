@@ -301,8 +301,7 @@ void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool m
   s.device_counts = DeviceArray<std::uint16_t>(sets, s.stream);
   s.vertices = DeviceArray<std::uint8_t>(total, s.stream);
   s.simplices = DeviceArray<std::uint8_t>(total * simplex_room(s.d()), s.stream);
-  check(cudaMemsetAsync(s.device_counts.data(), 0, sets * sizeof(std::uint16_t), s.stream),
-        "clearing device memory");
+  fill(s.device_counts.data(), sets, 0, s.stream);
   for (unsigned c = 0; c < std::size(wanted); ++c)
     if (wanted[c])
       check(find_set_hulls(s.from(first), s.sets(), std::max(step * c + 1, s.d() + 1),
@@ -310,6 +309,8 @@ void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool m
             "hulling sets");
   if (measured) {
     s.measures = DeviceArray<double>(std::size_t{sets} * (s.d() + 2), s.stream);
+    // The kernel leaves out open sets; `write` copies all and then replaces theirs.
+    fill(s.measures.data(), s.measures.size(), 0, s.stream);
     s.exponents = DeviceArray<std::int8_t>(sets, s.stream);
     check(measure_sets(s.from(first), s.sets(), s.measures_of_sets(), s.stream), "measuring hulls");
   }

@@ -1,6 +1,5 @@
 // The flow for points in a device's memory: cull them on the device, hull the survivors on the
 // host, and translate their ids back.
-#include <algorithm>
 #include <utility>
 
 #include "cullhull/device_points.hpp"
@@ -79,18 +78,12 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   const auto start = Clock::now();
   const Filtered filtered = filtered_on_device(points, options);
   const double cull_seconds = seconds_since(start);
-  Hull hull = hull_of_rows(filtered, points, options);
+  Options with = options;
+  with.with_coordinates |= vertex_coordinates != nullptr;
+  Hull hull = hull_of_rows(filtered, points, with);
   if (vertex_coordinates != nullptr) {
-    const Survivors& s = filtered.survivors;
-    vertex_coordinates->clear();
-    for (const std::uint64_t v : hull.vertices) {
-      // Survivors ascend by id, and every vertex is a survivor.
-      const auto at = s.all ? v
-                            : static_cast<std::uint64_t>(
-                                  std::lower_bound(s.ids.begin(), s.ids.end(), v) - s.ids.begin());
-      const auto row = filtered.rows.begin() + static_cast<std::ptrdiff_t>(at * points.dimension);
-      vertex_coordinates->insert(vertex_coordinates->end(), row, row + points.dimension);
-    }
+    vertex_coordinates->assign(hull.vertex_coordinates.begin(), hull.vertex_coordinates.end());
+    if (!options.with_coordinates) hull.vertex_coordinates = {};
   }
   hull.statistics.cull_seconds = cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);

@@ -6,6 +6,7 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal::inline result {
 
@@ -13,6 +14,10 @@ void write_coordinates(const PointView& points, Hull& hull) {
   const std::uint32_t d = hull.dimension;
   hull.vertex_coordinates.resize(hull.vertices.size() * d);
   double* out = hull.vertex_coordinates.data();
+  if (const double* const rows = packed_doubles(points)) {
+    for (const std::uint64_t v : hull.vertices) out = std::copy_n(rows + v * d, d, out);
+    return;
+  }
   for (const std::uint64_t v : hull.vertices)
     for (std::uint32_t j = 0; j < d; ++j) *out++ = points.at(v, j);
 }

@@ -143,7 +143,7 @@ class Run(Case):
             '{"part":"last of gpu_passes"}', "passed  bench", '{"part":"last of gpu_bench"}',
             "passed  scaling", '{"part":"last of scaling_bench"}', "passed  gpu hull",
             "passed  gpu GpuA", "passed  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
-            "passed  cpu twin_test", "passed  recipes",
+            "passed  hulls", "passed  cpu twin_test", "passed  recipes",
         )  # fmt: skip
         self.assertIn("all passed", self.said.read_text())
 
@@ -177,9 +177,9 @@ class Run(Case):
 
     def test_left_out_python_is_a_failure(self) -> None:
         shutil.rmtree(self.bundle / "python")
-        status, summary = self.run_it("--only", "python,recipes")
+        status, summary = self.run_it("--only", "python,hulls,recipes")
         self.assertEqual(status, 1)
-        for name in ("python", "recipes"):
+        for name in ("python", "hulls", "recipes"):
             self.assert_lines(summary, f"LEFT OUT: the bundle was made without it  {name}")
 
     def test_skipped_python_is_a_failure(self) -> None:
