@@ -1,17 +1,16 @@
 // cullhull info: what is in a file of points.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 
 #include "arguments.hpp"
+#include "axis_ranges.hpp"
 #include "commands.hpp"
 #include "cullhull/io.hpp"
 #include "outputs.hpp"
+#include "parallel/threads/parallel.hpp"
 #include "streaming.hpp"
 #include "terminal.hpp"
 #include "topics.hpp"
@@ -19,29 +18,8 @@
 namespace app {
 namespace {
 
-constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
-
-struct Range {
-  double least = std::numeric_limits<double>::infinity();
-  double greatest = -std::numeric_limits<double>::infinity();
-};
-
-struct Scan {
-  std::vector<Range> axes;
-  std::uint64_t not_finite = 0;
-  std::uint64_t first_not_finite = none;
-  std::string place;  ///< file and, of a text, line of the first; empty: unknown
-
-  /// Merges the findings about other points.
-  void add(const Scan& other) {
-    if (axes.size() < other.axes.size()) axes.resize(other.axes.size());
-    for (std::size_t j = 0; j < other.axes.size(); ++j) {
-      axes[j].least = std::min(axes[j].least, other.axes[j].least);
-      axes[j].greatest = std::max(axes[j].greatest, other.axes[j].greatest);
-    }
-    not_finite += other.not_finite;
-    first_not_finite = std::min(first_not_finite, other.first_not_finite);
-  }
+struct Scan : AxisRanges {
+  std::string place;  ///< file and, of a text, line of the first point that is not finite; or empty
 };
 
 /// The rest of the report.
@@ -52,23 +30,6 @@ struct Described {
   double read_seconds = 0;
   Placing placing;
 };
-
-Scan scan(const cullhull::PointView& points, std::uint64_t first_id = 0) {
-  Scan result;
-  result.axes.resize(points.dimension);
-  for (std::uint64_t i = 0; i < points.count; ++i) {
-    bool finite = true;
-    for (std::uint32_t j = 0; j < points.dimension; ++j) {
-      const double x = points.at(i, j);
-      finite = finite && std::isfinite(x);
-      if (x < result.axes[j].least) result.axes[j].least = x;
-      if (x > result.axes[j].greatest) result.axes[j].greatest = x;
-    }
-    if (finite) continue;
-    if (result.not_finite++ == 0) result.first_not_finite = first_id + i;
-  }
-  return result;
-}
 
 /// Null for an axis without points.
 nlohmann::ordered_json number(double value, bool any) {
@@ -85,7 +46,7 @@ std::string report(const Described& input, const Scan& found) {
   json["point_stride"] = points.point_stride;
   json["coordinate_stride"] = points.coordinate_stride;
   json["axes"] = Json::array();
-  for (const Range& axis : found.axes) {
+  for (const AxisRanges::Range& axis : found.axes) {
     const bool any = axis.least <= axis.greatest;
     json["axes"].push_back(
         {{"least", number(axis.least, any)}, {"greatest", number(axis.greatest, any)}});
@@ -130,7 +91,7 @@ Described describe(const InputArguments& arguments, const std::vector<std::strin
                    Scan& found) {
   Input input = open_inputs(arguments, files, 0);
   input.to_world();
-  found = scan(input.points);
+  found.add(axis_ranges(input.points, cullhull::internal::resolve_threads(0)));
   if (found.not_finite > 0)
     found.place = input.places.of(fmt::format("point {},", found.first_not_finite));
   return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds(),
@@ -143,14 +104,14 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
   cullhull::PointView shape;
   const cullhull::BlockSummary read = stream_blocks(
       arguments, files, RunArguments{}, [&](const cullhull::PointView& block, std::uint64_t first) {
-        const Scan part = scan(block, first);
+        const AxisRanges part = axis_ranges(block, 1, first);
         const std::lock_guard lock(mutex);
         found.add(part);
         if (first == 0) shape = block;
       });
   shape.count = read.end.points;
   shape.scalar = read.scalar;
-  for (Range& axis : found.axes) {
+  for (AxisRanges::Range& axis : found.axes) {
     axis.least = read.grid.to_world(axis.least);
     axis.greatest = read.grid.to_world(axis.greatest);
   }

@@ -8,9 +8,12 @@
 #include <type_traits>
 #include <utility>
 
+#include "exact/determinants/determinant_sign.hpp"
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_parts.hpp"
+#include "exact/orientation/difference_products.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "exact/planes/exact_plane.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -374,9 +377,19 @@ std::uint32_t LocalFrame::independent_by_scan() {
       std::vector<const double*> p(rank + 2);
       for (unsigned i = 0; i <= rank + 1; ++i) p[i] = projected.data() + i * (rank + 1);
       for (unsigned i = 0; i <= rank; ++i) project(flat[i], projected.data() + i * (rank + 1));
+      // Nearly all points are in the flat, which only integers show: from 4D on those of 128 bits,
+      // or a plane's, which is found once for all points.
+      OrientedPlane plane;
+      if (rank > 2) plane.set(rank + 1, p.data());
+      const auto side_of_last = [&] {
+        Sign side = Sign::zero;
+        if (rank <= 2) return orientation(rank + 1, p.data());
+        if (determinant_128(Differences(rank + 1, p.data(), rank + 1), side)) return side;
+        return plane.side(p[rank + 1]);
+      };
       for (std::uint64_t i = begin; i < end && i < found; ++i) {
         project(raw_.data() + i * d, projected.data() + (rank + 1) * (rank + 1));
-        if (orientation(rank + 1, p.data()) == Sign::zero) continue;
+        if (side_of_last() == Sign::zero) continue;
         std::uint32_t lowest = found;
         while (i < lowest && !found.compare_exchange_weak(lowest, static_cast<std::uint32_t>(i))) {
         }

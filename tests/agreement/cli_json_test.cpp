@@ -1,4 +1,5 @@
 // Every JSON document the program writes is the one that docs/cullhull.schema.json describes.
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -123,6 +124,37 @@ TEST(CliJson, InfoCountsWhatIsNotFinite) {
   const Ran ran = run_app({"info", f / "p.txt", "--json=" + (f / "i.json")});
   EXPECT_EQ(schema().fault(json::parse(read_file(f / "i.json")), "info_report"), "");
   EXPECT_NE(ran.out.find("finite     no: 3 points"), std::string::npos) << ran.out;
+}
+
+TEST(CliJson, InfoHasTheRangesOfEveryTypeAndDimension) {
+  const Folder f;
+  for (unsigned d = 1; d <= 10; ++d)
+    for (const ScalarType type :
+         {ScalarType::f32, ScalarType::f64, ScalarType::i8, ScalarType::u8, ScalarType::i16,
+          ScalarType::u16, ScalarType::i32, ScalarType::u32}) {
+      const bool whole = type != ScalarType::f32 && type != ScalarType::f64;
+      const std::size_t n = 16384 + 5 * d;  // a chunk and a piece of one
+      std::vector<double> rows = generate("cube", n, d, d);
+      for (double& x : rows) x = whole ? std::floor(60 * (x + 1)) : static_cast<float>(x);
+      const std::size_t bad = d % 2 != 0 ? n - 1 : 7;
+      if (!whole) rows[bad * d] = d % 3 != 0 ? NAN : INFINITY;
+      write_npy_points(f / "p.npy", rows.data(), n, d, type);
+      const json info = expect_json({"info", f / "p.npy", "--json"}, "info_report");
+      for (unsigned j = 0; j < d; ++j) {
+        double least = INFINITY, greatest = -INFINITY;
+        for (std::size_t i = 0; i < n; ++i) {
+          least = std::fmin(least, rows[i * d + j]);
+          greatest = std::fmax(greatest, rows[i * d + j]);
+        }
+        EXPECT_EQ(info["axes"][j]["least"], least);
+        if (greatest < INFINITY)
+          EXPECT_EQ(info["axes"][j]["greatest"], greatest);
+        else
+          EXPECT_EQ(info["axes"][j]["greatest"], "inf");
+      }
+      EXPECT_EQ(info["not_finite"], whole ? 0 : 1);
+      EXPECT_EQ(info["first_not_finite"], whole ? json() : json(bad));
+    }
 }
 
 TEST(CliJson, SequencesPagesAndSets) {

@@ -180,7 +180,7 @@ class FacetPlane {
     corners.push_back(nullptr);
     for (const std::uint32_t apex : frame_.spanning) {
       corners[k_] = frame_.raw_at(apex);
-      const std::vector<ExactFloat> inward =
+      const std::vector<RoundedFloat> inward =
           ExactOrthogonalParts(frame_.dimension, corners.data(), k_).direction(k_ - 1);
       if (inward.empty()) continue;
       for (unsigned c = 0; c < frame_.dimension; ++c) out[c] = (-inward[c]).to_double();

@@ -84,24 +84,20 @@ ExactOrthogonalParts::ExactOrthogonalParts(unsigned d, const double* const* p, u
   }
 }
 
-ExactFloat ExactOrthogonalParts::measure(unsigned count) const {
-  return ExactFloat(minors_[count]).root().times_power_of_two(unit_ * static_cast<long>(count));
-}
-
-ExactFloat ExactOrthogonalParts::rest_length(unsigned i) const {
-  ExactFloat square;
+RoundedFloat ExactOrthogonalParts::rest_length(unsigned i) const {
+  RoundedFloat square;
   for (unsigned c = 0; c < d_; ++c) {
-    const ExactFloat v(rest(i)[c]);
+    const RoundedFloat v(rest(i)[c]);
     square = square + v * v;
   }
   return square.root();
 }
 
-std::vector<ExactFloat> ExactOrthogonalParts::direction(unsigned i) const {
-  const ExactFloat length = rest_length(i);
-  std::vector<ExactFloat> out;
+std::vector<RoundedFloat> ExactOrthogonalParts::direction(unsigned i) const {
+  const RoundedFloat length = rest_length(i);
+  std::vector<RoundedFloat> out;
   if (length.zero()) return out;
-  for (unsigned c = 0; c < d_; ++c) out.push_back(ExactFloat(rest(i)[c]) / length);
+  for (unsigned c = 0; c < d_; ++c) out.push_back(RoundedFloat(rest(i)[c]) / length);
   return out;
 }
 

@@ -20,13 +20,16 @@ class ExactOrthogonalParts {
   ExactOrthogonalParts(unsigned d, const double* const* p, unsigned rows);
 
   /// The measure of the parallelotope spanned by the first `count` edges, rounded once.
-  ExactFloat measure(unsigned count) const;
+  template <class Float = ExactFloat>
+  Float measure(unsigned count) const {
+    return Float(minors_[count]).root().times_power_of_two(unit_ * static_cast<long>(count));
+  }
   /// The unit vector along rest i; empty if the rest is zero.
-  std::vector<ExactFloat> direction(unsigned i) const;
+  std::vector<RoundedFloat> direction(unsigned i) const;
 
  private:
   const mpz_class* rest(unsigned i) const { return rests_.data() + std::size_t{i} * d_; }
-  ExactFloat rest_length(unsigned i) const;
+  RoundedFloat rest_length(unsigned i) const;
 
   unsigned d_;
   long unit_ = 0;                  // integers are multiples of 2^unit_

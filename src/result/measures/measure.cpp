@@ -267,7 +267,7 @@ class Measurer {
     Totals<ExactFloat> all(d);
     for (const auto& p : parts) all.add(p);
     if (all.volume.zero()) throw Error(ErrorCode::internal, "the hull has no volume");
-    finish_measures(frame_, all.volume, all.area, all.moment, 0, hull_);
+    finish_measures(frame_, all, 1, 0, hull_);
   }
 
   void add_exactly(std::uint64_t i, Totals<ExactFloat>& out) const {
@@ -405,16 +405,17 @@ ExactFloat widened(const DoubleDouble& v) { return ExactFloat(v.high) + ExactFlo
 
 }  // namespace
 
-void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFloat& area,
-                     const std::vector<ExactFloat>& moment, long exponent, Hull& hull) {
+void finish_measures(const Frame& frame, const Totals<ExactFloat>& sums, const ExactFloat& stretch,
+                     long exponent, Hull& hull) {
   const unsigned k = frame.k;
   ExactFloat factorial = 1;
   for (unsigned i = 2; i < k; ++i) factorial = factorial * ExactFloat(i);
+  const ExactFloat volume = sums.volume * stretch, area = sums.area * stretch;
   hull.area = (area / factorial).to_double(exponent * (k - 1L));
   hull.volume = (volume / (factorial * ExactFloat(k))).to_double(exponent * static_cast<long>(k));
   hull.centroid.clear();
   for (unsigned c = 0; c < frame.dimension; ++c) {
-    const ExactFloat shift = moment[c] / (volume * ExactFloat(k + 1.0));
+    const ExactFloat shift = sums.moment[c] / (sums.volume * ExactFloat(k + 1.0));
     const ExactFloat origin = ExactFloat(frame.raw_at(0)[c]);
     hull.centroid.push_back((origin + shift.times_power_of_two(exponent)).to_double());
   }
@@ -427,10 +428,11 @@ void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull&
                        sums.moment.data(), &hull.volume, &hull.area, hull.centroid.data()))
       return;
   }
-  const ExactFloat volume = widened(sums.volume) * frame.stretch;
-  std::vector<ExactFloat> moment;
-  for (const DoubleDouble& v : sums.moment) moment.push_back(widened(v) * frame.stretch);
-  finish_measures(frame, volume, widened(sums.area) * frame.stretch, moment, frame.exponent, hull);
+  Totals<ExactFloat> wide(0);
+  wide.volume = widened(sums.volume);
+  wide.area = widened(sums.area);
+  for (const DoubleDouble& v : sums.moment) wide.moment.push_back(widened(v));
+  finish_measures(frame, wide, frame.stretch, frame.exponent, hull);
 }
 
 namespace {

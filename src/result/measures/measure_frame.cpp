@@ -61,22 +61,12 @@ std::vector<std::uint32_t> spanning_vertices(const Frame& frame, bool exactly) {
   return chosen;
 }
 
-/// The absolute value of the determinant of an n x n matrix, by elimination.
-ExactFloat wide_determinant(std::vector<ExactFloat> m, unsigned n) {
-  ExactFloat det = 1;
-  for (unsigned c = 0; c < n; ++c) {
-    unsigned pivot = c;
-    for (unsigned i = c + 1; i < n; ++i)
-      if (m[i * n + c].magnitude() > m[pivot * n + c].magnitude()) pivot = i;
-    if (m[pivot * n + c].zero()) return 0;
-    for (unsigned j = 0; j < n; ++j) std::swap(m[pivot * n + j], m[c * n + j]);
-    det = det * m[c * n + c];
-    for (unsigned i = c + 1; i < n; ++i) {
-      const ExactFloat factor = m[i * n + c] / m[c * n + c];
-      for (unsigned j = c; j < n; ++j) m[i * n + j] = m[i * n + j] - factor * m[c * n + j];
-    }
-  }
-  return det.magnitude();
+/// The spanning vertices' coordinates on k axes.
+std::vector<double> project(const Frame& frame, const std::vector<unsigned>& axes) {
+  std::vector<double> rows;
+  for (const std::uint32_t v : frame.spanning)
+    for (const unsigned a : axes) rows.push_back(frame.raw_at(v)[a]);
+  return rows;
 }
 
 /// Replaces frame.axes by axes onto which the flat projects with little shrinking: the pivots of an
@@ -102,9 +92,7 @@ void choose_axes(Frame& frame) {
   }
   std::sort(axes.begin(), axes.end());
   const auto sign = [&](const std::vector<unsigned>& on) {
-    std::vector<double> packed;
-    for (const std::uint32_t v : frame.spanning)
-      for (const unsigned a : on) packed.push_back(frame.raw_at(v)[a]);
+    const std::vector<double> packed = project(frame, on);
     std::vector<const double*> rows;
     for (unsigned i = 0; i <= k; ++i) rows.push_back(packed.data() + std::size_t{i} * k);
     return orientation_exact(k, rows.data());
@@ -129,18 +117,13 @@ void span_flat(Frame& frame) {
   std::vector<const double*> corners;
   for (const std::uint32_t v : frame.spanning) corners.push_back(frame.raw_at(v));
   const ExactOrthogonalParts rests(d, corners.data(), k);
-  std::vector<ExactFloat> basis;
   for (unsigned i = 0; i < k; ++i)
-    for (const ExactFloat& w : rests.direction(i)) {
-      basis.push_back(w);
-      frame.basis.push_back(w.to_double());
-    }
+    for (const RoundedFloat& w : rests.direction(i)) frame.basis.push_back(w.to_double());
   if (k > 1) choose_axes(frame);
-  std::vector<ExactFloat> projected;
-  for (unsigned i = 0; i < k; ++i)
-    for (unsigned c = 0; c < k; ++c) projected.push_back(basis[i * d + frame.axes[c]]);
-  const ExactFloat det = wide_determinant(projected, k);
-  if (!det.zero()) frame.stretch = ExactFloat(1) / det;
+  const std::vector<double> projected = project(frame, frame.axes);
+  for (unsigned i = 0; i <= k; ++i) corners[i] = projected.data() + std::size_t{i} * k;
+  const ExactOrthogonalParts in_axes(k, corners.data(), k);
+  frame.stretch = ExactFloat(rests.measure<RoundedFloat>(k) / in_axes.measure<RoundedFloat>(k));
 }
 
 struct Range {

@@ -59,9 +59,10 @@ struct Totals {
   }
 };
 
-/// Computes volume, area and centroid from sums over coordinates in units of 2^exponent.
-void finish_measures(const Frame& frame, const ExactFloat& volume, const ExactFloat& area,
-                     const std::vector<ExactFloat>& moment, long exponent, Hull& hull);
+/// Computes volume, area and centroid from sums over coordinates in units of 2^exponent. `stretch`:
+/// the ratio of the measures to those sums.
+void finish_measures(const Frame& frame, const Totals<ExactFloat>& sums, const ExactFloat& stretch,
+                     long exponent, Hull& hull);
 /// The same from sums over the projection onto the frame's axes, in the frame's units.
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull);
 
