@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
+#include <map>
 #include <numeric>
+#include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -140,6 +145,53 @@ TEST(Pages, BetweenCallsNoMoreIsKeptThanTheLimit) {
   EXPECT_EQ(kept_memory(), 6 * mega);
   keep_memory(0);
   EXPECT_EQ(kept_memory(), 0U);
+  keep_memory(std::size_t{1} << 30);
+}
+
+/// Bytes of this process that the system cannot take back without storing them.
+std::size_t held_bytes() {
+  std::ifstream in("/proc/self/smaps_rollup");
+  std::map<std::string, std::size_t> kilobytes;
+  for (std::string line, name; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::size_t number = 0;
+    if (words >> name >> number) kilobytes[name] = number;
+  }
+  return (kilobytes["Anonymous:"] - kilobytes["LazyFree:"]) << 10;
+}
+
+/// The end of a call offers what the call wrote, wherever it lies among memory offered before.
+TEST(Pages, TheSystemMayReclaimAllThatIsKept) {
+  constexpr std::size_t mega = std::size_t{1} << 20;
+  const auto filled = [](std::size_t bytes) {
+    Array<std::uint8_t> block(bytes);
+    std::fill(block.begin(), block.end(), std::uint8_t{1});
+    return block;
+  };
+  keep_memory(0);
+  const std::size_t before = held_bytes();
+  filled(32 * mega);
+  if (before == 0 || held_bytes() > before + 8 * mega)
+    GTEST_SKIP() << "the system does not tell, or other memory is held, as sanitizers do";
+  keep_memory(std::size_t{1} << 30);
+  std::uint32_t seed = 1;
+  const auto next = [&seed](std::uint32_t below) {
+    seed = seed * 1664525 + 1013904223;
+    return (seed >> 16) % below;
+  };
+  for (unsigned call = 0; call < 20; ++call) {
+    {
+      const internal::PageScope scope;
+      std::vector<Array<std::uint8_t>> blocks;
+      for (unsigned i = 0; i < 6; ++i)
+        blocks.push_back(filled((call == 0 ? 16 : 2 * (1 + next(6))) * mega));
+      EXPECT_GE(held_bytes(), before + 6 * 2 * mega);
+      while (!blocks.empty()) blocks.erase(blocks.begin() + next(6) % blocks.size());
+    }
+    EXPECT_GE(kept_memory(), 96 * mega);
+    EXPECT_LE(held_bytes(), before + mega) << "after call " << call;
+  }
+  keep_memory(0);
   keep_memory(std::size_t{1} << 30);
 }
 

@@ -178,7 +178,10 @@ class FreePages {
     --scopes_here;
     if (--scopes_ > 0) return;
     shrink(limit_);
-    for (const auto& [start, bytes] : ranges_) offer(start, bytes);
+    for (auto& [start, range] : ranges_) {
+      if (range.written_end > range.written) offer(range.written, range.written_end);
+      range.written = range.written_end = nullptr;
+    }
   }
   void limit(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
@@ -201,17 +204,20 @@ class FreePages {
     const std::lock_guard lock(mutex_);
     auto best = ranges_.end(), largest = best;
     for (auto it = ranges_.begin(); it != ranges_.end(); ++it) {
-      if (it->second >= bytes && (best == ranges_.end() || it->second < best->second)) best = it;
-      if (largest == ranges_.end() || it->second > largest->second) largest = it;
+      const std::size_t size = it->second.bytes;
+      if (size >= bytes && (best == ranges_.end() || size < best->second.bytes)) best = it;
+      if (largest == ranges_.end() || size > largest->second.bytes) largest = it;
     }
     if (best == ranges_.end()) best = largest;
-    if (best == ranges_.end() || best->second < least) return nullptr;
-    bytes = std::min(bytes, best->second);
+    if (best == ranges_.end() || best->second.bytes < least) return nullptr;
+    bytes = std::min(bytes, best->second.bytes);
     char* start = best->first;
-    const std::size_t rest = best->second - bytes;
+    Range rest = best->second;
+    rest.bytes -= bytes;
+    rest.written = std::max(rest.written, start + bytes);
     ranges_.erase(best);
     kept_ -= bytes;
-    if (rest > 0) ranges_.emplace(start + bytes, rest);
+    if (rest.bytes > 0) ranges_.emplace(start + bytes, rest);
     return start;
   }
 
@@ -220,18 +226,22 @@ class FreePages {
   bool give(char* start, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     if (scopes_ == 0 && (bytes > limit_ || kept_ > limit_ - bytes)) return false;
-    if (scopes_ == 0) offer(start, bytes);
+    Range range{bytes, start, start + bytes};
+    if (scopes_ == 0) {
+      offer(start, start + bytes);
+      range.written = range.written_end = nullptr;
+    }
     try {
-      auto it = ranges_.emplace(start, bytes).first;
+      auto it = ranges_.emplace(start, range).first;
       kept_ += bytes;
       if (const auto after = std::next(it);
-          after != ranges_.end() && it->first + it->second == after->first) {
-        it->second += after->second;
+          after != ranges_.end() && it->first + it->second.bytes == after->first) {
+        it->second.append(after->second);
         ranges_.erase(after);
       }
       if (it != ranges_.begin())
-        if (const auto before = std::prev(it); before->first + before->second == it->first) {
-          before->second += it->second;
+        if (const auto before = std::prev(it); before->first + before->second.bytes == it->first) {
+          before->second.append(it->second);
           ranges_.erase(it);
         }
       return true;
@@ -241,26 +251,46 @@ class FreePages {
   }
 
  private:
+  /// An unused range. What may have been written since it was last offered to the system lies in
+  /// [written, written_end). Without these, each call offered all kept memory again: 0.3 ms after a
+  /// hull of 100,000 points, where the pages are small.
+  struct Range {
+    std::size_t bytes;
+    char *written, *written_end;
+    /// Appends the range that begins where this one ends.
+    void append(const Range& next) {
+      bytes += next.bytes;
+      if (next.written_end <= next.written) return;
+      if (written_end <= written) written = next.written;
+      written_end = next.written_end;
+    }
+  };
+
   /// Allows the system to reclaim these pages, discarding their contents, until they are written
   /// again.
-  static void offer(char* start, std::size_t bytes) { madvise(start, bytes, MADV_FREE); }
+  static void offer(char* begin, char* end) {
+    madvise(begin, static_cast<std::size_t>(end - begin), MADV_FREE);
+  }
 
   /// Returns memory to the system, highest addresses first, until at most `most` bytes are kept.
   void shrink(std::size_t most) {
     while (kept_ > most) {
       const auto last = std::prev(ranges_.end());
-      const std::size_t cut = std::min(last->second, whole_pages(kept_ - most));
-      last->second -= cut;
+      Range& range = last->second;
+      const std::size_t cut = std::min(range.bytes, whole_pages(kept_ - most));
+      range.bytes -= cut;
       kept_ -= cut;
-      munmap(last->first + last->second, cut);
-      if (last->second == 0) ranges_.erase(last);
+      char* const end = last->first + range.bytes;
+      munmap(end, cut);
+      range.written_end = std::min(range.written_end, end);
+      if (range.bytes == 0) ranges_.erase(last);
     }
   }
 
   std::mutex mutex_;
   unsigned scopes_ = 0;
   std::size_t limit_ = usual_limit(), kept_ = 0;
-  std::map<char*, std::size_t> ranges_;
+  std::map<char*, Range> ranges_;
 };
 
 FreePages& free_pages() {
