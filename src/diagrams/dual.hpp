@@ -2,6 +2,7 @@
 // chunks, edges with the cells around them.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <span>
@@ -11,6 +12,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/voronoi.hpp"
+#include "exact/insphere/circumcentres.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -37,6 +39,21 @@ class DualPoints {
   bool weighted_;
   Array<double> rows_;
 };
+
+/// Loads the corners of the cells [first, first + count), count <= centres_block, as the functions
+/// of exact/insphere/circumcentres.hpp take them; cell_of(i): the ids of the corners of cell i.
+/// Lanes beyond `count` get the last cell.
+template <class CellOf>
+void load_block(const DualPoints& p, unsigned k, std::uint64_t first, std::uint64_t count,
+                const CellOf& cell_of, double* corners) {
+  for (std::uint64_t lane = 0; lane < centres_block; ++lane) {
+    const auto cell = cell_of(first + std::min(lane, count - 1));
+    for (unsigned i = 0; i <= k; ++i) {
+      const double* const row = p.row(cell[i]);
+      for (unsigned j = 0; j < k; ++j) corners[(i * k + j) * centres_block + lane] = row[j];
+    }
+  }
+}
 
 /// Collects lists from the chunks of a parallel loop and joins them in the order of the chunks.
 class ChunkedListBuilder {

@@ -10,6 +10,7 @@
 #include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
 #include "exact/insphere/circumcentre.hpp"
+#include "exact/insphere/circumcentres.hpp"
 #include "parallel/disjoint_sets.hpp"
 
 namespace cullhull::internal::inline diagrams {
@@ -21,14 +22,28 @@ void require_delaunay(const Triangulation& t) {
                 "alpha shapes are of Delaunay triangulations, not of the furthest site");
 }
 
-/// Calls body(cell, rows of its corners) for all cells.
+/// Calls body(cell, rows of its corners, radius) for all cells; radius: that of radius_above(), or
+/// NaN where vectors of cells do not tell.
 template <class Body>
 void each_cell(const DualPoints& p, const Triangulation& t, const Run& run, const Body& body) {
+  const unsigned k = t.corners() - 1;
+  const bool by_blocks = k == t.dimension && has_centres_block(k);
   run.each(t.size(), light_grain / 64, [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<const double*> rows(t.corners());
-    for (std::uint64_t c = begin; c < end; ++c) {
-      for (unsigned i = 0; i < t.corners(); ++i) rows[i] = p.row(t.cell(c)[i]);
-      body(c, rows.data());
+    std::vector<const double*> rows(k + 1);
+    std::vector<double> corners(by_blocks ? std::size_t{k + 1} * k * centres_block : 0);
+    double radii[centres_block];
+    std::fill_n(radii, centres_block, NAN);
+    for (std::uint64_t first = begin; first < end; first += centres_block) {
+      const std::uint64_t count = std::min<std::uint64_t>(centres_block, end - first);
+      if (by_blocks) {
+        load_block(
+            p, k, first, count, [&](std::uint64_t c) { return t.cell(c); }, corners.data());
+        circumradii_double_double(k, corners.data(), radii);
+      }
+      for (std::uint64_t lane = 0; lane < count; ++lane) {
+        for (unsigned i = 0; i <= k; ++i) rows[i] = p.row(t.cell(first + lane)[i]);
+        body(first + lane, rows.data(), radii[lane]);
+      }
     }
   });
 }
@@ -92,8 +107,9 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
   if (t.corners() == 0) return out;
   const unsigned k = t.corners() - 1;
   Array<std::uint8_t> kept(t.size());
-  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
-    kept[c] = k == 0 || std::isinf(alpha) || radius_at_most(t.dimension, k, rows, alpha);
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows, double radius) {
+    kept[c] = k == 0 || std::isinf(alpha) ||
+              (std::isnan(radius) ? radius_at_most(t.dimension, k, rows, alpha) : radius <= alpha);
   });
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) out.cells.push_back(c);
@@ -111,8 +127,9 @@ Array<double> alpha_radii(const PointView& points, const Triangulation& triangul
   const DualPoints p(points, t, {}, run);
   Array<double> radii(t.size());
   const unsigned k = t.corners() == 0 ? 0 : t.corners() - 1;
-  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows) {
-    radii[c] = k == 0 ? 0 : radius_above(t.dimension, k, rows);
+  if (t.corners() == 0) return radii;
+  each_cell(p, t, run, [&](std::uint64_t c, const double* const* rows, double radius) {
+    radii[c] = k == 0 ? 0 : std::isnan(radius) ? radius_above(t.dimension, k, rows) : radius;
   });
   return radii;
 }

@@ -128,13 +128,7 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
     std::vector<double> corners(std::size_t{k + 1} * k * centres_block), centres(corners.size());
     for (std::uint64_t base = begin; base < end; base += centres_block) {
       const std::uint64_t count = std::min<std::uint64_t>(centres_block, end - base);
-      for (std::uint64_t lane = 0; lane < centres_block; ++lane) {
-        const auto cell = cell_of(base + std::min(lane, count - 1));
-        for (unsigned i = 0; i <= k; ++i) {
-          const double* const row = p.row(cell[i]);
-          for (unsigned j = 0; j < k; ++j) corners[(i * k + j) * centres_block + lane] = row[j];
-        }
-      }
+      load_block(p, k, base, count, cell_of, corners.data());
       circumcentres_double_double(k, corners.data(), centres.data());
       for (std::uint64_t lane = 0; lane < count; ++lane) {
         double* const centre = out.vertices.data() + (base + lane) * k;

@@ -151,7 +151,7 @@ void WholeCell<D>::place(const DiagramCells& cells, std::uint32_t site,
     const bool has_site = std::find(cell.begin(), cell.end(), site) != cell.end();
     const std::uint32_t from = has_site ? site : cell[0];
     Halfspace<D, Real> planes[D];
-    std::array<const Halfspace<D, Real>*, D> meet;
+    std::array<const Halfspace<D, Real>*, D> meet{};
     unsigned n = 0;
     for (const std::uint32_t other : cell)
       if (other != from) {
