@@ -29,6 +29,7 @@ namespace cullhull::internal::inline io {
   X(H5Dget_type) \
   X(H5Dopen2) \
   X(H5Dread) \
+  X(H5Eclear2) \
   X(H5Eget_auto2) \
   X(H5Eset_auto2) \
   X(H5Ewalk2) \
@@ -153,6 +154,8 @@ class Quiet {
   Quiet(const Quiet&) = delete;
   Quiet& operator=(const Quiet&) = delete;
   ~Quiet() {
+    h5().H5Eclear2(H5E_DEFAULT);  // libhdf5 frees what it says of an error no earlier, not even
+                                  // when the thread ends
     h5().H5Eset_auto2(H5E_DEFAULT, print_, data_);
     read_by_libhdf5() = nullptr;
   }
