@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "cullhull/generate.hpp"
@@ -38,6 +40,30 @@ std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, doub
     x = static_cast<T>(step > 0 ? std::round(value / step) : value);
   }
   return v;
+}
+
+/// Calls expect(rows, name) for sets of n points in space: in a plane, all equal, tiny, huge, not
+/// finite.
+template <class Expect>
+void each_awkward_set(std::size_t n, const Expect& expect) {
+  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
+  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
+  expect(flat, "flat");
+  expect(std::vector<double>(3 * n, 0.1), "equal");
+  for (const double scale : {1e-322, 1e-300, 1e307}) {
+    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
+    for (double& x : v) x *= scale;
+    expect(v, std::to_string(scale));
+  }
+  for (const float scale : {1e-44F, 1e-38F, 1e37F}) {  // subnormal floats count, too
+    std::vector<float> v = normal_points<float>(n, 3, 3, 0);
+    for (float& x : v) x *= scale;
+    expect(v, std::to_string(scale));
+  }
+  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
+  for (std::size_t i = 7; i < bad.size(); i += 97)
+    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
+  expect(bad, "not finite");
 }
 
 /// All frames of `generate --motion`.

@@ -22,20 +22,11 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
+#include "sanitized.hpp"
 
 extern char** environ;
 
 namespace cullhull::testing {
-
-/// Sanitizers reserve terabytes of addresses, and their leak check is a process of its own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // GCC
-inline constexpr bool sanitized = true;
-#elif defined(__clang__)
-inline constexpr bool sanitized =
-    __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-inline constexpr bool sanitized = false;
-#endif
 
 /// A folder of its own, removed with everything in it.
 class Folder {

@@ -23,6 +23,7 @@ const Options defaults;
 
 using testing::OnDevice;
 using testing::Stream;
+using testing_support::each_awkward_set;
 using testing_support::normal_points;
 
 void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsigned subsets,
@@ -86,26 +87,9 @@ TEST(PseudoHullGpu, FewPointsAndBordersOfBlocks) {
 
 TEST(PseudoHullGpu, FlatTinyHugeAndNotFinite) {
   CULLHULL_NEEDS_DEVICE();
-  const std::size_t n = 1500;
-  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
-  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
-  expect_as_on_the_host(flat, PointView::row_major(flat.data(), n, 3), "flat");
-  const std::vector<double> equal(3 * n, 0.1);
-  expect_as_on_the_host(equal, PointView::row_major(equal.data(), n, 3), "equal");
-  for (const double scale : {1e-322, 1e-300, 1e307}) {
-    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
-    for (double& x : v) x *= scale;
-    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
-  }
-  for (const float scale : {1e-44F, 1e-38F, 1e37F}) {  // subnormal floats count, too
-    std::vector<float> v = normal_points<float>(n, 3, 3, 0);
-    for (float& x : v) x *= scale;
-    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
-  }
-  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
-  for (std::size_t i = 7; i < bad.size(); i += 97)
-    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
-  expect_as_on_the_host(bad, PointView::row_major(bad.data(), n, 3), "not finite");
+  each_awkward_set(1500, [](const auto& rows, const std::string& name) {
+    expect_as_on_the_host(rows, PointView::row_major(rows.data(), rows.size() / 3, 3), name);
+  });
 }
 
 TEST(PseudoHullGpu, WhatItDropsIsStrictlyInsideExactly) {

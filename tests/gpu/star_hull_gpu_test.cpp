@@ -22,6 +22,7 @@ namespace {
 using testing::OnDevice;
 using testing::Stream;
 using testing_support::canonical_hash;
+using testing_support::each_awkward_set;
 using testing_support::normal_points;
 
 template <class T>
@@ -113,21 +114,9 @@ TEST(StarHullGpu, FewFlatTinyHugeAndNotFinite) {
     const std::vector<float> p = normal_points<float>(n, 3, 7 + n, 0);
     expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "few");
   }
-  const std::size_t n = 600;
-  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
-  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
-  expect_as_on_the_host(flat, PointView::row_major(flat.data(), n, 3), "flat");
-  const std::vector<double> equal(3 * n, 0.1);
-  expect_as_on_the_host(equal, PointView::row_major(equal.data(), n, 3), "equal");
-  for (const double scale : {1e-322, 1e-300, 1e307}) {
-    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
-    for (double& x : v) x *= scale;
-    expect_as_on_the_host(v, PointView::row_major(v.data(), n, 3), std::to_string(scale));
-  }
-  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
-  for (std::size_t i = 7; i < bad.size(); i += 97)
-    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
-  expect_as_on_the_host(bad, PointView::row_major(bad.data(), n, 3), "not finite");
+  each_awkward_set(600, [](const auto& rows, const std::string& name) {
+    expect_as_on_the_host(rows, PointView::row_major(rows.data(), rows.size() / 3, 3), name);
+  });
 }
 
 // The whole call: points inside are culled before, or every point is a vertex.

@@ -31,6 +31,13 @@ char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
   return buffer_.as<char>();
 }
 
+void BlockSource::describe(const std::string& name, const RecordLayout& layout) {
+  name_ = name;
+  format_ = layout.format;
+  placement_ = layout.placement;
+  grid_ = layout.grid;
+}
+
 namespace {
 
 /// Records of a regular file: threads read them in any order.
@@ -38,10 +45,7 @@ class RecordBlocks : public BlockSource {
  public:
   RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
       : from_(std::move(from)), layout_(std::move(layout)) {
-    name_ = from_.name;
-    format_ = layout_.format;
-    placement_ = layout_.placement;
-    grid_ = layout_.grid;
+    describe(from_.name, layout_);
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
     empty_ = layout_.count == 0;
   }
@@ -120,10 +124,7 @@ class PipedRecords : public BlockSource {
  public:
   PipedRecords(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
       : from_(std::move(from)), layout_(std::move(layout)) {
-    name_ = from_.name;
-    format_ = layout_.format;
-    placement_ = layout_.placement;
-    grid_ = layout_.grid;
+    describe(from_.name, layout_);
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }

@@ -42,6 +42,8 @@ struct BlockTask {
   std::uint64_t taken = 0;  ///< of the input's bytes on disk, up to here
 };
 
+struct RecordLayout;
+
 class BlockSource {
  public:
   virtual ~BlockSource() = default;
@@ -60,6 +62,9 @@ class BlockSource {
   const Grid& grid() const { return grid_; }
 
  protected:
+  /// Takes what a source says of itself from the file and the layout of its records.
+  void describe(const std::string& name, const RecordLayout& layout);
+
   std::string name_, format_;
   Placement placement_;
   Grid grid_;
