@@ -12,11 +12,10 @@
 #include "parallel/int128.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-namespace cullhull::inline v1 {
 
-namespace {
-
-using internal::RandomStream;
+// Not in a namespace without a name: GCC 13.2 ends with an internal error at a class that has them
+// as members, where sources are compiled as one.
+namespace cullhull::internal::inline generate {
 
 /// A smooth hill or dent of the bumpy surface, around the direction `centre`.
 struct Bump {
@@ -35,6 +34,17 @@ struct Job {
 };
 
 using PointFunction = void (*)(const Job&, RandomStream&, std::uint64_t index, double* row);
+
+}  // namespace cullhull::internal::inline generate
+
+namespace cullhull::inline v1 {
+
+namespace {
+
+using internal::Bump;
+using internal::Job;
+using internal::PointFunction;
+using internal::RandomStream;
 
 double squared_norm(std::uint32_t d, const double* row) {
   double sum = 0;
