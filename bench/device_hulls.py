@@ -1,9 +1,9 @@
-"""Hulls of points on a device beside the CPU's, through Python: the same bits, and how long each takes.
+"""Hulls of points on a device beside the CPU's, from Python: the same bits, and how long they take.
 
 usage: device_hulls.py [--out FILE] [--seconds T] [SCAN.ply ...]
 
-Writes a line of JSON for each set, medians of some calls in seconds: `auto` and `cuda` for points on
-the device, `cpu` and `host_cuda` for the same points in the host's memory. What the device alone
+Writes a line of JSON for each set, medians of some calls in seconds: `auto` and `cuda` for points
+on the device, `cpu` and `host_cuda` for the same points in the host's memory. What the device alone
 found has as many survivors as vertices. Needs a device, CuPy and NumPy. Exit status: 0 if all hulls
 are equal; 1 if one is not.
 """
@@ -61,7 +61,8 @@ def sets(scans: list[str]) -> Iterator[tuple[str, Callable[[], cp.ndarray], int]
         yield f"disk 2^{bits}", lambda bits=bits: ball(1 << bits, 2), 5
     for bits in (18, 21):
         yield f"4D ball 2^{bits}", lambda bits=bits: ball(1 << bits, 4), 3
-        yield f"normal 2^{bits}, f64", lambda bits=bits: cp.random.standard_normal((1 << bits, 3)), 3
+        normal = lambda bits=bits: cp.random.standard_normal((1 << bits, 3))  # noqa: E731
+        yield f"normal 2^{bits}, f64", normal, 3
     yield "bytes 4M", lambda: cp.random.randint(0, 256, (4_000_000, 3)).astype(cp.float32), 3
     yield "cube 4M, f64", lambda: cp.random.random((4_000_000, 3)), 3
     for n in (10_000_000, 30_000_000, 50_000_000):
@@ -81,7 +82,8 @@ def compared(points: cp.ndarray, repeat: int) -> dict[str, object]:
         "reason": found["cull_reason"],
     }
     for backend, name in (("auto", "auto"), ("cuda", "cuda")):
-        row[name] = median_seconds(lambda b=backend: cullhull.convex_hull(points, backend=b), repeat)
+        call = lambda b=backend: cullhull.convex_hull(points, backend=b)  # noqa: E731
+        row[name] = median_seconds(call, repeat)
     if len(points) > MOST_ON_HOST:
         return row
     rows = cp.asnumpy(points)
@@ -109,7 +111,8 @@ def main() -> int:
             return 1
         row = compared(points(), repeat)
         all_equal &= bool(row.get("equal", True))
-        print(json.dumps({"part": "hull from Python", "workload": name, **row}), file=arguments.out, flush=True)
+        line = json.dumps({"part": "hull from Python", "workload": name, **row})
+        print(line, file=arguments.out, flush=True)
     return 0 if all_equal else 1
 
 

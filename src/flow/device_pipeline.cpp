@@ -78,9 +78,9 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   const auto start = Clock::now();
   const Filtered filtered = filtered_on_device(points, options);
   const double cull_seconds = seconds_since(start);
-  Options with = options;
-  with.with_coordinates |= vertex_coordinates != nullptr;
-  Hull hull = hull_of_rows(filtered, points, with);
+  Options wanted = options;
+  wanted.with_coordinates |= vertex_coordinates != nullptr;
+  Hull hull = hull_of_rows(filtered, points, wanted);
   if (vertex_coordinates != nullptr) {
     vertex_coordinates->assign(hull.vertex_coordinates.begin(), hull.vertex_coordinates.end());
     if (!options.with_coordinates) hull.vertex_coordinates = {};

@@ -135,9 +135,10 @@ HWY_INLINE void radii_of_vector(const double* corners, double* radii) {
   };
   const Lanes zero = 0.0, above = neighbour(near, 1), below = neighbour(near, -1);
   const Lanes of_near = excess(near);
-  const M next = hn::And(of_near > zero, excess(above) < zero);
-  const M same = hn::And(of_near<zero, excess(below)> zero);
-  M known = hn::And(y.good, hn::Or(next, same));
+  const M too_small = of_near > zero, large_enough = of_near < zero;
+  const M above_reaches = excess(above)<zero, below_does_not = excess(below)> zero;
+  const M next = hn::And(too_small, above_reaches);
+  M known = hn::And(y.good, hn::Or(next, hn::And(large_enough, below_does_not)));
   known = hn::And(known, hn::And(near > Lanes(0x1p-80), near < Lanes(0x1p300)));
   const Lanes radius = chosen(next, above, near);
   hn::StoreU(chosen(known, radius, Lanes(std::numeric_limits<double>::quiet_NaN())).v, D(), radii);

@@ -123,7 +123,9 @@ void span_flat(Frame& frame) {
   const std::vector<double> projected = project(frame, frame.axes);
   for (unsigned i = 0; i <= k; ++i) corners[i] = projected.data() + std::size_t{i} * k;
   const ExactOrthogonalParts in_axes(k, corners.data(), k);
-  frame.stretch = ExactFloat(rests.measure<RoundedFloat>(k) / in_axes.measure<RoundedFloat>(k));
+  const RoundedFloat shadow = in_axes.measure<RoundedFloat>(k);
+  if (shadow.zero()) throw Error(ErrorCode::internal, "the flat does not project onto its axes");
+  frame.stretch = ExactFloat(rests.measure<RoundedFloat>(k) / shadow);
 }
 
 struct Range {
