@@ -109,6 +109,7 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
 }
 
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull) {
+  if (view.dimension > 3) return hull_of_few_nd(view, ids, count, hull);
   if (view.dimension != 3 || count < 4 || count > MediumHull3D::max_points) return false;
   const auto n = static_cast<unsigned>(count);
   if (count > SmallHull3D::max_points) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "few/small_lattice.hpp"
+#include "few/small_nd.hpp"
 #include "few/small_polygon.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
@@ -64,7 +65,7 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
 
 /// Whether there may be so few points that the general filters do not pay.
 bool few_enough(const PointView& points) {
-  return (points.dimension == 2 || points.dimension == 3) &&
+  return points.dimension >= 2 && points.dimension <= small_nd_max_dimension &&
          points.count <= SmallPolygon::most_points;
 }
 
@@ -98,8 +99,11 @@ bool takes_small_sets(const Options& options) {
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
   return find_small(points, options, hull.statistics, [&] {
-    if (!(points.dimension == 2 ? small_hull_2d(points, hull) : small_hull_3d(points, hull)))
-      return false;
+    const bool found = points.dimension == 2 ? small_hull_2d(points, hull)
+                       : points.dimension == 3
+                           ? small_hull_3d(points, hull)
+                           : hull_of_few_nd(points, nullptr, points.count, hull);
+    if (!found) return false;
     hull.dimension = points.dimension;
     hull.point_count = points.count;
     hull.scalar = points.scalar;
@@ -108,10 +112,10 @@ bool small_hull(const PointView& points, const Options& options, Hull& hull) {
 }
 
 bool small_extreme(const PointView& points, const Options& options, ExtremePoints& result) {
-  return find_small(points, options, result.statistics, [&] {
-    return points.dimension == 2 ? small_extreme_2d(points, result)
-                                 : small_extreme_3d(points, result);
-  });
+  return points.dimension <= 3 && find_small(points, options, result.statistics, [&] {
+           return points.dimension == 2 ? small_extreme_2d(points, result)
+                                        : small_extreme_3d(points, result);
+         });
 }
 
 }  // namespace cullhull::internal::inline few

@@ -22,7 +22,8 @@ bool takes_small_sets(const Options& options);
 /// where the general flow is needed. `points` and `options` have been checked.
 bool small_hull(const PointView& points, const Options& options, Hull& hull);
 
-/// The same for the extreme points alone: in the plane nothing else is computed.
+/// The same for the extreme points alone, in the plane, where nothing else is computed, and in
+/// space. From 4D on linear programs find them sooner.
 bool small_extreme(const PointView& points, const Options& options, ExtremePoints& result);
 
 // The canonical hull of few points in space, straight from their coordinates.
@@ -41,9 +42,14 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 
 /// The hull of the points with the given ids, which ascend (nullptr: of all points), where they are
 /// few: the same bits as build_hull gives. Fills every field except statistics. False, with `hull`
-/// unchanged, for points that are too many or not in space, for flats, coordinates that are not
-/// finite or span too many powers of two, and where many signs or a measure need more than doubles.
+/// unchanged, for points that are too many or not in space or 4D to 8D, for flats, coordinates that
+/// span too many powers of two, in space where they are not finite or many signs or a measure need
+/// more than doubles, from 4D on where some facet contains more points than its vertices. There
+/// points that are not finite throw Error{not_finite}.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
+/// Does this from 4D on.
+bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                    Hull& hull);
 
 // The cheapest filter in the plane: an ellipse inside the hull of a sample, one comparison per
 // point.

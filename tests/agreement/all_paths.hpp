@@ -22,10 +22,6 @@ inline Ids sorted_vertices(const Hull& h) {
   return ids;
 }
 
-inline PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
-}
-
 /// True if every coordinate survives the way through T and back, the sign of zero included.
 template <class T>
 bool converted(const PointSet& s, std::vector<T>& out) {

@@ -28,10 +28,6 @@ namespace {
 
 using namespace testing_support;
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.coordinates.size() / 3, 3);
-}
-
 /// All points, by frame, engine and the result of large sets.
 Hull the_general_way(const PointView& points) {
   Options options;

@@ -18,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "cullhull/point_view.hpp"
+
 namespace cullhull::testing_support {
 
 using Ids = std::vector<std::uint64_t>;
@@ -33,6 +35,10 @@ struct PointSet {
     coordinates.insert(coordinates.end(), p.begin(), p.end());
   }
 };
+
+inline PointView view_of(const PointSet& s) {
+  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
+}
 
 using IntegerRow = std::vector<mpz_class>;
 

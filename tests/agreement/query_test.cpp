@@ -20,11 +20,6 @@ using internal::ExactFloat;
 using internal::orientation;
 using namespace testing_support;
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.coordinates.size() / s.dimension,
-                              s.dimension);
-}
-
 /// A hull with what the slow answers need.
 struct Subject {
   explicit Subject(const PointSet& s) : set(s), hull(convex_hull(view_of(s))), d(s.dimension) {

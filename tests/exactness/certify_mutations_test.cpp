@@ -18,10 +18,6 @@ namespace {
 using nlohmann::json;
 using Verdict = SlowNumbers::Verdict;
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
-}
-
 // ---------------------------------------------------------------------------------------------
 // Sets
 

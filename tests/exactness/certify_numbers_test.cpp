@@ -19,10 +19,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
-}
-
 std::string reason(const PointSet& s, const Hull& h) { return certify(view_of(s), h).reason; }
 
 PointSet box(std::vector<double> sides) {

@@ -21,11 +21,6 @@ namespace {
 
 using namespace testing_support;
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.coordinates.size() / s.dimension,
-                              s.dimension);
-}
-
 PointSet centred_lattice(unsigned d, unsigned side, double angle) {
   PointSet s = full_grid(d, side, 0);
   for (double& x : s.coordinates) x -= (side - 1) / 2.0;

@@ -72,10 +72,6 @@ void expect_all_right(unsigned count, const std::function<bool()>& work) {
   EXPECT_EQ(all.right, count);
 }
 
-PointView view_of(const PointSet& s) {
-  return PointView::row_major(s.coordinates.data(), s.count(), s.dimension);
-}
-
 #ifdef __SANITIZE_THREAD__
 #define SKIP_FORKS GTEST_SKIP() << "ThreadSanitizer ends a forked child that starts threads"
 #else

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "exact/orientation/orientation.hpp"
+#include "hull/general/ridge_pairs.hpp"
 #include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline hull {
@@ -53,8 +54,8 @@ struct Lane {
   }
   RawArray<std::uint8_t> visited;  ///< a flag per facet slot; all zero between searches
   std::size_t visited_size = 0;
-  std::vector<std::uint32_t> vertices, neighbours, ridges;  // of the new facets
-  std::vector<std::uint64_t> table;                         // hash table of ridges
+  std::vector<std::uint32_t> vertices, neighbours;  // of the new facets
+  RidgePairs pairs;
   std::vector<std::uint32_t> candidates;
   std::vector<std::uint8_t> apex;
   std::vector<float> planes;

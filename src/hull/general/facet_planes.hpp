@@ -75,4 +75,20 @@ inline constexpr unsigned sieve_min_dimension = 4, sieve_max_dimension = 8;
 void beneath_facets(unsigned d, const float* planes, std::size_t count, const float* y,
                     std::uint8_t* beneath);
 
+/// The planes of 16 facets so that vectors hold the same entry of many: entry[j][i] is entry j of
+/// facet i's plane; entry[D] has the error bounds. A plane of zeros is seen by no point.
+template <unsigned D>
+struct PlaneGroup {
+  static constexpr unsigned size = 16;
+  alignas(64) float entry[D + 1][size] = {};
+};
+
+/// Bit i of the bits of group g, as seen_facets() writes them, is bit i % 8 of byte 2 g + i / 8.
+/// Tests one point, y = x - O in f32, against the planes of facet_planes() in `count` PlaneGroups
+/// that begin at `groups`. Sets the bit of each facet in `seen` if the point is certainly above it,
+/// and in `open` if it is not certainly beneath it; others are cleared. Returns whether any bit was
+/// set. Time: about 0.15 ns for each facet in 4D.
+bool seen_facets(unsigned d, const float* groups, std::size_t count, const float* y,
+                 std::uint8_t* seen, std::uint8_t* open);
+
 }  // namespace cullhull::internal::inline hull

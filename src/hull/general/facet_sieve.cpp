@@ -1,4 +1,4 @@
-// The sieve's kernel, compiled once per instruction set.
+// Tests of points against all planes of a small hull, compiled once per instruction set.
 #include "hull/general/facet_planes.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
@@ -62,7 +62,50 @@ void block(const float* planes, std::size_t count, const float* y, std::uint8_t*
     two_vectors<D>(planes, count, y + k, beneath + k);
 }
 
+/// Stores the lanes of a mask as bits k, k + 1, ... of `bytes`, from the lowest k on.
+HWY_INLINE void store_bits(hn::Mask<F> mask, std::size_t k, std::uint8_t* bytes) {
+  if constexpr (hn::MaxLanes(F()) >= 8) {
+    hn::StoreMaskBits(F(), mask, bytes + k / 8);
+  } else {
+    std::uint8_t bits[8];
+    hn::StoreMaskBits(F(), mask, bits);
+    bytes[k / 8] = static_cast<std::uint8_t>((k % 8 == 0 ? 0 : bytes[k / 8]) | bits[0] << k % 8);
+  }
+}
+
+template <unsigned D>
+bool seen_in(const float* groups, std::size_t count, const float* point, std::uint8_t* seen,
+             std::uint8_t* open) {
+  using Group = PlaneGroup<D>;
+  const F f;
+  V y[D];
+  for (unsigned j = 0; j < D; ++j) y[j] = hn::Set(f, point[j]);
+  const V one = hn::Set(f, 1.0F);
+  V lowest = one;  // of the differences from beneath: below 0 if nothing is doubtful
+  for (std::size_t g = 0; g < count; ++g) {
+    const float* const planes = groups + g * (D + 1) * Group::size;
+    for (std::size_t k = 0; k < Group::size; k += hn::Lanes(f)) {
+      V gauge = hn::Mul(hn::Load(f, planes + k), y[0]);
+      for (unsigned j = 1; j < D; ++j)
+        gauge = hn::MulAdd(hn::Load(f, planes + j * Group::size + k), y[j], gauge);
+      const V error = hn::Load(f, planes + D * Group::size + k);
+      // Rounding cannot change the sign of a difference.
+      const V below = hn::Sub(hn::Sub(one, error), gauge);
+      lowest = hn::Min(lowest, below);
+      store_bits(hn::Gt(gauge, hn::Add(one, error)), k, seen + 2 * g);
+      store_bits(hn::Not(hn::Gt(below, hn::Zero(f))), k, open + 2 * g);
+    }
+  }
+  return !hn::AllTrue(f, hn::Gt(lowest, hn::Zero(f)));
+}
+
 }  // namespace
+
+bool seen(unsigned d, const float* groups, std::size_t count, const float* y, std::uint8_t* seen,
+          std::uint8_t* open) {
+  return with_dimension<4, 7, 8>(d,
+                                 [&](auto k) { return seen_in<k>(groups, count, y, seen, open); });
+}
 
 void beneath(unsigned d, const float* planes, std::size_t count, const float* y,
              std::uint8_t* beneath) {
@@ -76,10 +119,16 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal::inline hull {
 
 HWY_EXPORT(beneath);
+HWY_EXPORT(seen);
 
 void beneath_facets(unsigned d, const float* planes, std::size_t count, const float* y,
                     std::uint8_t* beneath) {
   HWY_DYNAMIC_DISPATCH(beneath)(d, planes, count, y, beneath);
+}
+
+bool seen_facets(unsigned d, const float* groups, std::size_t count, const float* y,
+                 std::uint8_t* seen_bits, std::uint8_t* open) {
+  return HWY_DYNAMIC_DISPATCH(seen)(d, groups, count, y, seen_bits, open);
 }
 
 }  // namespace cullhull::internal::inline hull

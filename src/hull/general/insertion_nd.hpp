@@ -122,7 +122,6 @@ class InsertionNd {
   void find_cavity(Stream& s, Lane& lane, Id seed) const;
 
   void replace(Stream& s, Lane& lane);
-  void link(const Stream& s, Lane& lane) const;
   Id turn(const Stream& s, std::size_t k, unsigned i) const;
   bool proved_convex(Id f) const requires(D == 0);
   Boundary collect();

@@ -1,10 +1,9 @@
-// A part of insertion_nd.hpp: finds the cavity of a point, replaces it by new facets, links these
-// to their neighbours, and collects the final surface.
+// A part of insertion_nd.hpp: finds the cavity of a point, replaces it by new facets, and collects
+// the final surface.
 #pragma once
 
 #include <cstring>
 
-#include "geometry/simplex.hpp"
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/prefetch.hpp"
 
@@ -87,7 +86,8 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
     lane.apex[k] = r.apex;
     store_.neighbours(r.facet)[r.apex] = static_cast<Id>(k) | horizon_tag;
   }
-  link(s, lane);
+  lane.pairs.find<D>(d, lane.vertices.data(), lane.apex.data(), count, lane.neighbours.data(),
+                     [&](std::size_t k, unsigned i) { return turn(s, k, i); });
   run_.check();
   if constexpr (D == 0) {
     lane.wide.resize(count * (d + 1));
@@ -123,59 +123,6 @@ void InsertionNd<D>::replace(Stream& s, Lane& lane) {
     store_.neighbours(r.outside)[r.back] = f;
   }
   s.hint = s.visible[0];
-}
-
-/// Writes the neighbours of new facets among themselves to lane.neighbours (0 across the horizon).
-///
-/// Every ridge through the point belongs to two new facets, which RidgeSums pairs by the ridge's
-/// hash. Where several ridges share a hash, turn() finds the neighbours.
-template <unsigned D>
-void InsertionNd<D>::link(const Stream& s, Lane& lane) const {
-  const unsigned d = dim();
-  const std::size_t count = s.horizon.size();
-  if (count * d >= RidgeSums::max_entries) {
-    for (std::size_t k = 0; k < count; ++k)
-      for (unsigned i = 0; i < d; ++i)
-        lane.neighbours[k * d + i] = i != lane.apex[k] ? turn(s, k, i) : 0;
-    return;
-  }
-  // Small tables get twice as many slots, which reduces collisions and still fits L1.
-  const auto bits = static_cast<unsigned>(std::bit_width(count * d)) + (count * d < 4096 ? 2 : 1);
-  const std::uint32_t shift = 32 - bits, none_of_them = std::uint32_t{1} << bits;
-  if (lane.table.size() <= none_of_them) lane.table.resize(std::size_t{none_of_them} + 1);
-  std::memset(lane.table.data(), 0, (std::size_t{none_of_them} + 1) * sizeof(lane.table[0]));
-  lane.ridges.resize(count * d);
-  std::uint64_t* const table = lane.table.data();
-  for (std::size_t k = 0; k < count; ++k) {
-    const Id* v = lane.vertices.data() + k * d;
-    Id* ridge = lane.ridges.data() + k * d;
-    std::uint32_t whole = 0;
-    for (unsigned i = 0; i < d; ++i) {
-      std::uint32_t h = v[i] * 0x9E3779B1U;
-      h ^= h >> 15;
-      ridge[i] = h;
-      whole += h;
-    }
-    for (unsigned i = 0; i < d; ++i) ridge[i] = ((whole - ridge[i]) * 0x85EBCA6BU) >> shift;
-    ridge[lane.apex[k]] = none_of_them;
-    const std::uint64_t entry = RidgeSums::entry(static_cast<std::uint32_t>(k));
-    for (unsigned i = 0; i < d; ++i) table[ridge[i]] += entry;
-  }
-  for (std::size_t k = 0; k < count; ++k) {
-    Id* const local = lane.neighbours.data() + k * d;
-    const Id* ridge = lane.ridges.data() + k * d;
-    bool crowded = false;
-    const unsigned apex = lane.apex[k];
-    for (unsigned i = 0; i < d; ++i) {
-      const std::uint64_t entry = table[ridge[i]];
-      local[i] = RidgeSums::other(entry, static_cast<Id>(k));
-      crowded |= !RidgeSums::is_pair(entry) & (i != apex);
-    }
-    if (crowded)
-      for (unsigned i = 0; i < d; ++i)
-        if (!RidgeSums::is_pair(table[ridge[i]]) && i != apex) local[i] = turn(s, k, i);
-    local[apex] = 0;
-  }
 }
 
 /// The new facet across the ridge of new facet k opposite to vertex i. Found by rotating, through

@@ -42,6 +42,26 @@ void block(FacetBlock<K>& b) {
   }
 }
 
+template <unsigned K>
+void shares(FacetBlock<K>& b) {
+  for (unsigned lane = 0; lane < FacetBlock<K>::lanes; lane += lane_count()) {
+    Lanes corner[K], origin[K], normal[K], sum[K], plane[K + 1];
+    for (unsigned c = 0; c < K; ++c) {
+      corner[c] = load(b.corner[0][c] + lane);
+      origin[c] = load(b.origin[c] + lane);
+      normal[c] = load(b.normal[c] + lane);
+      sum[c] = load(b.sum[c] + lane);
+    }
+    store(largest_of<K>(normal), b.largest + lane);
+    const FacetMoments<K, Lanes> moments = moments_of<K>(normal, corner, origin, sum);
+    store(moments.volume, b.volume + lane);
+    store(moments.reach, b.span + lane);
+    plane_of<K>(normal, load(b.length + lane), corner, plane);
+    for (unsigned c = 0; c < K; ++c) store(moments.moment[c], b.moment[c] + lane);
+    for (unsigned c = 0; c <= K; ++c) store(plane[c], b.plane[c] + lane);
+  }
+}
+
 }  // namespace
 
 void block3(FacetBlock<3>& b) { block<3>(b); }
@@ -50,6 +70,11 @@ void block5(FacetBlock<5>& b) { block<5>(b); }
 void block6(FacetBlock<6>& b) { block<6>(b); }
 void block7(FacetBlock<7>& b) { block<7>(b); }
 void block8(FacetBlock<8>& b) { block<8>(b); }
+void shares4(FacetBlock<4>& b) { shares<4>(b); }
+void shares5(FacetBlock<5>& b) { shares<5>(b); }
+void shares6(FacetBlock<6>& b) { shares<6>(b); }
+void shares7(FacetBlock<7>& b) { shares<7>(b); }
+void shares8(FacetBlock<8>& b) { shares<8>(b); }
 
 }  // namespace cullhull::internal::inline result::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -63,6 +88,11 @@ HWY_EXPORT(block5);
 HWY_EXPORT(block6);
 HWY_EXPORT(block7);
 HWY_EXPORT(block8);
+HWY_EXPORT(shares4);
+HWY_EXPORT(shares5);
+HWY_EXPORT(shares6);
+HWY_EXPORT(shares7);
+HWY_EXPORT(shares8);
 
 template <>
 void facet_block(FacetBlock<3>& b) {
@@ -87,6 +117,26 @@ void facet_block(FacetBlock<7>& b) {
 template <>
 void facet_block(FacetBlock<8>& b) {
   HWY_DYNAMIC_DISPATCH(block8)(b);
+}
+template <>
+void facet_shares(FacetBlock<4>& b) {
+  HWY_DYNAMIC_DISPATCH(shares4)(b);
+}
+template <>
+void facet_shares(FacetBlock<5>& b) {
+  HWY_DYNAMIC_DISPATCH(shares5)(b);
+}
+template <>
+void facet_shares(FacetBlock<6>& b) {
+  HWY_DYNAMIC_DISPATCH(shares6)(b);
+}
+template <>
+void facet_shares(FacetBlock<7>& b) {
+  HWY_DYNAMIC_DISPATCH(shares7)(b);
+}
+template <>
+void facet_shares(FacetBlock<8>& b) {
+  HWY_DYNAMIC_DISPATCH(shares8)(b);
 }
 
 }  // namespace cullhull::internal::inline result

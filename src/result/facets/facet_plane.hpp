@@ -219,11 +219,20 @@ struct FacetBlock {
   alignas(64) double length[lanes];  ///< length of the normal
   alignas(64) double edges[lanes];   ///< product of the lengths of the edges from corner 0
   alignas(64) double reach[lanes];   ///< product of those edges' largest absolute coordinates
+  // By facet_shares:
+  alignas(64) double largest[lanes];  ///< largest absolute coordinate of the normal
+  alignas(64) double volume[lanes];   ///< FacetMoments
+  alignas(64) double moment[K][lanes];
+  alignas(64) double span[lanes];          ///< the `reach` of FacetMoments
+  alignas(64) double plane[K + 1][lanes];  ///< unit normal and offset, in the corners' units
 };
 
-/// Fills the outputs of a block, for K from 3 to 8. Every instruction set performs the same IEEE
-/// operations, so all give the same bits.
+/// Fills the outputs of a block down to `reach`, for K from 3 to 8. Every instruction set performs
+/// the same IEEE operations, so all give the same bits.
 template <unsigned K>
 void facet_block(FacetBlock<K>& block);
+/// Fills the others after facet_block, for K from 4 to 8.
+template <unsigned K>
+void facet_shares(FacetBlock<K>& block);
 
 }  // namespace cullhull::internal::inline result

@@ -49,6 +49,31 @@ Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::
   return share;
 }
 
+/// Does the same for the facet in a lane of a block that facet_block and facet_shares have filled.
+template <unsigned K>
+Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::uint32_t* vertex,
+                     const FacetBlock<K>& block, unsigned lane, double* out) {
+  const bool thin = !(block.length[lane] > conditioned * block.edges[lane]);
+  if (thin || !(block.largest[lane] > 0x1p-400 && block.largest[lane] < 0x1p400)) {
+    double normal[K], sum[K];
+    for (unsigned c = 0; c < K; ++c) {
+      normal[c] = block.normal[c][lane];
+      sum[c] = block.sum[c][lane];
+    }
+    return facet_share(frame, plane, vertex, thin, normal, sum, out);
+  }
+  Share<K> share;
+  share.volume = block.volume[lane];
+  share.area = share.area_error = block.length[lane];
+  for (unsigned c = 0; c < K; ++c) {
+    share.moment[c] = block.moment[c][lane];
+    out[c] = block.plane[c][lane];
+  }
+  share.error = share.area_error * block.span[lane];
+  out[K] = scale_by(block.plane[K][lane], frame.exponent);
+  return share;
+}
+
 /// Sums the shares of all runs in canonical order.
 template <unsigned K>
 Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, const Run& run) {

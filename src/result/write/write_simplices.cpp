@@ -273,7 +273,12 @@ class SimplexWriter {
         facet_block(block);
         for (; ridge < ridges + count && ridge->simplex < first + n; ++ridge)
           check_convex(*ridge, block, static_cast<unsigned>(ridge->simplex - first), out);
-        for (unsigned lane = 0; lane < n; ++lane) run.add(write_plane(first + lane, block, lane));
+        facet_shares(block);
+        for (unsigned lane = 0; lane < n; ++lane) {
+          const std::uint64_t i = first + lane;
+          run.add(facet_share(frame_, plane_, &corners_[i * K], block, lane,
+                              planes_.data() + i * (K + 1)));
+        }
       }
       runs_[from / measure_run] = run;
       count = ahead;
@@ -387,18 +392,6 @@ class SimplexWriter {
     const Sign sign = orientation(K, rows, &rung);
     out.rungs.count(rung);
     return sign;
-  }
-
-  /// Writes the plane of simplex i, whose data are in a lane of the block, and returns its share.
-  Share<K> write_plane(std::uint64_t i, const FacetBlock<K>& block, unsigned lane) {
-    double normal[K], sum[K];
-    for (unsigned c = 0; c < K; ++c) {
-      normal[c] = block.normal[c][lane];
-      sum[c] = block.sum[c][lane];
-    }
-    const bool thin = !(block.length[lane] > conditioned * block.edges[lane]);
-    return facet_share(frame_, plane_, &corners_[i * K], thin, normal, sum,
-                       planes_.data() + i * (K + 1));
   }
 
   // ---------------------------------------------------------------- before it all
