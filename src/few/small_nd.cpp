@@ -195,17 +195,21 @@ void SmallSurface<D>::measure_reach() {
     reach_[j] = std::max(high[j] - centre_[j], centre_[j] - low[j]) * (1 + 0x1p-30) + 0x1p-40;
 }
 
-/// Lists the points off the simplex roughly by descending distance from the centre, so that few
+/// Lists the points off the simplex roughly by descending distance from their mean, so that few
 /// inner points become temporary vertices: a counting sort into classes.
 template <unsigned D>
 void SmallSurface<D>::order_outermost_first(const std::uint32_t* simplex) {
   constexpr unsigned classes = 64;
+  double mean[D] = {};
+  for (std::uint32_t i = 0; i < count_; ++i)
+    for (unsigned j = 0; j < D; ++j) mean[j] += row(i)[j];
+  for (double& m : mean) m /= count_;
   distance_.resize(count_);
   float largest = 0;
   for (std::uint32_t i = 0; i < count_; ++i) {
     float square = 0;
     for (unsigned j = 0; j < D; ++j) {
-      const auto y = static_cast<float>(row(i)[j] - centre_[j]);
+      const auto y = static_cast<float>(row(i)[j] - mean[j]);
       square += y * y;
     }
     distance_[i] = square;

@@ -7,6 +7,7 @@
 
 #include "agreement/point_sets.hpp"
 #include "hull/general/facet_planes.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -91,6 +92,59 @@ TEST(FacetSieve, IsThatOfEveryFacetByItself) {
     }
   EXPECT_GT(inside, 100U);
   EXPECT_GT(outside, 100U);
+}
+
+/// One point against groups of facets: every comparison by itself, exactly at its borders.
+TEST(SeenFacets, IsThatOfEveryFacetByItself) {
+  Random r(5);
+  for (unsigned d = sieve_min_dimension; d <= sieve_max_dimension; ++d)
+    with_dimension<4, 7, 8>(d, [&](auto k) {
+      constexpr unsigned D = k, size = PlaneGroup<D>::size;
+      for (const std::size_t count : {1U, 2U, 9U}) {
+        std::vector<PlaneGroup<D>> groups(count);
+        std::vector<float> y(D);
+        for (float& v : y) v = static_cast<float>(r.between(-1, 1));
+        y[0] = 0.5F;
+        const auto plane = [&](unsigned i, unsigned j) -> float& {
+          return groups[i / size].entry[j][i % size];
+        };
+        for (unsigned i = 0; i < count * size; ++i) {
+          if (i % 5 == 0) continue;  // no facet
+          for (unsigned j = 0; j < D; ++j) plane(i, j) = static_cast<float>(r.between(-1.5, 1.5));
+          plane(i, D) = i % 5 == 1 ? infinite : static_cast<float>(r.between(0, 0.2));
+          if (i % 5 != 2) continue;  // the gauge is 1 + E, 1 - E or next to them
+          for (unsigned j = 0; j < D; ++j) plane(i, j) = 0;
+          plane(i, D) = 0.125F;
+          const float level = i % 2 == 0 ? 2.25F : 1.75F, away = i % 3 == 0 ? 0.0F : 4.0F;
+          plane(i, 0) = i % 3 == 1 ? level : std::nextafter(level, away);
+        }
+        std::vector<std::uint8_t> seen(2 * count, 0xA5), open(2 * count, 0x5A);
+        const bool any =
+            seen_facets(D, groups[0].entry[0], count, y.data(), seen.data(), open.data());
+        bool some = false;
+        for (unsigned i = 0; i < count * size; ++i) {
+          double gauge = 0;
+          for (unsigned j = 0; j < D; ++j) gauge += static_cast<double>(plane(i, j)) * y[j];
+          const double error = plane(i, D);
+          const bool is_seen = (seen[i / 8] >> i % 8 & 1) != 0,
+                     is_open = (open[i / 8] >> i % 8 & 1);
+          some = some || is_open;
+          if (i % 5 != 2 &&
+              (std::abs(gauge - 1 - error) < 1e-5 || std::abs(gauge - 1 + error) < 1e-5))
+            continue;
+          EXPECT_EQ(is_seen, gauge > 1 + error) << D << "D, facet " << i;
+          EXPECT_EQ(is_open, !(gauge < 1 - error)) << D << "D, facet " << i;
+        }
+        EXPECT_EQ(any, some);
+      }
+    });
+}
+
+TEST(SeenFacets, OfNoFacetsIsNone) {
+  PlaneGroup<4> group;
+  const float y[4] = {1, -1, 1e30F, 0};
+  std::uint8_t seen[2], open[2];
+  EXPECT_FALSE(seen_facets(4, group.entry[0], 1, y, seen, open));
 }
 
 }  // namespace
