@@ -177,7 +177,7 @@ std::string summary(const AlphaArguments& a, const Input& input, const Outcome& 
     text += fmt::format("flat       the points span dimension {} only, and so does the shape\n",
                         t.affine_dimension);
   text += out.edge_length
-              ? fmt::format("edges      dug in where longer than {}\n", *out.edge_length)
+              ? fmt::format("edges      replaced where longer than {}\n", *out.edge_length)
               : fmt::format("alpha      {}\n", out.alpha);
   text += fmt::format("cells      {} of {}, {} facets around {} region{}\n",
                       grouped(out.shape.cells.size()), grouped(t.size()),
@@ -222,8 +222,8 @@ Command add_alpha(Parser& parent) {
   a->input.add_many_to(command);
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a->outputs,
-                                  "Write the shape; the extension chooses the format; may be\n"
-                                  "repeated"))
+                                  "Write the shape; the extension chooses the format. Repeat\n"
+                                  "-o for more files"))
       .allow_extra_args(false)
       ->type_name("FILE");
   add_json_option(command, a->json, "Report counts and times");

@@ -295,7 +295,8 @@ void RunArguments::add_memory_to(Parser& command) {
   needs_value(
       *command.add_option("--memory", memory,
                           "Memory limit beyond the input, e.g. 2G or 512MiB; default: half\n"
-                          "of the machine's memory. What needs more is refused, status 4"))
+                          "of the machine's memory. A result that needs more is refused\n"
+                          "with status 4"))
       .type_name("BYTES");
 }
 

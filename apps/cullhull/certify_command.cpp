@@ -162,7 +162,11 @@ int run(CertifyArguments arguments) {
                                                              outcome.read_seconds, outcome.seconds),
                                                       outcome.placing, outcome.extent));
   if (!certificate.valid) {
-    complain("not certified: " + certificate.reason);
+    // Numbers are compared in the integers that a grid holds.
+    const bool on_grid = outcome.placing.any && !outcome.placing.raw &&
+                         certificate.reason.find("should be") != std::string::npos;
+    complain("not certified: " + certificate.reason +
+             (on_grid ? " (in units of the points' grid)" : ""));
     return not_certified;
   }
   if (!arguments.run.quiet && !plan.uses_stdout())

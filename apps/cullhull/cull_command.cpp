@@ -21,7 +21,7 @@ constexpr const char* cull_footer =
     "The survivors have the same hull as all points, for any hull code: every extreme point\n"
     "survives, with its duplicates, and a discarded point is strictly inside the hull. When "
     "points\n"
-    "are read in blocks (--stream), only the extreme points survive, of equal ones the first.\n"
+    "are read in blocks (--stream), only the extreme points survive, and of duplicates the first.\n"
     "\n"
     "Output files (-o and --points, by extension):\n"
     "  -o .npy .csv .txt   ids of the survivors in ascending order (.npy: int64; -o -: .npy)\n"

@@ -172,7 +172,7 @@ int run(const GenerateArguments& arguments) {
 Command add_generate(Parser& parent) {
   auto a = std::make_shared<GenerateArguments>();
   Parser& command =
-      *parent.add_subcommand("generate", "Generate random points of a shape, by a seed");
+      *parent.add_subcommand("generate", "Generate seeded random points in a given shape");
   command.group("Points");
   command.add_option("SHAPE", a->shape, "One of the shapes below")->type_name("")->required();
   command.add_option("-n,--count", a->count, "Number of points, e.g. 100000 or 8M")

@@ -39,7 +39,7 @@ constexpr const char* hull_footer =
     "  --format takes the words of qconvex: Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo\n"
     "  Fs FS Ft Fv FV (docs/formats.md): Fx extreme points, i facets, n normals, o OFF, ...\n"
     "An input file is never overwritten. Options change how the result is computed, never the\n"
-    "result; only --json reports how it was computed.\n"
+    "result: files hold the result alone; the summary and --json also say how it was computed.\n"
     "\n"
     "Examples:\n"
     "  cullhull hull scan.ply -o hull.ply                  the hull as a mesh\n"
@@ -544,16 +544,16 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
   a->input.add_many_to(command);
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a->outputs,
-                                  "Write the hull; the extension chooses the format; may be\n"
-                                  "repeated"))
+                                  "Write the hull; the extension chooses the format. Repeat\n"
+                                  "-o for more files"))
       .allow_extra_args(false)
       ->type_name("FILE");
   needs_value(*command.add_option("--vertices", a->vertices, "Write the ids of the extreme points"))
       .type_name("IDS.npy|.csv|.txt");
   add_json_option(command, a->json, "Report counts, times and measures");
   needs_value(*command.add_option("--format", a->formats,
-                                  "Print the hull as qconvex does; several words print several\n"
-                                  "texts"))
+                                  "Print the hull as qconvex does. Quote several words:\n"
+                                  "--format 'Fx n'"))
       .allow_extra_args(false)
       ->type_name("WORDS");
   needs_value(*command.add_option("--by", a->by,

@@ -60,7 +60,8 @@ std::string ending_of(const std::string& path) {
 std::string points_line(const Input& input) {
   const cullhull::PointView& points = input.points;
   return fmt::format("points     {} x {} {}, {}{}\n", grouped(points.count), points.dimension,
-                     cullhull::scalar_name(points.scalar), input.file.format(),
+                     cullhull::scalar_name(points.scalar),
+                     input.file.format().empty() ? "hull state" : input.file.format(),
                      input.file.mapped() ? ", in place" : "");
 }
 

@@ -73,6 +73,16 @@ class Sections : public CLI::Formatter {
            sections(app) + make_subcommands(app, mode) + '\n' + make_footer(app);
   }
 
+  /// "..." means several values; an option that may be repeated takes one at a time.
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    constexpr std::string_view several = " ...";
+    if (const std::size_t at = text.find(several);
+        at != std::string::npos && option->nonpositional() && !option->get_allow_extra_args())
+      text.erase(at, several.size());
+    return text;
+  }
+
  private:
   std::string sections(const CLI::App* app) const {
     std::string text;

@@ -336,8 +336,8 @@ std::string summary(const cullhull::PointSequence& sequence, const TrackOutcome&
     text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
                         cullhull::scalar_name(o.scalar));
     text += fmt::format(
-        "led        {} frames by the one before; of their points {:.3g} % survive "
-        "the scan, {:.3g} % growth\n",
+        "reused     {} frames: the hull of the frame before left {:.3g} % of their points, the "
+        "whole filter {:.3g} %\n",
         grouped(o.led), 100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
     text += fmt::format("vertices   {} to {}\n", grouped(o.fewest), grouped(o.most));
     text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",

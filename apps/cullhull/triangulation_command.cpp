@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -258,11 +259,25 @@ void triangulate(const DualArguments& a, const Input& input, DualOutcome& out) {
                                         : cullhull::certify(points, out.weights, out.triangulation);
 }
 
-bool wants_cells(const DualArguments& a) {
+double sum_of(const cullhull::Array<double>& numbers) {
+  return std::accumulate(numbers.begin(), numbers.end(), 0.0);
+}
+
+std::string_view size_name(std::uint32_t dimension) {
+  constexpr std::string_view names[] = {"size", "length", "area", "volume"};
+  return names[dimension < std::size(names) ? dimension : 0];
+}
+
+/// Whether an output holds clipped cells: all but the JSON of the diagram.
+bool writes_cells(const DualArguments& a) {
   return !a.measures.empty() ||
          std::any_of(a.outputs.begin(), a.outputs.end(), [](const std::string& path) {
            return path != "-" && ending_of(path) != ".json";
          });
+}
+
+bool wants_cells(const DualArguments& a) {
+  return writes_cells(a) || !a.clip.empty() || !a.box.empty();
 }
 
 void find_dual(const DualArguments& a, const PointView& points, const cullhull::Grid& grid,
@@ -281,7 +296,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
       out.cells = repeat(a.run, 1, clip).result;
     } catch (const Error& e) {
       if (e.code() != ErrorCode::invalid_argument) throw;
-      throw Error(e.code(), a.clip, ": ", e.what());
+      throw Error(ErrorCode::bad_file, a.clip, ": ", e.what());
     }
   } else if (wants_cells(a)) {
     const Box box = box_of(a, points, grid);
@@ -315,10 +330,8 @@ std::string report(const DualArguments& a, const Input& input, const DualOutcome
   if (out.voronoi) {
     json["vertex_count"] = out.voronoi->vertex_count();
     json["ridge_count"] = out.voronoi->ridge_count();
-    double sum = 0;
-    if (out.cells)
-      for (const double m : out.cells->measures) sum += m;
-    json["measure"] = out.cells ? nlohmann::ordered_json(sum) : nlohmann::ordered_json();
+    json["measure"] =
+        out.cells ? nlohmann::ordered_json(sum_of(out.cells->measures)) : nlohmann::ordered_json();
     json["dual_seconds"] = out.dual_seconds;
   }
   json["certified"] =
@@ -336,7 +349,9 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
     text += fmt::format(
         "flat       the points lie in a flat of dimension {}; they are triangulated in it\n",
         t.affine_dimension);
-  text += fmt::format("cells      {}, {} facets on the hull\n", grouped(t.size()),
+  text += fmt::format("{}, {} facets on the hull\n",
+                      out.voronoi ? fmt::format("delaunay   {} cells", grouped(t.size()))
+                                  : fmt::format("cells      {}", grouped(t.size())),
                       grouped(t.hull_facet_count()));
   if (out.piece_count) text += fmt::format("edges      {} forced\n", grouped(*out.piece_count));
   if (!t.duplicates.empty() || !t.hidden.empty())
@@ -345,6 +360,13 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
   if (out.voronoi)
     text += fmt::format("diagram    {} vertices, {} ridges\n", grouped(out.voronoi->vertex_count()),
                         grouped(out.voronoi->ridge_count()));
+  if (out.cells) {
+    const cullhull::Array<double>& sizes = out.cells->measures;
+    text += fmt::format(
+        "clipped    {} cells, {} of them empty; total {} {}\n", grouped(sizes.size()),
+        grouped(static_cast<std::uint64_t>(std::count(sizes.begin(), sizes.end(), 0.0))),
+        size_name(t.dimension), sum_of(sizes));
+  }
   text += fmt::format("seconds    {:.6f}; reading {:.6f}\n",
                       t.statistics.compute_seconds + out.dual_seconds, out.read_seconds);
   text +=
@@ -371,7 +393,13 @@ void write_results(const DualArguments& a, const Input& input, const DualOutcome
     const PointView rows = PointView::row_major(out.cells->measures.data(), n, 1);
     std::vector<std::uint64_t> ids(n);
     for (std::uint64_t i = 0; i < n; ++i) ids[i] = i;
-    cullhull::write_points(a.measures, rows, ids);
+    if (ending_of(a.measures) == ".csv") {
+      std::string text = fmt::format("{}\n", size_name(points.dimension));
+      for (const double m : out.cells->measures) text += fmt::format("{}\n", m);
+      cullhull::write_text(a.measures, text);
+    } else {
+      cullhull::write_points(a.measures, rows, ids);
+    }
   }
   if (!a.json.empty()) cullhull::write_text(a.json, report(a, input, out));
   const auto& known = out.voronoi ? cullhull::voronoi_formats() : cullhull::delaunay_formats();
@@ -391,6 +419,11 @@ int run(DualArguments a, bool dual) {
   if (!a.clip.empty() && !a.box.empty())
     throw Error(ErrorCode::invalid_argument, "--clip and --box exclude each other");
   if (!a.box.empty()) (void)box_numbers(a.box, 0);
+  if (wants_cells(a) && !writes_cells(a) && !a.outputs.empty())
+    throw Error(
+        ErrorCode::invalid_argument, a.clip.empty() ? "--box" : "--clip",
+        " clips cells, but .json holds the unclipped diagram; write cells to .geojson or .wkt "
+        "(2D), or their sizes with --measures");
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
@@ -455,8 +488,8 @@ Parser& add_common(Parser& parent, const char* name, const char* about, const ch
       .type_name("COLUMN|FILE");
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a.outputs,
-                                  "Write the result; the extension chooses the format; may be\n"
-                                  "repeated"))
+                                  "Write the result; the extension chooses the format. Repeat\n"
+                                  "-o for more files"))
       .allow_extra_args(false)
       ->type_name("FILE");
   add_json_option(command, a.json, "Report counts and times");

@@ -155,7 +155,7 @@ constexpr Family families[] = {
     {{"two-circles", "on two circles, one above the other: slivers"}, two_circles},
     {{"turned-two-circles", "the same, turned"},
      [](std::uint64_t n) { return turned(two_circles(n)); }},
-    {{"turned-cylinder", "on the mantle of a cylinder, turned"},
+    {{"turned-cylinder", "on the lateral surface of a cylinder, turned"},
      [](std::uint64_t n) { return turned(generate("cylinder", n, 3)); }},
     {{"squashed", "a sphere with z times 1e-9"}, squashed},
     {{"turned-squashed", "the same, turned"}, [](std::uint64_t n) { return turned(squashed(n)); }},

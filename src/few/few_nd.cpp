@@ -18,8 +18,8 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// Sets with more points have, on a sphere, more facets than SmallSurface takes, or take the
-/// engine's searches less time than tests against all facets; for 4D to 8D.
+/// For 4D to 8D. In 4D the engine's searches take less time for more points than tests against all
+/// facets; elsewhere larger sets, some milliseconds of work, are left to the engine's threads.
 constexpr std::uint64_t most_points[] = {1024, 256, 80, 40, 24};
 
 /// Writes a surface as a hull, with the bits that build_hull gives: simplices in canonical order,
@@ -181,8 +181,11 @@ bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64
   const auto n = static_cast<unsigned>(count);
   return with_dimension<4, 7, 8>(d, [&](auto k) {
     auto& memory = thread_memory<Memory<k>>();
-    return memory.surface.build(rows.data(), n) &&
-           memory.writer.run(view, ids, n, memory.surface, hull);
+    const bool done = memory.surface.build(rows.data(), n) &&
+                      memory.writer.run(view, ids, n, memory.surface, hull);
+    // What follows needs the memory more than the next small set.
+    if (!done && memory.surface.slots() > 1024) memory = {};
+    return done;
   });
 }
 

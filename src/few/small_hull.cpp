@@ -14,7 +14,8 @@
 namespace cullhull::internal::inline few {
 namespace {
 
-/// Memory reused from call to call. Calls cannot be cancelled: they take microseconds.
+/// Memory reused from call to call. Calls cannot be cancelled: they take microseconds, from 4D on
+/// at most some milliseconds.
 struct KeptPolygon {
   SmallPolygon polygon{short_run().control};
 };
@@ -74,7 +75,7 @@ bool few_enough(const PointView& points) {
 template <class Find>
 bool find_small(const PointView& points, const Options& options, Statistics& statistics,
                 const Find& find) {
-  if (!few_enough(points) || !takes_small_sets(options)) return false;
+  if (!few_enough(points) || !takes_small_sets(options, points.dimension)) return false;
   const Clock::time_point start = Clock::now();
   const Control control(options);
   control.check();
@@ -89,12 +90,10 @@ bool find_small(const PointView& points, const Options& options, Statistics& sta
 
 }  // namespace
 
-bool takes_small_sets(const Options& options) {
-  // More bytes than any small set takes, so that these paths need not count bytes.
-  constexpr std::uint64_t enough = std::uint64_t{1} << 22;
+bool takes_small_sets(const Options& options, std::uint32_t dimension) {
   return options.engine == Engine::native && options.backend != Backend::cuda &&
          options.cull == CullMethod::automatic &&
-         (options.memory_budget == 0 || options.memory_budget >= enough);
+         (options.memory_budget == 0 || options.memory_budget >= small_set_bytes(dimension));
 }
 
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {

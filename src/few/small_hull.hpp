@@ -14,9 +14,15 @@
 
 namespace cullhull::internal::inline few {
 
+/// More bytes than a small set of this dimension takes, result included, so that these paths need
+/// not count bytes.
+constexpr std::uint64_t small_set_bytes(std::uint32_t dimension) {
+  return dimension <= 3 ? std::uint64_t{1} << 22 : std::uint64_t{1} << 23;
+}
+
 /// Whether the options permit these direct paths: not where the caller chose a filter, another
-/// engine, a device or a memory budget below 4 MiB.
-bool takes_small_sets(const Options& options);
+/// engine, a device or a memory budget below small_set_bytes().
+bool takes_small_sets(const Options& options, std::uint32_t dimension);
 
 /// Fills all of `hull` with the same bits as the general flow. Returns false, having done nothing,
 /// where the general flow is needed. `points` and `options` have been checked.
@@ -26,7 +32,7 @@ bool small_hull(const PointView& points, const Options& options, Hull& hull);
 /// space. From 4D on linear programs find them sooner.
 bool small_extreme(const PointView& points, const Options& options, ExtremePoints& result);
 
-// The canonical hull of few points in space, straight from their coordinates.
+// The canonical hull of few points in space and from 4D to 8D, straight from their coordinates.
 
 /// Loads the coordinates of `count` points of the view, those with the given ids; nullptr: the
 /// first.
@@ -44,8 +50,9 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// few: the same bits as build_hull gives. Fills every field except statistics. False, with `hull`
 /// unchanged, for points that are too many or not in space or 4D to 8D, for flats, coordinates that
 /// span too many powers of two, in space where they are not finite or many signs or a measure need
-/// more than doubles, from 4D on where some facet contains more points than its vertices. There
-/// points that are not finite throw Error{not_finite}.
+/// more than doubles, from 4D on where some point lies in the plane of a facet that the insertion
+/// tests it against, or where SmallSurface gives up. There points that are not finite throw
+/// Error{not_finite}.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
 /// Does this from 4D on.
 bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64_t count,

@@ -12,6 +12,9 @@
 namespace cullhull::internal::inline few {
 namespace {
 
+/// Signs that f32 may leave open, for each point.
+constexpr unsigned most_open_signs = 8;
+
 /// The place of an item among the first n of a list that has it.
 template <unsigned n>
 unsigned index_of(const std::uint32_t* list, std::uint32_t item) {
@@ -25,11 +28,11 @@ unsigned index_of(const std::uint32_t* list, std::uint32_t item) {
 template <unsigned D>
 bool SmallSurface<D>::build(const double* rows, unsigned count) {
   count_ = count;
-  slots_ = 0;
+  slots_ = open_signs_ = 0;
   std::uint32_t simplex[D + 1];
   if (count < D + 1 || !scale(rows) || !choose_simplex(simplex) || !start(simplex)) return false;
   order_outermost_first(simplex);
-  // Sieves before these shares of the points in order, while many are inside.
+  // Sieves after an eighth and after three eighths of the points: most later ones are then inside.
   std::size_t next_sieve = order_.size() < 2 * sieve_block ? order_.size() : order_.size() / 8;
   for (std::size_t k = 0; k < order_.size(); ++k) {
     if (k == next_sieve) next_sieve = sieve(k) ? 3 * k : order_.size();
@@ -39,7 +42,7 @@ bool SmallSurface<D>::build(const double* rows, unsigned count) {
 }
 
 /// Drops those of the points from position `begin` on that are inside, many at a time. Returns
-/// whether any of the last, which are nearest to the centre, was.
+/// false, having dropped nothing, if none of the last block is: they are the nearest to the mean.
 template <unsigned D>
 bool SmallSurface<D>::sieve(std::size_t begin) {
   level_planes_.clear();
@@ -216,17 +219,17 @@ void SmallSurface<D>::order_outermost_first(const std::uint32_t* simplex) {
     largest = std::max(largest, square);
   }
   const float factor = (classes - 0.5F) / largest;
-  std::uint32_t start[classes + 1] = {};
+  std::uint32_t place[classes + 1] = {};
   for (unsigned i = 0; i <= D; ++i) distance_[simplex[i]] = -1;
   const auto class_of = [&](std::uint32_t i) {
     return classes - 1 - static_cast<unsigned>(distance_[i] * factor);
   };
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (distance_[i] >= 0) ++start[class_of(i) + 1];
-  for (unsigned k = 0; k < classes; ++k) start[k + 1] += start[k];
+    if (distance_[i] >= 0) ++place[class_of(i) + 1];
+  for (unsigned k = 0; k < classes; ++k) place[k + 1] += place[k];
   order_.resize(count_ - D - 1);
   for (std::uint32_t i = 0; i < count_; ++i)
-    if (distance_[i] >= 0) order_[start[class_of(i)]++] = i;
+    if (distance_[i] >= 0) order_[place[class_of(i)]++] = i;
 }
 
 template <unsigned D>
@@ -267,7 +270,7 @@ bool SmallSurface<D>::find_seen(std::uint32_t point, bool& any) {
   any =
       seen_facets(D, planes_[0].entry[0], planes_.size(), y, seen_bits_.data(), open_bits_.data());
   if (!any) return true;
-  for (unsigned first = 0; first < open_bits_.size(); first += 8) {
+  for (unsigned first = 0; first < 2 * planes_.size(); first += 8) {
     std::uint64_t word;  // of 64 facets
     std::memcpy(&word, &open_bits_[first], sizeof word);
     for (unsigned byte = first; word != 0 && byte < first + 8; ++byte)
@@ -284,7 +287,10 @@ bool SmallSurface<D>::find_seen(std::uint32_t point, bool& any) {
 }
 
 template <unsigned D>
-bool SmallSurface<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) const {
+bool SmallSurface<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) {
+  // Where points are closer than f32 tells, as in a cluster beside a large simplex, the engine,
+  // which does not test all facets, asks for far fewer signs.
+  if (++open_signs_ > most_open_signs * count_) return false;
   const double* corner[D + 1];
   for (unsigned j = 0; j < D; ++j) corner[j] = row(vertices(f)[j]);
   corner[D] = row(point);
@@ -293,7 +299,8 @@ bool SmallSurface<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) 
   return side != Sign::zero;
 }
 
-/// Which neighbours are seen is unpredictable, so no branch depends on it.
+/// Lists the ridges between seen and other facets. Which neighbours are seen is unpredictable, so
+/// no branch depends on it.
 template <unsigned D>
 void SmallSurface<D>::find_horizon() {
   horizon_.resize(std::max(horizon_.size(), seen_.size() * D + 1));
@@ -383,8 +390,8 @@ bool SmallSurface<D>::grow(unsigned slots) {
   neighbours_.resize(std::size_t{slots} * D);
   planes_.resize(groups);
   is_seen_.resize(slots, 0);
-  seen_bits_.resize(2 * groups);
-  open_bits_.resize((2 * groups + 7) / 8 * 8, 0);
+  seen_bits_.resize(2 * groups + seen_room);
+  open_bits_.resize((2 * groups + 7) / 8 * 8 + seen_room, 0);
   return true;
 }
 

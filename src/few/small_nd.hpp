@@ -18,15 +18,17 @@ inline constexpr unsigned small_nd_min_dimension = 4, small_nd_max_dimension = 8
 template <unsigned D>
 class SmallSurface {
  public:
-  /// A surface of more facets than this is given up. With its result it takes less than 4 MiB.
+  /// A surface of more facets than this is given up. With its result it takes less than 5 MiB
+  /// (`small_set_bytes`).
   static constexpr unsigned most_facets = 8192;
   /// In the neighbours of a slot without a facet.
   static constexpr std::uint32_t none = 0xFFFFFFFFU;
 
   /// Inserts `count` points, packed rows of finite doubles. False, and the surface then must not be
-  /// used, where some point lies in the plane of a facet that it meets (so for points in a flat,
-  /// too), for coordinates of extreme magnitude, and for too many facets. Time: that of testing
-  /// each point against all facets, and about 50 (4D) to 400 ns (8D) for each facet made.
+  /// used, where some point lies in the plane of a facet that it is tested against (so for points
+  /// in a flat, too), for coordinates of extreme magnitude, for too many facets and too many signs
+  /// that f32 leaves open. Time: that of testing each point against all facets, and about 50 (4D)
+  /// to 150 ns (8D) for each facet made. Memory of at most 2.5 MB is kept.
   bool build(const double* rows, unsigned count);
 
   /// Number of slots; some have no facet.
@@ -55,7 +57,7 @@ class SmallSurface {
   void aim(std::uint32_t point, float* y) const;
   bool insert(std::uint32_t point);
   bool find_seen(std::uint32_t point, bool& any);
-  bool sees_exactly(std::uint32_t point, unsigned f, bool& sees) const;
+  bool sees_exactly(std::uint32_t point, unsigned f, bool& sees);
   void find_horizon();
   std::uint32_t turn(std::size_t k, unsigned i) const;
   bool replace(std::uint32_t point);
@@ -63,7 +65,7 @@ class SmallSurface {
   void clear_plane(unsigned f);
   bool grow(unsigned slots);
 
-  unsigned count_ = 0, slots_ = 0;
+  unsigned count_ = 0, slots_ = 0, open_signs_ = 0;
   double centre_[D], reach_[D];
   std::vector<double> scaled_;  // rows with |x| <= 1
   std::vector<double> rest_;    // rows without their components along the chosen edges

@@ -46,13 +46,16 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   return false;
 }
 
-/// Hulls few 3D points directly from their coordinates. Returns false where the engine is needed.
-bool few_in_space(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
-  constexpr std::uint64_t most_memory = 1 << 22;  // bytes; more than such a result takes
+/// Hulls few points from 3D on directly from their coordinates. Returns false where the engine is
+/// needed.
+bool hull_few(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
+  const unsigned d = points.dimension;
   const std::uint64_t count = survivors.size(points.count);
-  if (run.options.engine != Engine::native || run.budget < most_memory ||
+  if (run.options.engine != Engine::native || run.budget < small_set_bytes(d) ||
       (survivors.all && count > most_unfiltered_in_space))
     return false;
+  // From 4D on a vain attempt can take milliseconds, and small_hull() has made it.
+  if (survivors.all && d > 3 && takes_small_sets(run.options, d)) return false;
   return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 
@@ -149,7 +152,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
-      (few == Few::by_engine || !few_in_space(points, filtered.survivors, run, hull)))
+      (few == Few::by_engine || !hull_few(points, filtered.survivors, run, hull)))
     hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;

@@ -44,7 +44,7 @@ TEST(CliAlpha, ByTheLengthOfEdges) {
   const Ran ran =
       run_app({"alpha", f / "p.txt", "--edge-length", "1", "-o", f / "a.wkt", "-o", f / "a.json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("edges      dug in where longer than 1\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("edges      replaced where longer than 1\n"), std::string::npos) << ran.out;
   EXPECT_NE(ran.out.find("around 1 region\n"), std::string::npos) << ran.out;
   const auto points_of_ring = [&] {
     const std::string wkt = read_file(f / "a.wkt");

@@ -64,7 +64,7 @@ PointSet scaled(PointSet s, double first, double others) {
 std::vector<unsigned> sizes(unsigned d) {
   std::vector<unsigned> n{d + 1, d + 2, d + 3, d + 5, 2 * d + 1, 3 * d};
   if (d == 4) n.insert(n.end(), {33, 100, 129, 400});
-  if (d == 5) n.insert(n.end(), {40, 129});
+  if (d == 5) n.insert(n.end(), {40, 200});
   if (d == 6) n.push_back(40);
   return n;
 }
@@ -214,6 +214,23 @@ TEST(SmallSetsNd, WhichSetsTheEngineTakes) {
       twice.coordinates.insert(twice.coordinates.end(), twice.coordinates.begin(),
                                twice.coordinates.begin() + d);
       EXPECT_FALSE(takes(twice));
+    }
+}
+
+/// Too many facets, and too many signs that f32 leaves open.
+TEST(SmallSetsNd, GivesUp) {
+  EXPECT_FALSE(takes(cyclic(140, 4)));
+  PointSet s = random_set("sphere", 300, 4, 5);
+  for (unsigned i = 5; i < 300; ++i)  // about a vertex
+    for (unsigned c = 0; c < 4; ++c)
+      s.coordinates[4 * i + c] = s.coordinates[c] + 1e-8 * s.coordinates[4 * i + c];
+  EXPECT_FALSE(takes(s));
+  for (const PointSet& given_up : {cyclic(140, 4), s})
+    for (int call = 0; call < 2; ++call) {
+      const Hull hull = convex_hull(view_of(given_up));
+      EXPECT_TRUE(certify(view_of(given_up), hull).valid);
+      const PointSet next = random_set("ball", 50, 4, 1);  // in memory that was dropped
+      EXPECT_TRUE(certify(view_of(next), convex_hull(view_of(next))).valid);
     }
 }
 

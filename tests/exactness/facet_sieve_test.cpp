@@ -118,7 +118,8 @@ TEST(SeenFacets, IsThatOfEveryFacetByItself) {
           const float level = i % 2 == 0 ? 2.25F : 1.75F, away = i % 3 == 0 ? 0.0F : 4.0F;
           plane(i, 0) = i % 3 == 1 ? level : std::nextafter(level, away);
         }
-        std::vector<std::uint8_t> seen(2 * count, 0xA5), open(2 * count, 0x5A);
+        std::vector<std::uint8_t> seen(2 * count + seen_room, 0xA5),
+            open(2 * count + seen_room, 0x5A);
         const bool any =
             seen_facets(D, groups[0].entry[0], count, y.data(), seen.data(), open.data());
         bool some = false;
@@ -143,7 +144,7 @@ TEST(SeenFacets, IsThatOfEveryFacetByItself) {
 TEST(SeenFacets, OfNoFacetsIsNone) {
   PlaneGroup<4> group;
   const float y[4] = {1, -1, 1e30F, 0};
-  std::uint8_t seen[2], open[2];
+  std::uint8_t seen[2 + seen_room], open[2 + seen_room];
   EXPECT_FALSE(seen_facets(4, group.entry[0], 1, y, seen, open));
 }
 

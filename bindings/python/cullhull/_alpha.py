@@ -359,7 +359,7 @@ class ConcaveHull(AlphaShape):
     def __repr__(self) -> str:
         return (
             f"<ConcaveHull of {self.triangulation.point_count} points: "
-            f"{len(self.facet_cells)} edges, dug in where longer than {self.edge_length:g}>"
+            f"{len(self.facet_cells)} edges, replaced where longer than {self.edge_length:g}>"
         )
 
     def _parts(self) -> tuple[Any, ...]:
@@ -378,7 +378,7 @@ class ConcaveHull(AlphaShape):
             "Concave hull",
             [
                 ("points", f"{found.point_count:,} in {found.dimension}D"),
-                ("edges longer than this are dug in", f"{self.edge_length:.6g}"),
+                ("boundary edges longer than this are replaced", f"{self.edge_length:.6g}"),
                 ("edges of the boundary", f"{len(self.facet_cells):,}"),
             ],
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 import sys
 from collections.abc import Callable, Iterable
 from typing import Any, Literal, Union, get_args
@@ -42,6 +43,8 @@ def as_points(points: Any, what: str = "points", *, axes: int = 2) -> npt.NDArra
     if array.ndim != axes and array.dtype == object:
         array = as_array(array, what)  # of geometries, perhaps
     if array.ndim != axes:
+        if isinstance(points, (str, os.PathLike)):
+            raise InvalidArgument(f"`{what}` is a path; read its points first: cullhull.read(path)")
         if array.ndim == 0 and array.dtype == object:  # no array at all
             kind = type(points).__name__
             raise InvalidArgument(f"`{what}` should be a {axes}D array, not of type {kind}")

@@ -28,7 +28,8 @@ def blocks(name: str) -> Iterator[Rows]:
             for scan in range(file.scan_count):
                 yield from _scan(file, scan, name)
     except pye57.libe57.E57Exception as error:
-        raise BadFile(f"{name}: {error}") from None
+        first = (str(error).strip().splitlines() or ["not readable"])[0]  # the rest is a trace
+        raise BadFile(f"{name}: {first}") from None
 
 
 def _scan(file: Any, scan: int, name: str) -> Iterator[Rows]:

@@ -165,7 +165,7 @@ def certify(
     Parameters
     ----------
     points : (n, d) array
-    hull : Hull
+    hull : Hull or ConvexHull
     threads, progress : as in `convex_hull`
 
     Returns
@@ -176,7 +176,7 @@ def certify(
     Raises
     ------
     TypeError
-        If `hull` is not a `Hull`.
+        If `hull` is neither.
     InvalidArgument, NotFinite (ValueErrors)
         For points of another shape or type.
 
@@ -191,8 +191,10 @@ def certify(
     >>> bool(cullhull.certify(points, hull))
     False
     """
+    hull = getattr(hull, "hull", hull)  # of a ConvexHull
     if not isinstance(hull, Hull):
-        raise TypeError(f"hull must be a cullhull.Hull, not {type(hull).__name__}")
+        found = f"{type(hull).__module__}.{type(hull).__qualname__}"
+        raise TypeError(f"hull must be a cullhull.Hull or cullhull.ConvexHull, not {found}")
     return _core.certify(
         as_points(points), hull._solid, settings(threads=threads, progress=progress)
     )

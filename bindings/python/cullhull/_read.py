@@ -18,7 +18,7 @@ from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from ._extras import needed
 from ._parquet import choose
 
-Columns = Union[Sequence[str], Sequence[int], None]
+Columns = Union[str, Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
 _MANY = 1 << 20
 
@@ -50,7 +50,7 @@ def read(
     Parameters
     ----------
     path : str or path
-    columns : names or numbers, optional
+    columns : names or numbers, optional; or names joined by commas
         Which coordinates: numbers, or names where the file has some (a text's first line, x, y, z
         of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
         case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
@@ -88,6 +88,8 @@ def read(
     1000
     """
     size = None if chunks is None else as_count(chunks, "chunks", least=1)
+    if isinstance(columns, str):  # as the program takes them
+        columns = [c.strip() for c in columns.split(",")]
     name = os.fspath(path)
     ending = os.path.splitext(name)[1].lower()
     if re.search(r"\.(h5|hdf5|he5|nc|nc4)(:|$)", name, re.IGNORECASE):

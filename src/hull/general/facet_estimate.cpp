@@ -216,7 +216,8 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
               "), which needs about ",
               rounded(e.facets * static_cast<double>(bytes_per_facet) / 0x1p20),
               " MiB; the memory budget is ", run.budget >> 20,
-              " MiB; raise the budget, or ask for the extreme points only");
+              " MiB; raise the budget, or ask for the extreme points only (extreme_points, --only "
+              "vertices)");
 }
 
 }  // namespace cullhull::internal::inline hull

@@ -62,7 +62,8 @@ void block(const float* planes, std::size_t count, const float* y, std::uint8_t*
     two_vectors<D>(planes, count, y + k, beneath + k);
 }
 
-/// Stores the lanes of a mask as bits k, k + 1, ... of `bytes`, from the lowest k on.
+/// Stores the lanes of a mask as bits k, k + 1, ... of `bytes`, from the lowest k on. StoreMaskBits
+/// may write up to 8 bytes (seen_room). These targets have vectors of one size: MaxLanes.
 HWY_INLINE void store_bits(hn::Mask<F> mask, std::size_t k, std::uint8_t* bytes) {
   if constexpr (hn::MaxLanes(F()) >= 8) {
     hn::StoreMaskBits(F(), mask, bytes + k / 8);
