@@ -172,9 +172,10 @@ const CLI::Validator& decimal_digits() {
     std::uint64_t value = 0;
     const char* const end = text.data() + text.size();
     const auto read = std::from_chars(text.data(), end, value);
-    if (read.ec != std::errc() || read.ptr != end)
-      return "'" + text + "' is no whole number from 0 to " +
+    if (read.ec == std::errc::result_out_of_range)
+      return "'" + text + "' is more than " +
              std::to_string(std::numeric_limits<std::uint64_t>::max());
+    if (read.ec != std::errc() || read.ptr != end) return "'" + text + "' is no whole number";
     text = std::to_string(value);
     return std::string();
       },

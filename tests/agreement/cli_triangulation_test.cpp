@@ -197,9 +197,9 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   refused(R"({"type": "Point", "coordinates": [1, 2]})", 1, "there is no polygon in it");
   refused(polygon + "[[[0,0],[1]]]}", 1, "ring 0 has a position without x and y");
   refused(polygon + "[[[0,0],[1,\"a\"]]]}", 1, "ring 0 has a coordinate that is no finite number");
-  refused(polygon + "[[[0,0],[1,1]]]}", 2, "ring 0 of the polygon has 2 corners");
-  refused(polygon + "[[[0,0],[1,1],[0,1],[1,0]]]}", 2, "c.geojson: the boundary of the polygon");
-  refused(polygon + "[[[0,0],[1,1],[2,2]]]}", 2, "spans dimension 1 only");
+  refused(polygon + "[[[0,0],[1,1]]]}", 1, "ring 0 of the polygon has 2 corners");
+  refused(polygon + "[[[0,0],[1,1],[0,1],[1,0]]]}", 1, "c.geojson: the boundary of the polygon");
+  refused(polygon + "[[[0,0],[1,1],[2,2]]]}", 1, "spans dimension 1 only");
   write_file(f / "c.geojson",
              polygon + "[[[0,0],[4,0],[4,4],[0,4]],[[0.5,0.5],[1,0.5],[1,1],[0.5,1]]]}");
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "o.obj"}, 2,
@@ -210,6 +210,22 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
                "exclude each other");
   write_points(f / "ball.npy", "ball", 30, 3);
   expect_error({"voronoi", f / "ball.npy", "--clip", f / "c.geojson"}, 2, "--clip needs 2D points");
+  for (const char* option : {"--box", "--clip"})
+    expect_error({"voronoi", f / "p.csv", option,
+                  option[2] == 'b' ? "0,0,1,1" : (f / "c.geojson").c_str(), "-o", f / "o.json"},
+                 2, ".json holds the unclipped diagram");
+}
+
+/// A region far from the points is noticed, and sizes have the name of what they are.
+TEST(CliTriangulation, CountsClippedCells) {
+  const Folder f;
+  write_file(f / "p.csv", "x,y\n1,1\n3,1\n1,3\n6,2\n");
+  const Ran ran =
+      run_app({"voronoi", f / "p.csv", "--box", "100,100,102,103", "--measures", f / "sizes.csv"});
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  EXPECT_NE(ran.out.find("clipped    4 cells, 3 of them empty; total area 6\n"), std::string::npos)
+      << ran.out;
+  EXPECT_EQ(read_file(f / "sizes.csv").substr(0, 5), "area\n");
 }
 
 TEST(CliTriangulation, WeightsFromFilesAndColumns) {

@@ -1,5 +1,7 @@
 """The native face against a slow reference, and questions against NumPy."""
 
+import pathlib
+
 import numpy as np
 import pytest
 import reference
@@ -212,3 +214,16 @@ def test_sizes_of_another_type():
         assert "\n" not in str(caught.value) and "incompatible function" not in str(caught.value)
     with pytest.raises(MemoryError):
         cullhull.generate("ball", 2**60)
+
+
+def test_certify_takes_the_class_in_scipys_place():
+    points = cullhull.generate("ball", 50)
+    assert cullhull.certify(points, cullhull.ConvexHull(points))
+    with pytest.raises(TypeError, match=r"cullhull\.ConvexHull, not builtins\.int"):
+        cullhull.certify(points, 3)
+
+
+@pytest.mark.parametrize("path", ["scan.ply", pathlib.Path("scan.ply")])
+def test_a_path_is_no_set_of_points(path):
+    with pytest.raises(cullhull.InvalidArgument, match=r"is a path; .*cullhull\.read"):
+        cullhull.convex_hull(path)

@@ -389,3 +389,9 @@ def test_meshes_with_a_remark(tmp_path, name, text, said):
     points, line = said_while_reading(tmp_path / name)
     assert points.tolist() == [[0, 1, 2], [3, 4, 5]]
     assert said in line
+
+
+def test_columns_as_the_program_takes_them(tmp_path):
+    path = tmp_path / "points.csv"
+    path.write_text("id,x,y,z\n7,1,2,3\n8,4,5,6\n")
+    assert cullhull.read(path, columns="z, x").tolist() == [[3, 1], [6, 4]]
