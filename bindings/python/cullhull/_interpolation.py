@@ -370,7 +370,7 @@ class NearestNDInterpolator(_Interpolator):
     values : (n, ...) array, as it was passed
     values_shape : tuple of int: the shape of a value
     is_complex : bool
-    tree : scipy.spatial.cKDTree of `points`, built on first use
+    tree : scipy.spatial.KDTree or cKDTree of `points`, as SciPy's, built on first use
     tri : None
     fill_value : NaN, float or complex
     scale : (d,) float64, or None without `rescale`
@@ -497,13 +497,16 @@ class NearestNDInterpolator(_Interpolator):
     def tree(self) -> Any:
         """scipy.spatial.cKDTree of `points`, with `tree_options`; an ImportError without SciPy."""
         try:
-            from scipy.spatial import cKDTree
+            import scipy
+            from scipy.spatial import KDTree, cKDTree
         except ImportError:
             raise ImportError(
                 "in more than 8 dimensions, for p != 2 and as `tree` SciPy's tree is used, and SciPy "
                 "is not installed: pip install 'cullhull[scipy]'"
             ) from None
-        return cKDTree(self.points, **self._tree_options)
+        version = tuple(int(part) for part in scipy.__version__.split(".")[:2])
+        tree = KDTree if version >= (1, 18) else cKDTree  # as SciPy's own attribute
+        return tree(self.points, **self._tree_options)
 
 
 def griddata(

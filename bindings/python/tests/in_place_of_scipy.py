@@ -8,12 +8,18 @@ SciPy's test's.
 
 from __future__ import annotations
 
+import importlib.util
+
 import numpy as np
-import scipy.interpolate._interpnd as interpnd
 import scipy.spatial
 import scipy.spatial._qhull as qhull
 
 import cullhull
+
+if importlib.util.find_spec("scipy.interpolate._interpnd"):
+    import scipy.interpolate._interpnd as interpnd
+else:  # before SciPy 1.15
+    import scipy.interpolate.interpnd as interpnd
 
 Scipy = qhull.ConvexHull
 ScipyDelaunay = qhull.Delaunay
