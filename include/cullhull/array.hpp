@@ -28,9 +28,9 @@ namespace cullhull::inline v1 {
 /// It keeps at most 16 MB of blocks smaller than 2 MB, and at most `limit` bytes of larger blocks;
 /// the default limit is a sixteenth of the memory that this process may use, at most 1 GiB. Blocks
 /// beyond the limit are returned to the system at once. Between calls the system may reclaim the
-/// large blocks if it is short of memory. Each thread keeps scratch memory for small sets besides: 1
-/// MB for points in space, up to 2.5 MB for each dimension from 4 to 8 that it has used. 0: nothing is kept between calls, also in the pools of
-/// CUDA devices.
+/// large blocks if it is short of memory. Each thread keeps scratch memory for small sets besides:
+/// 1 MB for points in space, up to 2.5 MB for each dimension from 4 to 8 that it has used. 0:
+/// nothing is kept between calls, also in the pools of CUDA devices.
 void keep_memory(std::size_t limit) noexcept;
 /// Bytes kept now.
 std::size_t kept_memory() noexcept;
