@@ -152,9 +152,13 @@ int run(CertifyArguments arguments) {
                             "only one of INPUT and HULL can be standard input");
   StreamArguments reading = arguments.stream;
   reading.first_id = 0;  // names points, and is no reason to read in blocks
-  const CertifyOutcome outcome = reading.wanted(arguments.files, arguments.run, "")
-                                     ? certify_streamed(arguments)
-                                     : certify_in_memory(arguments);
+  CertifyOutcome outcome = reading.wanted(arguments.files, arguments.run, "")
+                               ? certify_streamed(arguments)
+                               : certify_in_memory(arguments);
+  // Numbers are compared in the integers that a grid holds.
+  if (!outcome.placing.raw && !outcome.placing.grid.empty() &&
+      outcome.certificate.reason.find("should be") != std::string::npos)
+    outcome.certificate.reason += " (in units of the points' grid)";
   const cullhull::Certificate& certificate = outcome.certificate;
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json, with_placing(report(outcome.points, certificate,
@@ -162,11 +166,7 @@ int run(CertifyArguments arguments) {
                                                              outcome.read_seconds, outcome.seconds),
                                                       outcome.placing, outcome.extent));
   if (!certificate.valid) {
-    // Numbers are compared in the integers that a grid holds.
-    const bool on_grid = outcome.placing.any && !outcome.placing.raw &&
-                         certificate.reason.find("should be") != std::string::npos;
-    complain("not certified: " + certificate.reason +
-             (on_grid ? " (in units of the points' grid)" : ""));
+    complain("not certified: " + certificate.reason);
     return not_certified;
   }
   if (!arguments.run.quiet && !plan.uses_stdout())

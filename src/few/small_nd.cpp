@@ -273,7 +273,8 @@ bool SmallSurface<D>::find_seen(std::uint32_t point, bool& any) {
   for (unsigned first = 0; first < 2 * planes_.size(); first += 8) {
     std::uint64_t word;  // of 64 facets
     std::memcpy(&word, &open_bits_[first], sizeof word);
-    for (unsigned byte = first; word != 0 && byte < first + 8; ++byte)
+    const auto end = static_cast<unsigned>(std::min<std::size_t>(first + 8, 2 * planes_.size()));
+    for (unsigned byte = first; word != 0 && byte < end; ++byte)
       for (unsigned bits = open_bits_[byte]; bits != 0; bits &= bits - 1) {
         const auto bit = static_cast<unsigned>(std::countr_zero(bits));
         const unsigned f = 8 * byte + bit;

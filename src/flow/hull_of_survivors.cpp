@@ -54,8 +54,6 @@ bool hull_few(const PointView& points, const Survivors& survivors, const Run& ru
   if (run.options.engine != Engine::native || run.budget < small_set_bytes(d) ||
       (survivors.all && count > most_unfiltered_in_space))
     return false;
-  // From 4D on a vain attempt can take milliseconds, and small_hull() has made it.
-  if (survivors.all && d > 3 && takes_small_sets(run.options, d)) return false;
   return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
 }
 

@@ -95,6 +95,13 @@ TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
   write_file(f / "b.json", text);
   for (const char* stream : {"off", "on"})
     expect_error({"certify", f / "a.las", f / "b.json", "--stream", stream}, 3, "not certified");
+  // A number that is wrong is named in the integers that were compared.
+  auto wrong = json_of(f / "a.json");
+  wrong["volume"] = 1;
+  write_file(f / "c.json", wrong.dump());
+  for (const char* stream : {"off", "on"})
+    expect_error({"certify", f / "a.las", f / "c.json", "--stream", stream}, 3,
+                 "(in units of the points' grid)");
 }
 
 TEST(CliLas, PlansHaveMeasuresInTheirUnits) {
