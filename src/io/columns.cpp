@@ -222,12 +222,15 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
   return key[0];
 }
 
-void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
+void choose_columns(PointData& data, const std::string& file, std::vector<std::string> names,
                     const ReadOptions& options) {
   if (options.columns.empty() && options.key.empty()) return;
-  std::vector<std::uint32_t> columns = find_columns(options.columns.empty() ? ":" : options.columns,
-                                                    file, names, data.view.dimension);
-  const std::uint32_t key = find_key(options, file, names, data.view.dimension, columns);
+  const std::uint32_t width = data.view.dimension;
+  names.resize(
+      std::min<std::size_t>(names.size(), width));  // those of a format, x y z, of a 2D file
+  std::vector<std::uint32_t> columns =
+      find_columns(options.columns.empty() ? ":" : options.columns, file, names, width);
+  const std::uint32_t key = find_key(options, file, names, width, columns);
   if (key != 0xFFFFFFFF) add_keys(data, key);
   take_columns(data, columns);
 }
@@ -244,7 +247,8 @@ void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
   }
   if (!evenly_spaced(columns)) return gather(data, columns);
   PointView& view = data.view;
-  view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;
+  if (view.data != nullptr)  // of a header alone, or of no points
+    view.data += static_cast<std::ptrdiff_t>(columns[0]) * view.coordinate_stride;
   if (columns.size() > 1)
     view.coordinate_stride *=
         static_cast<std::ptrdiff_t>(columns[1]) - static_cast<std::ptrdiff_t>(columns[0]);

@@ -44,8 +44,9 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
                        std::vector<std::uint32_t>& columns);
 
 /// Restricts the view to the columns that `options` ask for: by strides where possible, else by a
-/// copy. Keys, where asked for, are numbers as decimals.
-void choose_columns(PointData& data, const std::string& file, const std::vector<std::string>& names,
+/// copy. Keys, where asked for, are numbers as decimals. Of `names` those beyond the file's
+/// dimension name nothing.
+void choose_columns(PointData& data, const std::string& file, std::vector<std::string> names,
                     const ReadOptions& options);
 /// Restricts the view, and its placement, to these columns.
 void take_columns(PointData& data, const std::vector<std::uint32_t>& columns);

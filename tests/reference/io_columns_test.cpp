@@ -1,15 +1,19 @@
 // Columns by name and number: of texts whose other columns hold anything, and of every format.
+#include <unistd.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <set>
 
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_columns_test {
 
 ReadOptions columns(const std::string& text) {
   ReadOptions options;
@@ -184,6 +188,135 @@ TEST(Columns, OfOtherFormats) {
   EXPECT_NE(not_there(npy, "x", "npy").find("0:3"), std::string::npos);
 }
 
+/// Two points of each format whose coordinates have the names x, y and z whatever its dimension.
+struct NamedByFormat {
+  std::string format, plane, space;
+};
+
+std::string ply(const std::string& kind, const std::string& axes, const std::string& body) {
+  std::string text = "ply\nformat " + kind + " 1.0\nelement vertex 2\n";
+  for (const char axis : axes) text += std::string("property double ") + axis + "\n";
+  return text + "end_header\n" + body;
+}
+
+std::string pcd(const std::string& kind, const std::string& axes, const std::string& body) {
+  const auto each = [&](const std::string& value) {
+    std::string all;
+    for (std::size_t i = 0; i < axes.size(); ++i) all += " " + value;
+    return all;
+  };
+  std::string names;
+  for (const char axis : axes) names += std::string(" ") + axis;
+  return "# .PCD v0.7\nVERSION 0.7\nFIELDS" + names + "\nSIZE" + each("8") + "\nTYPE" + each("F") +
+         "\nCOUNT" + each("1") + "\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA " + kind + "\n" + body;
+}
+
+std::vector<NamedByFormat> named_by_format() {
+  const std::string two = bytes_of(1.0, 2.0, 4.0, 5.0), three = bytes_of(1., 2., 3., 4., 5., 6.);
+  return {
+      {"geojson", R"({"type":"MultiPoint","coordinates":[[1,2],[4,5]]})",
+       R"({"type":"MultiPoint","coordinates":[[1,2,3],[4,5,6]]})"},
+      {"wkt", "MULTIPOINT (1 2, 4 5)\n", "MULTIPOINT Z (1 2 3, 4 5 6)\n"},
+      {"ply", ply("ascii", "xy", "1 2\n4 5\n"), ply("ascii", "xyz", "1 2 3\n4 5 6\n")},
+      {"ply", ply("binary_little_endian", "xy", two), ply("binary_little_endian", "xyz", three)},
+      {"pcd", pcd("ascii", "xy", "1 2\n4 5\n"), pcd("ascii", "xyz", "1 2 3\n4 5 6\n")},
+      {"pcd", pcd("binary", "xy", two), pcd("binary", "xyz", three)},
+      {"obj", "", "v 1 2 3\nv 4 5 6\n"},
+      {"off", "", "OFF\n2 0 0\n1 2 3\n4 5 6\n"}};
+}
+
+/// The rows that a file in memory and in blocks gives, or the message, which must be the same.
+Rows rows_or_error(const std::string& path, const ReadOptions& read, std::string& error) {
+  Rows whole, blocks;
+  std::string of_blocks;
+  const auto note = [](std::string& text, const auto& call) {
+    try {
+      call();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
+      text = e.what();
+    }
+  };
+  note(error, [&] { whole = rows_of(open_points(path, read).points()); });
+  note(of_blocks, [&] { blocks = rows_in_blocks(path, read, 16); });
+  EXPECT_EQ(error, of_blocks);
+  EXPECT_EQ(whole, blocks);
+  return whole;
+}
+
+// At 2b236ba5 a 2D file had a column z: the next point's x, and for the last memory of others.
+TEST(Columns, EveryCombinationOfUpToFourNames) {
+  const TemporaryFolder folder;
+  const std::string names = "xyzw";
+  for (const NamedByFormat& f : named_by_format())
+    for (const std::string& bytes : {f.plane, f.space}) {
+      if (bytes.empty()) continue;
+      const std::string path = folder.write("a." + f.format, bytes);
+      const Rows all = rows_of(open_points(path).points());
+      const std::size_t width = all[0].size();
+      for (std::size_t code = 1; code < 625; ++code) {  // of each of four places: which, or none
+        std::string text;
+        std::vector<std::size_t> chosen;
+        for (std::size_t rest = code; rest > 0; rest /= 5) {
+          if (rest % 5 == 0) continue;
+          chosen.push_back(rest % 5 - 1);
+          text += (text.empty() ? "" : ",") + names.substr(chosen.back(), 1);
+        }
+        std::string error;
+        const Rows got = rows_or_error(path, columns(text), error);
+        const bool there =
+            std::all_of(chosen.begin(), chosen.end(), [&](std::size_t c) { return c < width; });
+        const bool once = std::set(chosen.begin(), chosen.end()).size() == chosen.size();
+        SCOPED_TRACE(f.format + " " + std::to_string(width) + "D " + text + ": " + error);
+        EXPECT_EQ(error.empty(), there && once);
+        if (!there) {
+          EXPECT_NE(error.find(width == 2 ? "there are 'x', 'y'" : "there are 'x', 'y', 'z'"),
+                    std::string::npos);
+        }
+        if (!error.empty()) continue;
+        Rows want(all.size());
+        for (std::size_t i = 0; i < all.size(); ++i)
+          for (const std::size_t c : chosen) want[i].push_back(all[i][c]);
+        EXPECT_EQ(got, want);
+      }
+      for (const char* name : {"z", "Z", "w"}) {  // as keys and as weights
+        ReadOptions weighed, keyed;
+        weighed.weights = keyed.key = name;
+        const bool there = width == 3 && *name != 'w';
+        const auto read_keys = [&] {
+          BlockVisitor visitor;
+          visitor.keyed = [](const PointView&, std::uint64_t, const PointKeys&) {};
+          BlockOptions options;
+          options.read = keyed;
+          visit_blocks({path}, visitor, options);
+        };
+        if (there) {
+          EXPECT_EQ(open_points(path, weighed).weights(), (std::vector<double>{3, 6}));
+          EXPECT_NO_THROW(read_keys());
+        } else {
+          EXPECT_NE(error_of(ErrorCode::invalid_argument, [&] { open_points(path, weighed); })
+                        .find("there are 'x', 'y'"),
+                    std::string::npos);
+          error_of(ErrorCode::invalid_argument, read_keys);
+        }
+      }
+    }
+}
+
+// The mapping ends with the last coordinate: a read behind it ends the process.
+TEST(Columns, OfAPlaneAtTheEndOfAPageHaveNoZ) {
+  const TemporaryFolder folder;
+  const std::size_t page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::string points(4096, '\0');
+  std::string text = ply("binary_little_endian", "xy", "");
+  text.replace(text.find(" 2\n"), 3, " " + std::to_string(points.size() / 16) + "\n");
+  const std::size_t used = text.size() + points.size() + std::string("comment \n").size();
+  text.insert(4, "comment " + std::string(page - used % page, 'p') + "\n");
+  std::string error;
+  rows_or_error(folder.write("page.ply", text + points), columns("x,y,z"), error);
+  EXPECT_NE(error.find("no column 'z'; there are 'x', 'y'"), std::string::npos) << error;
+}
+
 TEST(Columns, ColoursStayWhereColumnsAreCopied) {
   const std::string ply =
       "ply\nformat binary_little_endian 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
@@ -215,5 +348,5 @@ TEST(Columns, InBlocksAsInMemory) {
   std::filesystem::remove(path);
 }
 
-}  // namespace
+}  // namespace io_columns_test
 }  // namespace cullhull::testing
