@@ -174,7 +174,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.columns = arguments.columns;
   options.weights = arguments.weights;
   options.memory_budget = memory;
-  options.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
+  options.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;
   options.grid = arguments.grid;
   options.remark = print_remark;
   return options;

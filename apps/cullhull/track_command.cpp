@@ -355,7 +355,7 @@ int run(const TrackArguments& arguments) {
   read.threads = arguments.run.threads;
   read.stop = stop_token();
   read.remark = print_remark;
-  read.numbers = arguments.raw ? cullhull::Numbers::file : cullhull::Numbers::grid;
+  read.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;
   const FrameNames names(arguments.output);
   names.check_ending();
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);

@@ -12,9 +12,10 @@
 namespace cullhull::bench {
 
 /// A LAS 1.2 file of point format 0, three numbers per point; point i has class i % classes.
-/// Without a placement, scales and offsets are 0.
+/// Without a placement the numbers are the coordinates.
 inline std::string las_bytes(const std::vector<std::int32_t>& numbers,
-                             const Placement& placement = {}, std::size_t classes = 1) {
+                             const Placement& placement = {{1, 1, 1}, {0, 0, 0}, {}},
+                             std::size_t classes = 1) {
   constexpr std::size_t header = 227, record = 20;
   std::string bytes(header + numbers.size() / 3 * record, '\0');
   const auto put = [&](std::size_t at, auto value) {

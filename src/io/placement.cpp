@@ -115,7 +115,7 @@ Grid grid_of(const Placement& placement, const ReadOptions& options) {
 }
 
 void place(PointData& data, const ReadOptions& options) {
-  if (data.placement.empty() || options.numbers == Numbers::file) return;
+  if (data.placement.empty() || stays(options.numbers)) return;
   const Placement& placement = data.placement;
   data.grid = grid_of(placement, options);
   const bool on_grid = !data.grid.empty();

@@ -31,7 +31,7 @@ struct PointFile::Impl {
   /// What was mapped or unpacked is given back where the points are a copy then.
   void place(const ReadOptions& options) {
     internal::place(data, options);
-    placed = options.numbers != Numbers::file || data.placement.empty();
+    placed = !internal::stays(options.numbers) || data.placement.empty();
     if (data.in_place) return;
     file = internal::MappedFile();
     unpacked = {};

@@ -55,6 +55,9 @@ struct PointData {
   PointLine not_finite;   ///< the first such point of a text; line 0: none
 };
 
+/// Whether numbers stay as they are stored.
+inline bool stays(Numbers numbers) { return numbers == Numbers::file || numbers == Numbers::raw; }
+
 /// Points of a file that are read, of `total`.
 struct Slice {
   std::uint64_t first = 0, count = 0, total = 0;

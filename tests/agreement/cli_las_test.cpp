@@ -8,7 +8,7 @@
 #include "cullhull/point_blocks.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_las_test {
 
 using namespace testing;
 
@@ -449,17 +449,36 @@ TEST(CliLas, PointsAsTextAreInTheWorld) {
   }
 }
 
-// Headers that were not filled in: numbers as they are.
-TEST(CliLas, WithoutAScaleNumbersAreAsTheyAre) {
+// Headers that were not filled in.
+TEST(CliLas, WithoutAScaleRawAloneReads) {
   const Folder f;
   const Numbers numbers = ball(500);
   write_file(f / "a.las", bench::las_bytes(numbers, {{0, 0, 0}, {0, 0, 0}}));
+  write_file(f / "good.las", bench::las_bytes(numbers, metres));
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
   expect_success({"hull", f / "a.npy", "-o", f / "npy.obj"});
-  expect_success({"hull", f / "a.las", "-o", f / "las.obj"});
+  expect_success({"hull", "--raw", f / "a.las", "-o", f / "las.obj"});
   EXPECT_EQ(read_file(f / "las.obj"), read_file(f / "npy.obj"));
+  const std::string say = "a.las: byte 131: the scale of x is 0, which gives no coordinates";
+  const std::vector<std::vector<std::string>> commands = {
+      {"hull", f / "a.las"},
+      {"hull", f / "a.las", "--stream", "on"},
+      {"hull", f / "a.las", "--columns", "x,y"},
+      {"hull", f / "a.las", "--by", "classification", "-o", f / "h.csv"},
+      {"hull", f / "good.las", f / "a.las"},
+      {"hull", f / "a.las", f / "good.las", "--stream", "on"},
+      {"cull", f / "a.las", "-o", f / "ids.npy"},
+      {"info", f / "a.las"},
+      {"delaunay", f / "a.las"},
+      {"track", f / "good.las", f / "a.las"},
+      {"view", f / "a.las", "-o", f / "page.html"}};
+  for (const std::vector<std::string>& command : commands) {
+    const Ran ran = run_app(command);
+    EXPECT_EQ(ran.status, 1) << ran.err;
+    EXPECT_NE(ran.err.find(say), std::string::npos) << ran.err;
+  }
 }
 
-}  // namespace
+}  // namespace cli_las_test
 }  // namespace cullhull

@@ -1,17 +1,21 @@
 // LAS: every version and point format, in place and in blocks; headers that lie.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
 namespace cullhull {
-namespace {
+namespace io_las_test {
 
 constexpr unsigned least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 struct Las {
   unsigned minor = 2, format = 0, record = 0, header = 0, offset = 0;
   std::uint64_t promised = ~std::uint64_t{0};
+  std::array<double, 3> scale = {1, 1, 1}, origin = {0, 0, 0};
   std::vector<std::array<std::int32_t, 3>> points = {
       {1, 2, 3}, {-4, 5, 6}, {2147483647, -2147483648, 0}};
 
@@ -31,6 +35,10 @@ struct Las {
     const std::uint64_t n = promised != ~std::uint64_t{0} ? promised : points.size();
     if (format <= 5 || minor < 4) put(107, static_cast<std::uint32_t>(n));
     if (minor == 4) put(247, n);
+    for (std::size_t j = 0; j < 3; ++j) {
+      put(131 + 8 * j, scale[j]);
+      put(155 + 8 * j, origin[j]);
+    }
     b.resize(begin);
     for (const auto& p : points) {
       std::string r(length, '\x55');
@@ -72,7 +80,6 @@ std::string unit_of(const std::vector<std::string>& records) {
   std::string bytes = las.bytes();
   bytes.replace(100, 4, testing::bytes_of(static_cast<std::uint32_t>(records.size())));
   bytes.replace(227, all.size(), all);
-  for (std::size_t j = 0; j < 3; ++j) bytes.replace(131 + 8 * j, 8, testing::bytes_of(0.01));
   const PointFile file = open_points(folder.write("a.las", bytes));
   EXPECT_FALSE(file.placement().empty());
   return file.placement().unit;
@@ -141,7 +148,9 @@ TEST(IoLas, EveryVersionAndPointFormat) {
       las.minor = minor;
       las.format = format;
       const std::string path = folder.write("a.las", las.bytes());
-      const PointFile file = open_points(path);
+      ReadOptions stored;
+      stored.numbers = Numbers::raw;
+      const PointFile file = open_points(path, stored);
       EXPECT_EQ(file.mapped(), testing::lies_ready);
       EXPECT_EQ(file.format(),
                 "las 1." + std::to_string(minor) + ", point format " + std::to_string(format));
@@ -154,12 +163,13 @@ TEST(IoLas, EveryVersionAndPointFormat) {
           for (std::uint32_t j = 0; j < 3; ++j) EXPECT_EQ(block.at(i, j), las.points[first + i][j]);
       };
       BlockOptions options;
+      options.read = stored;
       options.block_bytes = 1;
       options.readers = 1;
       visit_blocks({path}, visitor, options);
       EXPECT_EQ(seen, 3U);
       // By content, and with extra bytes behind the points, as waveforms and extended records are.
-      const PointFile other = open_points(folder.write("b", las.bytes() + "more"));
+      const PointFile other = open_points(folder.write("b", las.bytes() + "more"), stored);
       expect_points(las, other.points());
     }
 }
@@ -188,5 +198,39 @@ TEST(IoLas, HeadersThatLie) {
     EXPECT_NE(error_of(folder, whole.substr(0, size)), "") << size;
 }
 
-}  // namespace
+TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
+  const testing::TemporaryFolder folder;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const auto expect_refused = [&](const Las& las, const std::string& say) {
+    SCOPED_TRACE(say);
+    const std::string path = folder.write("a.las", las.bytes());
+    EXPECT_EQ(
+        testing::error_whole_and_in_blocks(path),
+        path + ": byte " + say + ", which gives no coordinates; --raw reads the stored integers");
+    // Beside a good tile, whose grid the report would have claimed for both.
+    const std::string good = folder.write("good.las", Las().bytes());
+    ReadOptions on_grid;
+    on_grid.numbers = Numbers::grid;
+    for (const auto& files : {std::vector{good, path}, std::vector{path, good}})
+      testing::error_of(ErrorCode::bad_file, [&] { common_grid(files, on_grid); });
+    ReadOptions stored;
+    stored.numbers = Numbers::file;  // for a caller who places them
+    testing::error_of(ErrorCode::bad_file, [&] { open_points(path, stored); });
+    stored.numbers = Numbers::raw;
+    const PointFile file = open_points(path, stored);
+    EXPECT_TRUE(file.placement().empty());
+    expect_points(las, file.points());
+    EXPECT_EQ(testing::rows_in_blocks(path, stored), testing::rows_of(file.points()));
+  };
+  expect_refused({.scale = {0, 1, 1}}, "131: the scale of x is 0");
+  expect_refused({.scale = {1, -0.0, 1}}, "139: the scale of y is -0");
+  expect_refused({.scale = {1, 1, -0.01}}, "147: the scale of z is -0.01");
+  expect_refused({.scale = {1, infinity, 1}}, "139: the scale of y is inf");
+  expect_refused({.scale = {std::nan(""), 1, 1}}, "131: the scale of x is nan");
+  expect_refused({.origin = {0, infinity, 0}}, "163: the offset of y is inf");
+  expect_refused({.origin = {0, 0, -infinity}}, "171: the offset of z is -inf");
+  expect_refused({.minor = 4, .origin = {std::nan(""), 0, 0}}, "155: the offset of x is nan");
+}
+
+}  // namespace io_las_test
 }  // namespace cullhull

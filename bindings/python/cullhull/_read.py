@@ -156,7 +156,7 @@ def _native(
     name: str, columns: Columns, size: int | None, raw: bool = False
 ) -> Iterator[npt.NDArray[Any]]:
     wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
-    array, remarks, scale, offset = _core.read_points(name, wanted, raw or size is not None)
+    array, remarks, scale, offset = _core.read_points(name, wanted, raw, size is not None)
     for line in remarks:
         warn(line, ShapeWarning)
     if size is None or raw or not scale:
@@ -273,6 +273,8 @@ def _las(
                 [float(of["xyz".index(c)]) if c in "xyz" else whole for c in taken]
                 for of, whole in ((file.header.scales, 1.0), (file.header.offsets, 0.0))
             )
+            if not raw:
+                _refuse_unusable(name, file.header)
             place = _Placing([] if raw else scale, offset, exact="gps_time" not in taken)
             for points in file.chunk_iterator(size or _MANY):
                 columns_of = [np.asarray(points[c.upper() if c in "xyz" else c]) for c in taken]
@@ -298,20 +300,28 @@ def _las_names(columns: Columns, fields: list[str], name: str) -> list[str]:
     return [known[str(c).lower()] for c in columns]
 
 
+def _refuse_unusable(name: str, header: Any) -> None:
+    """As the library's reader does for a .las that it reads itself."""
+    for axis, scale, offset in zip("xyz", header.scales, header.offsets):
+        bad = f"scale of {axis} is {scale:g}" if not 0 < scale < np.inf else ""
+        if not bad and not np.isfinite(offset):
+            bad = f"offset of {axis} is {offset:g}"
+        if bad:
+            raise BadFile(
+                f"{name}: the {bad}, which gives no coordinates; raw=True reads the stored integers"
+            )
+
+
 class _Placing:
-    """From the whole numbers of a scan to coordinates, as the library computes them; none of them
-    where a scale is no positive number, as in headers that were not filled in. `exact`: whether all
-    numbers are whole."""
+    """From the whole numbers of a scan to coordinates, as the library computes them; unchanged where
+    no scale is given. `exact`: whether all numbers are whole."""
 
     def __init__(self, scale: list[float], offset: list[float], *, exact: bool = True) -> None:
         self._scale, self._offset = scale, offset
-        self._raw = not scale or not all(
-            0 < s < np.inf and np.isfinite(o) for s, o in zip(scale, offset)
-        )
-        self._decimals = None if self._raw or not exact else _core.grid_of(scale, offset)
+        self._decimals = _core.grid_of(scale, offset) if scale and exact else None
 
     def __call__(self, axis: int, numbers: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        if self._raw:
+        if not self._scale:
             return numbers
         scale, offset = self._scale[axis], self._offset[axis]
         whole = np.asarray(numbers, dtype=np.float64)

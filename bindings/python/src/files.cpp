@@ -69,16 +69,20 @@ nb::object points_of(nb::handle file) {
   return array;
 }
 
-/// The file, and the lines it has for its user.
+/// The file, and the lines it has for its user. `in_place`: the numbers stay as they are stored,
+/// for a caller who makes coordinates of them.
 std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path,
-                                                         const std::string& columns, bool raw) {
+                                                         const std::string& columns, bool raw,
+                                                         bool in_place) {
   PointFile file;
   std::vector<std::string> remarks;
   std::mutex mutex;
   run(nullptr, Length::long_, [&](const cullhull::Options& options) {
     cullhull::ReadOptions read;
     read.columns = columns;
-    read.numbers = raw ? cullhull::Numbers::file : cullhull::Numbers::world;
+    read.numbers = raw        ? cullhull::Numbers::raw
+                   : in_place ? cullhull::Numbers::file
+                              : cullhull::Numbers::world;
     read.stop = options.stop;
     read.remark = [&](const cullhull::Remark& remark) {
       const std::lock_guard lock(mutex);
@@ -96,13 +100,13 @@ void bind_files(nb::module_& m) {
       .def_prop_ro("format", &PointFile::format);
   m.def(
       "read_points",
-      [](const std::string& path, const std::string& columns, bool raw) {
-    auto [file, remarks] = open_file(path, columns, raw);
+      [](const std::string& path, const std::string& columns, bool raw, bool in_place) {
+    auto [file, remarks] = open_file(path, columns, raw, in_place);
     cullhull::Placement placement = file.placement();
     return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
                       std::move(placement.scale), std::move(placement.offset));
       },
-      nb::arg("path"), nb::arg("columns"), nb::arg("raw"),
+      nb::arg("path"), nb::arg("columns"), nb::arg("raw"), nb::arg("in_place"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
   m.def(
       "input_files",

@@ -323,6 +323,37 @@ def test_scans_beside_no_grid_are_what_laspy_computes(tmp_path):
         assert np.array_equal(np.concatenate(list(cullhull.read(tmp_path / name, chunks=9))), las.xyz)
 
 
+@pytest.mark.parametrize("ending", ["las", "laz"])
+@pytest.mark.parametrize("bad", [0.0, -0.01, np.nan, np.inf])
+def test_scans_without_a_scale_are_raw_alone(tmp_path, ending, bad):
+    laspy = pytest.importorskip("laspy")
+    if ending == "laz":
+        pytest.importorskip("lazrs")
+    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
+    las.X, las.Y, las.Z = points.T
+    path = tmp_path / f"a.{ending}"
+    las.write(str(path))
+    with open(path, "r+b") as file:
+        file.seek(139)
+        file.write(np.float64(bad).tobytes())
+    with pytest.raises(cullhull.BadFile, match=f"scale of y is {bad:g}, which gives no coordinates"):
+        cullhull.read(path)
+    with pytest.raises(cullhull.BadFile, match="scale of y"):
+        list(cullhull.read(path, chunks=77))
+    assert np.array_equal(cullhull.read(path, raw=True), points)
+    assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77, raw=True))), points)
+
+
+@pytest.mark.parametrize("chunks", [None, 2])
+def test_two_dimensional_files_have_no_column_z(tmp_path, chunks):
+    path = tmp_path / "a.geojson"
+    path.write_text('{"type":"MultiPoint","coordinates":[[0,0],[1,0],[0,1],[7,8]]}')
+    for columns in (["x", "y", "z"], "z", ["z", "x"]):
+        with pytest.raises(cullhull.InvalidArgument, match="no column 'z'; there are 'x', 'y'"):
+            list(cullhull.read(path, columns=columns, chunks=chunks))
+
+
 def test_read_zarr_by_name(tmp_path):
     zarr = pytest.importorskip("zarr")
     points = cullhull.generate("ball", 1000)

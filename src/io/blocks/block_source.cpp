@@ -381,7 +381,7 @@ std::optional<Preamble> preamble_of(OpenedBytes& from, const std::string& format
 
 /// Gives decoded points their place.
 void place_points_of(RecordLayout& layout, const ReadOptions& options) {
-  if (layout.placement.empty() || options.numbers == Numbers::file) return;
+  if (layout.placement.empty() || stays(options.numbers)) return;
   layout.grid = grid_of(layout.placement, options);
   layout.decode = [decode = layout.decode, options](const Source& records, std::uint64_t first,
                                                     std::uint64_t count) {

@@ -11,6 +11,7 @@
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
+#include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -31,21 +32,29 @@ struct LasHeader {
 /// Bytes that each point format has at least (ASPRS LAS 1.4 R15).
 constexpr std::uint64_t least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
-/// Empty where a scale is not positive or a scale or offset not finite, as in headers that were not
-/// filled in.
-Placement placement_of(const Source& head) {
+/// Coordinates need a positive scale and a finite offset. Where the header has others, as one that
+/// was never filled in, Numbers::raw alone can read the file, and there is no placement.
+Placement placement_of(const Source& head, Numbers numbers) {
   Placement placement;
   for (std::size_t j = 0; j < 3; ++j) {
-    placement.scale.push_back(field<double>(head, 131 + 8 * j));
-    placement.offset.push_back(field<double>(head, 155 + 8 * j));
-    if (!(placement.scale[j] > 0) || !std::isfinite(placement.scale[j]) ||
-        !std::isfinite(placement.offset[j]))
-      return {};
+    const std::size_t at_scale = 131 + 8 * j, at_offset = 155 + 8 * j;
+    const auto scale = field<double>(head, at_scale), offset = field<double>(head, at_offset);
+    const bool scales = scale > 0 && std::isfinite(scale);
+    if (!scales || !std::isfinite(offset)) {
+      if (numbers == Numbers::raw) return {};
+      std::string value;
+      append_number(value, scales ? offset : scale);
+      fail_at_byte(head, scales ? at_offset : at_scale, "the ", scales ? "offset" : "scale", " of ",
+                   "xyz"[j], " is ", value,
+                   ", which gives no coordinates; --raw reads the stored integers");
+    }
+    placement.scale.push_back(scale);
+    placement.offset.push_back(offset);
   }
   return placement;
 }
 
-LasHeader parse_header(const Source& head) {
+LasHeader parse_header(const Source& head, Numbers numbers) {
   constexpr std::size_t oldest = 227, with_wide_count = 375;
   if (head.size < 4 || std::memcmp(head.data, "LASF", 4) != 0)
     fail_at_byte(head, 0, "does not begin as a .las file does");
@@ -78,7 +87,7 @@ LasHeader parse_header(const Source& head) {
   }
   if (h.offset < header_size)
     fail_at_byte(head, 96, "points at byte ", h.offset, ", within the header");
-  h.placement = placement_of(head);
+  h.placement = placement_of(head, numbers);
   if (!h.placement.empty())
     h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
   return h;
@@ -113,14 +122,14 @@ PointData points_of_records(const std::string& file, const char* records, std::u
 }  // namespace
 
 PointData read_las(const Source& source, const ReadOptions& options) {
-  const LasHeader h = parse_header(source);
+  const LasHeader h = parse_header(source, options.numbers);
   check_room(source, h, source.size);
   return points_of_records(source.name, source.data + h.offset, h.count, h, options);
 }
 
 std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
-  const LasHeader h = parse_header(head);
+  const LasHeader h = parse_header(head, options.numbers);
   check_room(head, h, size);
   RecordLayout layout;
   const PointData none = points_of_records(head.name, nullptr, 0, h, options);
@@ -200,7 +209,7 @@ void move_up(std::string& head, const LasHeader& h, std::uint64_t kept) {
 }
 
 void write_records(OutputFile& out, const Source& las, const std::vector<std::uint64_t>& ids) {
-  const LasHeader h = parse_header(las);
+  const LasHeader h = parse_header(las, Numbers::raw);
   check_room(las, h, las.size);
   std::string head(las.data, h.offset);
   Census census(h, las);

@@ -98,7 +98,7 @@ void gather(PointData& data, const Columns& all, const char* records, std::size_
     return !Columns::is_axis(c) && all.field(c).kind == Kind::f64;
   };
   const bool timed = std::any_of(columns.begin(), columns.end(), is_time);
-  const bool in_world = timed && options.numbers != Numbers::file;
+  const bool in_world = timed && !stays(options.numbers);
   const auto d = static_cast<std::uint32_t>(columns.size());
   Buffer room(std::max<std::uint64_t>(1, from.count * d * sizeof(double)));
   auto* out = room.as<double>();
@@ -157,7 +157,7 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
   std::vector<std::uint32_t> columns =
       find_columns(options.columns.empty() ? ":" : options.columns, file, all.names(), axes);
   const std::uint32_t key = find_key(options, file, all.names(), axes, columns);
-  const bool placed = options.numbers != Numbers::file && !data.placement.empty();
+  const bool placed = !stays(options.numbers) && !data.placement.empty();
   const Grid grid = placed ? common_grid({data.placement}) : Grid();
   std::optional<GridAxes> on_grid;
   if (!grid.empty()) on_grid.emplace(data.placement, grid);
