@@ -3,7 +3,7 @@
 
 #include "cullhull/voronoi.hpp"
 #include "fuzz/read_points.hpp"
-#include "io/formats/polygons.hpp"
+#include "io/formats/geometry_text.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::vector<char> bytes(data, data + size);
