@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "device_sets.hpp"
 #include "emulation.hpp"
+#include "memory.hpp"
 
 namespace cullhull::testing {
 namespace {
@@ -46,6 +48,34 @@ TEST(EmulatedDevices, HostPointsGoToTheDeviceThatTheOptionsName) {
   EXPECT_EQ(current_cuda_device(), 1);
   options.device = 2;
   EXPECT_THROW(convex_hull(points, options), Error);
+}
+
+// Unified addressing: a copy may name the memory of devices that are not current.
+TEST(EmulatedDevices, CopiesNameMemoryOfAnyDevice) {
+  emulation::settings().devices = 3;
+  const std::vector<float> numbers{1, 2, 3, 4};
+  constexpr std::size_t bytes = 4 * sizeof(float);
+  check(cudaSetDevice(1));
+  const OnDevice source(numbers);
+  check(cudaSetDevice(2));
+  const OnDevice target(std::vector<float>(4));
+  check(cudaSetDevice(0));
+  check(cudaMemcpy(target.data<float>(), source.data<float>(), bytes, cudaMemcpyDeviceToDevice));
+  std::vector<float> back(4);
+  check(cudaMemcpy(back.data(), target.data<float>(), bytes, cudaMemcpyDeviceToHost));
+  EXPECT_EQ(back, numbers);
+  check(cudaMemset(source.data<float>(), 0, bytes));
+  check(cudaMemcpy(back.data(), source.data<float>(), bytes, cudaMemcpyDeviceToHost));
+  EXPECT_EQ(back, std::vector<float>(4));
+}
+
+TEST(EmulatedDevices, TheHostFaultsWhereItTouchesADevicesMemory) {
+  if (emulation::guard() == emulation::Guard::off) GTEST_SKIP() << "CULLHULL_DEVICE_GUARD=off";
+  const OnDevice there(std::vector<float>{1, 2, 3});
+  check(cudaDeviceSynchronize());
+  volatile float sink = 0;
+  EXPECT_DEATH(sink = *there.data<float>(), "");
+  (void)sink;
 }
 
 TEST(EmulatedDevices, ALostDeviceIsSaidInEveryLaterCall) {

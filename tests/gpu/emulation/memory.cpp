@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
+#include <string>
+#include <utility>
 
 #include "device.hpp"
 #include "emulation.hpp"
@@ -19,11 +23,35 @@ constexpr unsigned char fresh = 0xCB, fresh_pinned = 0xDA;
 /// Larger ones are filled at their ends only.
 constexpr std::size_t most_filled = std::size_t{1} << 28, filled_ends = std::size_t{1} << 20;
 
-/// One key a device; -1: this processor or kernel has none, and the host's accesses go unnoticed.
+/// A key that no device has, to learn whether there are any.
+bool has_keys() {
+  const int key = pkey_alloc(0, 0);
+  if (key > 0) (void)pkey_free(key);
+  return key > 0;
+}
+
+Guard chosen_guard() {
+  const char* const text = std::getenv("CULLHULL_DEVICE_GUARD");
+  const std::string name = text == nullptr ? "" : text;
+  const Guard guard = name == "off"                  ? Guard::off
+                      : name == "pages"              ? Guard::pages
+                      : name == "keys" || has_keys() ? Guard::keys
+                                                     : Guard::pages;
+  if (guard == Guard::keys && !has_keys()) {
+    std::fprintf(stderr, "emulation: this processor or kernel has no protection keys\n");
+    std::_Exit(77);
+  }
+  static const char* const said[] = {"protection keys", "the rights of its pages", "nothing"};
+  std::fprintf(stderr, "emulation: device memory is guarded by %s\n",
+               said[static_cast<int>(guard)]);
+  return guard;
+}
+
 int key_of(int device) {
   static std::map<int, int> keys;
-  const auto [at, inserted] = keys.try_emplace(device, -1);
+  const auto [at, inserted] = keys.try_emplace(device, 0);
   if (inserted) at->second = pkey_alloc(0, PKEY_DISABLE_ACCESS);
+  if (at->second <= 0) violation("more devices than protection keys");
   return at->second;
 }
 
@@ -48,12 +76,26 @@ std::map<std::uintptr_t, std::size_t>& pinned() {
 
 std::uintptr_t address(const void* p) { return reinterpret_cast<std::uintptr_t>(p); }
 
-void protect(const Region& region, int rights) {
-  const int key = key_of(region.device);
-  if (key > 0)
-    (void)pkey_mprotect(region.body(), region.body_bytes(), rights, key);
-  else
-    (void)mprotect(region.body(), region.body_bytes(), rights);
+/// How many accesses to each device are open, where pages are the guard.
+std::map<int, int>& open_accesses() {
+  static std::map<int, int> all;
+  return all;
+}
+
+/// Gives the block's pages the rights that they have now.
+void protect(const Region& region) {
+  int rights = region.ready ? PROT_READ | PROT_WRITE : PROT_NONE;
+  if (guard() == Guard::keys) {
+    (void)pkey_mprotect(region.body(), region.body_bytes(), rights, key_of(region.device));
+    return;
+  }
+  if (guard() == Guard::pages && open_accesses()[region.device] == 0) rights = PROT_NONE;
+  (void)mprotect(region.body(), region.body_bytes(), rights);
+}
+
+void protect_all(int device) {
+  for (const auto& [begin, region] : regions())
+    if (region.device == device) protect(region);
 }
 
 bool all_fresh(const char* begin, const char* end) {
@@ -75,16 +117,25 @@ void close(char* map, std::size_t bytes) {
 
 }  // namespace
 
+Guard guard() {
+  static const Guard chosen = chosen_guard();
+  return chosen;
+}
+
 DeviceAccess::DeviceAccess(int device) : device_(device) {
-  const int key = key_of(device);
-  if (key <= 0) return;
-  before_ = static_cast<unsigned>(pkey_get(key));
-  (void)pkey_set(key, 0);
+  if (guard() == Guard::keys) {
+    before_ = static_cast<unsigned>(pkey_get(key_of(device)));
+    (void)pkey_set(key_of(device), 0);
+  } else if (guard() == Guard::pages && ++open_accesses()[device] == 1) {
+    protect_all(device);
+  }
 }
 
 DeviceAccess::~DeviceAccess() {
-  const int key = key_of(device_);
-  if (key > 0) (void)pkey_set(key, before_);
+  if (guard() == Guard::keys)
+    (void)pkey_set(key_of(device_), before_);
+  else if (guard() == Guard::pages && --open_accesses()[device_] == 0)
+    protect_all(device_);
 }
 
 void* allocate_device(std::size_t bytes, int device, bool ready) {
@@ -92,7 +143,6 @@ void* allocate_device(std::size_t bytes, int device, bool ready) {
   Region region;
   region.bytes = bytes;
   region.device = device;
-  region.ready = ready;
   region.map_bytes = (bytes + page - 1) / page * page + 2 * page;
   static std::size_t arena_used = 0;
   if (region.map_bytes > device_arena_bytes - arena_used)
@@ -101,14 +151,16 @@ void* allocate_device(std::size_t bytes, int device, bool ready) {
   arena_used += region.map_bytes;
   // As near to the guard page behind as the alignment of device memory allows.
   char* begin = region.body() + (region.body_bytes() - bytes) / alignment * alignment;
-  protect(region, PROT_READ | PROT_WRITE);
   {
     const DeviceAccess access(device);
+    region.ready = true;  // to be filled
+    protect(region);
     const std::size_t body = region.body_bytes(), ends = body > most_filled ? filled_ends : body;
     std::memset(region.body(), fresh, ends);
     std::memset(region.body() + body - ends, fresh, ends);
   }
-  if (!ready) protect(region, PROT_NONE);
+  region.ready = ready;
+  protect(region);
   regions()[address(begin)] = region;
   count_allocation(static_cast<std::ptrdiff_t>(bytes));
   return begin;
@@ -116,8 +168,8 @@ void* allocate_device(std::size_t bytes, int device, bool ready) {
 
 void make_ready(void* memory) {
   Region& region = regions().at(address(memory));
-  if (!region.ready) protect(region, PROT_READ | PROT_WRITE);
-  region.ready = true;
+  if (std::exchange(region.ready, true)) return;
+  protect(region);
 }
 
 void release_device(void* memory) {

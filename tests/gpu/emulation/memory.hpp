@@ -1,6 +1,6 @@
 // The memories of the emulated devices, and pinned memory: blocks between guard pages, filled with
-// garbage, never handed out twice, each device's behind a protection key of its own, so that the
-// host and other devices fault when they touch it.
+// garbage, never handed out twice, each device's out of reach of the host and of other devices,
+// which fault when they touch it.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,18 @@
 
 namespace emulation {
 
-/// While one lives, this thread may touch the device's memory.
+/// What keeps a device's memory out of reach.
+enum class Guard {
+  keys,   ///< a protection key a device: for each thread by itself; some processors have them
+  pages,  ///< the rights of its pages: within reach of all threads while one may touch it
+  off,    ///< nothing
+};
+
+/// CULLHULL_DEVICE_GUARD says it: keys, pages or off; unset it is keys where there are some, else
+/// pages. A process that asks for keys where there are none ends with status 77.
+Guard guard();
+
+/// While one lives, this thread may touch the device's memory. They may be nested.
 class DeviceAccess {
  public:
   explicit DeviceAccess(int device);

@@ -32,18 +32,18 @@ class Planted(NamedTuple):
 
 
 KERNELS = "src/cuda/kernels/"
-LAYOUTS = ("emulated_layouts_test", "EmulatedLayouts.EveryBorder*")
-WIDE = ("emulated_layouts_test", "EmulatedLayouts.MoreThan*")
-PRIMITIVES = ("emulated_primitives_gpu_test", "PrimitivesGpu.*")
+LAYOUTS = ("emulated_tests", "EmulatedLayouts.EveryBorder*")
+WIDE = ("emulated_tests", "EmulatedLayouts.MoreThan*")
+PRIMITIVES = ("emulated_kernel_tests", "PrimitivesGpu.*")
 SETS = (
-    "emulated_set_hulls_gpu_test",
+    "emulated_tests",
     "GpuSets.AnyStrides*:GpuSets.Ordinary*:GpuSets.SetsThat*:GpuSets.Spheres*",
 )
-MEASURES = ("emulated_set_hulls_gpu_test", "GpuSets.PlanesAndMeasures*")
-PADDED = ("emulated_set_hulls_gpu_test", "GpuSets.Padded*")
-STARS = ("emulated_star_hull_gpu_test", "StarHullGpu.Equals*:StarHullGpu.Few*")
+MEASURES = ("emulated_tests", "GpuSets.PlanesAndMeasures*")
+PADDED = ("emulated_tests", "GpuSets.Padded*")
+STARS = ("emulated_tests", "StarHullGpu.Equals*:StarHullGpu.Few*")
 STAR_HULL = "src/filter/star_hull/"
-SIZES = ("emulated_set_hulls_gpu_test", "GpuSets.AllSizes*")
+SIZES = ("emulated_tests", "GpuSets.AllSizes*")
 
 PLANTED = {
     # ------------------------------------------------------------------------------ the mask
@@ -117,7 +117,7 @@ PLANTED = {
         KERNELS + "gauge_kernel.cu",
         "«atomicMin(first, static_cast<unsigned long long>(i));»",
         "if (i < *first) *first = i;",
-        "emulated_cuda_gauge_test",
+        "emulated_tests",
         "CudaGauge.TheFirstPoint*",
     ),
     "short-mask": Planted(
@@ -132,7 +132,7 @@ PLANTED = {
         "src/cuda/gauge.cpp",
         '«synchronise(stream_.get(), "culling");»',
         "",
-        "emulated_cuda_gauge_test",
+        "emulated_tests",
         "CudaGauge.ManyPieces",
     ),
     "other-stream": Planted(
@@ -140,7 +140,7 @@ PLANTED = {
         "src/cuda/gauge.cpp",
         "gather_rows(part, piece_ids_.data(), n, packed_.data(), «stream»)",
         "nullptr",
-        "emulated_edges_test",
+        "emulated_tests",
         "EmulatedEdges.WorkIsOrdered*",
     ),
     # ------------------------------------------------------------------------ the pseudo-hull
@@ -241,7 +241,7 @@ PLANTED = {
         KERNELS + "warp_hull.cuh",
         "return «s > doubt ? 1 : s < -doubt ? -1 : side(m_.corners[f], p)»;",
         "s > 0x1p-60F ? 1 : s < -0x1p-60F ? -1 : side(m_.corners[f], p)",
-        "emulated_set_hulls_gpu_test",
+        "emulated_tests",
         "GpuSets.Ordinary*",
     ),
     "loose-doubles": Planted(
@@ -249,7 +249,7 @@ PLANTED = {
         KERNELS + "warp_hull.cuh",
         "double sum, bound = «error * extent_»;",
         "0x1p-40 * error * extent_",
-        "emulated_set_hulls_gpu_test",
+        "emulated_tests",
         "GpuSets.SetsThat*",
     ),
     "small-warp-memory": Planted(
@@ -285,7 +285,7 @@ PLANTED = {
         "src/cuda/set_hulls.cpp",
         "simplices.data(), rows.data(), «s.stream»)",
         "nullptr",
-        "emulated_set_hulls_gpu_test",
+        "emulated_tests",
         "GpuSets.AnyStrides*",
     ),
     "trusted-measures": Planted(
@@ -328,7 +328,7 @@ PLANTED = {
         "src/cuda/set_hulls.cpp",
         '«synchronise(state_->stream, "copying hulls from the device");»',
         "",
-        "emulated_sets_test",
+        "emulated_tests",
         "EmulatedSets.TheNextPiece*",
     ),
     # ----------------------------------------------------------------------------- questions
@@ -337,7 +337,7 @@ PLANTED = {
         KERNELS + "hull_questions_kernel.cu",
         "«open = open || !(sum < -bound);»",
         "open = open && !(sum < -bound);",
-        "emulated_hull_questions_gpu_test",
+        "emulated_tests",
         "GpuQuestions.PointsOnACube",
     ),
     "next-cell": Planted(
@@ -345,7 +345,7 @@ PLANTED = {
         KERNELS + "hull_questions_kernel.cu",
         "cell * resolution + «static_cast<std::uint32_t>(at)»;",
         "static_cast<std::uint32_t>(at + 0.5 < top ? at + 0.5 : top)",
-        "emulated_hull_questions_gpu_test",
+        "emulated_tests",
         "GpuQuestions.ByCells*",
     ),
     "short-list": Planted(
@@ -353,7 +353,7 @@ PLANTED = {
         KERNELS + "hull_questions_kernel.cu",
         "g = begin; «g < end»; ++g",
         "g == begin",
-        "emulated_hull_questions_gpu_test",
+        "emulated_tests",
         "GpuQuestions.ByCells*",
     ),
     "loose-support": Planted(
@@ -361,7 +361,7 @@ PLANTED = {
         KERNELS + "hull_questions_kernel.cu",
         "best - second > «2.01 * bound» ?",
         "0",
-        "emulated_hull_questions_gpu_test",
+        "emulated_tests",
         "GpuQuestions.Directions*",
     ),
     # ------------------------------------------------------------------------------ the star hull

@@ -65,6 +65,24 @@ struct Rows {
   std::size_t extent(std::size_t pitch) const { return (height - 1) * pitch + width; }
 };
 
+/// The device whose memory this is; an address of the host: the current one.
+int device_of(const void* p) {
+  const auto allocation = device_allocation(p);
+  return allocation ? allocation->device : current_device();
+}
+
+/// Puts a copy on the stream. Unified addressing lets it name the memory of any device, also of
+/// two others than the stream's.
+void enqueue_copy(cudaStream_t stream, const Rows& rows, void* to, const void* from,
+                  std::shared_ptr<std::vector<char>> staged = nullptr) {
+  const int devices[] = {device_of(to), device_of(from)};
+  enqueue(stream, [=, staged = std::move(staged)] {
+    const DeviceAccess access_to(devices[0]), access_from(devices[1]);
+    rows.copy(static_cast<char*>(to),
+              staged != nullptr ? staged->data() : static_cast<const char*>(from));
+  });
+}
+
 void require_host(const void* p) {
   if (device_allocation(p)) violation("a host's address is a device's");
 }
@@ -73,28 +91,24 @@ cudaError_t copy(void* to, const void* from, const Rows& rows, cudaMemcpyKind ki
                  cudaStream_t stream) {
   if (rows.width == 0 || rows.height == 0) return cudaSuccess;
   count_copy();
-  auto* target = static_cast<char*>(to);
-  const auto* source = static_cast<const char*>(from);
+  const std::size_t written = rows.extent(rows.to_pitch), read = rows.extent(rows.from_pitch);
   if (kind == cudaMemcpyHostToDevice) {
-    require_device_range(to, rows.extent(rows.to_pitch), "a copy to the device");
+    require_device_range(to, written, "a copy to the device");
     require_host(from);
-    if (is_pinned(from)) {
-      enqueue(stream, [=] { rows.copy(target, source); });
-      return cudaSuccess;
-    }
     // Pageable memory is staged before the call returns; its way to the device is not done then.
-    const auto staged =
-        std::make_shared<std::vector<char>>(source, source + rows.extent(rows.from_pitch));
-    enqueue(stream, [=] { rows.copy(target, staged->data()); });
+    const auto* source = static_cast<const char*>(from);
+    auto staged =
+        is_pinned(from) ? nullptr : std::make_shared<std::vector<char>>(source, source + read);
+    enqueue_copy(stream, rows, to, from, std::move(staged));
   } else if (kind == cudaMemcpyDeviceToHost) {
-    require_device_range(from, rows.extent(rows.from_pitch), "a copy from the device");
+    require_device_range(from, read, "a copy from the device");
     require_host(to);
     // To pageable memory a device copies before the call returns, which nobody should rely on.
-    enqueue(stream, [=] { rows.copy(target, source); });
+    enqueue_copy(stream, rows, to, from);
   } else {
-    require_device_range(from, rows.extent(rows.from_pitch), "a copy on the device");
-    require_device_range(to, rows.extent(rows.to_pitch), "a copy on the device");
-    enqueue(stream, [=] { rows.copy(target, source); });
+    require_device_range(from, read, "a copy on the device");
+    require_device_range(to, written, "a copy on the device");
+    enqueue_copy(stream, rows, to, from);
   }
   return cudaSuccess;
 }
@@ -270,7 +284,10 @@ cudaError_t cudaMemsetAsync(void* to, int value, std::size_t bytes, cudaStream_t
   return call_on(stream, [&] {
     if (bytes == 0) return cudaSuccess;
     require_device_range(to, bytes, "clearing");
-    enqueue(stream, [=] { std::memset(to, value, bytes); });
+    enqueue(stream, [=, device = device_of(to)] {
+      const DeviceAccess access(device);
+      std::memset(to, value, bytes);
+    });
     return cudaSuccess;
   });
 }

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# The Python package on the emulated device, in the virtual environment that the test python.install has
-# made: run.sh FOLDER VENV INSTALLED EMULATED. Links the extension module in FOLDER with the library
+# The Python package on the emulated device, in the virtual environment that the test python.install
+# has made: run.sh FOLDER VENV INSTALLED EMULATED CUDA_INCLUDE. Links the extension module in FOLDER
+# with the library
 # EMULATED in the place of the core, and runs what the tests of the package leave out without a device.
 # Exit status 77: there is no virtual environment.
 set -euo pipefail
-folder=$(realpath -m "$1") venv=$2 installed=$3 emulated=$4
+folder=$(realpath -m "$1") venv=$2 installed=$3 emulated=$4 include=$5
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(realpath "$here/../../../..")
 if ! "$venv/bin/python" -c "import nanobind, numpy, pytest" 2>/dev/null; then
@@ -17,7 +18,7 @@ tag=$("$venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])'
 compiled=("$root/build/python-$tag-"*)
 cmake -S "$here" -B "$folder" -G Ninja "-DPython_EXECUTABLE=$venv/bin/python" \
   "-DCULLHULL_INSTALLED=$installed" "-DCULLHULL_EMULATED=$emulated" \
-  "-DCULLHULL_PIP_BUILD=${compiled[0]}" >"$folder.log"
+  "-DCULLHULL_CUDA_INCLUDE=$include" "-DCULLHULL_PIP_BUILD=${compiled[0]}" >"$folder.log"
 cmake --build "$folder" >>"$folder.log" || {
   cat "$folder.log" >&2
   exit 1
