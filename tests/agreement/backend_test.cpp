@@ -12,7 +12,7 @@
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull {
-namespace {
+namespace backend_test {
 
 std::vector<float> cube(std::size_t n, unsigned d) {
   std::mt19937_64 random(n);
@@ -117,5 +117,5 @@ TEST(Backend, EveryReasonIsALine) {
     }
 }
 
-}  // namespace
+}  // namespace backend_test
 }  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "cullhull/error.hpp"
 
 namespace cullhull {
-namespace {
+namespace batch_test {
 
 using namespace testing_support;
 
@@ -168,5 +168,5 @@ TEST(Batch, errors_name_the_first_bad_set) {
   }
 }
 
-}  // namespace
+}  // namespace batch_test
 }  // namespace cullhull

@@ -7,11 +7,11 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cgal.hpp"
 
 namespace cullhull {
-namespace {
+namespace bench_command_test {
 
 using namespace testing;
 
@@ -22,6 +22,49 @@ std::vector<std::string> with(std::vector<std::string> words,
                               const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
   return words;
+}
+
+TEST(BenchCommand, HelpAndUsage) {
+  for (const char* suite : {"rivals", "calls"}) expect_same_help({"cullhull-bench"}, suite);
+  expect_help_alone({"cullhull-bench"});
+  expect_error({"cullhull-bench", "rivals", "--workloads", "x"}, 2,
+               "did you mean --workload? (see cullhull-bench rivals --help)");
+  expect_error({"cullhull-bench", "rival"}, 2,
+               "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");
+  const Ran json = run_app({"cullhull-bench", "--json"});
+  EXPECT_EQ(json.status, 2) << json.err;
+  EXPECT_EQ(json.err.find("--json=-"), std::string::npos) << json.err;
+  const Ran cut = run_app({"cullhull-bench", "rivals", "--workload", std::string(5000, 'x')});
+  EXPECT_TRUE(cut.status == 1 || cut.status == 2) << cut.status;
+  EXPECT_TRUE(one_line(cut.err)) << cut.err.substr(0, 100);
+  EXPECT_LT(cut.err.size(), 700U) << cut.err.substr(0, 100);
+  EXPECT_NE(cut.err.find("xxx"), std::string::npos) << cut.err.substr(0, 300);
+  const Folder f;
+  expect_error({"cullhull-bench", "machine", "--bytes", "1M", "--json=" + (f / "m.csv")}, 2,
+               ".json");
+  EXPECT_EQ(f.entries(), 0U);
+}
+
+TEST(BenchCommand, SaysThatItWasCancelled) {
+  EXPECT_EQ(cancelled_at_work({"cullhull-bench", "rivals", "--scale", "1", "--workload",
+                               "sphere-3d-1M", "--repeat", "100"}),
+            "cullhull: cancelled\n");
+}
+
+TEST(CliJson, BenchSuites) {
+  expect_json({"cullhull-bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
+              "bench_machine_report");
+  expect_json({"cullhull-bench", "rivals", "--scale", "1", "--repeat", "1", "--workload",
+               "cube-3d-100", "--json"},
+              "bench_report");
+  expect_json({"cullhull-bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"},
+              "bench_report");
+  expect_json({"cullhull-bench", "lifting", "--scale", "1", "--repeat", "1", "--workload",
+               "uniform-3d-50", "--json"},
+              "bench_report");
+  expect_json(
+      {"cullhull-bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
+      "bench_report");
 }
 
 TEST(BenchMachine, TableAndJson) {
@@ -426,5 +469,5 @@ TEST(BenchCalls, BadUsage) {
   }
 }
 
-}  // namespace
+}  // namespace bench_command_test
 }  // namespace cullhull

@@ -9,7 +9,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace cgal_oracle_test {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
@@ -106,5 +106,5 @@ TEST(Cgal, TwoCircles) {
   expect_everywhere(large, cgal_in_two_planes(large), Paths::reference);
 }
 
-}  // namespace
+}  // namespace cgal_oracle_test
 }  // namespace cullhull::testing_support

@@ -6,7 +6,7 @@
 #include "cullhull/triangulation_io.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_alpha_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -44,7 +44,8 @@ TEST(CliAlpha, ByTheLengthOfEdges) {
   const Ran ran =
       run_app({"alpha", f / "p.txt", "--edge-length", "1", "-o", f / "a.wkt", "-o", f / "a.json"});
   ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("edges      replaced where longer than 1\n"), std::string::npos) << ran.out;
+  EXPECT_NE(ran.out.find("edges      replaced where longer than 1\n"), std::string::npos)
+      << ran.out;
   EXPECT_NE(ran.out.find("around 1 region\n"), std::string::npos) << ran.out;
   const auto points_of_ring = [&] {
     const std::string wkt = read_file(f / "a.wkt");
@@ -123,5 +124,5 @@ TEST(CliAlpha, FewPointsAndRefusals) {
   expect_error({"alpha", f / "none.txt"}, 1, "none.txt");
 }
 
-}  // namespace
+}  // namespace cli_alpha_test
 }  // namespace cullhull

@@ -3,7 +3,7 @@
 #include "agreement/run_app.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_columns_test {
 
 using namespace testing;
 
@@ -102,5 +102,5 @@ TEST_F(CliColumns, EveryCommandThatReadsPoints) {
   expect_error({"hull", named, "--columns", "x,q", "--stream", "on"}, 2, "no column 'q'");
 }
 
-}  // namespace
+}  // namespace cli_columns_test
 }  // namespace cullhull

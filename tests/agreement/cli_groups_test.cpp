@@ -10,7 +10,7 @@
 #include "cullhull/group_hulls.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_groups_test {
 
 using namespace testing;
 using Groups = std::map<std::string, std::vector<double>>;
@@ -222,5 +222,5 @@ TEST(CliGroups, WhatIsRefused) {
                "the points that are sorted by group need");
 }
 
-}  // namespace
+}  // namespace cli_groups_test
 }  // namespace cullhull

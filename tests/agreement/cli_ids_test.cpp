@@ -12,7 +12,7 @@
 #include "cullhull/stream.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_ids_test {
 
 using namespace testing;
 
@@ -223,5 +223,5 @@ TEST(CliIds, CommentsBeyondTheFirstMegabyte) {
   expect_error({"hull", f / "none.txt", "--stream", "on"}, 1, "no points");
 }
 
-}  // namespace
+}  // namespace cli_ids_test
 }  // namespace cullhull

@@ -6,7 +6,7 @@
 #include "agreement/run_app.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_interrupt_test {
 
 using namespace testing;
 
@@ -73,37 +73,17 @@ TEST(CliInterrupt, LongWorkSaysThatItWasCancelled) {
   write_points(f / "p.npy", "sphere", 2000, 5);  // each frame takes some tenths of a second
   for (int frame = 0; frame < 200; ++frame) tracked.push_back(f / "p.npy");
   const std::vector<std::vector<std::string>> commands = {
-      {"generate", "ball", "-n", "300M", "-d", "3", "-o", f / "ball.npy"},
-      {"cullhull-bench", "rivals", "--scale", "1", "--workload", "sphere-3d-1M", "--repeat", "100"},
-      tracked};
-  const std::string errors = f / "errors.txt";
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (const auto& command : commands) {
-    const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    const pid_t child = start_app(command, null, null, err);
-    ::usleep(500000);  // a signal that comes sooner is heard as well
-    testing::send(child, SIGINT);
-    EXPECT_EQ(wait_for(child), 130) << command[0];
-    EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
-    ::close(err);
-  }
-  ::close(null);
+      {"generate", "ball", "-n", "300M", "-d", "3", "-o", f / "ball.npy"}, tracked};
+  for (const auto& command : commands)
+    EXPECT_EQ(cancelled_at_work(command), "cullhull: cancelled\n") << command[0];
   EXPECT_FALSE(std::filesystem::exists(f / "ball.npy"));
 }
 
 TEST(CliInterrupt, QhullHearsAnInterruption) {
   const Folder f;
   write_points(f / "p.npy", "sphere", 3000, 8);  // hours of Qhull's work
-  const std::string errors = f / "errors.txt";
-  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  const pid_t child =
-      start_app({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}, null, null, err);
-  ::usleep(500000);  // a signal that comes sooner is heard as well
-  testing::send(child, SIGINT);
-  EXPECT_EQ(wait_for(child), 130);
-  EXPECT_EQ(read_file(errors), "cullhull: cancelled\n");
-  for (const int fd : {null, err}) ::close(fd);
+  EXPECT_EQ(cancelled_at_work({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}),
+            "cullhull: cancelled\n");
 }
 
 TEST(CliInterrupt, InterruptedReadingEndsAtOnce) {
@@ -134,5 +114,5 @@ TEST(CliInterrupt, AnInputCutShortUnderItsReaderIsOneLine) {
   EXPECT_EQ(f.entries(), 1U);
 }
 
-}  // namespace
+}  // namespace cli_interrupt_test
 }  // namespace cullhull

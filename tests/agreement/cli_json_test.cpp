@@ -3,41 +3,16 @@
 #include <filesystem>
 #include <utility>
 
-#include "agreement/json_schema.hpp"
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_json_test {
 
 using nlohmann::json;
 using namespace testing;
-
-const JsonSchema& schema() {
-  static const JsonSchema instance(json::parse(read_file(CULLHULL_SCHEMA)));
-  return instance;
-}
-
-/// A document of this kind, checked against the schema, and its first members.
-json expect_document(const std::string& text, const std::string& kind) {
-  const json parsed = json::parse(text, nullptr, false);
-  EXPECT_FALSE(parsed.is_discarded()) << text;
-  EXPECT_EQ(schema().fault(parsed, kind), "") << text.substr(0, 2000);
-  const std::string first =
-      "{\n\"version\": \"" CULLHULL_VERSION "\",\n\"kind\": \"" + kind + "\",\n\"schema\": 2,\n";
-  EXPECT_EQ(text.substr(0, first.size()), first);
-  return parsed;
-}
-
-/// Standard output, checked.
-json expect_json(const std::vector<std::string>& arguments, const std::string& name,
-                 int status = 0) {
-  const Ran ran = run_app(arguments);
-  EXPECT_EQ(ran.status, status) << arguments[0] << ": " << ran.err;
-  return expect_document(ran.out, name);
-}
 
 /// The file `-o` writes with these arguments, checked.
 json expect_file(std::vector<std::string> arguments, const std::string& file,
@@ -183,26 +158,10 @@ TEST(CliJson, SequencesPagesAndSets) {
   expect_json({"view", f / "h.json", "-o", f / "v.html", "--json"}, "hull_figures");
 }
 
-TEST(CliJson, BenchSuites) {
-  expect_json({"cullhull-bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
-              "bench_machine_report");
-  expect_json({"cullhull-bench", "rivals", "--scale", "1", "--repeat", "1", "--workload",
-               "cube-3d-100", "--json"},
-              "bench_report");
-  expect_json({"cullhull-bench", "calls", "--seconds", "0", "--workload", "cube-3d-100", "--json"},
-              "bench_report");
-  expect_json({"cullhull-bench", "lifting", "--scale", "1", "--repeat", "1", "--workload",
-               "uniform-3d-50", "--json"},
-              "bench_report");
-  expect_json(
-      {"cullhull-bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
-      "bench_report");
-}
-
 // What the bare flag becomes on its way to the parser is nobody's business.
 TEST(CliJson, ErrorsDoNotShowTheSpellingOut) {
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"cullhull-bench", "--json"}, {"--json"}, {"hull", "--json"}}) {
+       {std::vector<std::string>{"--json"}, {"hull", "--json"}}) {
     const Ran ran = run_app(arguments);
     EXPECT_EQ(ran.status, 2) << ran.err;
     EXPECT_EQ(ran.err.find("--json=-"), std::string::npos) << ran.err;
@@ -331,5 +290,5 @@ TEST(CliJson, TheSchemaIsStrict) {
   EXPECT_EQ(schema().fault(more, "info_report"), "info_report.more is not in the schema");
 }
 
-}  // namespace
+}  // namespace cli_json_test
 }  // namespace cullhull

@@ -13,7 +13,7 @@
 #include "cullhull/io.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_limits_test {
 
 using namespace testing;
 
@@ -206,5 +206,5 @@ TEST(Limits, AFileCutShortIsToldOnce) {
   EXPECT_EQ(said, "cullhull: " + path + ": the file was cut short while it was being read\n");
 }
 
-}  // namespace
+}  // namespace cli_limits_test
 }  // namespace cullhull

@@ -9,7 +9,7 @@
 #include "cullhull/io.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_qconvex_test {
 
 using namespace testing;
 
@@ -382,5 +382,5 @@ TEST(Qconvex, ReadsAllThatRboxWrites) {
 TEST(Qconvex, NeedsQhullsPrograms) { GTEST_SKIP() << "rbox and qconvex are not installed"; }
 #endif
 
-}  // namespace
+}  // namespace cli_qconvex_test
 }  // namespace cullhull

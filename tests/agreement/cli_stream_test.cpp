@@ -14,7 +14,7 @@
 #include "cullhull/point_blocks.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_stream_test {
 
 using namespace testing;
 
@@ -462,5 +462,5 @@ TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
   EXPECT_EQ(read_file(f / "broken"), "something else");
 }
 
-}  // namespace
+}  // namespace cli_stream_test
 }  // namespace cullhull

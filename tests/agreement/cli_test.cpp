@@ -14,7 +14,7 @@
 #include "cullhull/version.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_test {
 
 using namespace testing;
 
@@ -484,5 +484,5 @@ TEST(Cli, TrackNamesTheFrameWithANan) {
   }
 }
 
-}  // namespace
+}  // namespace cli_test
 }  // namespace cullhull

@@ -8,7 +8,7 @@
 #include "cullhull/triangulation_io.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_triangulation_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -294,5 +294,5 @@ TEST(CliTriangulation, RefusesWhatCannotBe) {
   expect_error({"delaunay", f / "many.npy", "--memory", "1M"}, 4, "memory");
 }
 
-}  // namespace
+}  // namespace cli_triangulation_test
 }  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "cullhull/io.hpp"
 
 namespace cullhull {
-namespace {
+namespace cli_usage_test {
 
 using namespace testing;
 
@@ -22,14 +22,10 @@ TEST(CliUsage, DidYouMean) {
   expect_error({"hull", p, "--treads=3"}, 2, "unknown option --treads; did you mean --threads?");
   expect_error({"hull", p, "--certfy"}, 2, "did you mean --certify? (see cullhull hull --help)");
   expect_error({"cull", p, "--quite"}, 2, "did you mean --quiet?");
-  expect_error({"cullhull-bench", "rivals", "--workloads", "x"}, 2,
-               "did you mean --workload? (see cullhull-bench rivals --help)");
   expect_error({"hul", p}, 2, "unknown command 'hul'; did you mean hull?");
   expect_error({"bench", "rivals"}, 2,
                "unknown command 'bench'; it is now the program cullhull-bench");
   expect_error({"infos"}, 2, "did you mean info?");
-  expect_error({"cullhull-bench", "rival"}, 2,
-               "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");
   expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
   for (const std::vector<std::string>& far : {std::vector<std::string>{"hull", p, "--colour"},
                                               {"fly"},
@@ -69,36 +65,13 @@ TEST(CliUsage, NamesOfOtherPrograms) {
 }
 
 TEST(CliUsage, HelpByCommand) {
-  for (const std::vector<std::string>& command : {std::vector<std::string>{"hull"},
-                                                  {"generate"},
-                                                  {"cullhull-bench", "rivals"},
-                                                  {"cullhull-bench", "calls"},
-                                                  {"qconvex"}}) {
-    std::vector<std::string> flag = command, word = command;
-    flag.emplace_back("--help");
-    word.insert(word.end() - 1, "help");
-    const Ran asked = run_app(word);
-    EXPECT_EQ(asked.status, 0) << command[0] << asked.err;
-    EXPECT_EQ(asked.out, run_app(flag).out) << command[0];
-    const std::string program = command.size() > 1 ? command[0] + ' ' : "cullhull ";
-    EXPECT_NE(asked.out.find("Usage: " + program + command.back()), std::string::npos);
-  }
+  for (const char* command : {"hull", "generate", "qconvex"}) expect_same_help({}, command);
   EXPECT_EQ(run_app({"help"}).out, run_app({"--help"}).out);
   expect_error({"help", "hul"}, 2, "did you mean hull?");
 }
 
 TEST(CliUsage, TheProgramAloneShowsItsHelp) {
-  for (const char* name : {"", "cullhull-bench"}) {
-    std::vector<std::string> program, asked;
-    if (*name != 0) program.emplace_back(name);
-    asked = program;
-    asked.emplace_back("--help");
-    const Ran alone = run_app(program);
-    EXPECT_EQ(alone.status, 0) << name << alone.err;
-    EXPECT_EQ(alone.err, "");
-    EXPECT_NE(alone.out.find("Subcommands:"), std::string::npos) << alone.out;
-    EXPECT_EQ(alone.out, run_app(asked).out);
-  }
+  expect_help_alone({});
   const Ran version = run_app({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_EQ(run_app({"-V"}).out, version.out);
@@ -187,7 +160,6 @@ TEST(CliUsage, RepeatedArgumentsAreCutAndEscaped) {
         {"hull", p, "--columns", monster},
         {"qconvex", "TI", monster},
         {"qconvex", "Q" + monster},
-        {"cullhull-bench", "rivals", "--workload", monster},
         {"view", p, "-o", monster}}) {
     const Ran ran = run_app(arguments);
     EXPECT_TRUE(ran.status == 1 || ran.status == 2) << arguments[0].substr(0, 20);
@@ -642,5 +614,5 @@ TEST(CliUsage, NoTimesOfADeviceThatIsNotThere) {
   EXPECT_EQ(why.find("on a CUDA device"), std::string::npos) << why;
 }
 
-}  // namespace
+}  // namespace cli_usage_test
 }  // namespace cullhull

@@ -4,7 +4,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace degenerate_sets_test {
 
 constexpr double far_away = 0x1p40;
 
@@ -33,7 +33,7 @@ TEST(DegenerateSets, LargeGridsThatTheFilterThins) {
   }
 }
 
-class CubeCorners : public testing::TestWithParam<unsigned> {};
+class CubeCorners : public ::testing::TestWithParam<unsigned> {};
 
 TEST_P(CubeCorners, WithCentres) {
   const unsigned d = GetParam();
@@ -49,7 +49,7 @@ TEST_P(CubeCorners, WithCentres) {
   EXPECT_DOUBLE_EQ(h.volume, std::ldexp(1, static_cast<int>(d)));
 }
 
-INSTANTIATE_TEST_SUITE_P(DegenerateSets, CubeCorners, testing::Range(2U, 9U));
+INSTANTIATE_TEST_SUITE_P(DegenerateSets, CubeCorners, ::testing::Range(2U, 9U));
 
 TEST(DegenerateSets, CrossPolytopesWithEdgeMiddles) {
   double factorial = 1;
@@ -127,5 +127,5 @@ TEST(DegenerateSets, RotatedLattices) {
   }
 }
 
-}  // namespace
+}  // namespace degenerate_sets_test
 }  // namespace cullhull::testing_support

@@ -12,7 +12,7 @@
 #include "hull/engine.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace engine_2d_test {
 
 using Points = std::vector<double>;
 
@@ -240,11 +240,11 @@ TEST(HullQhull, ClosedConvexSurface) {
       }
       continue;
     }
-    testing::internal::CaptureStdout();
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStdout();
+    ::testing::internal::CaptureStderr();
     const Boundary h = hull_qhull(points, run.control);
-    EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+    EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
     ASSERT_GT(h.facet_count(), d);
     std::vector<const double*> rows(d + 1);
     for (std::size_t f = 0; f < h.facet_count(); ++f) {
@@ -360,5 +360,5 @@ TEST(Hull2d, ManyPointsOnAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
+}  // namespace engine_2d_test
 }  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "hull/engine.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace engine_3d_test {
 
 using Rows = std::vector<double>;
 
@@ -187,5 +187,5 @@ TEST(Engine3D, BudgetAndCancellation) {
   }
 }
 
-}  // namespace
+}  // namespace engine_3d_test
 }  // namespace cullhull::testing_support

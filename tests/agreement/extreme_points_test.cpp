@@ -18,7 +18,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull {
-namespace {
+namespace extreme_points_test {
 
 using namespace testing_support;
 
@@ -207,5 +207,5 @@ TEST(ExtremePoints, RationalSimplexAgrees) {
   }
 }
 
-}  // namespace
+}  // namespace extreme_points_test
 }  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull {
-namespace {
+namespace facet_estimate_test {
 
 struct Case {
   const char* shape;
@@ -85,5 +85,5 @@ TEST(FacetEstimateTest, UpperBoundTheorem) {
   EXPECT_EQ(internal::most_facets(4, 4), 0);
 }
 
-}  // namespace
+}  // namespace facet_estimate_test
 }  // namespace cullhull

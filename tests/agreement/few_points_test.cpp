@@ -24,7 +24,7 @@
 #include "flow/sample_map.hpp"
 
 namespace cullhull {
-namespace {
+namespace few_points_test {
 
 using namespace testing_support;
 
@@ -185,7 +185,7 @@ void expect_the_same(const PointView& points, const std::string& name) {
 }
 
 TEST(FewPoints, random_sets_as_the_general_way_has_them) {
-  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", 2000),
+  const std::uint64_t runs = number_from_environment("CULLHULL_RANDOM_RUNS", share_of(2000)),
                       first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
   for (std::uint64_t seed = first; seed < first + runs; ++seed) {
     const PointSet s = any_set(seed);
@@ -352,5 +352,5 @@ TEST(FewPoints, moving_points) {
   }
 }
 
-}  // namespace
+}  // namespace few_points_test
 }  // namespace cullhull

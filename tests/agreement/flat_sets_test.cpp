@@ -3,7 +3,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace flat_sets_test {
 
 TEST(FlatSets, NoPoints) {
   for (unsigned d = 1; d <= 6; ++d) {
@@ -134,5 +134,5 @@ TEST(FlatSets, OneUlpOffAFlatIsNoFlat) {
   }
 }
 
-}  // namespace
+}  // namespace flat_sets_test
 }  // namespace cullhull::testing_support

@@ -15,7 +15,7 @@
 #include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace frame_points_test {
 
 using testing_support::canonical_hash;
 using Rows = std::vector<double>;
@@ -133,5 +133,5 @@ TEST(FramePoints, WhatIsNotFiniteIsNamedByItsId) {
   }
 }
 
-}  // namespace
+}  // namespace frame_points_test
 }  // namespace cullhull::internal

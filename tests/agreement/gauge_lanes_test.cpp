@@ -16,7 +16,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace gauge_lanes_test {
 
 using testing_support::cross_polytope;
 
@@ -212,5 +212,5 @@ TEST(GaugeLanes, NodesAreLimited) {
   }
 }
 
-}  // namespace
+}  // namespace gauge_lanes_test
 }  // namespace cullhull::internal

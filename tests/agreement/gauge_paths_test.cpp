@@ -14,7 +14,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace gauge_paths_test {
 
 using testing_support::cross_polytope;
 
@@ -164,5 +164,5 @@ TEST(GaugePaths, CentreIsInside) {
   }
 }
 
-}  // namespace
+}  // namespace gauge_paths_test
 }  // namespace cullhull::internal

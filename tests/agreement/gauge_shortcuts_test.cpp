@@ -16,7 +16,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace gauge_shortcuts_test {
 
 using testing_support::cross_polytope;
 
@@ -283,5 +283,5 @@ TEST(GaugeShortcuts, LevelsAtTheBorder) {
   EXPECT_EQ(with.size(), n / 16);
 }
 
-}  // namespace
+}  // namespace gauge_shortcuts_test
 }  // namespace cullhull::internal

@@ -4,9 +4,9 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace general_position_test {
 
-class GeneralPosition : public testing::TestWithParam<const char*> {};
+class GeneralPosition : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GeneralPosition, VerticesEqualQhulls) {
   const unsigned count[] = {0, 0, 6000, 4000, 900, 300, 90};
@@ -20,7 +20,7 @@ TEST_P(GeneralPosition, VerticesEqualQhulls) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, GeneralPosition,
-                         testing::Values("ball", "cube", "octahedron", "gauss", "sphere"),
+                         ::testing::Values("ball", "cube", "octahedron", "gauss", "sphere"),
                          [](const auto& shape) { return std::string(shape.param); });
 
 TEST(GeneralPositionLarge, BallsThatTheFilterThins) {
@@ -66,5 +66,5 @@ TEST(GeneralPositionLarge, TheSameForAnyNumberOfThreads) {
     }
 }
 
-}  // namespace
+}  // namespace general_position_test
 }  // namespace cullhull::testing_support

@@ -15,7 +15,7 @@
 #include "cullhull/error.hpp"
 
 namespace cullhull {
-namespace {
+namespace growing_hull_test {
 
 using namespace testing_support;
 
@@ -142,5 +142,5 @@ TEST(GrowingHull, knows_what_its_points_are) {
   EXPECT_EQ(grown.hull().point_count, 6U);
 }
 
-}  // namespace
+}  // namespace growing_hull_test
 }  // namespace cullhull

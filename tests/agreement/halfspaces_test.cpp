@@ -11,7 +11,7 @@
 #include "cullhull/error.hpp"
 
 namespace cullhull {
-namespace {
+namespace halfspaces_test {
 
 using namespace testing_support;
 
@@ -166,5 +166,5 @@ TEST(Halfspaces, many_planes_and_extreme_units) {
   }
 }
 
-}  // namespace
+}  // namespace halfspaces_test
 }  // namespace cullhull

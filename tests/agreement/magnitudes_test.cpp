@@ -5,7 +5,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace magnitudes_test {
 
 TEST(Magnitudes, AllInOneSet) {
   for (unsigned d = 1; d <= 5; ++d)
@@ -179,5 +179,5 @@ TEST(Magnitudes, AHugeOutlierHidesNoDetail) {
     }
 }
 
-}  // namespace
+}  // namespace magnitudes_test
 }  // namespace cullhull::testing_support

@@ -20,7 +20,7 @@
 #include "hull/engine.hpp"
 
 namespace cullhull {
-namespace {
+namespace many_dimensions_test {
 
 using Points = std::vector<std::vector<double>>;
 using Matrix = std::vector<std::vector<mpq_class>>;
@@ -265,5 +265,5 @@ TEST(ManyDimensions, ManyFacetsWithTheBitsOfAnotherEngine) {
   }
 }
 
-}  // namespace
+}  // namespace many_dimensions_test
 }  // namespace cullhull

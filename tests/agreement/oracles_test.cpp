@@ -6,7 +6,7 @@
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace oracles_test {
 
 TEST(Oracles, KnownAnswers) {
   PointSet s = named("hand", 2);
@@ -60,5 +60,5 @@ TEST(Oracles, LrsCountsTheFacetsOfACube) {
 }
 #endif
 
-}  // namespace
+}  // namespace oracles_test
 }  // namespace cullhull::testing_support

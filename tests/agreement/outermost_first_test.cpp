@@ -13,7 +13,7 @@
 #include "cullhull/hull.hpp"
 
 namespace cullhull {
-namespace {
+namespace outermost_first_test {
 
 using namespace testing_support;
 
@@ -85,5 +85,5 @@ TEST(OutermostFirst, IsTheHullOfTheExtremePointsForAnyNumberOfThreads) {
       }
 }
 
-}  // namespace
+}  // namespace outermost_first_test
 }  // namespace cullhull

@@ -15,7 +15,7 @@
 #include "cullhull/track.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace own_coordinates_test {
 
 Options carrying() {
   Options options;
@@ -121,5 +121,5 @@ TEST(OwnCoordinates, FilesHaveTheSameBytes) {
   std::filesystem::remove(b);
 }
 
-}  // namespace
+}  // namespace own_coordinates_test
 }  // namespace cullhull::testing_support

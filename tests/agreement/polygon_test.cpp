@@ -17,7 +17,7 @@
 #include "result/write/polygon_result.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace polygon_test {
 
 using Points = std::vector<double>;
 
@@ -285,5 +285,5 @@ TEST(Polygon, StopsAtEveryStage) {
   EXPECT_GT(stages, 3);
 }
 
-}  // namespace
+}  // namespace polygon_test
 }  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace pseudo_hull_device_test {
 
 const Options defaults;
 
@@ -113,5 +113,5 @@ TEST(PseudoHullOnADevice, FlatTinyHugeAndNotFinite) {
   expect_as_on_the_host<3, float>(PointView::row_major(bad.data(), n, 3), "not finite");
 }
 
-}  // namespace
+}  // namespace pseudo_hull_device_test
 }  // namespace cullhull::internal

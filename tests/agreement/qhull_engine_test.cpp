@@ -6,7 +6,7 @@
 #include "hull/engine.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace qhull_engine_test {
 
 TEST(QhullEngine, AgreesInGeneralPosition) {
   if (!internal::qhull_available()) {
@@ -57,5 +57,5 @@ TEST(QhullEngine, NeverReturnsAHullThatIsNot) {
   }
 }
 
-}  // namespace
+}  // namespace qhull_engine_test
 }  // namespace cullhull::testing_support

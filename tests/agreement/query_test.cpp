@@ -14,7 +14,7 @@
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull {
-namespace {
+namespace query_test {
 
 using internal::ExactFloat;
 using internal::orientation;
@@ -515,5 +515,5 @@ TEST(HullQuery, refuses_what_makes_no_sense) {
             static_cast<int>(ErrorCode::cancelled));
 }
 
-}  // namespace
+}  // namespace query_test
 }  // namespace cullhull

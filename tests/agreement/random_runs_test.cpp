@@ -21,7 +21,7 @@
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace random_runs_test {
 
 /// The polytope itself: its facets as sets of coordinates, whatever the ids and their order.
 std::uint64_t polytope_hash(const PointSet& s, const Hull& h) {
@@ -269,5 +269,5 @@ TEST(RandomRuns, NotFiniteIsNamed) {
   });
 }
 
-}  // namespace
+}  // namespace random_runs_test
 }  // namespace cullhull::testing_support

@@ -188,6 +188,44 @@ inline void expect_error(const std::vector<std::string>& arguments, int status,
   EXPECT_EQ(ran.out, "") << line;
 }
 
+/// `program help COMMAND` prints what `program COMMAND --help` does; program: none, or
+/// cullhull-bench.
+inline void expect_same_help(std::vector<std::string> program, const std::string& command) {
+  const std::string name = program.empty() ? "cullhull" : program[0];
+  std::vector<std::string> flag = program;
+  flag.insert(flag.end(), {command, "--help"});
+  program.insert(program.end(), {"help", command});
+  const Ran asked = run_app(program);
+  EXPECT_EQ(asked.status, 0) << command << asked.err;
+  EXPECT_EQ(asked.out, run_app(flag).out) << command;
+  EXPECT_NE(asked.out.find("Usage: " + name + " " + command), std::string::npos) << asked.out;
+}
+
+/// The program without a word prints its help.
+inline void expect_help_alone(std::vector<std::string> program) {
+  const Ran alone = run_app(program);
+  EXPECT_EQ(alone.status, 0) << alone.err;
+  EXPECT_EQ(alone.err, "");
+  EXPECT_NE(alone.out.find("Subcommands:"), std::string::npos) << alone.out;
+  program.emplace_back("--help");
+  EXPECT_EQ(alone.out, run_app(program).out);
+}
+
+/// Starts the program, interrupts it while it works (a signal that comes sooner is heard as well),
+/// and gives what it says then.
+inline std::string cancelled_at_work(const std::vector<std::string>& arguments) {
+  const Folder folder;
+  const std::string errors = folder / "errors.txt";
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  const int err = ::open(errors.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+  const pid_t child = start_app(arguments, null, null, err);
+  ::usleep(500000);
+  send(child, SIGINT);
+  EXPECT_EQ(wait_for(child), 130) << arguments[0];
+  for (const int fd : {null, err}) ::close(fd);
+  return read_file(errors);
+}
+
 /// A file of n points of a shape.
 inline void write_points(const std::string& path, const char* shape, std::uint64_t n,
                          std::uint32_t d, ScalarType type = ScalarType::f64) {

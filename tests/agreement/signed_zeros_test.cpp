@@ -13,7 +13,7 @@
 #include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace signed_zeros_test {
 
 /// The hash of a result, or the message.
 std::string outcome(const std::function<Hull()>& hull) {
@@ -141,5 +141,5 @@ TEST(SignedZeros, InResultFiles) {
   }
 }
 
-}  // namespace
+}  // namespace signed_zeros_test
 }  // namespace cullhull::testing_support

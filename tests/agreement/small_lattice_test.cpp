@@ -18,7 +18,7 @@
 #include "few/whole_range.hpp"
 
 namespace cullhull {
-namespace {
+namespace small_lattice_test {
 
 using namespace testing_support;
 using namespace internal;
@@ -165,5 +165,5 @@ TEST(WholeRange, EveryCountAndValue) {
   }
 }
 
-}  // namespace
+}  // namespace small_lattice_test
 }  // namespace cullhull

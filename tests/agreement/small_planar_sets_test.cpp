@@ -16,7 +16,7 @@
 #include "few/small_polygon.hpp"
 
 namespace cullhull {
-namespace {
+namespace small_planar_sets_test {
 
 using namespace testing_support;
 using namespace internal;
@@ -238,5 +238,5 @@ TEST(InnerDisc, IsStrictlyInside) {
   EXPECT_GT(contained, 20'000U);
 }
 
-}  // namespace
+}  // namespace small_planar_sets_test
 }  // namespace cullhull

@@ -16,7 +16,7 @@
 #include "parallel/dispatch.hpp"
 
 namespace cullhull {
-namespace {
+namespace small_sets_nd_test {
 
 using namespace testing_support;
 using Make = std::function<PointSet(unsigned n, unsigned d, std::uint64_t seed)>;
@@ -246,5 +246,5 @@ TEST(SmallSetsNd, PointsThatAreNotFiniteAreNamed) {
   }
 }
 
-}  // namespace
+}  // namespace small_sets_nd_test
 }  // namespace cullhull

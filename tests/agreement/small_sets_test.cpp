@@ -13,7 +13,7 @@
 #include "few/small_3d.hpp"
 
 namespace cullhull {
-namespace {
+namespace small_sets_test {
 
 using namespace testing_support;
 using Make = std::function<PointSet(unsigned n, std::uint64_t seed)>;
@@ -265,5 +265,5 @@ TEST(SmallSets, which_sets_the_engine_takes) {
     }
 }
 
-}  // namespace
+}  // namespace small_sets_test
 }  // namespace cullhull

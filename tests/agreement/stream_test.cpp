@@ -18,7 +18,7 @@
 #include "cullhull/generate.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace stream_test {
 
 struct Block {
   std::uint64_t begin, end;
@@ -430,5 +430,5 @@ TEST(Stream, BytesAreReadBackAndNothingElseIs) {
   EXPECT_THROW(HullState::from_bytes(lying), Error);
 }
 
-}  // namespace
+}  // namespace stream_test
 }  // namespace cullhull::testing_support

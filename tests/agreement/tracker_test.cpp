@@ -16,7 +16,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull {
-namespace {
+namespace tracker_test {
 
 using testing_support::allocated_bytes;
 using testing_support::canonical_hash;
@@ -533,5 +533,5 @@ TEST(HullTracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
   }
 }
 
-}  // namespace
+}  // namespace tracker_test
 }  // namespace cullhull

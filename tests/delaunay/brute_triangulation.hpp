@@ -14,7 +14,7 @@
 namespace cullhull::testing_support {
 
 using Rationals = std::vector<mpq_class>;
-using Ids = std::vector<std::uint32_t>;
+using CellIds = std::vector<std::uint32_t>;
 
 /// Row echelon form; the columns of the pivots. The sign of the exchanges times the product of the
 /// pivots is the determinant.
@@ -45,11 +45,11 @@ inline std::vector<unsigned> echelon(std::vector<Rationals>& m, mpq_class* deter
 
 /// body(subset) for all subsets of `size` of the items.
 template <class Body>
-void each_subset(const Ids& items, std::size_t size, const Body& body) {
+void each_subset(const CellIds& items, std::size_t size, const Body& body) {
   if (size > items.size()) return;
   std::vector<std::size_t> at(size);
   for (std::size_t i = 0; i < size; ++i) at[i] = i;
-  Ids chosen(size);
+  CellIds chosen(size);
   for (;;) {
     for (std::size_t i = 0; i < size; ++i) chosen[i] = items[at[i]];
     body(chosen);
@@ -63,9 +63,9 @@ void each_subset(const Ids& items, std::size_t size, const Body& body) {
 
 struct BruteTriangulation {
   int affine_dimension = -1;
-  std::set<Ids> cells;   ///< each ascending
-  std::set<Ids> groups;  ///< vertices of merged cells, ascending
-  Ids hidden;
+  std::set<CellIds> cells;   ///< each ascending
+  std::set<CellIds> groups;  ///< vertices of merged cells, ascending
+  CellIds hidden;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
 };
 
@@ -94,13 +94,13 @@ class BruteForce {
     const std::vector<unsigned> axes = axes_of(ids_, all_axes());
     const std::size_t k = axes.size();
     out_.affine_dimension = static_cast<int>(k);
-    std::set<Ids> groups = lower_faces(axes);
+    std::set<CellIds> groups = lower_faces(axes);
     std::set<std::uint32_t> vertices;
-    for (const Ids& group : groups) {
-      const Ids corners = extreme(group, axes);
+    for (const CellIds& group : groups) {
+      const CellIds corners = extreme(group, axes);
       out_.groups.insert(corners);
       vertices.insert(corners.begin(), corners.end());
-      for (Ids& cell : pull(corners, axes)) out_.cells.insert(std::move(cell));
+      for (CellIds& cell : pull(corners, axes)) out_.cells.insert(std::move(cell));
     }
     for (const std::uint32_t id : ids_)
       if (vertices.count(id) == 0) out_.hidden.push_back(id);
@@ -115,7 +115,7 @@ class BruteForce {
   }
 
   void find_duplicates() {
-    std::map<Rationals, Ids> places;
+    std::map<Rationals, CellIds> places;
     for (std::uint32_t i = 0; i < n_; ++i) places[points_[i]].push_back(i);
     for (const auto& [x, ids] : places) {
       std::uint32_t best = ids[0];
@@ -136,7 +136,7 @@ class BruteForce {
   }
 
   /// Of `axes` those of the echelon form of the points' flat.
-  std::vector<unsigned> axes_of(const Ids& ids, const std::vector<unsigned>& axes) const {
+  std::vector<unsigned> axes_of(const CellIds& ids, const std::vector<unsigned>& axes) const {
     std::vector<Rationals> m;
     for (const std::uint32_t id : ids) m.push_back(difference(id, ids[0], axes));
     std::vector<unsigned> kept;
@@ -144,7 +144,7 @@ class BruteForce {
     return kept;
   }
 
-  mpq_class orientation(const Ids& ids, const std::vector<unsigned>& axes) const {
+  mpq_class orientation(const CellIds& ids, const std::vector<unsigned>& axes) const {
     std::vector<Rationals> m;
     for (std::size_t i = 1; i < ids.size(); ++i) m.push_back(difference(ids[i], ids[0], axes));
     mpq_class det = 1;
@@ -153,7 +153,7 @@ class BruteForce {
   }
 
   /// det [differences, lift] with q last, times the sign of the simplex: negative: q is below.
-  mpq_class height(const Ids& cell, std::uint32_t q, const std::vector<unsigned>& axes,
+  mpq_class height(const CellIds& cell, std::uint32_t q, const std::vector<unsigned>& axes,
                    const mpq_class& orientation) const {
     std::vector<Rationals> m;
     for (std::size_t i = 1; i <= cell.size(); ++i) {
@@ -166,12 +166,12 @@ class BruteForce {
     return orientation > 0 ? det : mpq_class(-det);
   }
 
-  std::set<Ids> lower_faces(const std::vector<unsigned>& axes) const {
-    std::set<Ids> faces;
-    each_subset(ids_, axes.size() + 1, [&](const Ids& cell) {
+  std::set<CellIds> lower_faces(const std::vector<unsigned>& axes) const {
+    std::set<CellIds> faces;
+    each_subset(ids_, axes.size() + 1, [&](const CellIds& cell) {
       const mpq_class o = orientation(cell, axes);
       if (o == 0) return;
-      Ids on;
+      CellIds on;
       for (const std::uint32_t q : ids_) {
         const mpq_class h = height(cell, q, axes, o);
         if (h < 0) return;
@@ -183,47 +183,47 @@ class BruteForce {
   }
 
   /// Those of the ids that no simplex of the others has.
-  Ids extreme(const Ids& ids, const std::vector<unsigned>& axes) const {
-    Ids corners;
+  CellIds extreme(const CellIds& ids, const std::vector<unsigned>& axes) const {
+    CellIds corners;
     for (const std::uint32_t id : ids) {
-      Ids others;
+      CellIds others;
       for (const std::uint32_t o : ids)
         if (o != id) others.push_back(o);
       bool inside = false;
       for (std::size_t size = 1; size <= axes.size() + 1 && !inside; ++size)
         each_subset(others, size,
-                    [&](const Ids& simplex) { inside = inside || within(id, simplex, axes); });
+                    [&](const CellIds& simplex) { inside = inside || within(id, simplex, axes); });
       if (!inside) corners.push_back(id);
     }
     return corners;
   }
 
   /// In an affinely independent simplex.
-  bool within(std::uint32_t id, const Ids& simplex, const std::vector<unsigned>& axes) const {
+  bool within(std::uint32_t id, const CellIds& simplex, const std::vector<unsigned>& axes) const {
     if (axes_of(simplex, axes).size() + 1 != simplex.size()) return false;
-    Ids all = simplex;
+    CellIds all = simplex;
     all.push_back(id);
     const std::vector<unsigned> kept = axes_of(all, axes);
     if (kept.size() + 1 != simplex.size()) return false;
     const mpq_class whole = orientation(simplex, kept);
     for (std::size_t i = 0; i < simplex.size(); ++i) {
-      Ids other = simplex;
+      CellIds other = simplex;
       other[i] = id;
       if (orientation(other, kept) * whole < 0) return false;
     }
     return true;
   }
 
-  std::vector<Ids> pull(const Ids& ids, const std::vector<unsigned>& axes) const {
+  std::vector<CellIds> pull(const CellIds& ids, const std::vector<unsigned>& axes) const {
     const std::size_t k = axes.size();
     if (ids.size() == k + 1) return {ids};
-    std::set<Ids> facets;
-    each_subset(ids, k, [&](const Ids& facet) {
+    std::set<CellIds> facets;
+    each_subset(ids, k, [&](const CellIds& facet) {
       if (axes_of(facet, axes).size() + 1 != k) return;
-      Ids on;
+      CellIds on;
       bool above = false, below = false;
       for (const std::uint32_t q : ids) {
-        Ids all = facet;
+        CellIds all = facet;
         all.push_back(q);
         const mpq_class o = orientation(all, axes);
         above = above || o > 0;
@@ -232,10 +232,10 @@ class BruteForce {
       }
       if (!(above && below)) facets.insert(on);
     });
-    std::vector<Ids> cells;
-    for (const Ids& facet : facets) {
+    std::vector<CellIds> cells;
+    for (const CellIds& facet : facets) {
       if (facet[0] == ids[0]) continue;
-      for (Ids part : pull(facet, axes_of(facet, axes))) {
+      for (CellIds part : pull(facet, axes_of(facet, axes))) {
         part.insert(part.begin(), ids[0]);
         cells.push_back(std::move(part));
       }
@@ -247,7 +247,7 @@ class BruteForce {
   std::vector<Rationals> points_;
   Rationals lifts_;
   std::vector<double> weights_;
-  Ids ids_;
+  CellIds ids_;
   BruteTriangulation out_;
 };
 

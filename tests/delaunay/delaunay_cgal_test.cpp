@@ -15,7 +15,7 @@
 #include "delaunay/lifted_sets.hpp"
 
 namespace cullhull {
-namespace {
+namespace delaunay_cgal_test {
 
 using namespace testing_support;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -161,5 +161,5 @@ TEST(DelaunayCgal, SpaceHasTheSameCells) {
     }
 }
 
-}  // namespace
+}  // namespace delaunay_cgal_test
 }  // namespace cullhull

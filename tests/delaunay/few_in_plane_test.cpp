@@ -17,7 +17,7 @@
 #include "thrown.hpp"
 
 namespace cullhull {
-namespace {
+namespace few_in_plane_test {
 
 using testing_support::expect_same;
 using testing_support::message_of;
@@ -240,5 +240,5 @@ TEST(FewInPlane, OnALineOfSubnormalLength) {
   EXPECT_EQ(t.size(), 4U);
 }
 
-}  // namespace
+}  // namespace few_in_plane_test
 }  // namespace cullhull

@@ -17,7 +17,7 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace insert_together_test {
 
 using namespace testing_support;
 
@@ -111,5 +111,5 @@ TEST(InsertTogether, StopsWhenAsked) {
   EXPECT_THROW(together.insert(p.places, 0), Error);
 }
 
-}  // namespace
+}  // namespace insert_together_test
 }  // namespace cullhull::internal

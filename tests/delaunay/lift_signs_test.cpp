@@ -19,7 +19,7 @@
 #include "exact/insphere/lift_sides.hpp"
 
 namespace cullhull {
-namespace {
+namespace lift_signs_test {
 
 using namespace testing_support;
 using internal::LiftedPoints;
@@ -359,5 +359,5 @@ TEST(Triangulation, SizesOfManyDimensionsAgree) {
   }
 }
 
-}  // namespace
+}  // namespace lift_signs_test
 }  // namespace cullhull

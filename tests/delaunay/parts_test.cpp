@@ -15,7 +15,7 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace parts_test {
 
 using namespace testing_support;
 
@@ -66,5 +66,5 @@ TEST(Parts, BallsThatMissABoxDoSoByMore) {
   EXPECT_FALSE(surely_misses(s, cell, PartBox{{0.9, 0.9}, {1, 1}}));
 }
 
-}  // namespace
+}  // namespace parts_test
 }  // namespace cullhull::internal

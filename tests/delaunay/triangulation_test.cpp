@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 
+#include "agreement/random_seeds.hpp"
 #include "cullhull/error.hpp"
 #include "delaunay/brute_triangulation.hpp"
 #include "delaunay/lifted_sets.hpp"
@@ -17,7 +18,7 @@
 #include "thrown.hpp"
 
 namespace cullhull {
-namespace {
+namespace triangulation_test {
 
 using namespace testing_support;
 
@@ -37,20 +38,20 @@ Certificate certified(const LiftedSet& s, const Triangulation& t) {
 void expect_brute(const LiftedSet& s, const Triangulation& t, int sign = 1) {
   const BruteTriangulation b = BruteForce(s.rows, s.dimension, s.weights, sign).run();
   ASSERT_EQ(t.affine_dimension, b.affine_dimension) << s.name;
-  std::set<Ids> cells;
+  std::set<CellIds> cells;
   std::map<std::uint32_t, std::set<std::uint32_t>> members;
   for (std::uint64_t c = 0; c < t.size(); ++c) {
-    Ids ids(t.cell(c).begin(), t.cell(c).end());
+    CellIds ids(t.cell(c).begin(), t.cell(c).end());
     members[t.group(c)].insert(ids.begin(), ids.end());
     std::sort(ids.begin(), ids.end());
     cells.insert(ids);
   }
   EXPECT_EQ(cells.size(), t.size()) << s.name;
   EXPECT_EQ(cells, b.cells) << s.name;
-  std::set<Ids> groups;
-  for (const auto& [number, ids] : members) groups.insert(Ids(ids.begin(), ids.end()));
+  std::set<CellIds> groups;
+  for (const auto& [number, ids] : members) groups.insert(CellIds(ids.begin(), ids.end()));
   EXPECT_EQ(groups, b.groups) << s.name;
-  EXPECT_EQ(Ids(t.hidden.begin(), t.hidden.end()), b.hidden) << s.name;
+  EXPECT_EQ(CellIds(t.hidden.begin(), t.hidden.end()), b.hidden) << s.name;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   for (const DuplicatePoint& p : t.duplicates) duplicates.emplace_back(p.id, p.representative);
   EXPECT_EQ(duplicates, b.duplicates) << s.name;
@@ -65,7 +66,7 @@ void check(const LiftedSet& s) {
 
 TEST(Triangulation, SmallSetsAreAsDefined) {
   for (unsigned d = 1; d <= 6; ++d)
-    for (const LiftedSet& s : small_lifted_sets(d, 7)) check(s);
+    for (const LiftedSet& s : sampled(small_lifted_sets(d, 7))) check(s);
 }
 
 TEST(Triangulation, RandomSmallSetsAreAsDefined) {
@@ -77,7 +78,7 @@ TEST(Triangulation, FurthestSiteIsTheUpperHull) {
   TriangulationOptions o;
   o.furthest_site = true;
   for (unsigned d = 1; d <= 4; ++d)
-    for (const LiftedSet& s : small_lifted_sets(d, 11)) {
+    for (const LiftedSet& s : sampled(small_lifted_sets(d, 11))) {
       const Triangulation t = triangulate(s, o);
       EXPECT_TRUE(t.furthest_site);
       expect_brute(s, t, -1);
@@ -88,10 +89,10 @@ TEST(Triangulation, FurthestSiteIsTheUpperHull) {
 
 TEST(Triangulation, LargerSetsAreCertified) {
   for (unsigned d = 1; d <= 7; ++d)
-    for (const LiftedSet& s : large_lifted_sets(d, d <= 3   ? 3000
-                                                   : d == 4 ? 400
-                                                   : d == 5 ? 90
-                                                            : 30)) {
+    for (const LiftedSet& s : sampled(large_lifted_sets(d, d <= 3   ? 3000
+                                                           : d == 4 ? 400
+                                                           : d == 5 ? 90
+                                                                    : 30))) {
       const Triangulation t = triangulate(s);
       const Certificate c = certified(s, t);
       EXPECT_TRUE(c.valid) << s.name << ": " << c.reason;
@@ -296,5 +297,5 @@ TEST(Triangulation, OneSubnormalWeightKeepsTheFilters) {
   EXPECT_LT(t.statistics.rung_counts[2], t.statistics.rung_counts[0] / 100);
 }
 
-}  // namespace
+}  // namespace triangulation_test
 }  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "diagrams/slow_cells.hpp"
 
 namespace cullhull {
-namespace {
+namespace alpha_shape_test {
 
 using namespace testing_support;
 
@@ -240,5 +240,5 @@ TEST(AlphaShape, RefusesWhatIsNone) {
   EXPECT_THROW(alpha_shape(view_of(random_points(2, 19, 1)), t, 1), Error);
 }
 
-}  // namespace
+}  // namespace alpha_shape_test
 }  // namespace cullhull

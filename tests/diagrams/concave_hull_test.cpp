@@ -10,7 +10,7 @@
 #include "diagrams/slow_cells.hpp"
 
 namespace cullhull {
-namespace {
+namespace concave_hull_test {
 
 using namespace testing_support;
 
@@ -179,5 +179,5 @@ TEST(ConcaveHull, RefusesWhatIsNone) {
   EXPECT_THROW(concave_hull(view_of(s), triangulate(s, furthest), 1), Error);
 }
 
-}  // namespace
+}  // namespace concave_hull_test
 }  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "diagrams/slow_cells.hpp"
 
 namespace cullhull {
-namespace {
+namespace constrained_cgal_test {
 
 using namespace testing_support;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -64,5 +64,5 @@ TEST(ConstrainedCgal, SameCells) {
     }
 }
 
-}  // namespace
+}  // namespace constrained_cgal_test
 }  // namespace cullhull

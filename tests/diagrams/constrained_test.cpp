@@ -12,7 +12,7 @@
 #include "diagrams/slow_cells.hpp"
 
 namespace cullhull {
-namespace {
+namespace constrained_test {
 
 using namespace testing_support;
 using Edges = std::vector<std::uint32_t>;
@@ -458,5 +458,5 @@ TEST(Constrained, CertificateRefusesWhatIsNotTheInside) {
   EXPECT_FALSE(certify(view_of(random_points(2, 69, 1)), edges, good, inside_alone()).valid);
 }
 
-}  // namespace
+}  // namespace constrained_test
 }  // namespace cullhull

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace cullhull::internal {
-namespace {
+namespace fractions_test {
 
 /// The same number both ways.
 struct Twin {
@@ -105,5 +105,5 @@ TEST(Fractions, WhatBitsDoNotDecideIsLeftToRationals) {
             (std::vector<double>{0.25, 0.75}));
 }
 
-}  // namespace
+}  // namespace fractions_test
 }  // namespace cullhull::internal

@@ -15,7 +15,7 @@
 #include "thrown.hpp"
 
 namespace cullhull {
-namespace {
+namespace nearest_point_test {
 
 using namespace testing_support;
 
@@ -293,5 +293,5 @@ TEST(NearestPoint, TriangulationsAgree) {
     }
 }
 
-}  // namespace
+}  // namespace nearest_point_test
 }  // namespace cullhull

@@ -11,7 +11,7 @@
 #include "diagrams/slow_cells.hpp"
 
 namespace cullhull {
-namespace {
+namespace proximity_graphs_test {
 
 using namespace testing_support;
 using Graph = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -144,5 +144,5 @@ TEST(ProximityGraphs, RefusesOtherTriangulations) {
   EXPECT_THROW(gabriel_graph(view_of(random_points(2, 19, 1)), triangulate(s)), Error);
 }
 
-}  // namespace
+}  // namespace proximity_graphs_test
 }  // namespace cullhull

@@ -13,7 +13,7 @@
 #include "thrown.hpp"
 
 namespace cullhull {
-namespace {
+namespace triangulation_query_test {
 
 using namespace testing_support;
 
@@ -218,5 +218,5 @@ TEST(TriangulationQuery, RefusesWhatIsNone) {
              ErrorCode::cancelled);
 }
 
-}  // namespace
+}  // namespace triangulation_query_test
 }  // namespace cullhull

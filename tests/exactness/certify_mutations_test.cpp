@@ -13,7 +13,7 @@
 #include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace certify_mutations_test {
 
 using nlohmann::json;
 using Verdict = SlowNumbers::Verdict;
@@ -329,7 +329,7 @@ std::string verdict_of(const PointSet& s, const json& file) {
 }
 
 TEST(CertifyMutations, WhatChangesTheMeaningIsRefused) {
-  const std::uint64_t mutations = number_from_environment("CULLHULL_MUTATIONS", 4000);
+  const std::uint64_t mutations = number_from_environment("CULLHULL_MUTATIONS", share_of(4000));
   const std::uint64_t first = number_from_environment("CULLHULL_RANDOM_SEED", 1);
   const std::uint64_t sets =
       std::min<std::uint64_t>(300, std::max<std::uint64_t>(mutations / 40, 1));
@@ -391,5 +391,5 @@ TEST(CertifyMutations, WhatChangesTheMeaningIsRefused) {
   EXPECT_GT(all.refused, all.tried / 2);
 }
 
-}  // namespace
+}  // namespace certify_mutations_test
 }  // namespace cullhull::testing_support

@@ -15,7 +15,7 @@
 #include "io/json/json.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace certify_numbers_test {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -350,5 +350,5 @@ TEST(CertifyNumbers, VertexCoordinatesOfAFile) {
   EXPECT_THROW(verdict(empty), Error);
 }
 
-}  // namespace
+}  // namespace certify_numbers_test
 }  // namespace cullhull::testing_support

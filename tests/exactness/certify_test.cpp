@@ -11,7 +11,7 @@
 #include "tests/reference/reference_boundary.hpp"
 
 namespace cullhull {
-namespace {
+namespace certify_test {
 
 struct Case {
   std::vector<double> rows;
@@ -313,7 +313,7 @@ TEST(Certify, RandomMutationsAreRejectedAndNeverCrash) {
       return static_cast<std::uint32_t>(random() % 4 == 0 ? random() : random() % 20);
     };
     for (unsigned round = 0; round < 3000; ++round) {
-      SCOPED_TRACE(testing::Message() << "d = " << d << ", round = " << round);
+      SCOPED_TRACE(::testing::Message() << "d = " << d << ", round = " << round);
       Hull b = h;
       const auto set = [&](auto& list) {
         if (list.empty()) return;
@@ -385,5 +385,5 @@ TEST(Certify, StopsWhenAsked) {
   }
 }
 
-}  // namespace
+}  // namespace certify_test
 }  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "result/facets/facet_plane.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace facet_kernel_test {
 
 std::uint64_t bits(double v) { return std::bit_cast<std::uint64_t>(v); }
 
@@ -69,5 +69,5 @@ TEST(FacetKernel, GivesTheBitsOfTheScalarCode) {
   }
 }
 
-}  // namespace
+}  // namespace facet_kernel_test
 }  // namespace cullhull::internal

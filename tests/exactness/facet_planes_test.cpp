@@ -13,7 +13,7 @@
 #include "exact/numbers/rationals.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace facet_planes_test {
 
 using testing_support::Random;
 
@@ -247,5 +247,5 @@ TEST(FacetPlanes, NoPlaneFromAnUnknownOne) {
   }
 }
 
-}  // namespace
+}  // namespace facet_planes_test
 }  // namespace cullhull::internal

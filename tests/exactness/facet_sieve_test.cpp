@@ -10,7 +10,7 @@
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace facet_sieve_test {
 
 using testing_support::Random;
 
@@ -148,5 +148,5 @@ TEST(SeenFacets, OfNoFacetsIsNone) {
   EXPECT_FALSE(seen_facets(4, group.entry[0], 1, y, seen, open));
 }
 
-}  // namespace
+}  // namespace facet_sieve_test
 }  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace gauge_map_test {
 
 using reference::SlowHull;
 
@@ -380,5 +380,5 @@ TEST(GaugeMap, StopsWhenAsked) {
   }
 }
 
-}  // namespace
+}  // namespace gauge_map_test
 }  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include <random>
 
 namespace cullhull::internal::certify {
-namespace {
+namespace inner_ball_test {
 
 /// Points of `dimension` as T at any address, with `gap` bytes after each coordinate and point.
 template <class T>
@@ -107,5 +107,5 @@ TEST(InnerBall, OfNothingIsNotUsable) {
   EXPECT_FALSE(InnerBall(std::vector<double>(7, 0), std::vector<double>(7, 1), 1).usable());
 }
 
-}  // namespace
+}  // namespace inner_ball_test
 }  // namespace cullhull::internal::certify

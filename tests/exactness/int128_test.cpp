@@ -10,7 +10,7 @@
 #include "parallel/random_stream.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace int128_test {
 
 constexpr std::int64_t most = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t least = std::numeric_limits<std::int64_t>::min();
@@ -87,5 +87,5 @@ TEST(Int128, EveryOperationBesideTheCompilersOwn) {
 }
 #endif
 
-}  // namespace
+}  // namespace int128_test
 }  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "cullhull/cullhull.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace lattice_cull_test {
 
 bool thin(const std::vector<double>& rows, std::uint32_t count, unsigned d,
           std::vector<std::uint32_t>& kept, unsigned threads = 1) {
@@ -121,7 +121,7 @@ TEST(LatticeCull, ThePipelineKeepsTinyPoints) {
       const PointView v = PointView::row_major(p.data(), 400, 3);
       const Hull hull = convex_hull(v);
       EXPECT_EQ(hull.affine_dimension, 3);
-      const Certificate c = certify(v, hull);
+      const Certificate c = cullhull::certify(v, hull);
       EXPECT_TRUE(c.valid) << c.reason;
     }
   }
@@ -222,5 +222,5 @@ TEST(LatticeCull, EqualPointsLeaveTheFirst) {
   EXPECT_EQ(kept, std::vector<std::uint32_t>{0});
 }
 
-}  // namespace
+}  // namespace lattice_cull_test
 }  // namespace cullhull::internal

@@ -15,7 +15,7 @@
 #include "result/facets/facet_plane.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace normal_block_test {
 
 std::uint64_t bits(double v) { return std::bit_cast<std::uint64_t>(v); }
 
@@ -97,5 +97,5 @@ TEST(NormalBlock, GivesTheBitsOfOneSimplexAtATime) {
   EXPECT_GT(zero, 10U);  // dependent edges were tried
 }
 
-}  // namespace
+}  // namespace normal_block_test
 }  // namespace cullhull::internal

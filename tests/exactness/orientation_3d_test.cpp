@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace cullhull::internal {
-namespace {
+namespace orientation_3d_test {
 
 class Random {
  public:
@@ -74,7 +74,7 @@ Seen attack(Cloud&& cloud, std::uint64_t seed, unsigned count = 20000) {
     const Sign cone = orientation_from_centroid_exact(3, rows, simplex);
     EXPECT_EQ(ladder.cone_side(p[0], p[1], p[2], seen.rungs), cone) << "seed " << seed;
     seen.zeros += static_cast<std::uint64_t>(side == Sign::zero);
-    if (testing::Test::HasFailure()) break;
+    if (::testing::Test::HasFailure()) break;
   }
   return seen;
 }
@@ -155,5 +155,5 @@ TEST(Orientation3D, AxisPlanes) {
   EXPECT_GT(seen.zeros, 0U);
 }
 
-}  // namespace
+}  // namespace orientation_3d_test
 }  // namespace cullhull::internal

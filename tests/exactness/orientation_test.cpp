@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace cullhull::internal {
-namespace {
+namespace orientation_test {
 
 /// The slow, obvious reference: rational Gaussian elimination.
 Sign reference(unsigned d, const std::vector<std::vector<double>>& p) {
@@ -223,5 +223,5 @@ TEST(PlaneExact, IsAccurateOnSlivers) {
   EXPECT_FALSE(plane_exact(3, pointers(dependent).data(), n));
 }
 
-}  // namespace
+}  // namespace orientation_test
 }  // namespace cullhull::internal

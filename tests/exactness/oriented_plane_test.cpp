@@ -10,7 +10,7 @@
 #include "exact/planes/exact_plane.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace oriented_plane_test {
 
 using Points = std::vector<std::vector<double>>;
 
@@ -203,5 +203,5 @@ TEST(OrientedPlane, DependentPointsSpanNoPlane) {
   }
 }
 
-}  // namespace
+}  // namespace oriented_plane_test
 }  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "reference/slow_hull.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace pseudo_hull_soundness_test {
 
 const Options defaults;
 
@@ -251,5 +251,5 @@ TEST(PseudoHullSoundness, SurvivorsDependOnThePointsAlone) {
   }
 }
 
-}  // namespace
+}  // namespace pseudo_hull_soundness_test
 }  // namespace cullhull::internal

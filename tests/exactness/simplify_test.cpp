@@ -17,7 +17,7 @@
 #include "exactness/rational_distance.hpp"
 
 namespace cullhull {
-namespace {
+namespace simplify_test {
 
 using namespace testing_support;
 
@@ -393,5 +393,5 @@ TEST(SharedPlanes, a_thin_body_keeps_two_sides) {
   planes_as_said(random_set("ball", 2, 1, 1), 0.5);
 }
 
-}  // namespace
+}  // namespace simplify_test
 }  // namespace cullhull

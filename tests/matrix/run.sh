@@ -7,12 +7,9 @@ folder=$(realpath -m "${1:?usage: run.sh FOLDER PROGRAM}")
 program=$(realpath "${2:?usage: run.sh FOLDER PROGRAM}")
 here=$(cd "$(dirname "$0")" && pwd)
 python=$folder/venv/bin/python
-"$python" -c 'import cullhull, scipy, matplotlib' 2>/dev/null ||
-  "$here/../../scripts/python-venv.sh" "$folder" test
-for extra in pandas polars pyarrow shapely geopandas pyogrio pye57; do
-  "$python" -c "import importlib.metadata as m; m.version('$extra')" 2>/dev/null ||
-    "$folder/venv/bin/pip" install --quiet --disable-pip-version-check --prefer-binary "$extra" ||
-    echo "matrix: PyPI has not given $extra; its cells are left out" >&2
-done
+if ! "$python" -c 'import cullhull, scipy, matplotlib' 2>/dev/null || [[ ! -e $folder/extras ]]; then
+  "$here/../../bindings/python/tests/run.sh" "$folder" --install
+  "$here/../../bindings/python/tests/run.sh" "$folder" --extras
+fi
 cd "$folder" # where nothing but the installed package is called cullhull
 PYTHONDONTWRITEBYTECODE=1 exec "$python" "$here/matrix.py" "$program" "$here/../.." "$folder" "${@:3}"

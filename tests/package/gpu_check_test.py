@@ -88,7 +88,7 @@ class Run(Case):
         for name in ("cullhull", "cullhull-bench", "gpu_bench", "gpu_passes", "gpu_tests"):
             program(self.bundle / "bin" / name, stub)
         program(self.bundle / "bin/scaling_bench", stub)
-        program(self.bundle / "bin/cpu/twin_test", stub)
+        program(self.bundle / "bin/cpu/twin_tests", stub)
         (self.bundle / "python").mkdir()
         (self.bundle / "about.txt").write_text("commit 1\n")
         shutil.copy(script, self.bundle)
@@ -143,7 +143,7 @@ class Run(Case):
             '{"part":"last of gpu_passes"}', "passed  bench", '{"part":"last of gpu_bench"}',
             "passed  scaling", '{"part":"last of scaling_bench"}', "passed  gpu hull",
             "passed  gpu GpuA", "passed  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
-            "passed  hulls", "passed  cpu twin_test", "passed  recipes",
+            "passed  hulls", "passed  cpu twin_tests", "passed  recipes",
         )  # fmt: skip
         self.assertIn("all passed", self.said.read_text())
 
@@ -155,7 +155,7 @@ class Run(Case):
             gpu_bench="crash",
             GpuA="skip",
             GpuB="deaf",
-            twin_test="crash",
+            twin_tests="crash",
         )
         self.assertEqual(status, 1)
         self.assert_lines(
@@ -163,7 +163,7 @@ class Run(Case):
             "FAILED with status 139  bench", '{"part":"first of gpu_bench"}', "passed  scaling",
             "passed  gpu GpuA", "FAILED: skipped  gpu GpuA",
             "FAILED: not done within 4 s  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
-            "FAILED with status 139  cpu twin_test", "passed  cpu hull",
+            "FAILED with status 139  cpu twin_tests", "passed  cpu hull",
         )  # fmt: skip
         self.assertNotIn("all passed", self.said.read_text())
 
@@ -193,7 +193,7 @@ class Run(Case):
         self.assertEqual(status, 5)
         self.assert_lines(
             summary, "no device: no driver was found", "LEFT OUT: no device  passes",
-            "passed  scaling", '{"part":"last of scaling_bench"}', "passed  cpu twin_test",
+            "passed  scaling", '{"part":"last of scaling_bench"}', "passed  cpu twin_tests",
         )  # fmt: skip
 
     def wait_for(self, text: str, run: subprocess.Popen) -> None:

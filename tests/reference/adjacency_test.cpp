@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace cullhull::internal {
-namespace {
+namespace adjacency_test {
 
 std::vector<std::uint32_t> list(const Adjacency<std::uint32_t>& lists, std::uint64_t key) {
   return {lists[key].begin(), lists[key].end()};
@@ -62,5 +62,5 @@ TEST(Adjacency, RowsOfATable) {
   EXPECT_EQ(list(rows, 4), List{});
 }
 
-}  // namespace
+}  // namespace adjacency_test
 }  // namespace cullhull::internal

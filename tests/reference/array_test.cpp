@@ -20,7 +20,7 @@
 #include "sanitized.hpp"
 
 namespace cullhull {
-namespace {
+namespace array_test {
 
 TEST(Array, GrowsAsAVectorDoes) {
   Array<std::uint64_t> a{7};
@@ -233,5 +233,5 @@ TEST(Pages, FreedPagesServeAgainWithinAScopeOnly) {
 #endif
 }
 
-}  // namespace
+}  // namespace array_test
 }  // namespace cullhull

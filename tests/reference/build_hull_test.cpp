@@ -8,7 +8,7 @@
 #include "tests/reference/reference_boundary.hpp"
 
 namespace cullhull {
-namespace {
+namespace build_hull_test {
 
 using reference::boundary_in_order;
 using reference::build;
@@ -165,7 +165,7 @@ TEST(BuildHull, SmallGridsInFourDimensions) {
 TEST(BuildHull, RandomIntegerPointsAgreeWithTheReference) {
   for (unsigned d = 2; d <= 5; ++d)
     for (unsigned seed = 1; seed <= 6; ++seed) {
-      SCOPED_TRACE(testing::Message() << "d = " << d << ", seed = " << seed);
+      SCOPED_TRACE(::testing::Message() << "d = " << d << ", seed = " << seed);
       std::mt19937 random(seed);
       std::vector<double> rows;
       for (unsigned i = 0; i < 24 * d; ++i) rows.push_back(static_cast<double>(random() % 4));
@@ -417,5 +417,5 @@ TEST(BuildHull, SegmentInSpace) {
   EXPECT_TRUE(c.valid) << c.reason;
 }
 
-}  // namespace
+}  // namespace build_hull_test
 }  // namespace cullhull

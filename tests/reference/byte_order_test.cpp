@@ -11,7 +11,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace byte_order_test {
 
 using namespace std::string_literals;
 
@@ -96,5 +96,5 @@ TEST(ByteOrder, HullStates) {
   EXPECT_NE(npz.find("\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"s), std::string::npos);
 }
 
-}  // namespace
+}  // namespace byte_order_test
 }  // namespace cullhull::testing

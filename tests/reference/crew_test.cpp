@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace cullhull::internal {
-namespace {
+namespace crew_test {
 
 TEST(Crew, EveryItemOncePerPhase) {
   for (const unsigned threads : {1U, 2U, 3U, 8U}) {
@@ -47,5 +47,5 @@ TEST(Crew, ExceptionsPassThrough) {
   }
 }
 
-}  // namespace
+}  // namespace crew_test
 }  // namespace cullhull::internal

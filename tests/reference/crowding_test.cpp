@@ -17,7 +17,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace crowding_test {
 
 using namespace std::chrono_literals;
 using testing_support::canonical_hash;
@@ -106,5 +106,5 @@ TEST_F(Crowding, HelpersThatNeverComeChangeNothing) {
   }
 }
 
-}  // namespace
+}  // namespace crowding_test
 }  // namespace cullhull::internal

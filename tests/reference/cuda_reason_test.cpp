@@ -4,7 +4,7 @@
 #include "cuda/reason.hpp"
 
 namespace cullhull::internal::inline cuda {
-namespace {
+namespace cuda_reason_test {
 
 Probe working() {
   Probe p;
@@ -71,5 +71,5 @@ TEST(CudaReason, AnythingElseIsQuoted) {
   expect_reason(p, "Some GPU cannot be used: ");
 }
 
-}  // namespace
+}  // namespace cuda_reason_test
 }  // namespace cullhull::internal::inline cuda

@@ -19,7 +19,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing_support {
-namespace {
+namespace fork_test {
 
 /// Runs each work again and again on a thread of its own.
 class Busy {
@@ -160,5 +160,5 @@ TEST(Fork, AChildCountsItsOwnCalls) {
   other.join();
 }
 
-}  // namespace
+}  // namespace fork_test
 }  // namespace cullhull::testing_support

@@ -18,7 +18,7 @@
 #include "parallel/threads/helpers.hpp"
 
 namespace cullhull {
-namespace {
+namespace generate_test {
 
 constexpr std::uint64_t seed = 20240611;
 
@@ -258,5 +258,5 @@ TEST(Generate, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(generate("ball", 0, 3, seed).empty());
 }
 
-}  // namespace
+}  // namespace generate_test
 }  // namespace cullhull

@@ -9,7 +9,7 @@
 #include "cullhull/cullhull.hpp"
 
 namespace cullhull {
-namespace {
+namespace headers_test {
 
 static_assert(sizeof(HullQuery) > 0 && sizeof(GrowingHull) > 0 && sizeof(HullTracker) > 0 &&
               sizeof(HalfspaceIntersection) > 0 && sizeof(HullBatch) > 0);
@@ -52,5 +52,5 @@ TEST(Headers, WhatTheyDeclareIsVisible) {
   EXPECT_GT(headers, 25);
 }
 
-}  // namespace
+}  // namespace headers_test
 }  // namespace cullhull

@@ -15,7 +15,7 @@
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace helpers_test {
 
 /// Work that keeps whoever joins it.
 struct Blocking : SharedWork {
@@ -97,5 +97,5 @@ TEST(Helpers, AForkedProcessHasItsOwn) {
   EXPECT_EQ(status, 0);
 }
 
-}  // namespace
+}  // namespace helpers_test
 }  // namespace cullhull::internal

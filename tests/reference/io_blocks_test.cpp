@@ -15,7 +15,7 @@
 #include "io_fixtures.hpp"
 
 namespace cullhull {
-namespace {
+namespace io_blocks_test {
 
 using Rows = std::vector<std::vector<double>>;
 
@@ -275,5 +275,5 @@ TEST(IoBlocks, StatesAreFiles) {
   EXPECT_EQ(first_id, 0U);
 }
 
-}  // namespace
+}  // namespace io_blocks_test
 }  // namespace cullhull

@@ -13,7 +13,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_files_test {
 
 TEST(Open, RefusalsOfTheSystem) {
   const TemporaryFolder folder;
@@ -293,5 +293,5 @@ TEST(Output, InterruptRemovesTemporaries) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-}  // namespace
+}  // namespace io_files_test
 }  // namespace cullhull::testing

@@ -4,7 +4,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_geometry_points_test {
 
 Rows points_of(std::string_view text, const std::string& format, const std::string& columns = "") {
   ReadOptions options;
@@ -217,5 +217,5 @@ TEST(GeometryPoints, FilesCompressedOnesAndBlocks) {
   EXPECT_NE(error_whole_and_in_blocks(bad), "");
 }
 
-}  // namespace
+}  // namespace io_geometry_points_test
 }  // namespace cullhull::testing

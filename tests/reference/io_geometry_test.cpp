@@ -7,7 +7,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_geometry_test {
 
 std::string written(const PointView& points, const std::string& name,
                     Faces faces = Faces::polygons) {
@@ -145,5 +145,5 @@ TEST(Vtp, HoldsDoublesPolygonsLinesAndPoints) {
   EXPECT_NE(written({0, 0, 0}, 3, "a.vtp").find("<Verts>"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace io_geometry_test
 }  // namespace cullhull::testing

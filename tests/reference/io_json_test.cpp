@@ -14,7 +14,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_json_test {
 
 using nlohmann::json;
 
@@ -347,5 +347,5 @@ TEST(Json, ReadingIsCancelled) {
   EXPECT_EQ(polls, 3U);
 }
 
-}  // namespace
+}  // namespace io_json_test
 }  // namespace cullhull::testing

@@ -2,7 +2,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_mesh_readers_test {
 
 TEST(Obj, VerticesInFileOrderExactly) {
   const auto points = parse(
@@ -131,5 +131,5 @@ TEST(Stl, AsciiRefusals) {
   EXPECT_EQ(refusal("solid\nwhatever\nendsolid\n", "stl"), "F:2: 'whatever' is no keyword of .stl");
 }
 
-}  // namespace
+}  // namespace io_mesh_readers_test
 }  // namespace cullhull::testing

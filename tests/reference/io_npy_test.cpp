@@ -3,7 +3,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_npy_test {
 
 const std::string rows32 = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 2), }\n";
 
@@ -151,5 +151,5 @@ TEST(Npy, WritersAreReadBack) {
   EXPECT_EQ(folder.entries(), 4U);
 }
 
-}  // namespace
+}  // namespace io_npy_test
 }  // namespace cullhull::testing

@@ -22,7 +22,7 @@
 #include <zstd.h>
 
 namespace cullhull::testing {
-namespace {
+namespace io_packed_test {
 
 std::string deflated(const std::string& bytes, int bits, int level = 6) {
   z_stream z{};
@@ -319,6 +319,6 @@ TEST_F(Files, SeveralInputsOfWhichSomeArePacked) {
   EXPECT_EQ(in_memory(files[0]), (Rows{{7, 8, 9}}));
 }
 
-}  // namespace
+}  // namespace io_packed_test
 }  // namespace cullhull::testing
 #endif

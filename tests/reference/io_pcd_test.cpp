@@ -8,7 +8,7 @@
 #include "io_fixtures.hpp"
 
 namespace cullhull {
-namespace {
+namespace io_pcd_test {
 
 using testing::bytes_of;
 
@@ -294,5 +294,5 @@ TEST(Lzf, CopiesMayOverlapThemselves) {
   EXPECT_TRUE(internal::unpack_lzf(nullptr, 0, out, 0));
 }
 
-}  // namespace
+}  // namespace io_pcd_test
 }  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "cullhull/placement.hpp"
 
 namespace cullhull {
-namespace {
+namespace io_placement_test {
 
 Placement placement(double scale, double offset) { return {{scale, scale}, {offset, offset}}; }
 
@@ -144,5 +144,5 @@ TEST(IoPlacement, StatesRememberTheirGrid) {
   EXPECT_THROW(HullState::from_bytes(bytes), Error);
 }
 
-}  // namespace
+}  // namespace io_placement_test
 }  // namespace cullhull

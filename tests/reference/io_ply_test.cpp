@@ -3,7 +3,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_ply_test {
 
 std::string header(const std::string& format, const std::string& elements) {
   return "ply\nformat " + format + " 1.0\ncomment any words at all, as many as one likes\n" +
@@ -203,5 +203,5 @@ TEST(Ply, HeadersThatAreNone) {
   EXPECT_EQ(parse(header("ascii", v), "ply").view.count, 0U);
 }
 
-}  // namespace
+}  // namespace io_ply_test
 }  // namespace cullhull::testing

@@ -6,7 +6,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_sequence_test {
 
 namespace fs = std::filesystem;
 
@@ -164,5 +164,5 @@ TEST(Motion, SpinKeepsDistances) {
     EXPECT_NEAR(distance(first, 0, i), distance(later, 0, i), 1e-14);
 }
 
-}  // namespace
+}  // namespace io_sequence_test
 }  // namespace cullhull::testing

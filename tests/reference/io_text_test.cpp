@@ -3,7 +3,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_text_test {
 
 TEST(Text, SeparatorsCommentsAndLineEnds) {
   const Rows want{{1, -2.5}, {3, 4e-3}};
@@ -247,5 +247,5 @@ TEST(Text, ByteOrderMarkIsPassedOver) {
   EXPECT_EQ(rows_of(parse(mark + "a", "raw", raw).view), (Rows{{0xEF, 0xBB, 0xBF, 'a'}}));
 }
 
-}  // namespace
+}  // namespace io_text_test
 }  // namespace cullhull::testing

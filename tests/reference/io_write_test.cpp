@@ -6,7 +6,7 @@
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace io_write_test {
 
 std::string written(const Example& e, const std::string& name, const std::string& format = "") {
   const TemporaryFolder folder;
@@ -222,5 +222,5 @@ TEST(QhullText, FourDimensionsAreOrientedAsQhullDoes) {
   }
 }
 
-}  // namespace
+}  // namespace io_write_test
 }  // namespace cullhull::testing

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace layers_test {
 
 namespace fs = std::filesystem;
 
@@ -145,7 +145,7 @@ TEST(Layers, SystemsAndCompilersAreNamedInTheirPlaces) {
   const fs::path root = CULLHULL_ROOT;
   EXPECT_EQ(unportable(root), std::vector<std::string>());
   for (const std::string& place : portable_places) EXPECT_TRUE(fs::exists(root / place)) << place;
-  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_unportable";
+  const fs::path planted = fs::path(::testing::TempDir()) / "cullhull_unportable";
   fs::create_directories(planted / "src/io/formats");
   std::ofstream(planted / "src/io/formats/npy.cpp")
       << "#include <sys/mman.h>\nauto b = __builtin_clz(1);\n";
@@ -254,7 +254,7 @@ TEST(Layers, BoundsOfRoundingHaveAnArgument) {
                 text.find("0x1p-24") < text.size() || text.find("minor_roundings") < text.size())
         << place << " (" << why << ")";
   }
-  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_bounds";
+  const fs::path planted = fs::path(::testing::TempDir()) / "cullhull_bounds";
   fs::create_directories(planted / "src/hull");
   fs::create_directories(planted / "src/exact");
   std::ofstream(planted / "src/hull/a.cpp") << "const double bound = 4 * unit_roundoff * size;\n";
@@ -265,7 +265,7 @@ TEST(Layers, BoundsOfRoundingHaveAnArgument) {
 
 TEST(Layers, EachFolderIsANamespace) {
   EXPECT_EQ(strays(CULLHULL_ROOT), std::vector<std::string>());
-  const fs::path planted = fs::path(testing::TempDir()) / "cullhull_strays";
+  const fs::path planted = fs::path(::testing::TempDir()) / "cullhull_strays";
   fs::create_directories(planted / "src/io/formats");
   const auto plant = [&](const char* name, const std::string& opened, const std::string& closed) {
     std::ofstream(planted / "src/io" / name)
@@ -296,7 +296,7 @@ TEST(Layers, NoIncludeRunsUpOrSideways) {
 }
 
 TEST(Layers, PlantedFaultsAreFound) {
-  const fs::path root = fs::path(testing::TempDir()) / "cullhull_layers";
+  const fs::path root = fs::path(::testing::TempDir()) / "cullhull_layers";
   fs::remove_all(root);
   const auto plant = [&](const char* name, const char* included) {
     fs::create_directories((root / name).parent_path());
@@ -339,4 +339,4 @@ TEST(Layers, PlantedFaultsAreFound) {
   fs::remove_all(root);
 }
 
-}  // namespace
+}  // namespace layers_test

@@ -12,7 +12,7 @@
 #include "cullhull/hull.hpp"
 
 namespace cullhull {
-namespace {
+namespace lists_test {
 
 TEST(SharedArray, CopiesShareUntilOneIsEdited) {
   SharedArray<int> a = {1, 2, 3};
@@ -152,5 +152,5 @@ TEST(Lists, FacetsOfASimplicialHullAreItsSimplices) {
   EXPECT_EQ(hull.facets.items[0], copy.facets.items[0] + 1000);
 }
 
-}  // namespace
+}  // namespace lists_test
 }  // namespace cullhull

@@ -11,7 +11,7 @@
 #include "cullhull/options.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace local_frame_test {
 
 constexpr std::uint32_t many = 100'000;  // several chunks of every sweep
 
@@ -84,5 +84,5 @@ TEST(LocalFrame, PeriodsOfTheInputDoNotHideItsShape) {
   EXPECT_GE(most, 3);
 }
 
-}  // namespace
+}  // namespace local_frame_test
 }  // namespace cullhull::internal

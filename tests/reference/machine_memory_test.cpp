@@ -9,7 +9,7 @@
 #include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace machine_memory_test {
 
 constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
 
@@ -66,5 +66,5 @@ TEST_F(MachineMemory, IsNotMoreThanThereIs) {
   EXPECT_LE(machine_memory(), physical);
 }
 
-}  // namespace
+}  // namespace machine_memory_test
 }  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace mentions_test {
 
 namespace fs = std::filesystem;
 
@@ -134,7 +134,7 @@ TEST(Mentions, FilesAndHeadingsThatTextNamesAreThere) {
 }
 
 TEST(Mentions, PlantedFaultsAreFound) {
-  const fs::path root = fs::path(testing::TempDir()) / "cullhull_mentions";
+  const fs::path root = fs::path(::testing::TempDir()) / "cullhull_mentions";
   fs::remove_all(root);
   fs::create_directories(root / "src");
   fs::create_directories(root / "docs");
@@ -148,4 +148,4 @@ TEST(Mentions, PlantedFaultsAreFound) {
   fs::remove_all(root);
 }
 
-}  // namespace
+}  // namespace mentions_test

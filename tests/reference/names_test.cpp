@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace names_test {
 
 namespace fs = std::filesystem;
 
@@ -284,7 +284,7 @@ TEST(Names, NoTwoFilesDefineOne) {
 }
 
 TEST(Names, PlantedPairsAreFound) {
-  const fs::path root = fs::path(testing::TempDir()) / "cullhull_names";
+  const fs::path root = fs::path(::testing::TempDir()) / "cullhull_names";
   fs::remove_all(root);
   const auto plant = [&](const char* name, const std::string& text) {
     fs::create_directories((root / name).parent_path());
@@ -328,4 +328,4 @@ TEST(Names, PlantedPairsAreFound) {
   fs::remove_all(root);
 }
 
-}  // namespace
+}  // namespace names_test

@@ -14,7 +14,7 @@
 #include "geometry/curve_frame.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace norm_order_test {
 
 TEST(CurveKeys, NeighboursInOrderAreNeighboursInSpace) {
   for (const auto& [d, bits] : std::vector<std::pair<unsigned, unsigned>>{
@@ -142,5 +142,5 @@ TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
   }
 }
 
-}  // namespace
+}  // namespace norm_order_test
 }  // namespace cullhull::internal

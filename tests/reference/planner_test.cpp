@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace cullhull::internal {
-namespace {
+namespace planner_test {
 
 TEST(Planner, SurfacesAreNotCulled) {
   for (unsigned d = 2; d <= 6; ++d) {
@@ -220,5 +220,5 @@ TEST(Planner, FewPointsAreNotShared) {
   }
 }
 
-}  // namespace
+}  // namespace planner_test
 }  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "cullhull/point_view.hpp"
 
 namespace cullhull {
-namespace {
+namespace point_ranges_test {
 
 /// The members of Eigen's matrices that a view reads.
 template <class T, int Rows, int Columns, bool RowMajor>
@@ -154,5 +154,5 @@ TEST(PointRanges, PathsAreNamesOfFiles) {
 }
 #endif
 
-}  // namespace
+}  // namespace point_ranges_test
 }  // namespace cullhull

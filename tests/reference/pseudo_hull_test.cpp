@@ -13,7 +13,7 @@
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace pseudo_hull_test {
 
 const Options defaults;
 
@@ -108,7 +108,7 @@ TEST(PseudoHullMath, APointGoesToTheNearestFacetItIsOutsideOf) {
 }
 
 // Twelve points on a sheet of squared paper.
-class ByHand : public testing::Test {
+class ByHand : public ::testing::Test {
  protected:
   static constexpr double points[][2] = {
       {-8, 0},  {8, 0}, {0, -8},  // the simplex: lowest and highest x, lowest y
@@ -365,5 +365,5 @@ TEST(PseudoHullFilter, StopsWhenAsked) {
                Error);
 }
 
-}  // namespace
+}  // namespace pseudo_hull_test
 }  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #endif
 
 namespace cullhull::internal {
-namespace {
+namespace simd_targets_test {
 
 #if defined(__linux__) && defined(__x86_64__)
 TEST(SimdTargets, AreThoseOfHighwaysLibrary) {
@@ -45,5 +45,5 @@ TEST(SimdTargets, AreChosenAnewAfterTheyAreSet) {
   EXPECT_EQ(hwy::SupportedTargets(), supported);
 }
 
-}  // namespace
+}  // namespace simd_targets_test
 }  // namespace cullhull::internal

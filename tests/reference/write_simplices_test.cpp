@@ -23,7 +23,7 @@
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace write_simplices_test {
 
 using Rows = std::vector<double>;
 
@@ -217,5 +217,5 @@ TEST(SortFew, SortsEveryPermutation) {
   every_permutation<8>();
 }
 
-}  // namespace
+}  // namespace write_simplices_test
 }  // namespace cullhull::internal

@@ -18,7 +18,7 @@
 #include "tests/agreement/canonical_hash.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace write_triangles_test {
 
 using Rows = std::vector<double>;
 
@@ -194,5 +194,5 @@ TEST(WriteTriangles, RefusesWhatIsNoHull) {
   EXPECT_TRUE(refused([](TriangleMesh& s) { fold(s, 9); }));
 }
 
-}  // namespace
+}  // namespace write_triangles_test
 }  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "viewer/scene.hpp"
 
 namespace cullhull::viewer {
-namespace {
+namespace hull_shape_test {
 
 constexpr ShapeLimits no_limit{1'000'000, 1'000'000};
 
@@ -162,5 +162,5 @@ TEST(Page, TextIsSafe) {
   EXPECT_EQ(text.find("http-equiv=\"refresh\""), std::string::npos);
 }
 
-}  // namespace
+}  // namespace hull_shape_test
 }  // namespace cullhull::viewer
