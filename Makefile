@@ -5,17 +5,15 @@ BIN := build/release/bin/cullhull
 FUZZ_SECONDS ?= 60
 FAST := -DCULLHULL_FAST_BUILD=ON
 SUITES :=
-# Where packages can be installed, no test is left out for want of one.
-ALL := $(if $(shell command -v apt-get),ON,OFF)
 
-.PHONY: help demo build configure-tests test check bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts
+.PHONY: help demo build test test-all bench docs fuzz format python clean wheel wheel-cuda sdist deb static artifacts
 .NOTPARALLEL:
 
 help:
 	@echo "make demo     the hull of a LiDAR scan, certified, as a mesh in build/demo/"
 	@echo "make build    $(BIN) and the libraries"
-	@echo "make test     build and run all tests"
-	@echo "make check    build and run a part of them: under three minutes once the library is built"
+	@echo "make test     the tests of library, program, Python package and the pages' samples"
+	@echo "make test-all every test; what make test has run here is not run again"
 	@echo "make bench    build the benchmarks, run the smallest, and ours beside Qhull and CGAL"
 	@echo "make docs     guides and reference as a site in build/docs/html/"
 	@echo "make python   the Python package, installed into build/python/venv"
@@ -39,18 +37,11 @@ build:
 	  -DCULLHULL_WITH_SUITES=$(if $(SUITES),ON,OFF)
 	cmake --build build/release -j $(JOBS) --target cullhull_app $(SUITES)
 
-configure-tests:
-	@scripts/install-deps.sh build test python docs
-	cmake --preset release $(FAST) -DCULLHULL_WITH_CUDA=AUTO -DCULLHULL_BUILD_TESTS=ON \
-	  -DCULLHULL_BUILD_BENCH=OFF -DCULLHULL_TEST_ALL=$(ALL)
+test:
+	@JOBS=$(JOBS) scripts/run-tests.sh short
 
-test: configure-tests
-	cmake --build build/release -j $(JOBS)
-	ctest --test-dir build/release -j 2 --output-on-failure
-
-check: configure-tests
-	cmake --build build/release -j $(JOBS) --target checked_tests
-	ctest --test-dir build/release -j 2 --output-on-failure -L '^check$$'
+test-all:
+	@JOBS=$(JOBS) scripts/run-tests.sh all
 
 bench:
 	@scripts/install-deps.sh build bench

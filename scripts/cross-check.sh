@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Builds library, program and tests for another processor, runs them there under qemu-user, and
 # holds the hash of every hull that a test computes against this machine's:
-#   scripts/cross-check.sh aarch64|s390x [TEST ...]
-#   scripts/cross-check.sh libcxx [TEST ...]    here, with clang and libc++ (CXX, CXXFLAGS)
-# TEST: names of test programs; if none, all of tests/reference, tests/exactness and tests/agreement
-# but those of the program (cli_*, which are named where they are wanted) and the longest. Needs a
+#   scripts/cross-check.sh aarch64|s390x [SUITE ...]
+#   scripts/cross-check.sh libcxx [SUITE ...]    here, with clang and libc++ (CXX, CXXFLAGS)
+# SUITE: names of test suites; if none, all of tests/reference, tests/exactness and tests/agreement
+# but those of the program (Cli*, which are named where they are wanted) and the longest. Needs a
 # Debian with its mirror, g++-PROCESSOR-linux-gnu and qemu-user-static (scripts/install-deps.sh
 # cross); no root. Everything lies in build/cross. Exit status 77: not possible here. JOBS: how many
 # are compiled and run at once.
@@ -42,17 +42,28 @@ fi
 
 # Tests of the tree itself, of what is not compiled there, and those that take more than ten seconds
 # without an emulator.
-left_out="layers_test mentions_test headers_test cgal_oracle_test cuda_reason_test
-bench_command_test external_oracles_test random_runs_test query_test degenerate_sets_test
-many_dimensions_test outermost_first_test general_position_test small_planar_sets_test
-few_points_test magnitudes_test engine_3d_test flat_sets_test"
-tests=("$@")
-if [[ ${#tests[@]} -eq 0 ]]; then
-  for source in tests/{reference,exactness,agreement}/*_test.cpp; do
-    name=$(basename "$source" .cpp)
-    [[ $name == cli_* || " ${left_out//$'\n'/ } " == *" $name "* ]] || tests+=("$name")
+left_out='Layers|Mentions|Names|Headers|Sampled|Cli.*|Limits|Qconvex|.*/Rbox|Lrs|RandomRuns|HullQuery'
+left_out+='|DegenerateSets|.*CubeCorners|ManyDimensions|OutermostFirst|.*GeneralPosition.*'
+left_out+='|SmallPlanarSets|FewPoints|Magnitudes|Engine3D|FlatSets'
+programs=(reference_tests exactness_tests agreement_tests)
+wanted=("$@")
+
+# Sets `tests`: PROGRAM:SUITE for each suite that is wanted, of this machine's programs.
+find_suites() {
+  local program suite
+  tests=()
+  for program in "${programs[@]}"; do
+    while read -r suite; do
+      if [[ ${#wanted[@]} -gt 0 ]]; then
+        [[ " ${wanted[*]} " == *" $suite "* ]] || continue
+      elif [[ $suite =~ ^($left_out)$ ]]; then
+        continue
+      fi
+      tests+=("$program:$suite")
+    done < <("$cross/native/build/bin/$program" --gtest_list_tests | sed -nE 's/^([^ ]+)\.( .*)?$/\1/p')
   done
-fi
+  [[ ${#tests[@]} -gt 0 ]] || { echo "cross-check: no such suite: ${wanted[*]}" >&2; exit 2; }
+}
 
 # The processor's libraries, fetched by an apt of our own so that the machine's is left as it is,
 # and this machine's headers of what is header-only.
@@ -88,31 +99,31 @@ build() { # build NAME CMAKE-OPTIONS...: the tests
   cmake -S . -B "$tree" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE=-O1 \
     -DCULLHULL_FAST_BUILD=ON -DCULLHULL_BUILD_EXAMPLES=OFF -DCULLHULL_BUILD_BENCH=OFF \
     -DCULLHULL_RECORD_HULLS=ON "${@:2}" >"$cross/$1.configured"
-  cmake --build "$tree" -j "$jobs" --target "${tests[@]}"
+  cmake --build "$tree" -j "$jobs" --target cullhull_app "${programs[@]}"
 }
 
-# run NAME: all tests of a build, at most $jobs at once; what they say, and every hull they compute.
+# run NAME: all suites of a build, at most $jobs at once; what they say, and every hull they compute.
 run() {
   local tree=$cross/$1/build results=$cross/$1/results test
   rm -rf "$results" && mkdir -p "$results"
   printf '%s\n' "${tests[@]}" | xargs -P "$jobs" -I{} bash -c '
-    test=$1 results=$2
-    shift 2
-    CULLHULL_RECORD=$results/$test.hulls "$@" >"$results/$test.log" 2>&1
-    echo "$?" >"$results/$test.status"' _ {} "$results" "${@:2}" "$tree/bin/{}" || true
+    test=$1 bin=$2 suite=${1#*:} results=$3/${1//\//_}
+    shift 3
+    CULLHULL_RECORD=$results.hulls "$@" "$bin/${test%%:*}" "--gtest_filter=$suite.*" >"$results.log" 2>&1
+    echo "$?" >"$results.status"' _ {} "$tree/bin" "$results" "${@:2}" || true
 }
 
 summary() { # summary NAME: counts over all logs; false where a test failed
   local results=$cross/$1/results bad=() test
   for test in "${tests[@]}"; do
-    [[ $(cat "$results/$test.status") == 0 ]] || bad+=("$test")
+    [[ $(cat "$results/${test//\//_}.status") == 0 ]] || bad+=("$test")
   done
   cat "$results"/*.log | awk -v name="$1" '
     /^\[  PASSED  \] / { passed += $4 }
     /^\[  SKIPPED \] [0-9]+ test/ { skipped += $4 }
     /^\[  FAILED  \] [0-9]+ test/ { failed += $4 }
     END { printf "%s: %d tests passed, %d skipped, %d failed", name, passed, skipped, failed }'
-  echo ", of ${#tests[@]} programs${bad[*]:+; not ended well: ${bad[*]}}"
+  echo ", of ${#tests[@]} suites${bad[*]:+; not ended well: ${bad[*]}}"
   [[ ${#bad[@]} -eq 0 ]]
 }
 
@@ -130,6 +141,7 @@ build_libcxx() {
 }
 
 build native -DCULLHULL_WITH_CUDA=OFF
+find_suites
 if [[ -n $debian ]]; then
   make_root
   build "$processor" "-DCMAKE_TOOLCHAIN_FILE=$PWD/cmake/CrossToolchain.cmake" \
@@ -145,7 +157,7 @@ summary native || good=false
 summary "$processor" || good=false
 # Vectors of ARM's scalable extension are compiled for the scan that finds extreme points alone: the
 # same without them, and with vectors of every length.
-scan=$cross/$processor/build/bin/extreme_points_test
+scan=$cross/$processor/build/bin/agreement_tests
 if [[ $processor == aarch64 && -x $scan ]]; then
   for cpu in cortex-a72 max,sve-default-vector-length={16,32,64,256}; do
     if QEMU_CPU=$cpu "${launch[@]}" "$scan" --gtest_filter='*ColumnsFindTheLeast:*DuplicatesGive*' \

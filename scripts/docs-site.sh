@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the documentation's site: scripts/docs-site.sh FOLDER PROGRAM. FOLDER/html is the site, PROGRAM
 # the built cullhull whose help becomes pages. Any warning is an error, and so is a broken local link.
+# CULLHULL_VENV: a virtual environment to use in the place of FOLDER/venv.
 # Exit status 77: this machine cannot do it (no Doxygen, or no packages from PyPI).
 set -euo pipefail
 folder=$(realpath -m "${1:?usage: scripts/docs-site.sh FOLDER PROGRAM}")
@@ -12,9 +13,10 @@ if ! command -v doxygen >/dev/null; then
   exit 77
 fi
 scripts/docs-venv.sh "$folder"
+python=${CULLHULL_VENV:-$folder/venv}/bin/python
 mkdir -p "$folder/doxygen"
 { cat docs/Doxyfile; echo "OUTPUT_DIRECTORY = $folder/doxygen"; } | doxygen -
-"$folder/venv/bin/python" scripts/docs_source.py "$program" "$folder/doxygen/xml" "$folder/source"
-"$folder/venv/bin/python" -m sphinx -q -W --keep-going -b html -c docs \
+"$python" scripts/docs_source.py "$program" "$folder/doxygen/xml" "$folder/source"
+"$python" -m sphinx -q -W --keep-going -b html -c docs \
   -d "$folder/doctrees" -D "breathe_projects.cullhull=$folder/doxygen/xml" "$folder/source" "$folder/html"
-"$folder/venv/bin/python" scripts/check_links.py "$folder/html"
+"$python" scripts/check_links.py "$folder/html"

@@ -6,6 +6,9 @@
 # /var/tmp), which is removed at the end, unless KEEP_ROOT=1. The settings of apt and pip are copied
 # from this machine; CUDA's folder is mounted where nvcc is found. Exit status 77, with one line: no
 # root can be made here. Otherwise that of the first command that fails, or 0.
+# After each command it says how long it took, its processor time, what this machine received over its
+# network meanwhile, and what lies in the root; ROOT_REPORT=FILE gets the same as lines of numbers
+# (seconds, MB, MB, seconds of processor time) and the command.
 # While one works on the commands: REUSE_ROOT=FOLDER makes the root there, or goes on in the one that
 # is there, with the clone at today's HEAD; ROOT_CCACHE=FOLDER is the root's compiler cache.
 set -euo pipefail
@@ -137,7 +140,20 @@ inside() {
       bash -c "cd /root/cullhull && $command"' fresh-root "$root" "$1" "$path" \
     "${ROOT_CCACHE:-}" "${mounts[@]}" -- "${variables[@]}" </dev/null
 }
+received() {
+  awk -F '[: ]+' '{sub(/^ +/, "")} $1 != "lo" && $2 ~ /^[0-9]+$/ {sum += $2}
+    END {printf "%.0f", sum / 1e6}' /proc/net/dev
+}
+processor_time() { awk '{printf "%.0f", ($16 + $17) / 100}' "/proc/$$/stat"; } # of all that has ended
+on_disk() { du -sx --block-size=1000000 "$root" 2>/dev/null | cut -f 1; }
 for command in "$@"; do
   echo "fresh-root: $command"
+  before=$SECONDS received_before=$(received) processor_before=$(processor_time)
   inside "$command"
+  figures=$((SECONDS - before))$'\t'$(($(received) - received_before))$'\t'$(on_disk)
+  figures+=$'\t'$(($(processor_time) - processor_before))
+  IFS=$'\t' read -r seconds fetched size processor <<<"$figures"
+  echo "fresh-root: $command: $((seconds / 60)):$(printf '%02d' $((seconds % 60)))," \
+    "$processor s of processor time, $fetched MB received, $size MB on disk"
+  [[ -z ${ROOT_REPORT:-} ]] || printf '%s\t%s\n' "$figures" "$command" >>"$ROOT_REPORT"
 done

@@ -104,7 +104,7 @@ stage() {
     -DCMAKE_BUILD_RPATH='$ORIGIN/../lib' \
     -DCMAKE_{EXE,MODULE}_LINKER_FLAGS="-Wl,--disable-new-dtags -static-libstdc++ -static-libgcc" \
     -U 'Python_*' -U '_Python_*' -DPython_EXECUTABLE="$python" -DCULLHULL_BUILD_PYTHON=ON
-  local twins=(primitives_test pseudo_hull_test pseudo_hull_device_test)
+  local twins=(reference_tests agreement_tests)
   cmake --build "$build" -j "${JOBS:-$(nproc)}" --target cullhull_app cullhull_bench_app gpu_bench gpu_passes gpu_tests \
     scaling_bench cullhull_python "${twins[@]}"
 
@@ -116,7 +116,7 @@ stage() {
   ln -s ../lib "$folder/bin/lib"
   # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_test | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
       libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
@@ -145,7 +145,7 @@ stage() {
   done
   cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_test
+  strip "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -154,7 +154,7 @@ stage() {
   # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
   local program strange own
   own=$(realpath "$folder")
-  for program in "$own"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$own"/bin/cpu/*_test; do
+  for program in "$own"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$own"/bin/cpu/*_tests; do
     strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
       awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
     [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
@@ -288,8 +288,9 @@ record_device() { # WHEN
 
 run_cpu() {
   local test
-  for test in "$root"/bin/cpu/*_test; do
-    step "$suite_seconds" "cpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=1
+  for test in "$root"/bin/cpu/*_tests; do # the host twins of what runs on a device
+    step "$suite_seconds" "cpu ${test##*/}" "${launcher[@]}" "$test" --gtest_brief=1 \
+      --gtest_filter='Primitives.*:FacetStream.*:PseudoHull*'
   done
   make_points
   step 30 "cpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cpu --certify

@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
-# Parts: build (always included), mpi, test, bench, docs, fuzz, format, python, package (to build
-# artifacts), roots (to check them), cross, abi. Does nothing where nothing is missing; calls apt-get
-# as root, or through sudo.
+# Parts: build (always included), mpi, test (for make test), test-all, bench, docs, fuzz, format,
+# python, package (to build artifacts), roots (to check them), cross, abi. Does nothing where nothing is
+# missing; else it says how much it will fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
 build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
   zlib1g-dev libzstd-dev)
 mpi=(libopenmpi-dev openmpi-bin)
-test=("${mpi[@]}" libhdf5-dev libgtest-dev qhull-bin libcgal-dev libboost-dev libtbb-dev lrslib libbenchmark-dev
-  zstd)
+test=(libgtest-dev qhull-bin lrslib zstd)
+test_all=("${test[@]}" "${mpi[@]}" libhdf5-dev libcgal-dev libboost-dev libtbb-dev libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
-  test+=(chromium chromium-driver python3-selenium python3-pil)
+  test_all+=(chromium chromium-driver python3-selenium python3-pil)
 fi
 bench=(libbenchmark-dev libcgal-dev libboost-dev libtbb-dev)
 docs=(doxygen python3 python3-venv python3-pip)
@@ -33,6 +33,7 @@ for part in "$@"; do
     build) ;;
     mpi) wanted+=("${mpi[@]}") ;;
     test) wanted+=("${test[@]}") ;;
+    test-all) wanted+=("${test_all[@]}") ;;
     bench) wanted+=("${bench[@]}") ;;
     docs) wanted+=("${docs[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
@@ -43,7 +44,7 @@ for part in "$@"; do
     cross) wanted+=("${cross[@]}") ;;
     abi) wanted+=("${abi[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test bench docs fuzz format python package roots cross abi" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross abi" >&2
       exit 2
       ;;
   esac
@@ -72,10 +73,15 @@ fi
 as_root+=(DEBIAN_FRONTEND=noninteractive)
 install=(apt-get install -y --no-install-recommends "${missing[@]}")
 
-echo "install-deps: installing ${missing[*]}"
 # The package index of a fresh machine is empty, that of an old one may name files long gone.
-if ! "${as_root[@]}" apt-get install --dry-run --no-install-recommends "${missing[@]}" >/dev/null 2>&1 ||
-  ! "${as_root[@]}" "${install[@]}"; then
+if ! "${as_root[@]}" "${install[@]}" --dry-run >/dev/null 2>&1; then
+  "${as_root[@]}" apt-get update
+fi
+sizes=$(LC_ALL=C apt-get install --assume-no --no-install-recommends "${missing[@]}" 2>/dev/null |
+  sed -nE 's/^Need to get (.*) of archives.$/\1 to fetch/p; s/^After this operation, (.*) of additional disk space.*/\1 on disk/p' |
+  paste -sd, | sed 's/,/, /') || true
+echo "install-deps: installing ${missing[*]}${sizes:+ ($sizes)}"
+"${as_root[@]}" "${install[@]}" || {
   "${as_root[@]}" apt-get update
   "${as_root[@]}" "${install[@]}"
-fi
+}

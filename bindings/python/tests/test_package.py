@@ -69,11 +69,19 @@ def test_every_public_name_is_documented(name):
             assert not arguments or "Parameters\n---" in text, member
 
 
-def test_the_documentation_is_true():
+@pytest.mark.parametrize("needed", ["", "dask"])
+def test_the_documentation_is_true(needed):
+    """Of the modules that need no package of others, and of the one that does."""
     import importlib
     import pkgutil
 
-    names = [m.name for m in pkgutil.iter_modules(cullhull.__path__) if m.name != "__main__"]
+    if needed:
+        pytest.importorskip(needed)
+        failed, tests = doctest.testmod(importlib.import_module(f"cullhull.{needed}"))
+        assert tests > 0 and failed == 0
+        return
+    names = [m.name for m in pkgutil.iter_modules(cullhull.__path__)]
+    names = [name for name in names if name not in ("__main__", "dask")]
     modules = [cullhull, *(importlib.import_module(f"cullhull.{name}") for name in names)]
     results = [doctest.testmod(module) for module in modules]
     assert sum(tests for _, tests in results) > 100 and not any(failed for failed, _ in results)
@@ -157,6 +165,7 @@ def test_without_scipy_the_error_is_still_there():
 
 def test_types(tmp_path):
     pytest.importorskip("mypy")
+    pytest.importorskip("dask")  # whose types cullhull.dask names
     assert (PACKAGE / "py.typed").exists() and (PACKAGE / "_core.pyi").exists()
     # With the same options in all runs the second and third read NumPy's types from the cache.
     checks = ("--strict", "--disable-error-code", "import-untyped", "--cache-dir", tmp_path)
