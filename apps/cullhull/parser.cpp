@@ -69,8 +69,10 @@ class Sections : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name,
                         CLI::AppFormatMode mode) const override {
+    const std::string footer = app->get_footer();  // CLI11 2.4 puts more lines around it
     return make_description(app) + make_usage(app, std::move(name)) + make_positionals(app) +
-           sections(app) + make_subcommands(app, mode) + '\n' + make_footer(app);
+           sections(app) + make_subcommands(app, mode) + '\n' +
+           (footer.empty() ? footer : footer + '\n');
   }
 
   /// "..." means several values; an option that may be repeated takes one at a time.
