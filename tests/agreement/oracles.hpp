@@ -184,15 +184,17 @@ inline Ids exact_extreme_points(const PointSet& set) {
   return out;
 }
 
-/// What `command` printed; throws if it failed. stdin comes from `input`.
-inline std::string output_of(const std::string& command, const std::string& input = "") {
+/// What `command` printed; throws if it failed. stdin comes from `input`; `by_name`: it is a file
+/// that the command's last word names.
+inline std::string output_of(const std::string& command, const std::string& input = "",
+                             bool by_name = false) {
   char name[] = "/tmp/cullhull-oracle-XXXXXX";
   const int file = mkstemp(name);
   if (file < 0) throw std::runtime_error("cannot make a temporary file");
   std::FILE* f = fdopen(file, "w");
   const bool written = std::fwrite(input.data(), 1, input.size(), f) == input.size();
   if (std::fclose(f) != 0 || !written) throw std::runtime_error("cannot write a temporary file");
-  std::FILE* pipe = popen((command + " < " + name).c_str(), "r");
+  std::FILE* pipe = popen((command + (by_name ? " " : " < ") + name).c_str(), "r");
   if (!pipe) throw std::runtime_error("cannot run " + command);
   std::string out;
   char buffer[65536];
@@ -261,6 +263,11 @@ inline std::vector<std::string> lrs_rows(const std::string& text) {
   return rows;
 }
 
+/// lrs 7.3 reads its input again where its integers overflow, which standard input does not allow.
+inline std::string lrs_output(const std::string& lrs, const std::string& text) {
+  return output_of(lrs, text, true);
+}
+
 inline std::string as_lrs_text(const IntegerSet& s, unsigned d) {
   std::ostringstream out;
   out << "cullhull\nV-representation\nbegin\n" << s.rows.size() << ' ' << d + 1 << " integer\n";
@@ -276,7 +283,7 @@ inline std::string as_lrs_text(const IntegerSet& s, unsigned d) {
 /// The number of facets of a full-dimensional hull, by lrs: exact, by reverse search.
 inline std::uint64_t lrs_facet_count(const std::string& lrs, const PointSet& s) {
   const std::vector<std::string> rows =
-      lrs_rows(output_of(lrs, as_lrs_text(IntegerSet(s), s.dimension)));
+      lrs_rows(lrs_output(lrs, as_lrs_text(IntegerSet(s), s.dimension)));
   return std::set<std::string>(rows.begin(), rows.end()).size();
 }
 
@@ -291,7 +298,7 @@ inline Ids lrs_extreme_points(const std::string& lrs, const PointSet& s) {
   }
   Ids ids;
   for (const std::string& row :
-       lrs_rows(output_of(lrs, as_lrs_text(integers, s.dimension) + "redund 0 0\n"))) {
+       lrs_rows(lrs_output(lrs, as_lrs_text(integers, s.dimension) + "redund 0 0\n"))) {
     std::istringstream in(row);
     std::string word, key;
     in >> word;
