@@ -516,6 +516,7 @@ def griddata(
     method: str = "linear",
     fill_value: Any = np.nan,
     rescale: bool = False,
+    simplex_tolerance: float = 1.0,
     *,
     threads: int | None = None,
 ) -> npt.NDArray[Any]:
@@ -536,6 +537,9 @@ def griddata(
         The value outside the hull of the data points; 'nearest' ignores it.
     rescale : bool
         Divide each coordinate by its range first: for coordinates in different units.
+    simplex_tolerance : float
+        Passed on to SciPy (1.18 or later) where the method is SciPy's. The other methods find the
+        simplex of a point exactly, on every border, and need no tolerance.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
@@ -547,7 +551,8 @@ def griddata(
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), QhullError
-        As `LinearNDInterpolator`; InvalidArgument also for an unknown method.
+        As `LinearNDInterpolator`; InvalidArgument also for an unknown method, and unless
+        `simplex_tolerance` is positive.
     ImportError
         If the method is SciPy's and SciPy is not installed.
 
@@ -558,6 +563,8 @@ def griddata(
     >>> cullhull.griddata(corners, heights, [[0.25, 0.5], [1, 1]]).tolist()
     [1.25, nan]
     """
+    if not simplex_tolerance > 0:
+        raise InvalidArgument("simplex_tolerance must be positive")
     rows = as_coordinates(_rows(points))
     dimension = 1 if rows.ndim < 2 else rows.shape[-1]
     if (dimension == 1 and method in ("linear", "nearest", "cubic")) or (
@@ -569,6 +576,9 @@ def griddata(
                 f"method={method!r} in {dimension} dimension{'s'[: dimension - 1]} is SciPy's own, "
                 "which is not installed: pip install 'cullhull[scipy]'"
             )
+        tolerance: dict[str, float] = {}
+        if simplex_tolerance != 1:
+            tolerance["simplex_tolerance"] = simplex_tolerance
         found: npt.NDArray[Any] = theirs(
             rows,
             as_array(values, "values"),
@@ -576,6 +586,7 @@ def griddata(
             method,
             fill_value=fill_value,
             rescale=rescale,
+            **tolerance,
         )
         return found
     if method == "nearest":

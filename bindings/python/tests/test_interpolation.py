@@ -64,6 +64,9 @@ def test_griddata(method, dimension):
         assert ours.shape == theirs.shape and np.allclose(ours, theirs)
     with pytest.raises(ValueError, match="magic"):
         cullhull.griddata(points, values, asked, "magic")
+    for tolerance in (0, -1, np.nan):
+        with pytest.raises(ValueError, match="simplex_tolerance must be positive"):
+            cullhull.griddata(points, values, asked, method, simplex_tolerance=tolerance)
 
 
 def test_linear_is_linear():
