@@ -37,6 +37,8 @@ Guard chosen_guard() {
                       : name == "pages"              ? Guard::pages
                       : name == "keys" || has_keys() ? Guard::keys
                                                      : Guard::pages;
+  if (guard != Guard::off && !name.empty() && name != "pages" && name != "keys")
+    violation("CULLHULL_DEVICE_GUARD is keys, pages or off, not " + name);
   if (guard == Guard::keys && !has_keys()) {
     std::fprintf(stderr, "emulation: this processor or kernel has no protection keys\n");
     std::_Exit(77);
