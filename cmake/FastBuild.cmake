@@ -28,6 +28,23 @@ function(cullhull_precompiled_like target other)
   endif()
 endfunction()
 
+# GCC takes a source that is included for a header, whose classes should not hold local types.
+function(cullhull_included_sources target)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE
+      "#pragma GCC diagnostic ignored \"-Wsubobject-linkage\"")
+  endif()
+endfunction()
+
+# cullhull_in_batches(TARGET): the sources of TARGET are compiled six at a time, whichever they are, so
+# that no two of them may define the same name.
+function(cullhull_in_batches target)
+  if(CULLHULL_FAST_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+    cullhull_included_sources(${target})
+  endif()
+endfunction()
+
 # cullhull_together(TARGET FOLDER NAME... [AND NAME...]...): the sources FOLDER/NAME.cpp between two AND
 # are compiled as one, which spares what each would instantiate for itself. Their unnamed namespaces
 # become one as well, so they are listed: sources that are not compile alone, and two functions of
@@ -49,9 +66,5 @@ function(cullhull_together target folder)
     set_source_files_properties("${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpp"
       TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP "${group}")
   endforeach()
-  # GCC takes a source that is included for a header, whose classes should not hold local types.
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    set_target_properties(${target} PROPERTIES UNITY_BUILD_CODE_BEFORE_INCLUDE
-      "#pragma GCC diagnostic ignored \"-Wsubobject-linkage\"")
-  endif()
+  cullhull_included_sources(${target})
 endfunction()

@@ -184,9 +184,9 @@ double quantile(std::vector<double> v, double q) {
 
 // ----------------------------------------------------------------------------------- the suite
 
-class Suite {
+class CallsSuite {
  public:
-  Suite(const CallSettings& settings, const Progress& progress, const std::stop_token& stop)
+  CallsSuite(const CallSettings& settings, const Progress& progress, const std::stop_token& stop)
       : settings_(settings), progress_(progress), stop_(stop) {
     if (settings.with_cgal && !cgal_program().empty()) rivals_.push_back({"CGAL", cgal_program()});
     rivals_.insert(rivals_.end(), settings.rivals.begin(), settings.rivals.end());
@@ -386,7 +386,7 @@ const std::vector<Workload>& call_workloads() {
 
 Report run_calls(const CallSettings& settings, const Progress& progress,
                  const std::stop_token& stop) {
-  return Suite(settings, progress, stop).run();
+  return CallsSuite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench

@@ -39,9 +39,10 @@ struct Rival {
   }
 };
 
-class Suite {
+class LiftingSuite {
  public:
-  Suite(const LiftingSettings& settings, const Progress& progress, const std::stop_token& stop)
+  LiftingSuite(const LiftingSettings& settings, const Progress& progress,
+               const std::stop_token& stop)
       : settings_(settings),
         steps_(progress, stop),
         threads_(thread_counts(settings.threads)),
@@ -220,7 +221,7 @@ std::vector<Workload> lifting_workloads(bool with_scan) {
 
 Report run_lifting(const LiftingSettings& settings, const Progress& progress,
                    const std::stop_token& stop) {
-  return Suite(settings, progress, stop).run();
+  return LiftingSuite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench

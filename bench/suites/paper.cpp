@@ -49,9 +49,9 @@ Points make(const Set& set) {
   return p;
 }
 
-class Suite {
+class PaperSuite {
  public:
-  Suite(const PaperSettings& settings, const Progress& progress, const std::stop_token& stop)
+  PaperSuite(const PaperSettings& settings, const Progress& progress, const std::stop_token& stop)
       : settings_(settings), progress_(progress), stop_(stop) {}
 
   Report run() {
@@ -82,14 +82,14 @@ class Suite {
 
   struct Maker {
     const char* id;
-    Figure (Suite::*make)();
+    Figure (PaperSuite::*make)();
   };
   static const std::vector<Maker>& makers() {
     static const std::vector<Maker> all = {
-        {"figure-12", &Suite::static_sets},   {"figure-13", &Suite::growing_sets},
-        {"figure-14", &Suite::culling},       {"figure-15", &Suite::shares},
-        {"figure-16", &Suite::moving_shares}, {"figure-17", &Suite::moving_times},
-        {"all-extreme", &Suite::all_extreme}, {"threads", &Suite::scaling}};
+        {"figure-12", &PaperSuite::static_sets},   {"figure-13", &PaperSuite::growing_sets},
+        {"figure-14", &PaperSuite::culling},       {"figure-15", &PaperSuite::shares},
+        {"figure-16", &PaperSuite::moving_shares}, {"figure-17", &PaperSuite::moving_times},
+        {"all-extreme", &PaperSuite::all_extreme}, {"threads", &PaperSuite::scaling}};
     return all;
   }
 
@@ -504,7 +504,7 @@ class Suite {
 const std::vector<std::string>& paper_figures() {
   static const std::vector<std::string> ids = [] {
     std::vector<std::string> all;
-    for (const Suite::Maker& maker : Suite::makers()) all.emplace_back(maker.id);
+    for (const PaperSuite::Maker& maker : PaperSuite::makers()) all.emplace_back(maker.id);
     return all;
   }();
   return ids;
@@ -515,7 +515,7 @@ Report run_paper(const PaperSettings& settings, const Progress& progress,
   for (const std::string& id : settings.figures)
     if (std::find(paper_figures().begin(), paper_figures().end(), id) == paper_figures().end())
       throw Error(ErrorCode::invalid_argument, "bench paper has no figure '" + id + "'");
-  return Suite(settings, progress, stop).run();
+  return PaperSuite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench

@@ -19,9 +19,10 @@
 namespace cullhull::bench {
 namespace {
 
-class Suite {
+class RivalsSuite {
  public:
-  Suite(const ContestSettings& settings, const Progress& progress, const std::stop_token& stop)
+  RivalsSuite(const ContestSettings& settings, const Progress& progress,
+              const std::stop_token& stop)
       : settings_(settings),
         steps_(progress, stop),
         cgal_(cgal_of(settings)),
@@ -208,7 +209,7 @@ const std::vector<Workload>& rival_workloads() {
 
 Report run_rivals(const ContestSettings& settings, const Progress& progress,
                   const std::stop_token& stop) {
-  return Suite(settings, progress, stop).run();
+  return RivalsSuite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench

@@ -59,9 +59,9 @@ std::uint64_t read_plainly(const std::string& path) {
   return total;
 }
 
-class Suite {
+class StreamSuite {
  public:
-  Suite(const StreamSettings& settings, const Progress& progress, const std::stop_token& stop)
+  StreamSuite(const StreamSettings& settings, const Progress& progress, const std::stop_token& stop)
       : settings_(settings), progress_(progress), stop_(stop), folder_(settings.folder) {
     if (settings_.formats.empty()) settings_.formats = stream_formats();
     for (const std::string& format : settings_.formats)
@@ -200,7 +200,7 @@ const std::vector<std::string>& stream_formats() {
 
 Report run_stream(const StreamSettings& settings, const Progress& progress,
                   const std::stop_token& stop) {
-  return Suite(settings, progress, stop).run();
+  return StreamSuite(settings, progress, stop).run();
 }
 
 }  // namespace cullhull::bench
