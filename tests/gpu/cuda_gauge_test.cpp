@@ -17,7 +17,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace cuda_gauge_test {
 
 using cullhull::testing::OnDevice;
 using cullhull::testing::short_run;
@@ -272,5 +272,5 @@ TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
             canonical_hash(convex_hull(PointView::row_major(rows.data(), n, 3))));
 }
 
-}  // namespace
+}  // namespace cuda_gauge_test
 }  // namespace cullhull::internal

@@ -19,7 +19,7 @@
 #include "tests/thrown.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace hull_questions_gpu_test {
 
 using testing_support::error_of;
 
@@ -362,5 +362,5 @@ TEST_F(GpuQuestions, ErrorsAreTheCpus) {
             }));
 }
 
-}  // namespace
+}  // namespace hull_questions_gpu_test
 }  // namespace cullhull::testing

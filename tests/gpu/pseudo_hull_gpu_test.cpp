@@ -17,7 +17,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace pseudo_hull_gpu_test {
 
 const Options defaults;
 
@@ -156,5 +156,5 @@ TEST(PseudoHullGpuLarge, EqualsTheHost) {
   }
 }
 
-}  // namespace
+}  // namespace pseudo_hull_gpu_test
 }  // namespace cullhull::internal

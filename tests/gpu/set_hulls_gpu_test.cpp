@@ -15,7 +15,7 @@
 #include "tests/thrown.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace set_hulls_gpu_test {
 
 using testing_support::error_of;
 
@@ -336,5 +336,5 @@ TEST_F(GpuSets, ManySetsInPieces) {
   }
 }
 
-}  // namespace
+}  // namespace set_hulls_gpu_test
 }  // namespace cullhull::testing

@@ -17,7 +17,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace {
+namespace star_hull_gpu_test {
 
 using testing::OnDevice;
 using testing::Stream;
@@ -140,5 +140,5 @@ TEST(StarHullGpu, HullsAreTheCpus) {
   }
 }
 
-}  // namespace
+}  // namespace star_hull_gpu_test
 }  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull {
-namespace {
+namespace tracker_gpu_test {
 
 using testing::OnDevice;
 using testing_support::canonical_hash;
@@ -158,5 +158,5 @@ TEST_F(GpuTracker, HostMemoryIsNoDeviceMemory) {
   }
 }
 
-}  // namespace
+}  // namespace tracker_gpu_test
 }  // namespace cullhull

@@ -15,7 +15,7 @@
 #include "random_work.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace emulated_calls_test {
 
 using testing_support::canonical_hash;
 
@@ -114,5 +114,5 @@ TEST(EmulatedCalls, EndWithTheHullOrAnErrorThatExplains) {
   EXPECT_EQ(emulation::counters().live_bytes, 0U) << "memory of a device was not freed";
 }
 
-}  // namespace
+}  // namespace emulated_calls_test
 }  // namespace cullhull::testing

@@ -11,7 +11,7 @@
 #include "memory.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace emulated_devices_test {
 
 using testing_support::canonical_hash;
 
@@ -98,5 +98,5 @@ TEST(EmulatedDevices, ALostDeviceIsSaidInEveryLaterCall) {
             plain_hash(rows, 3));
 }
 
-}  // namespace
+}  // namespace emulated_devices_test
 }  // namespace cullhull::testing

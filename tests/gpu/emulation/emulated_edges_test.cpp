@@ -19,7 +19,7 @@
 #include "tests/thrown.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace emulated_edges_test {
 
 using testing_support::canonical_hash;
 using testing_support::error_of;
@@ -453,5 +453,5 @@ TEST_F(EmulatedEdges, EveryAllocationMayFail) {
       }
 }
 
-}  // namespace
+}  // namespace emulated_edges_test
 }  // namespace cullhull::testing

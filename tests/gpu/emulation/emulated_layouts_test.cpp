@@ -18,7 +18,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace emulated_layouts_test {
 
 using internal::GaugeMap;
 using testing_support::cross_polytope;
@@ -165,5 +165,5 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
   emulation::settings() = {};
 }
 
-}  // namespace
+}  // namespace emulated_layouts_test
 }  // namespace cullhull::testing

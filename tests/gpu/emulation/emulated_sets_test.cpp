@@ -15,7 +15,7 @@
 #include "tests/gpu/same_batch.hpp"
 
 namespace cullhull::testing {
-namespace {
+namespace emulated_sets_test {
 
 class RandomBatch : public RandomWork<RandomBatch> {
  public:
@@ -322,5 +322,5 @@ TEST(EmulatedSetsLast, AFailedLaunchIsAnError) {
     }
 }
 
-}  // namespace
+}  // namespace emulated_sets_test
 }  // namespace cullhull::testing
