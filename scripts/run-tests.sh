@@ -25,7 +25,9 @@ case $which in
     # Where packages can be installed, no test is left out for want of one.
     tests=found
     if command -v apt-get >/dev/null; then tests=all; fi
-    settings+=("-DCULLHULL_TESTS=$tests" -DCULLHULL_WITH_CUDA=AUTO -DCULLHULL_WITH_MPI=AUTO) ;;
+    settings+=("-DCULLHULL_TESTS=$tests" -DCULLHULL_WITH_CUDA=AUTO -DCULLHULL_WITH_MPI=AUTO)
+    # Kernels that no device runs here are compiled for one kind of device.
+    if ! nvidia-smi -L >/dev/null 2>&1; then settings+=(-DCULLHULL_CUDA_ARCHITECTURES=90-real); fi ;;
   *)
     sed -n '2,7s/^# \{0,1\}//p' "$0" >&2
     exit 2 ;;
