@@ -27,7 +27,8 @@ enum class Numbers {
   /// scale + offset, as laspy computes them.
   world,
   grid,  ///< exact integers on a common grid, for computing; world coordinates if there is no grid
-  file,  ///< the file's own integers, read in place, for a caller who places them
+  file,  ///< the file's own integers, read in place, for a caller who places them; with a column of
+         ///< doubles (gps_time) world coordinates
   raw,   ///< the same whatever scale and offset are; the others refuse those that place no point
 };
 

@@ -304,6 +304,51 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
   expect_error({"info", f / "a.las", "--columns", "x,nir"}, 2, "no column 'nir'; there are 'x'");
 }
 
+/// `bytes` of las_bytes in point format 1: point i has the GPS time 1000 + i * i % 97.
+std::string timed(const std::string& bytes) {
+  constexpr std::size_t header = 227, record = 20;
+  std::string out = bytes.substr(0, header);
+  out[104] = 1;
+  out[105] = record + 8;
+  for (std::size_t at = header, i = 0; at < bytes.size(); at += record, ++i) {
+    const double time = internal::little_endian(1000 + static_cast<double>(i * i % 97));
+    out.append(bytes, at, record).append(reinterpret_cast<const char*>(&time), sizeof time);
+  }
+  return out;
+}
+
+TEST(CliLas, CoordinatesBesideGpsTimeAreInTheWorld) {
+  const Folder f;
+  const Numbers numbers = ball(500);
+  write_file(f / "a.las", timed(bench::las_bytes(numbers, metres)));
+  std::vector<double> world, stored;
+  for (std::size_t i = 0; i < 500; ++i) {
+    for (std::uint32_t j = 0; j < 2; ++j) {
+      stored.push_back(numbers[3 * i + j]);
+      world.push_back(metres.at(j, stored.back()));
+    }
+    stored.push_back(1000 + static_cast<double>(i * i % 97));
+    world.push_back(stored.back());
+  }
+  write_rows(f / "world.npy", world);
+  write_rows(f / "stored.npy", stored);
+  for (const std::string kind : {"world", "stored"}) {
+    expect_success({"hull", f / (kind + ".npy"), "-o", f / "npy.json"});
+    std::vector<std::string> words{"--columns", "x,y,gps_time", "-o", f / "las.json"};
+    if (kind == "stored") words.emplace_back("--raw");
+    for (const char* stream : {"off", "on"}) {
+      std::vector<std::string> command{"hull", f / "a.las", "--stream", stream};
+      command.insert(command.end(), words.begin(), words.end());
+      expect_success(command);
+      EXPECT_EQ(read_file(f / "las.json"), read_file(f / "npy.json")) << kind << " " << stream;
+    }
+    std::vector<std::string> piped{"hull", "-"};
+    piped.insert(piped.end(), words.begin(), words.end());
+    EXPECT_EQ(run_app(piped, f / "a.las").status, 0);
+    EXPECT_EQ(read_file(f / "las.json"), read_file(f / "npy.json")) << kind << " from a pipe";
+  }
+}
+
 TEST(CliLas, RawGivesTheNumbersOfTheFile) {
   const Folder f;
   const Numbers numbers = ball(500);

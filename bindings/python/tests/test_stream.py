@@ -345,6 +345,26 @@ def test_scans_without_a_scale_are_raw_alone(tmp_path, ending, bad):
     assert np.array_equal(np.concatenate(list(cullhull.read(path, chunks=77, raw=True))), points)
 
 
+@pytest.mark.parametrize("ending", ["las", "laz"])
+def test_coordinates_beside_gps_time_are_in_the_world(tmp_path, ending):
+    laspy = pytest.importorskip("laspy")
+    if ending == "laz":
+        pytest.importorskip("lazrs")
+    las = laspy.LasData(laspy.LasHeader(point_format=1, version="1.2"))
+    las.header.scales, las.header.offsets = [0.01] * 3, [100, 200, 300]
+    las.x, las.y, las.z = cullhull.generate("ball", 300).T * 50 + [[100], [200], [300]]
+    las.gps_time = np.arange(300) ** 1.5
+    path = tmp_path / f"a.{ending}"
+    las.write(str(path))
+    for raw in (False, True):
+        x, y = (las.X, las.Y) if raw else (np.asarray(las.x), np.asarray(las.y))
+        expected = np.column_stack([x, y, las.gps_time])
+        whole = cullhull.read(path, columns="x,y,gps_time", raw=raw)
+        parts = cullhull.read(path, columns="x,y,gps_time", raw=raw, chunks=77)
+        np.testing.assert_array_equal(whole, expected)
+        np.testing.assert_array_equal(np.concatenate(list(parts)), expected)
+
+
 @pytest.mark.parametrize("chunks", [None, 2])
 def test_two_dimensional_files_have_no_column_z(tmp_path, chunks):
     path = tmp_path / "a.geojson"

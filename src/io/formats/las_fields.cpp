@@ -88,8 +88,8 @@ void append(PointKeys& keys, double value) {
 
 /// Sets data.view to the chosen columns of all points, in storage of its own. Columns are axes (x,
 /// y, z), which data.view has already, and other fields of the records (intensity, GPS time), read
-/// from `records`, `record` bytes each. Beside a field of doubles axes are in the world unless
-/// options.numbers asks for those of the file: else data.placement keeps the chosen axes' grid.
+/// from `records`, `record` bytes each. Beside a field of doubles axes are in the world, as there
+/// is no grid of all columns, unless the numbers are raw; else data.placement keeps the axes' grid.
 void gather(PointData& data, const Columns& all, const char* records, std::size_t record,
             const std::vector<std::uint32_t>& columns, const ReadOptions& options) {
   const PointView from = data.view;
@@ -98,7 +98,7 @@ void gather(PointData& data, const Columns& all, const char* records, std::size_
     return !Columns::is_axis(c) && all.field(c).kind == Kind::f64;
   };
   const bool timed = std::any_of(columns.begin(), columns.end(), is_time);
-  const bool in_world = timed && !stays(options.numbers);
+  const bool in_world = timed && options.numbers != Numbers::raw;
   const auto d = static_cast<std::uint32_t>(columns.size());
   Buffer room(std::max<std::uint64_t>(1, from.count * d * sizeof(double)));
   auto* out = room.as<double>();
