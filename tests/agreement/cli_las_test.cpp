@@ -378,6 +378,9 @@ TEST(CliLas, StatesAndPipesKeepTheGrid) {
     expect_success({"hull", f / inputs.first, f / inputs.second, "-o", f / "parts.json"});
     EXPECT_EQ(read_file(f / "parts.json"), read_file(f / "all.json")) << inputs.first;
   }
+  for (const char* command : {"hull", "cull"})  // raw beside placed coordinates
+    expect_error({command, f / "t2.las", f / "t1.hullstate", "--raw"}, 2,
+                 "t1.hullstate: holds coordinates that a scale has placed");
   // The coordinates that a state holds are those in the world.
   const HullState state = read_state(f / "t1.hullstate");
   EXPECT_EQ(state.decimals(), 3);
