@@ -365,6 +365,25 @@ def test_coordinates_beside_gps_time_are_in_the_world(tmp_path, ending):
         np.testing.assert_array_equal(np.concatenate(list(parts)), expected)
 
 
+@pytest.mark.parametrize("at", [139, 163])
+def test_the_command_line_reads_stored_integers_of_laz(tmp_path, at):
+    laspy = pytest.importorskip("laspy")
+    pytest.importorskip("lazrs")
+    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
+    las.X, las.Y, las.Z = points.T
+    path = tmp_path / "a.laz"
+    las.write(str(path))
+    with open(path, "r+b") as file:
+        file.seek(at)
+        file.write(np.float64(np.nan).tobytes())
+    command = [sys.executable, "-m", "cullhull", "cull", str(path), "--raw", "-q"]
+    subprocess.run([*command, "--points", str(tmp_path / "a.npy")], check=True)
+    found = np.load(tmp_path / "a.npy")
+    expected = points[cullhull.convex_hull(points).vertices]
+    assert {tuple(row) for row in expected} <= {tuple(row) for row in found.astype(int)}
+
+
 @pytest.mark.parametrize("chunks", [None, 2])
 def test_two_dimensional_files_have_no_column_z(tmp_path, chunks):
     path = tmp_path / "a.geojson"
