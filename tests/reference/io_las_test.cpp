@@ -206,7 +206,7 @@ TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
     const std::string path = folder.write("a.las", las.bytes());
     EXPECT_EQ(
         testing::error_whole_and_in_blocks(path),
-        path + ": byte " + say + ", which gives no coordinates; --raw reads the stored integers");
+        path + ": byte " + say + ", which gives no coordinates; --raw (Python: raw=True) reads the stored integers");
     // Beside a good tile, whose grid the report would have claimed for both.
     const std::string good = folder.write("good.las", Las().bytes());
     ReadOptions on_grid;

@@ -44,9 +44,10 @@ Placement placement_of(const Source& head, Numbers numbers) {
       if (numbers == Numbers::raw) return {};
       std::string value;
       append_number(value, scales ? offset : scale);
-      fail_at_byte(head, scales ? at_offset : at_scale, "the ", scales ? "offset" : "scale", " of ",
-                   "xyz"[j], " is ", value,
-                   ", which gives no coordinates; --raw reads the stored integers");
+      fail_at_byte(
+          head, scales ? at_offset : at_scale, "the ", scales ? "offset" : "scale", " of ",
+          "xyz"[j], " is ", value,
+          ", which gives no coordinates; --raw (Python: raw=True) reads the stored integers");
     }
     placement.scale.push_back(scale);
     placement.offset.push_back(offset);
