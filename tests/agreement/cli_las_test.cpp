@@ -380,7 +380,7 @@ TEST(CliLas, StatesAndPipesKeepTheGrid) {
   }
   for (const char* command : {"hull", "cull"})  // raw beside placed coordinates
     expect_error({command, f / "t2.las", f / "t1.hullstate", "--raw"}, 2,
-                 "t1.hullstate: holds coordinates that a scale has placed");
+                 "t1.hullstate: holds coordinates, not the integers of a .las");
   // The coordinates that a state holds are those in the world.
   const HullState state = read_state(f / "t1.hullstate");
   EXPECT_EQ(state.decimals(), 3);

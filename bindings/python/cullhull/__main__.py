@@ -61,8 +61,8 @@ def _unpack(path: str, target: Path) -> None:
         with laspy.open(path) as scan, open(target, "wb") as file:
             with laspy.open(file, mode="w", header=scan.header, closefd=False) as out:
                 for points in scan.chunk_iterator(1 << 20):
-                    # Without a scale of their own, which laspy would hold against the file's: NaN
-                    # differs from itself.
+                    # As records: points with a scale are rescaled where it differs from the file's,
+                    # and NaN differs from NaN.
                     out.write_points(laspy.PackedPointRecord(points.array, points.point_format))
     except (KeyboardInterrupt, SystemExit):
         raise

@@ -328,9 +328,8 @@ class WholeInput : public BlockSource {
     constexpr std::uint32_t most = 1U << 20;  // of what a damaged one may say
     if (code == 0 || code > 16 || dimension > most) return;
     if (options_.numbers == Numbers::raw)
-      throw Error(
-          ErrorCode::invalid_argument, name_,
-          ": holds coordinates that a scale has placed, no stored integers: not with --raw");
+      throw Error(ErrorCode::invalid_argument, name_,
+                  ": holds coordinates, not the integers of a .las; read it without --raw");
     const double unit = std::stod("1e-" + std::to_string(code - 1));
     placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0), ""};
     grid_ = grid_of(placement_, options_);
