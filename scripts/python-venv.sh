@@ -39,7 +39,14 @@ PY
 
 settings=()
 define() { settings+=(--config-settings "cmake.define.$1=$2"); }
-if [[ -n ${CXX:-} ]]; then define CMAKE_CXX_COMPILER "$CXX"; fi
+if [[ -n ${CXX:-} ]]; then
+  define CMAKE_CXX_COMPILER "$CXX"
+  # Where the last build (build-dir in pyproject.toml) had another compiler, CMake would begin anew and
+  # forget all the other definitions.
+  for cache in build/python-*/CMakeCache.txt; do
+    grep -qs "^CMAKE_CXX_COMPILER:[A-Z]*=$CXX\$" "$cache" || rm -f "$cache"
+  done
+fi
 define CULLHULL_INSTALLED "${CULLHULL_INSTALLED:-}"
 PATH="$folder/venv/bin:$PATH" "$folder/venv/bin/pip" install --quiet --disable-pip-version-check \
   --no-build-isolation --no-deps --force-reinstall "${settings[@]}" .
