@@ -16,7 +16,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.read.remark = [](const std::string&) {};
   options.read.memory_budget = std::uint64_t{1} << 24;
   if (options.read.format == "raw") {
-    options.read.raw_dimension = 1 + size % 5;
+    options.read.raw_dimension = static_cast<std::uint32_t>(1 + size % 5);
     options.read.raw_scalar = static_cast<ScalarType>(size % 8);
   }
   options.readers = 1;
