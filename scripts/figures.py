@@ -32,7 +32,12 @@ class Lines:
 
     def __init__(self, path):
         self.path = path
-        self.lines = [json.loads(line) for line in (ROOT / path).read_text().splitlines() if line]
+        text = (ROOT / path).read_text()
+        if path.endswith(".json"):  # a report of cullhull-bench
+            self.lines = [dict(row, part=figure["id"], workload=row["name"])
+                          for figure in json.loads(text)["figures"] for row in figure["rows"]]
+        else:
+            self.lines = [json.loads(line) for line in text.splitlines() if line]
 
     def all(self, part, workload=None, **keys):
         wanted = dict(keys, **({"workload": workload} if workload else {}))
