@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <random>
 #include <set>
 
+#include "agreement/random_seeds.hpp"
 #include "cullhull/error.hpp"
 #include "diagrams/slow_cells.hpp"
 
@@ -97,6 +99,32 @@ TEST(ProximityGraphs, FewPoints) {
       for (unsigned j = 0; j < d; ++j) s.rows.push_back(static_cast<double>(random() % 3));
     }
   }
+}
+
+/// Edges whose squared lengths are 2, exactly known, and one of 2 + 2e-36, which double-doubles
+/// round to 2 and sort first by its ids.
+TEST(ProximityGraphs, ExactLengthsBetweenNearlyEqualOnes) {
+  check({"diagonal", 2, {1e-18, -1e-18, 1, 1, 2, 2, 0, 0}, {}});
+  check({"two sides", 2, {1e-18, 2, 5, 0, 5, 1, 5, 2, 1e-20, 2, 0, 1}, {}});
+}
+
+/// Lattices of which some coordinates are moved by far less than an ulp of the lengths, down to
+/// denormals: many exact ties and many that are ties but for the last digits.
+TEST(ProximityGraphs, LatticesMovedByAlmostNothing) {
+  const double moves[] = {1e-16, 1e-18, 1e-20, 3e-32, 1e-40, 1e-150, 1e-300, 5e-324};
+  for_random_seeds(10'000, [&](std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    const auto d = static_cast<unsigned>(1 + random() % 3);
+    const std::uint64_t width = 2 + random() % 3;
+    LiftedSet s{"moved lattice " + std::to_string(seed), d, {}, {}};
+    const std::size_t n = 3 + random() % (d == 3 ? 7 : 10);
+    for (std::size_t i = 0; i < n * d; ++i) {
+      const auto whole = static_cast<double>(random() % width);
+      const double moved = moves[random() % std::size(moves)] * (random() % 2 == 0 ? 1 : -1);
+      s.rows.push_back(whole == 0 && random() % 3 == 0 ? moved : whole);
+    }
+    check(s);
+  });
 }
 
 /// Lunes whose points are not neighbours of either end, and clusters far from each other.

@@ -31,8 +31,8 @@ struct MeasuredEdge {
   bool exact;  ///< `size` is not rounded
 };
 
-/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; then edges whose
-/// rounded lengths are too close are sorted again by exact comparisons.
+/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; then each run of
+/// edges whose lengths are too close for that is sorted again by exact comparisons.
 class EdgeOrder {
  public:
   EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
@@ -58,13 +58,12 @@ class EdgeOrder {
   }
 
   void sort(std::vector<MeasuredEdge>& edges) const {
-    std::sort(edges.begin(), edges.end(), [](const MeasuredEdge& a, const MeasuredEdge& b) {
-      if (a.size.high != b.size.high) return a.size.high < b.size.high;
-      return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
-    });
+    std::sort(edges.begin(), edges.end(), rounded_less);
     for (std::size_t begin = 0; begin < edges.size();) {
       std::size_t end = begin + 1;
       bool exact = edges[begin].exact;
+      // Two exact lengths belong to one run, too, if they are close: an inexact one may belong
+      // before the first of them, and another one after the last.
       for (; end < edges.size() && near(edges[end - 1], edges[end]); ++end)
         exact = exact && edges[end].exact;
       if (!exact && end - begin > 1)
@@ -76,14 +75,18 @@ class EdgeOrder {
   }
 
  private:
-  /// Whether two lengths may be in the wrong order: their difference is at most twice the error of
-  /// both, 2^-101 per operation. True if they overflowed.
+  static bool rounded_less(const MeasuredEdge& a, const MeasuredEdge& b) {
+    if (a.size.high != b.size.high) return a.size.high < b.size.high;
+    return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
+  }
+  /// Whether two lengths would be in doubt if both were rounded: their difference is at most twice
+  /// the error of both, 2^-101 per operation. True if they overflowed.
   bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
-    if (a.exact && b.exact) return false;
     const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
     return !((b.size.high - a.size.high) + (b.size.low - a.size.low) > doubt);
   }
   bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
+    if (a.exact && b.exact) return rounded_less(a, b);
     const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
                                       p_.row(b.edge.low), p_.row(b.edge.high));
     return sign != Sign::zero ? sign == Sign::negative : a.edge < b.edge;
