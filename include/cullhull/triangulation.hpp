@@ -87,8 +87,8 @@ struct Triangulation {
   /// The cell that each hull facet belongs to.
   Array<std::uint32_t> hull_cells;
 
-  /// Ascending by id. The representative of equal points is the lowest id; with weights, the
-  /// largest weight, then the lowest id.
+  /// Ascending by id. The representative of equal points is the lowest id; with weights, that of
+  /// the largest weight (with furthest_site: of the smallest weight), then the lowest id.
   std::vector<DuplicatePoint> duplicates;
   /// Points that are neither vertices nor duplicates, ascending: with weights, those whose lifted
   /// point is not an extreme point of the lower hull; with furthest_site, of the upper hull.

@@ -119,10 +119,11 @@ struct InsertionOrder {
 };
 
 /// The order for n points of d finite coordinates each. `weights`: null, or one per point. The
-/// representative of equal points is the one of the largest weight, then of the lowest id. The
-/// order affects the running time, never the triangulation.
+/// representative of equal points is the one that is lowest in the lift, so of the largest weight;
+/// for the upper hull (`furthest`) the highest one, of the smallest weight; then of the lowest id.
+/// The order affects the running time, never the triangulation.
 InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
-                               const double* weights, const Run& run) {
+                               const double* weights, bool furthest, const Run& run) {
   InsertionOrder order;
   Array<KeyedId> items(n), scratch(n);
   for (std::uint32_t i = 0; i < n; ++i) items[i] = {0, i};
@@ -137,9 +138,8 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
     std::uint32_t best = items[begin].id;
     for (std::uint32_t i = begin + 1; i < end; ++i) {
       const std::uint32_t id = items[i].id;
-      const bool heavier = weights != nullptr && weights[id] > weights[best];
-      const bool lighter = weights != nullptr && weights[id] < weights[best];
-      if (heavier || (!lighter && id < best)) best = id;
+      const double more = weights == nullptr ? 0 : weights[id] - weights[best];
+      if (more == 0 ? id < best : (more > 0) != furthest) best = id;
     }
     for (std::uint32_t i = begin; i < end; ++i)
       if (items[i].id != best) order.duplicates.push_back({items[i].id, best});
@@ -295,7 +295,7 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   check_weights(weights);
   Prepared out;
   InsertionOrder order =
-      insertion_order(rows.data(), n, d, weighted ? weights.data() : nullptr, run);
+      insertion_order(rows.data(), n, d, weighted ? weights.data() : nullptr, furthest, run);
   out.duplicates = std::move(order.duplicates);
   if (!left_out.empty())
     std::erase_if(order.ids, [&](std::uint32_t id) {

@@ -85,7 +85,6 @@ class BruteForce {
       points_.push_back(std::move(x));
       lifts_.push_back(sign * lift);
     }
-    weights_ = weights;
   }
 
   BruteTriangulation run() {
@@ -120,7 +119,7 @@ class BruteForce {
     for (const auto& [x, ids] : places) {
       std::uint32_t best = ids[0];
       for (const std::uint32_t id : ids)
-        if (!weights_.empty() && weights_[id] > weights_[best]) best = id;
+        if (lifts_[id] < lifts_[best]) best = id;
       ids_.push_back(best);
       for (const std::uint32_t id : ids)
         if (id != best) out_.duplicates.emplace_back(id, best);
@@ -246,7 +245,6 @@ class BruteForce {
   std::uint32_t n_;
   std::vector<Rationals> points_;
   Rationals lifts_;
-  std::vector<double> weights_;
   CellIds ids_;
   BruteTriangulation out_;
 };

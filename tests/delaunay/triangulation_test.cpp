@@ -87,6 +87,30 @@ TEST(Triangulation, FurthestSiteIsTheUpperHull) {
     }
 }
 
+/// Of equal points the highest in the lift is a vertex of the upper hull: that of smallest weight.
+TEST(Triangulation, FurthestSiteOfEqualPointsOfDifferentWeights) {
+  TriangulationOptions o;
+  o.furthest_site = true;
+  const LiftedSet named{"corners", 2, {0, 0, 4, 0, 0, 4, 4, 0}, {0, 0, 0, 2}};
+  const Triangulation t = triangulate(named, o);
+  EXPECT_EQ(t.duplicates, (std::vector<DuplicatePoint>{{3, 1}}));
+  std::vector<LiftedSet> sets{named};
+  for (std::uint64_t seed = 0; seed < 60; ++seed)
+    sets.push_back(with_weights(drawn_grid(1 + seed % 3, 9, 2, 1, 0, seed), 2, seed, true));
+  for (const LiftedSet& s : sets) {
+    for (const bool furthest : {false, true}) {
+      o.furthest_site = furthest;
+      Triangulation found = triangulate(s, o);
+      expect_brute(s, found, furthest ? -1 : 1);
+      const Certificate c = certified(s, found);
+      EXPECT_TRUE(c.valid) << s.name << ": " << c.reason;
+      if (found.duplicates.empty()) continue;
+      std::swap(found.duplicates[0].id, found.duplicates[0].representative);
+      EXPECT_FALSE(certified(s, found).valid) << s.name;
+    }
+  }
+}
+
 TEST(Triangulation, LargerSetsAreCertified) {
   for (unsigned d = 1; d <= 7; ++d)
     for (const LiftedSet& s : sampled(large_lifted_sets(d, d <= 3   ? 3000

@@ -101,6 +101,25 @@ TEST(TriangulationQuery, FurthestSite) {
     for (const LiftedSet& s : small_lifted_sets(d, 19)) check(s, 15, true);
 }
 
+/// The furthest of all points, not only of the vertices, where equal points have different weights.
+TEST(TriangulationQuery, FurthestOfEqualPointsOfDifferentWeights) {
+  TriangulationOptions o;
+  o.furthest_site = true;
+  const auto furthest = [&](const LiftedSet& s, const double* q) {
+    const TriangulationQuery query(view_of(s), triangulate(s, o), s.weights);
+    return query.nearest(q);
+  };
+  const double left[] = {-5, 1};
+  EXPECT_EQ(furthest({"corners", 2, {0, 0, 4, 0, 0, 4, 4, 0}, {0, 0, 0, 2}}, left), 1U);
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const LiftedSet s = with_weights(drawn_grid(2, 12, 3, 1, 0, seed), 3, seed, true);
+    const Rationals at = rational_row(left, 2);
+    mpq_class most = slow_power(s, 0, at);
+    for (std::uint32_t i = 1; i < s.count(); ++i) most = std::max(most, slow_power(s, i, at));
+    EXPECT_TRUE(slow_power(s, furthest(s, left), at) == most) << s.name << ", seed " << seed;
+  }
+}
+
 TEST(TriangulationQuery, FewPoints) {
   for (unsigned d = 1; d <= 4; ++d) {
     LiftedSet s;

@@ -160,9 +160,10 @@ class TriangulationSubject {
       const double *a = row(p.id), *b = row(p.representative);
       if (role[p.representative] == duplicate || !std::equal(a, a + points_.dimension, b))
         fault("point ", p.representative, " cannot stand in for ", p.id);
-      const double heavier = weighted() ? weights_[p.id] : 0;
+      // The highest in the lift, for the furthest site, is the one of the smallest weight.
+      const double own = weighted() ? weights_[p.id] : 0;
       const double other = weighted() ? weights_[p.representative] : 0;
-      if (heavier > other || (heavier == other && p.id < p.representative))
+      if (own == other ? p.id < p.representative : (own > other) != t_.furthest_site)
         fault("point ", p.id, " should stand in for ", p.representative);
     }
     last = 0;
