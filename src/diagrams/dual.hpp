@@ -18,9 +18,15 @@
 
 namespace cullhull::internal::inline diagrams {
 
-/// Throws Error{invalid_argument} if points or weights are not those of the triangulation.
+/// Throws Error{invalid_argument} if points or weights are not those of the triangulation, or if
+/// its lists have wrong sizes or hold ids or numbers that do not exist. So no list is read beyond
+/// its end. Neighbours that are not mutual pass, which walks must allow for: throw bad_neighbours()
+/// after more steps than there are cells.
 void require_points_of(const Triangulation& t, const PointView& points,
-                       std::span<const double> weights);
+                       std::span<const double> weights, const Run& run);
+
+/// Throws Error{invalid_argument}: neighbours are not mutual, or a walk by them does not end.
+[[noreturn]] void bad_neighbours();
 
 /// Throws Error{invalid_argument} for furthest-site triangulations and hidden points. `what`: the
 /// plural noun that the message begins with.

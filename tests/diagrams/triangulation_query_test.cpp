@@ -4,11 +4,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/interpolate.hpp"
+#include "cullhull/proximity_graphs.hpp"
+#include "cullhull/voronoi.hpp"
 #include "diagrams/slow_cells.hpp"
 #include "thrown.hpp"
 
@@ -235,6 +240,101 @@ TEST(TriangulationQuery, RefusesWhatIsNone) {
   rows = {0, 0};
   message_of([&] { query.find(PointView::row_major(rows.data(), 1, 2), out.data(), o); },
              ErrorCode::cancelled);
+}
+
+/// Whether every function that takes the triangulation returns or throws Error{invalid_argument}.
+void expect_answers_or_errors(const LiftedSet& s, const Triangulation& t) {
+  const PointView points = view_of(s);
+  const auto attempt = [](const auto& call) {
+    try {
+      call();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
+    }
+  };
+  attempt([&] {
+    const TriangulationQuery query(points, t, s.weights);
+    std::vector<std::uint32_t> found(s.count());
+    std::vector<double> shares(s.count() * std::max(t.corners(), 1U));
+    query.nearest(points, found.data());
+    query.find(points, found.data());
+    query.barycentric(points, found.data(), shares.data());
+  });
+  const Voronoi none;
+  attempt([&] { voronoi(points, t, s.weights); });
+  const std::vector<double> low(s.dimension, -1), high(s.dimension, 2);
+  attempt([&] { clip_voronoi(points, t, low, high, s.weights); });
+  attempt([&] { alpha_shape(points, t, 0.5); });
+  attempt([&] { critical_alpha(points, t, AlphaGoal::one_region); });
+  attempt([&] { concave_hull(points, t, 0.1); });
+  attempt([&] { concave_length(points, t, 0.5); });
+  attempt([&] {
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t c = 0; c < t.size(); c += 2) some.push_back(c);
+    cell_polygons(points, t, some);
+  });
+  attempt([&] { minimum_spanning_tree(points, t); });
+  attempt([&] { gabriel_graph(points, t); });
+  attempt([&] { relative_neighbourhood_graph(points, t); });
+  attempt([&] {
+    std::vector<double> out(s.count());
+    const Interpolator values(points, t, s.rows.data(), 1);
+    values.linear(points, out.data());
+    values.natural(points, out.data());
+  });
+  attempt([&] { certify(points, t); });
+}
+
+/// A neighbour, a corner, a group or an axis that is wrong, or two that are exchanged: an error, or
+/// an answer that means nothing, but no walk without end and nothing read beyond a list.
+TEST(TriangulationQuery, WrongListsEnd) {
+  std::mt19937_64 random(5);
+  for (unsigned d = 1; d <= 4; ++d)
+    for (const LiftedSet& s : {random_points(d, 12, d), drawn_grid(d, 30, 4, 1, 0, d)}) {
+      const Triangulation whole = triangulate(s);
+      for (unsigned i = 0; i < 400; ++i) {
+        Triangulation t = whole;
+        Array<std::uint32_t>* const lists[] = {&t.neighbours,  &t.neighbours,  &t.cells,
+                                               &t.cell_groups, &t.hull_facets, &t.hull_cells};
+        Array<std::uint32_t>& list = *lists[random() % std::size(lists)];
+        if (list.empty()) continue;
+        std::uint32_t& item = list[random() % list.size()];
+        const std::uint64_t kind = random() % 4;
+        if (kind == 0)
+          item = static_cast<std::uint32_t>(random());
+        else if (kind == 1)
+          std::swap(item, list[random() % list.size()]);
+        else if (kind == 2)
+          item = list[random() % list.size()];
+        else
+          list.pop_back();
+        expect_answers_or_errors(s, t);
+        if (HasFailure()) FAIL() << s.name << ", change " << i;
+      }
+      for (std::uint32_t axis : {0U, 1U, 7U}) {
+        Triangulation t = whole;
+        t.axes.back() = axis;
+        expect_answers_or_errors(s, t);
+        t.axes.push_back(0);
+        expect_answers_or_errors(s, t);
+      }
+    }
+}
+
+/// Neighbours of two cells that refer to each other only; and cells whose points have moved,
+/// between which a visibility walk goes in a circle.
+TEST(TriangulationQuery, WalksRoundAPointEnd) {
+  const LiftedSet s = random_points(2, 200, 7);
+  Triangulation t = triangulate(s);
+  for (std::size_t i = 0; i < t.neighbours.size(); ++i)
+    if (t.neighbours[i] == no_cell) t.neighbours[i] = 0;
+  EXPECT_THROW(voronoi(view_of(s), t), Error);
+  std::mt19937_64 random(1);
+  for (unsigned i = 0; i < 50; ++i) {
+    LiftedSet moved = s;
+    std::shuffle(moved.rows.begin(), moved.rows.end(), random);
+    expect_answers_or_errors(moved, triangulate(s));
+  }
 }
 
 }  // namespace triangulation_query_test

@@ -377,6 +377,48 @@ void load_statistics(const State& state, cullhull::TriangulationStatistics& s) {
           "statistics");
 }
 
+/// Whether the cells that a neighbour reference joins share a facet and refer to each other; and
+/// whether the hull's facets are those without a neighbour. Other links would lead a walk around in
+/// a loop.
+void check_links(const Triangulation& t) {
+  const unsigned corners = t.corners();
+  std::size_t open = 0;
+  for (std::uint32_t c = 0; c < t.size(); ++c) {
+    const auto own = t.cell(c), across = t.neighbours_of(c);
+    for (unsigned i = 1; i < corners; ++i)
+      require(std::find(own.begin(), own.begin() + i, own[i]) == own.begin() + i, "cells");
+    for (unsigned j = 0; j < corners; ++j) {
+      const std::uint32_t o = across[j];
+      if (o == cullhull::no_cell) {
+        ++open;
+        continue;
+      }
+      const auto other = t.cell(o), back = t.neighbours_of(o);
+      require(o != c && std::count(back.begin(), back.end(), c) == 1, "neighbours");
+      const auto apex =
+          static_cast<std::size_t>(std::find(back.begin(), back.end(), c) - back.begin());
+      for (unsigned i = 0; i < corners; ++i) {
+        const auto at =
+            static_cast<std::size_t>(std::find(other.begin(), other.end(), own[i]) - other.begin());
+        require(i == j ? at == corners : at < corners && at != apex, "neighbours");
+      }
+    }
+  }
+  if (corners < 2) return;
+  require(t.hull_cells.size() == open, "hull_facets");
+  for (std::size_t f = 0; f < t.hull_cells.size(); ++f) {
+    const auto facet = t.hull_facet(f);
+    const auto cell = t.cell(t.hull_cells[f]), across = t.neighbours_of(t.hull_cells[f]);
+    unsigned outside = 0;
+    for (unsigned i = 0; i < corners; ++i)
+      if (std::find(facet.begin(), facet.end(), cell[i]) == facet.end()) {
+        ++outside;
+        require(across[i] == cullhull::no_cell, "hull_facets");
+      }
+    require(outside == 1, "hull_facets");
+  }
+}
+
 /// Whatever a walk would go by: a wrong number must not lead out of an array.
 void check(const Triangulation& t) {
   const std::size_t corners = t.corners(), cells = t.size(), facets = t.hull_cells.size();
@@ -398,6 +440,7 @@ void check(const Triangulation& t) {
   check_below(t.hidden, t.point_count, "hidden");
   for (const cullhull::DuplicatePoint& p : t.duplicates)
     require(p.id < t.point_count && p.representative < t.point_count, "duplicates");
+  check_links(t);
 }
 
 std::unique_ptr<Cells> cells_of_state(const State& state) {

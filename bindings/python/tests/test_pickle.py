@@ -287,3 +287,56 @@ def test_natural_interpolators_and_constrained_triangulations(send):
     for name in ("points", "cells", "neighbours", "pieces", "piece_sources", "depths"):
         assert np.array_equal(getattr(back, name), getattr(forced, name)), name
     assert back.certificate and repr(back) == repr(forced)
+
+
+def _use(found):
+    """Whatever walks over a triangulation."""
+    asked = np.random.default_rng(1).random((40, found.dimension)) * 2
+    for ask in (
+        lambda: found.find_simplex(asked),
+        lambda: found.nearest(asked),
+        lambda: found.barycentric(asked),
+        lambda: cullhull.voronoi(found),
+        lambda: cullhull.voronoi(found).clip([-1] * found.dimension, [3] * found.dimension),
+        lambda: cullhull.alpha_shape(found, 0.5),
+        lambda: cullhull.concave_hull(found, edge_length=0.3),
+        lambda: cullhull.minimum_spanning_tree(found),
+        lambda: cullhull.relative_neighbourhood_graph(found),
+        lambda: cullhull.NaturalNDInterpolator(found, np.arange(found.point_count))(asked),
+        lambda: repr(found) + repr(found.certify()),
+    ):
+        try:
+            ask()
+        except (cullhull.Error, ValueError, IndexError):
+            pass
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_states_of_triangulations_that_are_wrong_end(d):
+    """One number of a pickled triangulation, or of its points, is another: refused, or it answers;
+    but no question goes on for ever."""
+    core, rng = cullhull._core, np.random.default_rng(d)
+    found = cullhull.delaunay(rng.integers(0, 9, (60, d)).astype(float))
+    state = core.state_of_cells(found._cells)
+    lists = [name for name, value in state.items() if isinstance(value, np.ndarray) and value.size]
+    refused = 0
+    for _ in range(400):
+        name = lists[rng.integers(len(lists))]
+        wrong = state[name].copy()
+        flat = wrong.reshape(-1)
+        at = rng.integers(flat.size)
+        if rng.random() < 0.5:
+            flat[at] = flat[rng.integers(flat.size)]
+        else:
+            flat[at] = rng.choice([-1, 0, 1, 2, 7])
+        try:
+            damaged = core.cells_of_state({**state, name: wrong})
+        except cullhull.InvalidArgument:
+            refused += 1
+            continue
+        _use(cullhull.Triangulation._of(damaged))
+    assert refused > 100
+    wrong = state["neighbours"].copy()
+    wrong[wrong == 3] = 4
+    with pytest.raises(cullhull.InvalidArgument, match="neighbours"):
+        core.cells_of_state({**state, "neighbours": wrong})

@@ -82,7 +82,8 @@ Interpolator::Interpolator(const PointView& points, const Triangulation& triangu
                 "furthest site");
   const Call call(options);
   TriangulationQuery query(points, triangulation, {}, options);
-  state_ = std::make_unique<State>(State{std::move(query), components, triangulation.corners(),
+  const unsigned corners = query.corners();
+  state_ = std::make_unique<State>(State{std::move(query), components, corners,
                                          Array<double>(values, values + points.count * components),
                                          NaturalTriangulation(points, triangulation, call.run)});
 }

@@ -52,7 +52,7 @@ std::vector<double> shares_of(const Cavity<K>& cavity) {
   const std::vector<mpq_class> volumes = StolenVolumes<mpq_class, K>(cavity).run();
   mpq_class sum = 0;
   for (const mpq_class& v : volumes) sum += v;
-  for (const mpq_class& v : volumes) shares.push_back(nearest_double(v / sum));
+  for (const mpq_class& v : volumes) shares.push_back(nearest_double(v / divisor(sum)));
   return shares;
 }
 

@@ -125,10 +125,12 @@ class StolenVolumes {
     Point x;
     if constexpr (K == 2) {
       const Real det = determinant(m[0][0], m[0][1], m[1][0], m[1][1]);
+      divisor(det);
       x[0] = determinant(right[0], m[0][1], right[1], m[1][1]) / det;
       x[1] = determinant(m[0][0], right[0], m[1][0], right[1]) / det;
     } else {
       const Real det = determinant(m);
+      divisor(det);
       for (unsigned j = 0; j < 3; ++j) {
         std::array<Point, 3> with = m;
         for (unsigned i = 0; i < 3; ++i) with[i][j] = right[i];

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "diagrams/dual.hpp"
 #include "diagrams/locate/walk_mesh.hpp"
 #include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
@@ -80,7 +81,10 @@ class Walk {
   /// Sets cell_ to a cell that contains q, or to the cell where the walk left the hull (then
   /// false).
   bool walk(const double* q) {
+    // In a triangulation as documented no cell is met twice.
+    std::size_t left = mesh_.numbers.size();
     for (std::uint32_t from = nowhere;;) {
+      if (left-- == 0) bad_neighbours();
       const std::uint32_t* v = mesh_.corners_of(cell_);
       const std::uint32_t* across = mesh_.neighbours_of(cell_);
       zeros_.clear();

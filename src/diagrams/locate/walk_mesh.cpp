@@ -27,11 +27,7 @@ Array<KeyedId> sorted_by_key(const Array<std::uint32_t>& keys, unsigned bits, co
 /// The distinct ids of all cells, ascending.
 Array<std::uint32_t> vertices_of(const Triangulation& t) {
   std::vector<bool> seen(t.point_count);
-  for (const std::uint32_t v : t.cells) {
-    if (v >= t.point_count)
-      throw Error(ErrorCode::invalid_argument, "a cell has the point ", v, " of ", t.point_count);
-    seen[v] = true;
-  }
+  for (const std::uint32_t v : t.cells) seen[v] = true;
   Array<std::uint32_t> ids;
   for (std::uint64_t i = 0; i < seen.size(); ++i)
     if (seen[i]) ids.push_back(static_cast<std::uint32_t>(i));
@@ -44,10 +40,10 @@ WalkMesh::WalkMesh(const PointView& points, const Triangulation& t, std::span<co
                    const Run& run)
     : dimension(t.dimension),
       affine_dimension(t.affine_dimension),
-      corners(t.corners()),
+      corners(t.cells.empty() ? 0 : t.corners()),
       stride(t.dimension + (weights.empty() ? 0 : 1)),
       furthest(t.furthest_site) {
-  require_points_of(t, points, weights);
+  require_points_of(t, points, weights, run);
   columns = flat_columns(t.axes, dimension);
   if (corners > 0) take_vertices(points, t, weights, run);
 }

@@ -19,7 +19,7 @@ struct WalkMesh {
 
   unsigned dimension = 0;     ///< d
   int affine_dimension = -1;  ///< k
-  unsigned corners = 0;       ///< k + 1
+  unsigned corners = 0;       ///< k + 1; 0 without cells
   unsigned stride = 0;        ///< numbers per row: d, with weights d + 1
   bool furthest = false;
   std::vector<std::uint32_t> columns;  ///< flat_columns()

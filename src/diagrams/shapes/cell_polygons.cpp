@@ -85,14 +85,18 @@ class PolygonWriter {
       if (place_[to] > 0) close(path, place_[to] - 1, piece);
       turn(c, j, to);
     }
+    if (!path.empty()) bad_neighbours();
   }
 
   /// Moves from the edge that ends at v to the one that begins there.
   void turn(std::uint32_t& c, unsigned& j, std::uint32_t v) const {
     j = (j + 1) % 3;  // opposite to the start of the edge
-    while (!on_boundary(c, j)) {
+    for (std::uint64_t steps = 0; !on_boundary(c, j);) {
+      if (++steps > t_.size()) bad_neighbours();
       c = t_.neighbours_of(c)[j];
-      j = (place_in(t_.cell(c), v) + 2) % 3;
+      const unsigned at = place_in(t_.cell(c), v);
+      if (at == 3) bad_neighbours();
+      j = (at + 2) % 3;
     }
   }
 

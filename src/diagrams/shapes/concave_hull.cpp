@@ -88,7 +88,9 @@ class Digging {
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = t_.neighbours_of(side.cell)[j];
         if (o == no_cell || kept_[o] == 0) continue;
-        add(o, place_in(t_.neighbours_of(o), side.cell));
+        const unsigned corner = place_in(t_.neighbours_of(o), side.cell);
+        if (corner == 3) bad_neighbours();
+        add(o, corner);
       }
     }
     return std::move(kept_);

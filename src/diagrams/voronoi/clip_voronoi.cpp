@@ -464,7 +464,7 @@ template <unsigned D>
 PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const Region<D>& region,
                         const Run& run) {
   if constexpr (D == 2)
-    if (region.size() > 1 && t.corners() > 0) return {cells, t, region, run};
+    if (region.size() > 1 && !t.cells.empty()) return {cells, t, region, run};
   return {};
 }
 

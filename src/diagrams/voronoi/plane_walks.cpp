@@ -42,6 +42,7 @@ class PlaneWalk {
       const std::uint32_t first = most_clockwise(v, start);
       if (first_is_open_) regions.push_back(at_infinity);
       std::uint32_t right = first_is_open_ ? at_infinity : t_.group(across(first, v, 2));
+      std::uint64_t steps = 0;
       for (std::uint32_t c = first;;) {
         const std::uint32_t group = t_.group(c);
         const unsigned at = place_in(t_.cell(c), v);
@@ -51,6 +52,7 @@ class PlaneWalk {
         const std::uint32_t next = t_.neighbours_of(c)[(at + 1) % 3];
         if (next == no_cell) add_ridge(v, t_.cell(c)[(at + 2) % 3], at_infinity, right);
         if (next == no_cell || next == first) break;
+        if (++steps > t_.size()) bad_neighbours();
         c = next;
       }
       if (!first_is_open_) begin_with_lowest(before);
@@ -80,7 +82,9 @@ class PlaneWalk {
   std::uint32_t most_clockwise(std::uint32_t v, std::uint32_t start) {
     first_is_open_ = false;
     std::uint32_t first = start;
+    std::uint64_t steps = 0;
     for (std::uint32_t c = across(start, v, 2); c != start; c = across(c, v, 2)) {
+      if (++steps > t_.size()) bad_neighbours();
       if (c == no_cell) {
         first_is_open_ = true;
         return first;

@@ -162,7 +162,9 @@ class RidgeWriter {
     const auto [begin, end] = others(e, first);
     std::uint32_t kept = t_.cell(first)[end];
     unsigned leave = begin;
+    std::size_t left = e.cells.size();
     for (std::uint32_t c = first;;) {
+      if (left-- == 0) bad_neighbours();
       if (out.empty() || out.back() != t_.group(c)) out.push_back(t_.group(c));
       c = t_.neighbours_of(c)[leave];
       if (c == no_cell || c == first) break;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -65,15 +66,61 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
   out.regions = lists.join();
 }
 
+void require_list(bool holds, const char* what) {
+  if (!holds)
+    throw Error(ErrorCode::invalid_argument, "this is no triangulation: its ", what,
+                " are not those of its cells and points");
+}
+
+/// Linear time. Groups are numbered in the order of their first cells.
+void require_lists(const Triangulation& t, const Run& run) {
+  const std::size_t m = t.corners(), cells = t.size();
+  require_list(t.affine_dimension >= -1 && t.affine_dimension <= static_cast<int>(t.dimension) &&
+                   t.axes.size() + (m == 0 ? 0 : 1) == m &&
+                   std::is_sorted(t.axes.begin(), t.axes.end(), std::less_equal<>()) &&
+                   (t.axes.empty() || t.axes.back() < t.dimension),
+               "axes");
+  require_list(t.cells.size() == cells * m && (m != 1 || cells == 1), "cells");
+  require_list(t.neighbours.size() == t.cells.size(), "neighbours");
+  require_list(t.hull_facets.size() == t.hull_cells.size() * (m == 0 ? 0 : m - 1), "hull_facets");
+  const auto below = [](const auto& list, std::uint64_t end) {
+    return std::all_of(list.begin(), list.end(), [end](std::uint32_t v) { return v < end; });
+  };
+  require_list(below(t.hull_facets, t.point_count), "hull_facets");
+  require_list(below(t.hull_cells, cells), "hull_cells");
+  require_list(t.cell_groups.empty() || t.cell_groups.size() == cells, "cell_groups");
+  for (std::uint32_t groups = 0; const std::uint32_t g : t.cell_groups) {
+    require_list(g <= groups, "cell_groups");
+    if (g == groups) ++groups;
+  }
+  run.each(cells, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t c = begin; c < end; ++c) {
+      const auto v = t.cell(c);
+      for (unsigned i = 0; i < m; ++i) {
+        require_list(v[i] < t.point_count, "cells");
+        for (unsigned j = 0; j < i; ++j) require_list(v[i] != v[j], "cells");
+        const std::uint32_t o = t.neighbours_of(c)[i];
+        require_list(o < cells || o == no_cell, "neighbours");
+      }
+    }
+  });
+}
+
 }  // namespace
 
+void bad_neighbours() {
+  throw Error(ErrorCode::invalid_argument,
+              "this is no triangulation of these points: its neighbours do not fit together");
+}
+
 void require_points_of(const Triangulation& t, const PointView& points,
-                       std::span<const double> weights) {
+                       std::span<const double> weights, const Run& run) {
   if (points.dimension != t.dimension || points.count != t.point_count)
     throw Error(ErrorCode::invalid_argument, "the triangulation is of ", t.point_count,
                 " points in dimension ", t.dimension, ", not of ", points.count, " in dimension ",
                 points.dimension);
   if (!weights.empty()) require_weights(weights, points.count);
+  require_lists(t, run);
 }
 
 void require_unweighted(const Triangulation& t, const char* what) {
@@ -86,7 +133,7 @@ void require_unweighted(const Triangulation& t, const char* what) {
 DualPoints::DualPoints(const PointView& points, const Triangulation& t,
                        std::span<const double> weights, const Run& run)
     : stride_(t.dimension + (weights.empty() ? 0 : 1)), weighted_(!weights.empty()) {
-  require_points_of(t, points, weights);
+  require_points_of(t, points, weights, run);
   rows_ = gather_points(points, nullptr, points.count, run);
   if (!weighted_) return;
   const unsigned d = t.dimension;

@@ -6,6 +6,7 @@
 
 #include "exact/determinants/minors.hpp"
 #include "exact/insphere/lift_filter.hpp"
+#include "exact/numbers/bounded.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
@@ -161,7 +162,7 @@ std::vector<mpq_class> in_span(const RationalRows& edges, const std::vector<mpq_
     for (std::size_t j = 0; j < k; ++j) m[i][j] = dot(edges[i], edges[j]);
     m[i][k] = right[i];
   }
-  solve(m);
+  if (!solve(m)) flat_simplex();
   std::vector<mpq_class> sum(edges[0].size());
   for (std::size_t i = 0; i < k; ++i)
     for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += m[i][k] * edges[i][j];

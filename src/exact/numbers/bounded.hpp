@@ -5,10 +5,30 @@
 
 #include <cmath>
 
+#include "cullhull/error.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 
 namespace cullhull::internal::inline exact {
+
+/// Throws Error{invalid_argument}. Simplices of triangulations have a volume, so their determinants
+/// are not zero; those from outside may be wrong.
+[[noreturn]] inline void flat_simplex() {
+  throw Error(ErrorCode::invalid_argument,
+              "this is no triangulation of these points: a cell is flat");
+}
+
+/// Returns x. Throws like flat_simplex() if it is zero and of GMP's numbers, whose division by zero
+/// ends the process; other numbers become infinite or NaN.
+template <class Real>
+const Real& divisor(const Real& x) {
+  if constexpr (requires { x.is_zero(); }) {
+    if (x.is_zero()) flat_simplex();
+  } else if constexpr (requires { sgn(x); }) {
+    if (sgn(x) == 0) flat_simplex();
+  }
+  return x;
+}
 
 /// A double-double with a bound: the exact number is within `error` of `value`. Operations err by
 /// less than 2^-101 relatively, and by 2^-1000 if something underflows; factors of 1 + 2^-40 cover

@@ -42,12 +42,13 @@ std::array<Real, 3> cross(const std::array<Real, 3>& a, const std::array<Real, 3
 /// Returns the point in which the planes meet, which must be unique, by Cramer's rule.
 template <class Real>
 std::array<Real, 1> meeting(const std::array<const Halfspace<1, Real>*, 1>& h) {
-  return {Real(h[0]->offset / h[0]->normal[0])};
+  return {Real(h[0]->offset / divisor(h[0]->normal[0]))};
 }
 template <class Real>
 std::array<Real, 2> meeting(const std::array<const Halfspace<2, Real>*, 2>& h) {
   const auto &a = *h[0], &b = *h[1];
   const Real det = a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0];
+  divisor(det);
   return {Real((a.offset * b.normal[1] - b.offset * a.normal[1]) / det),
           Real((a.normal[0] * b.offset - b.normal[0] * a.offset) / det)};
 }
@@ -64,6 +65,7 @@ std::array<Real, 3> meeting(const std::array<const Halfspace<3, Real>*, 3>& h) {
   // `minors` belong to the last plane.
   Real det = h[2]->normal[0] * minors[0];
   for (unsigned j = 1; j < 3; ++j) det = det + h[2]->normal[j] * minors[j];
+  divisor(det);
   for (Real& x : sum) x = x / det;
   return sum;
 }

@@ -1,6 +1,25 @@
 #include "io/write/output_text.hpp"
 
+#include <algorithm>
+
+#include "cullhull/error.hpp"
+
 namespace cullhull::internal::inline io {
+
+void require_triangulation_of(const PointView& points, const Triangulation& t) {
+  const auto exist = [&](const Array<std::uint32_t>& ids) {
+    return std::all_of(ids.begin(), ids.end(), [&](std::uint32_t v) { return v < t.point_count; });
+  };
+  const std::size_t m = t.corners();
+  if (points.count != t.point_count || points.dimension != t.dimension || t.affine_dimension < -1 ||
+      m > t.dimension + std::size_t{1} || t.cells.size() != t.size() * m ||
+      t.neighbours.size() != t.cells.size() || t.axes.size() + (m == 0 ? 0 : 1) != m ||
+      std::any_of(t.axes.begin(), t.axes.end(),
+                  [&](std::uint32_t a) { return a >= t.dimension; }) ||
+      t.hull_facets.size() != t.hull_cells.size() * (m == 0 ? 0 : m - 1) || !exist(t.cells) ||
+      !exist(t.hull_facets))
+    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+}
 
 void write_vtk(const std::string& path, const PointView& points, const Triangulation& t,
                std::span<const std::uint32_t> cells) {

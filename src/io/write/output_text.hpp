@@ -50,6 +50,10 @@ class OutputText {
   std::string text_;
 };
 
+/// Throws Error{invalid_argument} if the triangulation is not that of the points, or if its cells
+/// or hull facets have points that do not exist.
+void require_triangulation_of(const PointView& points, const Triangulation& t);
+
 /// VTK's legacy text of these cells of a triangulation of up to 3 dimensions.
 void write_vtk(const std::string& path, const PointView& points, const Triangulation& t,
                std::span<const std::uint32_t> cells);

@@ -173,8 +173,7 @@ void check_triangulation_format(const std::string& path, std::uint32_t dimension
 
 void write_triangulation(const std::string& path, const PointView& points, const Triangulation& t,
                          const std::string& format, std::span<const double> heights) {
-  if (points.count != t.point_count || points.dimension != t.dimension)
-    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+  require_triangulation_of(points, t);
   const std::string f = output_format(path, format, "json");
   if (!heights.empty() && is_map(f)) refuse_heights(f);
   std::vector<double> rows;
