@@ -345,6 +345,9 @@ class Triangulation(FoundCells):
             given = np.atleast_1d(cells)
             if given.dtype.kind not in "iu":
                 raise InvalidArgument(f"cells should be integers, not {given.dtype}")
+            wrong = (given < -1) | (given >= self.cell_count)
+            if wrong.any():  # before the conversion, which would wrap it
+                raise InvalidArgument(f"there is no cell {given[wrong][0]} of {self.cell_count}")
             found = np.ascontiguousarray(given, dtype=np.int32)
             if found.shape != (len(array),):
                 raise InvalidArgument(f"{len(array)} points need as many cells")

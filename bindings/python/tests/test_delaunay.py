@@ -501,3 +501,15 @@ def test_cells_are_integers(cells):
     found = cullhull.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
     with pytest.raises(cullhull.InvalidArgument, match="cells should be integers"):
         found.barycentric([0.25, 0.25], cells)
+
+
+@pytest.mark.parametrize("cell", [2**32, 2**32 + 1, 2**63, 2**64 - 1, -2, -(2**32), -(2**63), 2])
+def test_cells_out_of_range_are_refused(cell):
+    found = cullhull.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
+    asked = [[0.25, 0.25], [0.5, 0.25]]
+    for kind in (np.uint64,) if cell >= 2**63 else (np.int64,):
+        with pytest.raises(cullhull.InvalidArgument, match=f"there is no cell {cell} of 2"):
+            found.barycentric(asked, np.array([0, cell], dtype=kind))
+    with pytest.raises(cullhull.InvalidArgument, match=f"there is no cell {cell} of 2"):
+        found.barycentric(asked[0], cell)
+    assert np.isnan(found.barycentric(asked, [0, -1])[1]).all()
