@@ -108,13 +108,37 @@ def read(
     if reader in (_native, _las):
         pieces = reader(name, columns, size, raw)
     else:
-        pieces = reader(name, columns, size)
+        pieces = _said_once(reader, name, columns, size, ending)
     if size is not None:
         return pieces
     parts = list(pieces)
     if not parts:
         raise BadFile(f"{name}: no points")
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+
+def _said_once(
+    reader: Any, name: str, columns: Columns, size: int | None, ending: str
+) -> Iterator[npt.NDArray[Any]]:
+    """What another package raises for a damaged file as one line of ours; what the system refuses,
+    a package that is missing and what the caller raises as they are."""
+    try:
+        yield from reader(name, columns, size)
+    except (Error, ImportError, MemoryError, Warning):
+        raise
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise _damaged(name, ending, error) from error
+    except Exception as error:
+        raise _damaged(name, ending, error) from error
+
+
+def _damaged(name: str, ending: str, error: Exception) -> BadFile:
+    reason = str(error).strip().split("\n")[0]
+    if not reason or "pickle" in reason:  # NumPy advises to run what the file holds
+        reason = "it holds no array of numbers"
+    return BadFile(f"{name}: damaged, or no {ending} file: {reason}")
 
 
 def _opened(name: str) -> Any:

@@ -395,3 +395,32 @@ def test_columns_as_the_program_takes_them(tmp_path):
     path = tmp_path / "points.csv"
     path.write_text("id,x,y,z\n7,1,2,3\n8,4,5,6\n")
     assert cullhull.read(path, columns="z, x").tolist() == [[3, 1], [6, 4]]
+
+
+def test_npy_that_is_damaged_is_a_bad_file(tmp_path):
+    """Each byte of the head changed, the file cut, other things under its name: an array that NumPy
+    can still read, or one line of ours."""
+    path = tmp_path / "a.npy"
+    np.save(path, np.arange(12.0).reshape(6, 2))
+    whole = path.read_bytes()
+    rng = np.random.default_rng(3)
+    damaged = [whole[:n] for n in (0, 3, 8, 60, 127, 140)]
+    damaged += [b"PK\x03\x04" + whole, b"\x80\x04N.", b"points", whole.replace(b"<f8", b"|O8")]
+    damaged += [whole.replace(b"(6, 2)", b"(6, 2" + b"0" * 20 + b")")]
+    for at in range(128):
+        for byte in rng.integers(0, 256, 4):
+            damaged.append(whole[:at] + bytes([byte]) + whole[at + 1 :])
+    refused = 0
+    for content in damaged:
+        path.write_bytes(content)
+        for chunks in (None, 4):
+            try:
+                found = cullhull.read(path, chunks=chunks)
+                assert len(found if chunks is None else list(found)) > 0
+            except cullhull.Error as error:
+                refused += 1
+                assert str(error).startswith(f"{path}: ") and "\n" not in str(error)
+                assert "pickle" not in str(error)
+    assert refused > 200
+    with pytest.raises(FileNotFoundError):
+        cullhull.read(tmp_path / "none.npy")
