@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._delaunay import Delaunay, Lifted
-from ._drop_in import ConvexHull
+from ._drop_in import ConvexHull, raise_flat
 from ._errors import InvalidArgument
 from ._incremental import Lazy
 from ._merging import (
@@ -136,10 +136,19 @@ class _TolerantLifted(Lifted):
         super().__init__(points, furthest_site, incremental, qhull_options, **choices)
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
+        before = self.__dict__.copy()
         super()._compute(everything, added)
         self.merge_distance = (
             rounding_distance(self.points) if self._asked is None else self._asked
         )
+        if self._asked is not None or self._options.joggled:
+            return
+        try:
+            self._peeled
+        except InvalidArgument:  # flat but for rounding: SciPy refuses such points
+            self.__dict__.clear()
+            self.__dict__.update(before)
+            raise_flat(everything, self.ndim - 1, "Delaunay")
 
     def __repr__(self) -> str:
         return f"{super().__repr__()[:-1]}, within {self.merge_distance:.2g}>"
@@ -188,7 +197,10 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
     Raises
     ------
     InvalidArgument (a ValueError)
-        As `Delaunay`; and where no simplex is thicker than `merge_distance`, when asked for it.
+        As `Delaunay`; and where no simplex is thicker than a `merge_distance` that was given, when
+        asked for it.
+    QhullError (a RuntimeError)
+        For too few points and for points in a flat, also but for their rounding, as SciPy.
 
     Examples
     --------
@@ -371,7 +383,10 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
     Raises
     ------
     InvalidArgument (a ValueError)
-        As `Voronoi`; and where no simplex is thicker than `merge_distance`, when asked for it.
+        As `Voronoi`; and where no simplex is thicker than a `merge_distance` that was given, when
+        asked for it.
+    QhullError (a RuntimeError)
+        For too few points and for points in a flat, also but for their rounding, as SciPy.
 
     Examples
     --------

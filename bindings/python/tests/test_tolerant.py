@@ -308,3 +308,42 @@ def test_tolerant_refusals():
         with pytest.raises(cullhull.InvalidArgument, match="no simplex is thicker"):
             kind(points, merge_distance=100).dropped
         assert "within" in repr(kind(points)) and kind.__name__ in repr(kind(points))
+
+
+FLAT = {
+    "one": np.zeros((1, 2)),
+    "two": np.array([[0, 0], [1, 1.0]]),
+    "three in space": np.eye(3),
+    "on a line": np.array([[0, 0], [1, 1], [2, 2], [3, 3.0]]),
+    "on a line but for rounding": np.c_[np.linspace(0, 1, 7), np.linspace(0, 0.3, 7)],
+    "thinner than rounding": np.array([[0, 0], [1, 0], [2, 0], [3, 1e-20]]),
+    "thin": np.array([[0, 0], [1, 0], [2, 0], [3, 1e-14]]),
+    "all equal": np.ones((6, 2)),
+    "in a plane": np.array([[x, y, 0.25 * x] for x in (0, 1, 2) for y in (0, 1, 3.0)]),
+    "in a plane but for rounding": np.array(
+        [[x, y, 0.3 * x + 0.7 * y] for x in (0, 0.1, 0.2) for y in (0, 0.1, 0.3)]
+    ),
+    "on a line in space": np.array([[t, t, t] for t in range(5)], dtype=float),
+}
+
+
+@pytest.mark.parametrize("points", [pytest.param(p, id=name) for name, p in FLAT.items()])
+@pytest.mark.parametrize("name", ["Delaunay", "Voronoi"])
+def test_tolerant_refuses_what_scipy_refuses(points, name):
+    spatial = pytest.importorskip("scipy.spatial")
+    ours = {"Delaunay": TolerantDelaunay, "Voronoi": TolerantVoronoi}[name]
+    with pytest.raises(spatial.QhullError) as theirs:
+        getattr(spatial, name)(points)
+    with pytest.raises(cullhull.QhullError) as mine:
+        ours(points)
+    assert isinstance(mine.value, spatial.QhullError)
+    assert str(mine.value)[:6] == str(theirs.value)[:6]  # QH6154, say
+
+
+def test_tolerant_keeps_its_points_where_added_ones_are_refused():
+    found = TolerantDelaunay([[0, 0], [1, 0], [0, 1.0]], incremental=True)
+    with pytest.raises(cullhull.QhullError):
+        found.add_points([[1e30, 1e30]])  # beside which the others are one point
+    assert found.npoints == 3 and len(found.simplices) == 1
+    found.add_points([[1, 1.0]])
+    assert found.npoints == 4 and len(found.simplices) == 2
