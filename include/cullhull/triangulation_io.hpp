@@ -39,8 +39,9 @@ void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::s
 
 /// Writes a shape of alpha_shape(points, triangulation, alpha): its boundary as .ply .obj .off .stl
 /// .glb .vtp (in 3D; of 2D points its triangles) or as polygons with holes, one for each connected
-/// part, .geojson .wkt (2D); its cells as .vtk (up to 3 dimensions); everything as .json. `alpha`:
-/// NaN for a shape of concave_hull, which has no alpha (null in .json).
+/// part (lines of points on a line, a point of equal ones), .geojson .wkt (2D); its cells as .vtk
+/// (up to 3 dimensions); everything as .json. `alpha`: NaN for a shape of concave_hull, which has
+/// no alpha (null in .json).
 void write_alpha_shape(const std::string& path, const PointView& points,
                        const Triangulation& triangulation, const AlphaShape& shape, double alpha,
                        const std::string& format = "");

@@ -209,7 +209,22 @@ class AlphaShape(Exported, Saved, Compared):
 
     def _geometry(self) -> dict[str, Any]:
         require_plane(self.dimension, "a shape")
-        return multipolygon_geometry(self._polygon_rows())
+        flat = self._flat_geometry()
+        return multipolygon_geometry(self._polygon_rows()) if flat is None else flat
+
+    def _flat_geometry(self) -> dict[str, Any] | None:
+        """Lines of points on a line, a point of equal ones; None for polygons, or without cells."""
+        found = self.triangulation
+        rows = np.asarray(self.points, dtype=np.float64)
+        if found.affine_dimension > 1 or len(self.cell_numbers) == 0:
+            return None
+        if found.affine_dimension == 0:
+            return {"type": "Point", "coordinates": rows[self.cells[0, 0]].tolist()}
+        ends = rows[self.facets[:, 0]]
+        ends = ends[np.argsort(ends[:, found.axes[0]])].reshape(-1, 2, 2)
+        if len(ends) == 1:
+            return {"type": "LineString", "coordinates": ends[0].tolist()}
+        return {"type": "MultiLineString", "coordinates": ends.tolist()}
 
     def _picture(self) -> Picture:
         found = self.triangulation
@@ -367,6 +382,9 @@ class ConcaveHull(AlphaShape):
 
     def _geometry(self) -> dict[str, Any]:
         require_plane(self.dimension, "a hull")
+        flat = self._flat_geometry()
+        if flat is not None:
+            return flat
         polygons = self._polygon_rows()
         if polygons:
             return polygon_geometry(polygons[0])

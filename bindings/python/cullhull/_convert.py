@@ -115,6 +115,6 @@ def _shape(shapely: Any, geometry: dict[str, Any]) -> Any:
         return shapely.Polygon(rows[0], rows[1:]) if rows else shapely.Polygon()
     if kind == "MultiPolygon":
         return shapely.MultiPolygon([(rings[0], rings[1:]) for rings in rows])
-    if kind in ("Point", "LineString"):
+    if kind in ("Point", "LineString", "MultiLineString"):
         return getattr(shapely, kind)(rows)
     raise InvalidArgument(f"no geometry of Shapely is a {kind}")

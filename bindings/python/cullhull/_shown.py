@@ -313,8 +313,10 @@ class Exported(Shown):
         ==================================== ===================================================
         `Hull`                               ``Polygon``; of points on a line ``LineString``, of
                                              equal ones ``Point``, of none an empty collection
-        `ConcaveHull`                        ``Polygon``
-        `AlphaShape`                         ``MultiPolygon``
+        `ConcaveHull`                        ``Polygon``; of points on a line ``LineString``, of
+                                             equal ones ``Point``
+        `AlphaShape`                         ``MultiPolygon``; of points on a line ``LineString``
+                                             or ``MultiLineString``, of equal ones ``Point``
         `Triangulation`                      ``GeometryCollection`` of triangles
         `ClippedCells`                       ``GeometryCollection``: part i is the cell of point i
         ==================================== ===================================================

@@ -342,7 +342,8 @@ def test_shapely_of_fewer_dimensions():
         ours = cullhull.convex_hull(points).to_shapely()
         assert ours.equals(shapely.MultiPoint(points).convex_hull) or (len(points) == 0 and ours.is_empty)
     assert cullhull.convex_hull(PLANE).to_shapely().equals(shapely.MultiPoint(PLANE).convex_hull)
-    assert cullhull.concave_hull(PLANE[:2], 0.5).to_shapely().is_empty
+    assert cullhull.concave_hull(PLANE[:2], 0.5).to_shapely().geom_type == "LineString"
+    assert cullhull.concave_hull(PLANE[:0], 0.5).to_shapely().is_empty
 
 
 def test_cells_that_are_not_in_the_region_are_empty():
@@ -539,3 +540,43 @@ def test_nothing_warns():
         huge = cullhull.convex_hull(PLANE * 1e300), cullhull.delaunay(PLANE * 1e300)
         for result in (*huge, cullhull.convex_hull(SPACE * 1e300)):
             assert "<table>" in result._repr_html_()
+
+
+def test_flat_shapes_are_lines_and_points(tmp_path):
+    """As ST_ConcaveHull, JTS and GEOS give them."""
+    line = [[2, 1], [0, 0], [4, 2], [0, 0], [10, 5], [12, 6.0]]
+    whole = {"type": "LineString", "coordinates": [[0.0, 0.0], [12.0, 6.0]]}
+    apart = {
+        "type": "MultiLineString",
+        "coordinates": [[[0.0, 0.0], [4.0, 2.0]], [[10.0, 5.0], [12.0, 6.0]]],
+    }
+    point = {"type": "Point", "coordinates": [7.0, 8.0]}
+    upright = [[1, 5], [1, 3], [1, 4.0]]
+    for found, expected in (
+        (cullhull.concave_hull(line, 0.5), whole),
+        (cullhull.concave_hull(line, edge_length=0.1), whole),
+        (cullhull.alpha_shape(line, np.inf), whole),
+        (cullhull.alpha_shape(line, 2), apart),
+        (cullhull.concave_hull([[7, 8.0]], 0.3), point),
+        (cullhull.concave_hull([[7, 8.0]] * 3, 0.3), point),
+        (cullhull.alpha_shape([[7, 8.0]], 0), point),
+        (
+            cullhull.concave_hull(upright, 1),
+            {"type": "LineString", "coordinates": [[1.0, 3.0], [1.0, 5.0]]},
+        ),
+    ):
+        assert found.__geo_interface__ == expected
+        shapely = pytest.importorskip("shapely")
+        shape = found.to_shapely()
+        assert shape.is_valid and shape.equals(shapely.geometry.shape(expected))
+        for name in ("shape.geojson", "shape.wkt"):
+            found.save(tmp_path / name)
+        text = (tmp_path / "shape.geojson").read_text()
+        written = [f["geometry"] for f in json.loads(text)["features"]]
+        if expected["type"] != "MultiLineString":
+            assert written == [expected]
+        else:
+            assert [g["coordinates"] for g in written] == expected["coordinates"]
+        again = shapely.from_wkt((tmp_path / "shape.wkt").read_text())
+        assert shapely.union_all(list(again.geoms)).equals(shape)
+    assert cullhull.concave_hull(np.zeros((0, 2)), 1).__geo_interface__["coordinates"] == []

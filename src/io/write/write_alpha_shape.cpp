@@ -48,6 +48,33 @@ HullMesh mesh_of(const PointView& points, const Triangulation& t, const AlphaSha
   return mesh_of(points, triangles);
 }
 
+/// Of points on a line the ends of each connected part, two after each other; of equal points their
+/// representative.
+std::vector<std::uint32_t> ends_of_parts(const PointView& points, const Triangulation& t,
+                                         const AlphaShape& shape) {
+  if (t.affine_dimension == 0 && !shape.cells.empty()) return {t.cells[0]};
+  std::vector<std::uint32_t> ends(shape.facets.begin(), shape.facets.end());
+  if (t.affine_dimension != 1) return {};
+  const std::uint32_t axis = t.axes[0];
+  std::sort(ends.begin(), ends.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return points.at(a, axis) < points.at(b, axis);
+  });
+  return ends;
+}
+
+/// Points and lines, where no polygon has an area.
+void write_parts(const std::string& path, const std::string& f, const PointView& points,
+                 const Triangulation& t, const AlphaShape& shape) {
+  const std::vector<std::uint32_t> ends = ends_of_parts(points, t, shape);
+  const std::size_t each = t.affine_dimension == 1 ? 2 : 1;
+  write_map(path, f, ends.size() / each, "region", [&](std::uint64_t i) {
+    PlaneRings part(1);
+    for (std::size_t end = i * each; end < (i + 1) * each; ++end)
+      for (std::uint32_t j = 0; j < 2; ++j) part[0].push_back(points.at(ends[end], j));
+    return part;
+  });
+}
+
 void write_polygons(const std::string& path, const std::string& f, const PointView& points,
                     const Triangulation& t, const AlphaShape& shape) {
   const CellPolygons all = cell_polygons(points, t, shape.cells);
@@ -113,12 +140,17 @@ void check_alpha_shape_format(const std::string& path, std::uint32_t dimension) 
 
 void write_alpha_shape(const std::string& path, const PointView& points, const Triangulation& t,
                        const AlphaShape& shape, double alpha, const std::string& format) {
-  if (points.count != t.point_count || points.dimension != t.dimension)
-    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+  require_triangulation_of(points, t);
+  const auto below = [](const Array<std::uint32_t>& list, std::uint64_t end) {
+    return std::all_of(list.begin(), list.end(), [end](std::uint32_t v) { return v < end; });
+  };
+  if (!below(shape.cells, t.size()) || !below(shape.facets, t.point_count))
+    throw Error(ErrorCode::invalid_argument, "the shape is not that of the triangulation");
   const std::string f = output_format(path, format, "json");
   check(path, f, t.dimension);
   if (f == "json") return write_json(path, t, shape, alpha);
   if (f == "vtk") return write_vtk(path, points, t, shape.cells);
+  if (is_map(f) && t.affine_dimension < 2) return write_parts(path, f, points, t, shape);
   if (is_map(f)) return write_polygons(path, f, points, t, shape);
   write_mesh(path, f, mesh_of(points, t, shape));
 }
