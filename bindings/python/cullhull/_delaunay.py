@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from ._forms import Table
 from ._incremental import IncrementalPoints, Lazy
 from ._lifted_planes import planes, spheres, transforms
 from ._qhull_options import QhullOptions, parse
+from ._scipy import scipy_version
 from ._shown_cells import ShownCells
 from ._triangulation import Triangulation, delaunay
 
@@ -24,7 +26,7 @@ _DEFAULTS = QhullOptions(coplanar=True, scaled_last=True, at_infinity=True)
 _DEFAULTS_INCREMENTAL = QhullOptions(coplanar=True)
 
 #: `find_simplex`'s tolerance, as SciPy documents it. It decides nothing about the triangulation.
-_DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
+DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
 #: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
 _LARGEST_PULL = 2.0**-20
 
@@ -287,7 +289,7 @@ class Delaunay(ShownCells, Lifted):
         """
         x = self._as_questions(xi)
         rows = x if x.ndim == 2 else x.reshape(-1, self.ndim)
-        cells = self._find_rows(rows, _DEFAULT_TOLERANCE if tol is None else float(tol))[0]
+        cells = self._find_rows(rows, DEFAULT_TOLERANCE if tol is None else float(tol))[0]
         return cells if x.ndim == 2 else cells.reshape(x.shape[:-1])
 
     def _find_rows(
@@ -479,6 +481,8 @@ def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Tri
 def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     """In place of `scipy.spatial.tsearch`: ``tri.find_simplex(xi)``.
 
+    As SciPy's it warns of its end (DeprecationWarning) where SciPy 1.18 or later is installed.
+
     Parameters
     ----------
     tri : Delaunay
@@ -499,4 +503,11 @@ def tsearch(tri: Delaunay, xi: Any) -> npt.NDArray[np.int32]:
     >>> int(cullhull.tsearch(cullhull.Delaunay([[0, 0], [1, 0], [0, 1]]), [0.2, 0.2]))
     0
     """
+    if scipy_version() >= (1, 18):
+        warnings.warn(
+            "`tsearch` is deprecated in SciPy 1.18 and will be removed in SciPy 1.22; "
+            "use `Delaunay.find_simplex`",
+            DeprecationWarning,
+            stacklevel=2,
+        )
     return tri.find_simplex(xi)

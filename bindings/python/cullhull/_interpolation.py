@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import as_array, as_coordinates, as_point_set, is_doubles, settings
-from ._delaunay import Delaunay, as_triangulation
+from ._delaunay import DEFAULT_TOLERANCE, Delaunay, as_triangulation
 from ._errors import InvalidArgument, NotFinite
+from ._functions import convex_hull
+from ._hull import Hull
 from ._incremental import Lazy
 from ._scipy import of_scipy
 
@@ -132,13 +134,16 @@ class _OnCells(_Interpolator):
                 f"natural neighbours are of points in up to {most} dimensions, not in {dimension}"
             )
 
-    def __call__(self, *args: Any) -> npt.NDArray[Any]:
+    def __call__(self, *args: Any, simplex_tolerance: float = 1.0) -> npt.NDArray[Any]:
         """The interpolated values at points.
 
         Parameters
         ----------
         args : (..., d) array, or d arrays that are broadcast together, or a tuple of such
             The points.
+        simplex_tolerance : float
+            As in SciPy 1.18: points outside the hull get a value where ``find_simplex`` with this
+            multiple of its default tolerance finds a simplex. Inside, location is exact.
 
         Returns
         -------
@@ -149,7 +154,8 @@ class _OnCells(_Interpolator):
         Raises
         ------
         InvalidArgument (a ValueError), TypeError
-            For another number of coordinates, or another type.
+            For another number of coordinates, or another type, and unless `simplex_tolerance` is
+            positive.
 
         Examples
         --------
@@ -158,10 +164,11 @@ class _OnCells(_Interpolator):
         >>> plane(np.array([0, 1, 2]), 1.0).tolist()         # x of three points, and y of all
         [2.0, 3.0, 4.0]
         """
-        return self._values(self._questions(args))
+        _require_positive(simplex_tolerance)
+        return self._values(self._questions(args), simplex_tolerance * DEFAULT_TOLERANCE)
 
-    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-        """The values at points that are looked up."""
+    def _values(self, xi: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[Any]:
+        """The values at points that are looked up; `tolerance` of `find_simplex`."""
         raise NotImplementedError
 
 
@@ -210,7 +217,7 @@ class LinearNDInterpolator(_OnCells):
     ([2.0, nan], 1.0)
     """
 
-    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    def _values(self, xi: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[Any]:
         rows = xi if xi.ndim == 2 else xi.reshape(-1, xi.shape[-1])
         numbers, outside = self.values, [self.fill_value.real]
         if not (is_doubles(numbers) and numbers.flags.c_contiguous):
@@ -221,7 +228,7 @@ class LinearNDInterpolator(_OnCells):
                 numbers = np.ascontiguousarray(numbers, dtype=np.float64)
         found: npt.NDArray[Any] = self.tri.triangulation._cells.linear(
             rows,
-            self.tri.find_simplex(rows),
+            self.tri.find_simplex(rows, tol=tolerance),
             numbers,
             numbers.shape[1],
             outside,
@@ -239,7 +246,8 @@ class NaturalNDInterpolator(_OnCells):
     The value at a point is a weighted mean of the values of its natural neighbours. The weight of a
     neighbour is the area or volume that the point's Voronoi cell would take from the neighbour's
     cell. The result passes through all values, reproduces linear functions, and is smooth except at
-    the data points. Each weight is within 2**-51 of the exact one.
+    the data points. Each weight is within 2**-51 of the exact one. A point that is outside the hull
+    by rounding alone, as is half of the middles of its edges, has the value of the border there.
 
     Parameters
     ----------
@@ -281,7 +289,8 @@ class NaturalNDInterpolator(_OnCells):
     _most_dimensions = 3
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: v for name, v in self.__dict__.items() if name != "_native"}
+        made_again = ("_native", "_hull")
+        return {name: v for name, v in self.__dict__.items() if name not in made_again}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -299,19 +308,73 @@ class NaturalNDInterpolator(_OnCells):
             settings(threads=self._threads),
         )
 
-    def _values(self, xi: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    def _values(self, xi: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[Any]:
         rows = np.ascontiguousarray(xi.reshape(-1, xi.shape[-1]))
-        # Exactly inside, as the weights are: SciPy's tolerance would let in points without any.
         inside = np.asarray(np.isfinite(rows).all(axis=1))
         cells = self.tri.triangulation.find_simplex(rows[inside], threads=self._threads)
         inside[inside] = np.asarray(cells) >= 0
+        edge = self._on_border(rows, np.flatnonzero(~inside), tolerance)
+        inside[list(edge)] = True
         chosen = settings(threads=self._threads)
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)
+        place = np.cumsum(inside) - 1
+        for row, (ids, weights) in edge.items():
+            parts = self.values[ids]
+            if self.is_complex:
+                parts = np.concatenate([parts.real, parts.imag], axis=1)
+            found[place[row]] = weights @ parts
         if self.is_complex:
             half = self._components // 2
             found = found[:, :half] + 1j * found[:, half:]
         return self._spread(xi, inside, found.reshape(len(found), *self.values_shape))
+
+    def _on_border(
+        self, rows: npt.NDArray[np.float64], outside: npt.NDArray[np.intp], tolerance: float
+    ) -> dict[int, tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]]:
+        """Neighbours and weights of points that are outside by rounding alone, by row: the middle
+        of an edge of the hull, for instance, is seldom a double."""
+        found: dict[int, tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]] = {}
+        cells = self._cells_at_border(rows[outside], tolerance)
+        for row, cell in zip(outside[cells >= 0].tolist(), cells[cells >= 0].tolist()):
+            corners = self.tri.triangulation.cells[cell]
+            shares = self.tri.triangulation.barycentric(rows[row], cell)
+            if rows.shape[1] > 2:  # a face has neighbours besides the cell's corners
+                short = max(tolerance, -float(shares.min()))
+                middle = self.points[corners].mean(axis=0)
+                for pull in (8 * short, 64 * short):
+                    ids, weights = self._native.natural_neighbours(
+                        rows[row] + min(pull, 0.5) * (middle - rows[row])
+                    )
+                    if len(ids) > 0:
+                        found[row] = ids, weights
+                        break
+            if row not in found:
+                shares = np.maximum(shares, 0)
+                order = np.argsort(corners)
+                order = order[shares[order] > 0]
+                found[row] = corners[order], shares[order] / shares.sum()
+        return found
+
+    def _cells_at_border(
+        self, rows: npt.NDArray[np.float64], tolerance: float
+    ) -> npt.NDArray[np.int32]:
+        """The cells of points outside: of `find_simplex`, whose tolerance is a share of the cell's
+        height, and of those that are as near as coordinates are rounded; -1 for others."""
+        cells: npt.NDArray[np.int32] = self.tri.find_simplex(rows, tol=tolerance)
+        left = np.flatnonzero((cells < 0) & np.isfinite(rows).all(axis=1))
+        largest = max(float(np.abs(self.points).max()), np.finfo(np.float64).tiny)
+        left = left[self._hull.distance(rows[left]) <= 4 * np.finfo(np.float64).eps * largest]
+        middle, pull = self.points.mean(axis=0), 2.0**-50
+        while len(left) > 0 and pull < 2.0**-10:
+            pulled = rows[left] + pull * (middle - rows[left])
+            cells[left] = self.tri.triangulation.find_simplex(pulled)
+            left, pull = left[cells[left] < 0], 8 * pull
+        return cells
+
+    @Lazy
+    def _hull(self) -> Hull:
+        return convex_hull(self.points, threads=self._threads)
 
     def neighbours(self, point: Any) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]:
         """The natural neighbours of a point, and their weights.
@@ -341,7 +404,13 @@ class NaturalNDInterpolator(_OnCells):
         xi = self._questions((point,))
         if xi.shape[:-1] not in ((), (1,)):
             raise InvalidArgument("one point is asked about at a time")
-        return self._native.natural_neighbours(np.ascontiguousarray(xi.reshape(-1)))
+        row = np.ascontiguousarray(xi.reshape(1, -1))
+        ids, weights = self._native.natural_neighbours(row[0])
+        if len(ids) > 0:
+            return ids, weights
+        return self._on_border(row, np.zeros(1, dtype=np.intp), DEFAULT_TOLERANCE).get(
+            0, (ids, weights)
+        )
 
 
 class NearestNDInterpolator(_Interpolator):
@@ -538,8 +607,8 @@ def griddata(
     rescale : bool
         Divide each coordinate by its range first: for coordinates in different units.
     simplex_tolerance : float
-        Passed on to SciPy (1.18 or later) where the method is SciPy's. The other methods find the
-        simplex of a point exactly, on every border, and need no tolerance.
+        As of `LinearNDInterpolator`, for 'linear' and 'natural'; passed on to SciPy (1.18 or later)
+        where the method is SciPy's.
     threads : int, optional
         Threads to use; all the machine offers if not given.
 
@@ -563,8 +632,7 @@ def griddata(
     >>> cullhull.griddata(corners, heights, [[0.25, 0.5], [1, 1]]).tolist()
     [1.25, nan]
     """
-    if not simplex_tolerance > 0:
-        raise InvalidArgument("simplex_tolerance must be positive")
+    _require_positive(simplex_tolerance)
     rows = as_coordinates(_rows(points))
     dimension = 1 if rows.ndim < 2 else rows.shape[-1]
     if (dimension == 1 and method in ("linear", "nearest", "cubic")) or (
@@ -592,12 +660,19 @@ def griddata(
     if method == "nearest":
         return NearestNDInterpolator(rows, values, rescale=rescale, threads=threads)(xi)
     if method == "natural":
-        return NaturalNDInterpolator(rows, values, fill_value, rescale, threads=threads)(xi)
+        natural = NaturalNDInterpolator(rows, values, fill_value, rescale, threads=threads)
+        return natural(xi, simplex_tolerance=simplex_tolerance)
     if method == "linear":
-        return LinearNDInterpolator(rows, values, fill_value, rescale, threads=threads)(xi)
+        linear = LinearNDInterpolator(rows, values, fill_value, rescale, threads=threads)
+        return linear(xi, simplex_tolerance=simplex_tolerance)
     raise InvalidArgument(
         f"Unknown interpolation method {method!r} for {dimension} dimensional data"
     )
+
+
+def _require_positive(simplex_tolerance: float) -> None:
+    if not simplex_tolerance > 0:
+        raise InvalidArgument("simplex_tolerance must be positive")
 
 
 def _require_finite(rows: npt.NDArray[np.float64]) -> None:

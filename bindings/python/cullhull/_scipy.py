@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import importlib.metadata
+import re
 from typing import Any
 
 #: The modules that define them, newest first, by the public one.
@@ -10,6 +12,15 @@ _HOMES = {
     "scipy.spatial": ("scipy.spatial._qhull", "scipy.spatial.qhull"),
     "scipy.interpolate": ("scipy.interpolate._ndgriddata", "scipy.interpolate.ndgriddata"),
 }
+
+
+def scipy_version() -> tuple[int, int]:
+    """Of the SciPy that is installed, which is not imported for it; (0, 0) without one."""
+    try:
+        numbers = re.findall(r"\d+", importlib.metadata.version("scipy"))
+    except importlib.metadata.PackageNotFoundError:
+        return 0, 0
+    return int(numbers[0]), int(numbers[1])
 
 
 def of_scipy(public: str, name: str) -> Any:

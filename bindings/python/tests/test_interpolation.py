@@ -246,12 +246,13 @@ def test_only_delaunay_triangulations_interpolate(kind):
             kind(wrong, values)
 
 
-def test_natural_neighbours_just_outside_get_the_fill_value():
+def test_natural_neighbours_just_outside_have_the_border_s_value():
+    """As SciPy's linear interpolation: what rounding alone puts outside. Farther, the fill value."""
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
     height = cullhull.NaturalNDInterpolator(square, [1.0, 2.0, 3.0, 4.0], fill_value=-7)
     just_outside = [[-1e-15, 0.5], [0.5, 1 + 2e-16 * 2], [1 + 3e-16, 0.25]]
-    assert height(just_outside).tolist() == [-7, -7, -7]
-    assert height([[0, 0.5]]).tolist() == [2.5]
+    assert np.allclose(height(just_outside), [2.5, 3.5, 2.25], rtol=0, atol=1e-14)
+    assert height([[-1e-12, 0.5], [0.5, 1.1]]).tolist() == [-7, -7]
 
 
 def test_griddata_in_its_place(monkeypatch):
@@ -303,3 +304,66 @@ def test_values_of_any_shape(name, shape):
     found = make(points, np.ones((30, *shape)))
     assert found([[0.5, 0.25]] * 4).shape == (4, *shape) and found.values_shape == shape
     assert found(np.zeros((0, 2))).shape == (0, *shape)
+
+
+def test_natural_neighbours_on_the_border_have_the_border_s_value():
+    """The middles of hull edges, of which rounding puts half outside: linear between the ends."""
+    rng = np.random.default_rng(2)
+    for offset in (0.0, 1000.0):
+        points = rng.random((200, 2)) + offset
+        values = rng.random(200)
+        natural = cullhull.NaturalNDInterpolator(points, values)
+        ends = natural.tri.convex_hull
+        for share in (0.5, 0.3):
+            middles = points[ends[:, 0]] + share * (points[ends[:, 1]] - points[ends[:, 0]])
+            exact = values[ends[:, 0]] + share * (values[ends[:, 1]] - values[ends[:, 0]])
+            outside = natural.tri.triangulation.find_simplex(middles) < 0
+            assert 0 < outside.sum() < len(middles)
+            assert np.allclose(natural(middles), exact, rtol=0, atol=1e-9)
+            complex_values = cullhull.NaturalNDInterpolator(points, values * (1 + 2j))
+            assert np.allclose(complex_values(middles), exact * (1 + 2j), rtol=0, atol=1e-9)
+            for middle, pair in zip(middles[outside], ends[outside]):
+                ids, weights = natural.neighbours(middle)
+                assert set(pair) <= set(ids) and abs(weights.sum() - 1) < 1e-12
+        assert np.isnan(natural(points.mean(axis=0) + 2))
+
+
+def test_natural_neighbours_on_faces_of_a_turned_cube():
+    turn = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    corners = np.array([[x, y, z] for x in (0, 1, 2) for y in (0, 1, 2) for z in (0, 1, 2)])
+    values = corners @ [1.0, 2.0, 3.0]  # linear, so every weighting of a face gives it
+    natural = cullhull.NaturalNDInterpolator(corners @ turn, values)
+    asked = np.random.default_rng(6).random((300, 3)) * 2
+    asked[np.arange(300), np.arange(300) % 3] = 2.0 * (np.arange(300) // 3 % 2)
+    assert (natural.tri.triangulation.find_simplex(asked @ turn) < 0).any()
+    assert np.allclose(natural(asked @ turn), asked @ [1, 2, 3], rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [0, -1, np.nan])
+def test_simplex_tolerance_is_positive(tolerance):
+    points = [[0, 0], [1, 0], [0, 1]]
+    for kind in (cullhull.LinearNDInterpolator, cullhull.NaturalNDInterpolator):
+        with pytest.raises(cullhull.InvalidArgument, match="simplex_tolerance must be positive"):
+            kind(points, [1, 2, 3])(0.2, 0.2, simplex_tolerance=tolerance)
+
+
+def test_simplex_tolerance_as_scipy_s():
+    """The border of a very oblique triangle, from SciPy's own tests: never NaN here, as what is
+    inside is found exactly and 1e-14 outside within the tolerance."""
+    corners = np.array([[0, 0], [0, 0.008016], [3, -2.0]])
+    for kind in (cullhull.LinearNDInterpolator, cullhull.NaturalNDInterpolator):
+        ones = kind(corners, np.ones(3))
+        at = corners[0] + 0.6 * (corners[2] - corners[0])
+        assert np.isclose(ones(*at, simplex_tolerance=10), 1)
+        assert np.isnan(ones(at - [1e-9, 0]))
+        assert np.isclose(ones(at - [1e-9, 0], simplex_tolerance=1e9), 1)
+        assert np.isclose(
+            cullhull.griddata(
+                corners,
+                np.ones(3),
+                [at - [1e-9, 0]],
+                "linear" if kind is cullhull.LinearNDInterpolator else "natural",
+                simplex_tolerance=1e9,
+            ),
+            1,
+        )
