@@ -58,6 +58,10 @@ struct DuplicatePoint {
 /// the same circumsphere are merged and divided again by pulling: from the lowest id of all their
 /// vertices, then for each face from its own lowest id. This triangulation is unique; it does not
 /// depend on the order of work, threads or scalar type.
+///
+/// Functions that take one throw Error{invalid_argument} if its lists have wrong sizes or hold ids
+/// or numbers that do not exist, if a walk by its neighbours does not end, and for a cell that is
+/// flat where they divide by its volume. certify() checks all the rest.
 struct Triangulation {
   std::uint32_t dimension = 0;
   std::uint64_t point_count = 0;
