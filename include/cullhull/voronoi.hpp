@@ -112,7 +112,10 @@ struct ClippedCells {
   /// region is convex. Polygon g is the rings [polygon_rings[g], polygon_rings[g + 1]): its
   /// outline, counter-clockwise, then its holes, clockwise. Ring r is the rows [ring_starts[r],
   /// ring_starts[r + 1]) of `vertices`, starting with the lexicographically least. Vertices that
-  /// round to the same numbers are merged; rings with fewer than three vertices left are omitted.
+  /// round to the same numbers are merged; where rounding would make a ring cross or touch itself,
+  /// it and its neighbours go through the same vertices; what is left without area is omitted. So
+  /// every ring is simple, rings of a polygon meet in single points only, and an edge inside the
+  /// region is an edge of two cells.
   Array<std::uint64_t> polygon_offsets;
   Array<std::uint64_t> polygon_rings;
   Array<std::uint64_t> ring_starts;

@@ -56,8 +56,7 @@ class PieceBoundary {
       else
         holes.push_back(std::move(points));
     }
-    std::sort(holes.begin(), holes.end(),
-              [](const CellRing& a, const CellRing& b) { return a.points[0] < b.points[0]; });
+    std::sort(holes.begin(), holes.end(), starts_before);
     for (CellRing& hole : holes) out.push_back(std::move(hole));
     return !out[0].points.empty();
   }
@@ -180,9 +179,8 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   for (std::vector<PieceEdge>& boundary : boundaries)
     if (!boundary.empty() && PieceBoundary(corners, std::move(boundary)).write(polygon))
       polygons.push_back(polygon);
-  std::sort(polygons.begin(), polygons.end(), [](const CellPolygon& a, const CellPolygon& b) {
-    return a[0].points[0] < b[0].points[0];
-  });
+  std::sort(polygons.begin(), polygons.end(),
+            [](const CellPolygon& a, const CellPolygon& b) { return starts_before(a[0], b[0]); });
   return polygons;
 }
 

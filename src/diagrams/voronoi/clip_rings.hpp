@@ -19,6 +19,11 @@ struct CellRing {
 /// A polygon: the outer ring, counterclockwise, then its holes, clockwise.
 using CellPolygon = std::vector<CellRing>;
 
+/// The order of rings and, by their outlines, of polygons.
+inline bool starts_before(const CellRing& a, const CellRing& b) {
+  return a.points[0] < b.points[0];
+}
+
 /// The part of a cell in one piece of the region.
 struct CellPiece {
   std::uint32_t piece;

@@ -9,10 +9,12 @@
 #include "cullhull/error.hpp"
 #include "cullhull/voronoi.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/voronoi/cell_chain.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
 #include "diagrams/voronoi/clip_region.hpp"
 #include "diagrams/voronoi/clip_rings.hpp"
 #include "diagrams/voronoi/clip_shapes.hpp"
+#include "diagrams/voronoi/mend_cells.hpp"
 #include "diagrams/voronoi/whole_cells.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "geometry/gather.hpp"
@@ -313,6 +315,7 @@ struct Part {
   std::vector<double> vertices;
   std::vector<std::uint64_t> vertex_counts, face_counts, polygon_counts;
   std::vector<std::uint32_t> face_sizes, face_vertices, neighbours, ring_counts, ring_sizes;
+  std::vector<std::uint32_t> unsound;  ///< 2D: cells whose polygons rounding has made invalid
 };
 
 /// Writes clipped cells; converts numbers of planes and sites to those of the result.
@@ -335,7 +338,10 @@ class CellWriter {
                                                                        : write_clipped(pieces);
     }
     if (!shapes_) return measure;
-    if (D == 2) add_polygons();
+    if (D == 2) {
+      add_polygons();
+      if (!sound(polygons_)) part_.unsound.push_back(site);
+    }
     part_.vertex_counts.push_back((part_.vertices.size() - before) / D);
     if (D == 3) part_.face_counts.push_back(part_.face_sizes.size() - faces);
     return measure;
@@ -492,7 +498,13 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
     for (std::uint64_t v = begin; v < end; ++v)
       out.measures[v] = writer.write(static_cast<std::uint32_t>(v));
   });
-  if (shapes) join(parts, out);
+  if (shapes) {
+    std::vector<std::uint32_t> unsound;
+    for (const Part& part : parts)
+      unsound.insert(unsound.end(), part.unsound.begin(), part.unsound.end());
+    join(parts, out);
+    if (!unsound.empty()) mend_cells(unsound, out, run);
+  }
   run.report("done", 1);
   return out;
 }
