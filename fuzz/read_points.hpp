@@ -22,8 +22,7 @@ inline void check_refusal(const Error& error, bool columns = false) {
   if (error.code() != ErrorCode::bad_file &&
       !(columns && error.code() == ErrorCode::invalid_argument))
     std::abort();
-  for (const char* c = error.what(); *c != 0; ++c)
-    if (*c < ' ' || *c > '~') std::abort();
+  if (internal::printable_text(error.what()) != error.what()) std::abort();
 }
 
 /// Up to four columns by name, number or range, perhaps a key, and world or stored numbers: which,
@@ -65,10 +64,8 @@ inline void read_once(const std::uint8_t* data, std::size_t size, ReadOptions op
   const std::vector<char> bytes(data, data + size);
   options.threads = 1;
   unsigned remarks = 0;
-  options.remark = [&](const std::string& line) {  // at most one, printable
-    if (++remarks > 1) std::abort();
-    for (const char c : line)
-      if (c < ' ' || c > '~') std::abort();
+  options.remark = [&](const std::string& line) {  // a few of a table, printable
+    if (++remarks > 4 || internal::printable_text(line) != line) std::abort();
   };
   try {
     const internal::PointData points =
@@ -89,6 +86,7 @@ inline void read_all(const std::uint8_t* data, std::size_t size, const ReadOptio
   read_once(data, size, options);
   ReadOptions chosen = choose_columns(data, size);
   chosen.format = options.format;
+  chosen.decimal = options.decimal;
   chosen.raw_dimension = options.raw_dimension;
   chosen.raw_scalar = options.raw_scalar;
   read_once(data, size, chosen);

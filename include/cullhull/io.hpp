@@ -37,6 +37,7 @@ struct Remark {
   enum class Kind {
     columns,   ///< which columns of a text are the coordinates; ReadOptions::columns selects others
     left_out,  ///< bytes or text after the points, truncated faces, lines with unknown keywords
+    spelling,  ///< how a text was understood: decimal commas, a line of units, row names of R
   };
   Kind kind;
   std::string file;     ///< name of the file
@@ -47,17 +48,19 @@ struct Remark {
 };
 
 struct ReadOptions {
-  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson",
-  /// "wkt", "raw"); empty: detected from the extension, then from the content.
+  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts",
+  /// "ptx", "node", "geojson", "wkt", "raw"); empty: detected from the extension, then from the
+  /// content.
   std::string format;
   /// Dimension and scalar type of raw input; required for it.
   std::uint32_t raw_dimension = 0;
   std::optional<ScalarType> raw_scalar;
   /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b (b
   /// excluded), separated by commas ("x,y,z", "0,2,5", "1:4"); a name may be in double quotes.
-  /// Empty: if the first line of a text names columns x, y (and z), these, else all columns. A
-  /// text's names are those in its first line; mesh and scan formats have x, y, z. Other columns of
-  /// a text may hold anything.
+  /// Empty: of a text with names of columns those whose names are known coordinates (x, y, z, lon,
+  /// lat, easting, ... docs/formats.md); names of which none is known are refused. Without names
+  /// all columns. A text's names are those in its first line, else in a comment before the points;
+  /// mesh and scan formats have x, y, z. Other columns of a text may hold anything.
   std::string columns;
   /// A column that holds a weight for each point (PointFile::weights), named as in `columns`. It is
   /// a coordinate only if `columns` names it, too. For open_points only, and not together with
@@ -85,7 +88,12 @@ struct ReadOptions {
   unsigned threads = 0;
   /// Checked while text is parsed.
   stop_token stop;
-  std::uint64_t reserved[8] = {};
+  /// The decimal mark of the numbers in a text: '.' or ','. With ',' a comma separates nothing. 0:
+  /// commas are decimal marks where semicolons, tabs or the names of columns leave no other meaning
+  /// (said by `remark`); where a comma could be either, the text is refused. Other formats refuse
+  /// ','.
+  char decimal = 0;
+  std::uint64_t reserved[7] = {};
 };
 
 /// A point of a text file and its line, from 1.
@@ -118,7 +126,10 @@ class PointFile {
   /// Converts grid units or a file's own numbers to world coordinates. Call once.
   void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
-  bool mapped() const noexcept;                ///< true if the file is read in place
+  /// The columns that are the coordinates, in order: their names, or their numbers from 0 where
+  /// they have none. ReadOptions::columns selects others.
+  std::vector<std::string> columns() const;
+  bool mapped() const noexcept;  ///< true if the file is read in place
   /// True if points() is the part that ReadOptions::part selects; false: all points.
   bool in_parts() const noexcept;
   std::uint64_t first() const noexcept;  ///< index in the file of the first of points()

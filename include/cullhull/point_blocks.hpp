@@ -67,10 +67,11 @@ struct BlockSummary {
   std::uint32_t dimension = 0;  ///< 0: there was no block
   /// That of the first input that had points; f64 if inputs differ.
   ScalarType scalar = ScalarType::f64;
-  std::string format;       ///< of the first input
-  Placement placement;      ///< of the first input's numbers
-  Grid grid;                ///< of all inputs, as in PointFile::grid()
-  bool any_placed = false;  ///< whether an input has a placement
+  std::string format;                ///< of the first input
+  std::vector<std::string> columns;  ///< as PointFile::columns(), of the first input with points
+  Placement placement;               ///< of the first input's numbers
+  Grid grid;                         ///< of all inputs, as in PointFile::grid()
+  bool any_placed = false;           ///< whether an input has a placement
 };
 
 struct BlockOptions {

@@ -23,19 +23,28 @@ std::vector<std::string> names_in(const std::string& text);
 /// Equal regardless of case.
 bool alike(std::string_view a, std::string_view b);
 
-/// Columns that are coordinates by their names, regardless of case.
-struct KnownColumns {
-  std::vector<std::uint32_t> columns;  ///< empty: the names say nothing
-  std::string text;                    ///< of their names, for a remark: "x, y and z"
-};
+/// The columns that are coordinates by their names, in order; empty: the names say nothing, or more
+/// than one column has one of the names. x, y and z; else longitude, latitude and a height; else
+/// easting, northing and a height, in the words of several languages (docs/formats.md), in any
+/// case, with units ("X [m]", "lat_dd") and words such as "point" and "coordinate" beside them.
+std::vector<std::uint32_t> find_known_columns(const std::vector<std::string>& names);
 
-/// The columns named x, y and, if there is one, z; else lon and lat, longitude and latitude, or
-/// easting and northing, and a z, height, elevation or altitude. None where one of the names occurs
-/// twice.
-KnownColumns find_known_columns(const std::vector<std::string>& names);
+/// Whether the name is a height's, which is a coordinate only beside known names.
+bool is_height_name(const std::string& name);
+
+/// Whether the word is a unit of length or angle, as lines of units below the names have it.
+bool is_unit(std::string_view word);
 
 /// The columns whose names say that they number the points: id, index, fid, or an empty name.
 std::vector<std::uint32_t> find_numbering(const std::vector<std::string>& names);
+
+/// Whether these names, all there are, are a series: one stem with numbers that follow one another
+/// (x1 x2 x3, dim_0 dim_1, PC1 PC2), letters that do (a b c, u v w), or one stem with x, y and z.
+bool are_series(const std::vector<std::string>& names);
+
+/// The names of such columns, or their numbers where there are no names.
+std::vector<std::string> column_labels(const std::vector<std::uint32_t>& columns,
+                                       const std::vector<std::string>& names);
 
 /// The column of ReadOptions::key, which is removed from `columns` unless these were asked for; the
 /// largest number where there is no key. Throws as find_columns does.

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <numeric>
 
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
@@ -64,6 +65,11 @@ void PointFile::to_world() {
   data.grid = {};
 }
 const std::string& PointFile::format() const noexcept { return impl_->data.format; }
+std::vector<std::string> PointFile::columns() const {
+  const internal::PointData& data = impl_->data;
+  return data.columns.empty() ? internal::all_columns(data.format, data.view.dimension)
+                              : data.columns;
+}
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
 std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
@@ -110,7 +116,7 @@ std::string format_of_content(const Source& s) {
     if (word == "solid") return "stl";
     if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
-    if (word.starts_with("{")) return "geojson";
+    if (word.starts_with("{") || word.starts_with("[")) return "geojson";
     if (looks_like_wkt(lines.begin(), lines.end())) return "wkt";
     return "text";
   }
@@ -120,15 +126,17 @@ std::string format_of_content(const Source& s) {
 }  // namespace
 
 std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy", "ply", "las", "pcd",     "obj", "off", "stl",
-                                               "xyz", "txt", "csv", "geojson", "wkt", "raw"};
+  static constexpr std::string_view known[] = {"npy",  "ply",     "las", "pcd", "obj", "off",
+                                               "stl",  "xyz",     "txt", "csv", "pts", "ptx",
+                                               "node", "geojson", "wkt", "raw"};
   const auto is_known = [](const std::string& f) {
     return std::find(std::begin(known), std::end(known), f) != std::end(known);
   };
   if (!options.format.empty()) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
-                  "; known are npy ply las pcd obj off stl xyz txt csv geojson wkt raw");
+                  "; known are npy ply las pcd obj off stl xyz txt csv pts ptx node geojson wkt "
+                  "raw");
     return options.format;
   }
   const std::string extension = extension_of(unpacked_name(source.name));
@@ -143,13 +151,67 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
     if (extension == other)
       fail(source, ".", extension, " is read by the Python package: cullhull.read(path)");
   if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
+  if (is_utf16({source.data, source.size})) {
+    const std::string text = from_utf16({source.data, std::min<std::size_t>(source.size, 4096)});
+    return format_of_content({source.name, text.data(), text.size()});
+  }
   return format_of_content(source);
 }
 
+bool is_utf16(std::string_view text) {
+  return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+}
+
+std::string from_utf16(std::string_view text) {
+  const std::size_t low = text[0] == '\xFF' ? 0 : 1;  // of a pair of bytes
+  const auto unit = [&](std::size_t i) {
+    return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i + 1 - low])) << 8 |
+           static_cast<unsigned char>(text[i + low]);
+  };
+  std::string out;
+  out.reserve(text.size() / 2);
+  for (std::size_t i = 2; i + 1 < text.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    if (code >= 0xD800 && code < 0xE000) {  // a surrogate: half a character
+      const std::uint32_t next = i + 3 < text.size() ? unit(i + 2) : 0;
+      const bool pair = code < 0xDC00 && next >= 0xDC00 && next < 0xE000;
+      code = pair ? 0x10000 + ((code & 0x3FFU) << 10 | (next & 0x3FFU)) : '?';
+      if (pair) i += 2;
+    }
+    const auto rest = [&](unsigned shift) {
+      return static_cast<char>(0x80U | (code >> shift & 0x3FU));
+    };
+    if (code < 0x80) {
+      out += static_cast<char>(code);
+    } else if (code < 0x800) {
+      out += {static_cast<char>(0xC0U | code >> 6), rest(0)};
+    } else if (code < 0x10000) {
+      out += {static_cast<char>(0xE0U | code >> 12), rest(6), rest(0)};
+    } else {
+      out += {static_cast<char>(0xF0U | code >> 18), rest(12), rest(6), rest(0)};
+    }
+  }
+  return out;
+}
+
+void check_decimal(const Source& source, const std::string& format, const ReadOptions& options) {
+  if (options.decimal != 0 && options.decimal != '.' && options.decimal != ',')
+    throw Error(ErrorCode::invalid_argument, source.name, ": a decimal mark is '.' or ','");
+  if (options.decimal == ',' && !is_text(format))
+    throw Error(ErrorCode::invalid_argument, source.name,
+                ": only texts of rows have decimal commas, not ", format);
+}
+
 std::vector<std::string> column_names(const std::string& format) {
-  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl", "geojson", "wkt"})
+  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl", "ptx", "geojson", "wkt"})
     if (format == named) return {"x", "y", "z"};
   return {};
+}
+
+std::vector<std::string> all_columns(const std::string& format, std::uint32_t dimension) {
+  std::vector<std::uint32_t> all(dimension);
+  std::iota(all.begin(), all.end(), 0U);
+  return column_labels(all, column_names(format.substr(0, format.find(' '))));
 }
 
 namespace {
@@ -166,25 +228,33 @@ PointData read_format(const Source& file, const Source& text, const std::string&
   if (format == "off") return read_off(source, options);
   if (format == "geojson") return read_geojson(source, options);
   if (format == "wkt") return read_wkt(source, options);
+  if (format == "ptx") return read_ptx(source, options);
   return read_stl(source, options);
 }
 
 }  // namespace
 
 bool is_text(const std::string& format) {
-  return format == "text" || format == "txt" || format == "xyz" || format == "csv";
+  for (const char* text : {"text", "txt", "xyz", "csv", "pts", "node"})
+    if (format == text) return true;
+  return false;
 }
 
 PointData read_points(const Source& file, const ReadOptions& options) {
   if (file.size == 0) fail(file, "empty file");
-  const Source text = behind_byte_order_mark(file);
+  Source text = behind_byte_order_mark(file);
   const std::string format = choose_format(text, options);
-  if ((begins(file, "\xFF\xFE") || begins(file, "\xFE\xFF")) &&
-      (is_text(format) || format == "obj" || format == "off" || format == "geojson" ||
-       format == "wkt"))
-    fail(file, "text in UTF-16; what is read is UTF-8");
+  check_decimal(file, format, options);
+  std::string converted;
+  if (is_utf16({file.data, file.size}))
+    for (const char* kind : {"obj", "off", "geojson", "wkt", "ptx", "stl"})
+      if (is_text(format) || format == kind) {
+        converted = from_utf16({file.data, file.size});
+        text = {file.name, converted.data(), converted.size()};
+        break;
+      }
   if (is_text(format)) {
-    PointData data = read_text(text, options, format == "csv");
+    PointData data = read_text(text, options, format);
     if (format != "text") data.format = format;
     return data;
   }
@@ -331,12 +401,17 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
   try {
     if (path == "-") return std::nullopt;  // it has been read
     const internal::MappedFile file(path);
-    const internal::Source source = internal::behind_byte_order_mark(file.source());
+    internal::Source source = internal::behind_byte_order_mark(file.source());
+    std::string converted;
+    if (internal::is_utf16({source.data, source.size})) {
+      converted = internal::from_utf16({source.data, source.size});
+      source = {source.name, converted.data(), converted.size()};
+    }
     if (source.size == 0 || internal::unpacked_name(source.name) != source.name)
       return std::nullopt;
     const std::string format = internal::choose_format(source, {});
     if (format == "wkt") return internal::line_of_wkt_point(source, point);
-    if (internal::is_text(format)) return internal::line_of_row(source, point, format == "csv");
+    if (internal::is_text(format)) return internal::line_of_row(source, point, format);
     const PointLine at = internal::read_points(source, {}).not_finite;
     return at.line > 0 && at.point == point ? std::optional(at.line) : std::nullopt;
   } catch (...) {

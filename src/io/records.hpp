@@ -53,6 +53,15 @@ std::string choose_format(const Source& head, const ReadOptions& options);
 bool is_text(const std::string& format);
 /// The names of the columns that every file of the format has; empty for most formats.
 std::vector<std::string> column_names(const std::string& format);
+/// PointFile::columns() of points in all columns of their file; `format`: as PointFile::format().
+std::vector<std::string> all_columns(const std::string& format, std::uint32_t dimension);
+
+/// Whether the text begins with a byte order mark of UTF-16.
+bool is_utf16(std::string_view text);
+/// The same text in UTF-8, without the mark. Of a half character '?'.
+std::string from_utf16(std::string_view text);
+/// Throws Error{invalid_argument} if decimal commas are asked for in a format that has none.
+void check_decimal(const Source& source, const std::string& format, const ReadOptions& options);
 
 // 64-bit integers as the doubles that equal them.
 

@@ -41,11 +41,52 @@ void remark(const Source& source, const ReadOptions& options, const std::string&
   if (options.remark) options.remark({kind, source.name, message});
 }
 
+namespace {
+
+/// Bytes of the character at the beginning of `text` if it can be printed on a line, else 0: no
+/// control, and none that separates lines or turns the direction of writing.
+std::size_t printable_character(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first >= ' ' && first <= '~' ? 1 : 0;
+  const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
+  if (first < 0xC2 || first > 0xF4 || text.size() < length) return 0;
+  std::uint32_t code = first & (0xFFU >> (length + 1));
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80) return 0;
+    code = code << 6 | (byte(i) & 0x3FU);
+  }
+  constexpr std::uint32_t shortest[] = {0, 0, 0x80, 0x800, 0x10000};
+  const bool no_character = code < shortest[length] || code > 0x10FFFF ||
+                            (code >= 0xD800 && code <= 0xDFFF) || (code & 0xFFFE) == 0xFFFE;
+  const bool unprintable = code < 0xA0 || (code >= 0x200B && code <= 0x200F) ||
+                           (code >= 0x2028 && code <= 0x202E) ||
+                           (code >= 0x2060 && code <= 0x206F) || code == 0xFEFF;
+  return no_character || unprintable ? 0 : length;
+}
+
+}  // namespace
+
+std::string printable_text(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t length = printable_character(text);
+    if (length > 0)
+      out += text.substr(0, length);
+    else
+      out += '?';
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return out;
+}
+
 std::string quoted_text(std::string_view text) {
   constexpr std::size_t limit = 40;
-  std::string out = "'";
-  for (const char c : text.substr(0, limit)) out += (c >= ' ' && c <= '~') ? c : '?';
-  return out + (text.size() > limit ? "...'" : "'");
+  std::size_t cut = std::min(limit, text.size());
+  // Not within a character of UTF-8, which has up to three more bytes after its first.
+  for (int i = 0; i < 3 && cut > 0 && cut < text.size(); ++i)
+    if ((static_cast<unsigned char>(text[cut]) & 0xC0U) == 0x80) --cut;
+  return "'" + printable_text(text.substr(0, cut)) + (text.size() > cut ? "...'" : "'");
 }
 
 std::string display_name(const std::string& path) {

@@ -46,13 +46,14 @@ struct PointData {
   PointView view;
   PointView colours;  ///< u8 red, green, blue, where the file has them
   std::string format;
-  Buffer storage;         ///< what `view` points into unless `in_place`
-  Buffer colour_storage;  ///< what `colours` points into unless that is the source
-  bool in_place = false;  ///< `view` points into the source
-  Placement placement;    ///< of the view's axes
-  Grid grid;              ///< as PointFile::grid()
-  PointKeys keys;         ///< of every point, where ReadOptions::key asks for them
-  PointLine not_finite;   ///< the first such point of a text; line 0: none
+  Buffer storage;                    ///< what `view` points into unless `in_place`
+  Buffer colour_storage;             ///< what `colours` points into unless that is the source
+  bool in_place = false;             ///< `view` points into the source
+  Placement placement;               ///< of the view's axes
+  Grid grid;                         ///< as PointFile::grid()
+  std::vector<std::string> columns;  ///< as PointFile::columns(); empty: those of the format
+  PointKeys keys;                    ///< of every point, where ReadOptions::key asks for them
+  PointLine not_finite;              ///< the first such point of a text; line 0: none
 };
 
 /// Whether numbers stay as they are stored.
@@ -83,9 +84,11 @@ PointData read_las(const Source& source, const ReadOptions& options);
 PointData read_obj(const Source& source, const ReadOptions& options);
 PointData read_off(const Source& source, const ReadOptions& options);
 PointData read_stl(const Source& source, const ReadOptions& options);
-/// `csv`: the first line may be words.
-PointData read_text(const Source& source, const ReadOptions& options, bool csv);
+/// `format`: "csv", "xyz", "pts", "node", "txt" or "text".
+PointData read_text(const Source& source, const ReadOptions& options, const std::string& format);
 PointData read_raw(const Source& source, const ReadOptions& options);
+/// Scans of Leica's: each with its placement and a grid of records.
+PointData read_ptx(const Source& source, const ReadOptions& options);
 
 /// Moving points in one array (frames, n, d), frame after frame.
 struct NpyFrames {
@@ -121,7 +124,9 @@ template <class... Parts>
   throw Error(ErrorCode::bad_file, source.name, ": byte ", offset, ": ", parts...);
 }
 
-/// A piece of a file for a message: one line, printable, shortened, in quotes.
+/// A piece of a file on one line and printable: letters of UTF-8 stay, other bytes become '?'.
+std::string printable_text(std::string_view text);
+/// The same for a message: shortened, in quotes.
 std::string quoted_text(std::string_view text);
 /// A file name for a message: on one line.
 std::string display_name(const std::string& path);

@@ -73,13 +73,12 @@ TEST(Columns, WithoutBeingAskedForXYZOfAHeader) {
            {"x,y,z,intensity\n1,2,3,4\n",
             {{1, 2, 3}},
             "F: x, y and z of 4 columns are taken as coordinates"},
-           {"id,Y,X\nB-1,1,2\n", {{2, 1}}, "F: x and y of 3 columns are taken as coordinates"},
+           {"id,Y,X\nB-1,1,2\n", {{2, 1}}, "F: X and Y of 3 columns are taken as coordinates"},
            {"x,y,z\n1,2,3\n", {{1, 2, 3}}, ""},
            {"\"x\",\"y\"\n\"1\",\"2\"\n", {{1, 2}}, ""},
            {"y,x\n1,2\n", {{2, 1}}, "F: x and y are taken as coordinates, in this order"},
            {"lon,lat,height\n1,2,3\n", {{1, 2, 3}}, ""},
-           {"x0,x1,x2,x3\n1,2,3,4\n", {{1, 2, 3, 4}}, ""},
-           {"x,x,y\n1,2,3\n", {{1, 2, 3}}, ""}}) {
+           {"x0,x1,x2,x3\n1,2,3,4\n", {{1, 2, 3, 4}}, ""}}) {
     expect_rows_and_remark(text, want, remark);
   }
 }
@@ -88,19 +87,20 @@ TEST(Columns, OfMapsAreKnown) {
   for (const auto& [text, want, remark] : std::vector<std::tuple<const char*, Rows, std::string>>{
            {"fid,LAT,Lon\n1,2,3\n",
             {{3, 2}},
-            "F: lon and lat of 3 columns are taken as coordinates"},
+            "F: Lon and LAT of 3 columns are taken as coordinates"},
            {"longitude;latitude\n1;2\n", {{1, 2}}, ""},
            {"latitude,longitude\n1,2\n",
             {{2, 1}},
             "F: longitude and latitude are taken as coordinates, in this order"},
            {"Easting,Northing,Elevation,class\n1,2,3,4\n",
             {{1, 2, 3}},
-            "F: easting, northing and elevation of 4 columns are taken as coordinates"},
+            "F: Easting, Northing and Elevation of 4 columns are taken as coordinates"},
            {"name,northing,easting\nUlm,2,3\n",
             {{3, 2}},
             "F: easting and northing of 3 columns are taken as coordinates"},
-           {"X,Y,lon,lat\n1,2,3,4\n", {{1, 2}}, "F: x and y of 4 columns are taken as coordinates"},
-           {"lon,lat,lat\n1,2,3\n", {{1, 2, 3}}, ""}})
+           {"X,Y,lon,lat\n1,2,3,4\n",
+            {{1, 2}},
+            "F: X and Y of 4 columns are taken as coordinates"}})
     expect_rows_and_remark(text, want, remark);
 }
 
@@ -110,8 +110,10 @@ TEST(Columns, OfTextsWithBlanksAreKnown) {
     EXPECT_EQ(read("X Y Z\n1 2 3\n4 5 6\n"), (Rows{{1, 2, 3}, {4, 5, 6}})) << format;
     EXPECT_EQ(read("# a scan\nEasting\tNORTHING\tClass\n1\t2\t3\n"), (Rows{{1, 2}})) << format;
     EXPECT_EQ(read("lat lon\n1 2\n"), (Rows{{2, 1}})) << format;
-    EXPECT_EQ(refusal("a b\n1 2\n", format), "F:1: 'a' is not a number");
-    EXPECT_EQ(refusal("x 1\n1 2\n", format), "F:1: 'x' is not a number");
+    EXPECT_EQ(read("a b\n1 2\n"), (Rows{{1, 2}})) << format;
+    EXPECT_EQ(refusal("x 1\n1 2\n", format),
+              "F:1: 'x' is not a number; --columns 1 takes the columns of numbers (in Python "
+              "columns=)");
   }
 }
 
@@ -140,15 +142,24 @@ TEST(Columns, RowsThatAreNone) {
   EXPECT_EQ(refused("id,x,y\n1,\" \",3\n", "x,y"), "F:2: column 'x' is empty");
   EXPECT_EQ(refused("a,1e999\n", "1"), "F:1: column 2: '1e999' exceeds the range of doubles");
   EXPECT_EQ(refused("id,x,y\na,1 2,3\n", "x,y"), "F:2: column 'x': '1 2' is not a number");
-  EXPECT_EQ(refused("id,x,y\nWeil, am Rhein,2,3\n", "x,y"),
-            "F:2: column 'x': 'am Rhein' is not a number");
+  EXPECT_EQ(
+      refused("id,x,y\nWeil, am Rhein,2,3\n", "x,y"),
+      "F:2: 4 columns where line 1 names 3; if the first column has no name, as R writes names "
+      "of rows, --columns 1:4 leaves it out; --columns 0:4 takes all (in Python columns=)");
+  EXPECT_EQ(refused("id,x,y\n1,2,3\nWeil, am Rhein,2,3\n", "x,y"),
+            "F:3: column 'x': 'am Rhein' is not a number");
   EXPECT_EQ(refused("x,y,id\n1,2,a\n1,2,b,c\n", "x,y"), "F:3: 4 columns where there are 3");
-  EXPECT_EQ(refused("x,y,id\n1,2\n", "x,y"), "F:2: 2 columns where there are 3");
+  EXPECT_EQ(refused("x,y,id\n1,2\n", "x,y").find("F:2: 2 columns where line 1 names 3; "), 0U);
   EXPECT_EQ(refused("x,y\n\"1\n\",2\n", "x,y"), "F:2: a column in quotes does not end on its line");
   EXPECT_EQ(refused("x,y\n\"1\"0,2\n", "x,y"), "F:2: characters behind a column in quotes");
   EXPECT_EQ(refused("\"x,y\n1,2\n", "x,y"), "F:1: a column in quotes does not end on its line");
-  EXPECT_EQ(refused("id;x;y\na;1,5;2\n", "x,y"),
-            "F:2: column 'x': '1,5' is not a number; decimal commas are not read");
+  ReadOptions points = columns("x,y");
+  points.decimal = '.';
+  EXPECT_EQ(refusal("id;x;y\na;1,5;2\n", "csv", points),
+            "F:2: column 'x': '1,5' is not a number; --decimal , reads decimal commas (in Python "
+            "decimal=\",\")");
+  for (const char* twice : {"x,x,y\n1,2,3\n", "lon,lat,lat\n1,2,3\n"})
+    EXPECT_NE(refusal(twice, "csv").find("not known as coordinates"), std::string::npos);
   EXPECT_EQ(refused("x,y\n", "x"), "F: no points after the line of column names");
 }
 

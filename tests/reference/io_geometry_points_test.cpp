@@ -85,7 +85,16 @@ TEST(GeoJsonPoints, Refusals) {
   const std::string no_points =
       "F: is JSON but not GeoJSON, and holds no points; a hull file is for certify and view";
   EXPECT_EQ(says("{\"kind\": \"hull\", \"points\": {\"count\": 3}}"), no_points);
-  EXPECT_EQ(says("[1, 2]"), no_points);
+  EXPECT_EQ(says("[1, 2]"),
+            "F:1: row 0 of a list of points: a number where a list of numbers is expected, as in "
+            "[[0, 0], [1, 0]]");
+  EXPECT_EQ(says("[[1, 2],\n[3, null]]").find("F:2: row 1 of a list of points: null"), 0U);
+  EXPECT_EQ(says("[[1, [2]]]").find("F:1: row 0 of a list of points: a list"), 0U);
+  EXPECT_EQ(says("[[1, 2], []]"), "F:1: row 1 of a list of points is empty");
+  EXPECT_EQ(says("[[1, 2],\n[3"), "F:2: not valid JSON");
+  EXPECT_EQ(says("[[1, 1e999]]"), "F:1: a number exceeds the range of doubles");
+  EXPECT_EQ(says("[]"), "F: no points");
+  EXPECT_EQ(says("{\"points\": 3}"), no_points);
   EXPECT_EQ(says("null"), no_points);
   EXPECT_EQ(says("3"), no_points);
   EXPECT_EQ(says("{\"type\": \"FeatureCollection\", \"features\": [3]}"), no_points);

@@ -36,7 +36,8 @@ TEST(Text, ColumnNames) {
   EXPECT_EQ(rows_of(parse("x y\n1 2\n", "csv").view), want);
   EXPECT_EQ(rows_of(parse("x;y\n1;2\n", "").view), want);
   EXPECT_EQ(rows_of(parse("x y\n1 2\n", "txt").view), want);
-  EXPECT_EQ(refusal("a b\n1 2\n", "txt"), "F:1: 'a' is not a number");
+  EXPECT_EQ(rows_of(parse("a b\n1 2\n", "txt").view), want);
+  EXPECT_EQ(refusal("some words about it\n1 2 3\n", "txt"), "F:1: 'some' is not a number");
   EXPECT_EQ(refusal("x,y\nz,w\n1,2\n", "csv"), "F:2: 'z' is not a number");
   EXPECT_EQ(refusal("x,y\n", "csv"), "F: no points after the line of column names");
 }
@@ -60,7 +61,9 @@ TEST(Text, QhullsHeader) {
             "F:4: 2 coordinates where the first point has 3");
   EXPECT_EQ(refusal("0 none\n2\n1\n2\n", "txt"), "F:1: dimension 0");
   EXPECT_EQ(refusal("4294967295 many\n2\n1\n2\n", "txt").find("F:3: 1 coordinates"), 0U);
-  EXPECT_EQ(refusal("3 apples\nand pears\n", "txt"), "F:1: 'apples' is not a number");
+  EXPECT_EQ(refusal("3 apples\nand pears\n", "txt"),
+            "F:1: 'apples' is not a number; --columns 0 takes the columns of numbers (in Python "
+            "columns=)");
 }
 
 TEST(Text, RefusalsNameTheLine) {
@@ -74,8 +77,11 @@ TEST(Text, RefusalsNameTheLine) {
   EXPECT_EQ(refusal("1,2\n3,,4\n", "csv"), "F:2: column 2 is empty");
   EXPECT_EQ(refusal("1,2\n3,4,\n", "csv"), "F:2: column 3 is empty");
   EXPECT_EQ(refusal("1,2\n,3\n", "csv"), "F:2: column 1 is empty");
-  EXPECT_EQ(refusal("1,5;2,5\n", "csv").find("F:1: both ',' and ';'"), 0U);
-  EXPECT_EQ(refusal("1;5;2\n1;2,5\n", "csv").find("F:2: both ',' and ';'"), 0U);
+  EXPECT_EQ(refusal("1.5,1;2.5,1\n", "csv").find("F:1: both ',' and ';'"), 0U);
+  EXPECT_EQ(refusal("1;5;2\n1;2,5.5\n", "csv").find("F:2: both ',' and ';'"), 0U);
+  EXPECT_EQ(refusal("1,2\n1;2\n", "csv").find("F:2: other separators"), 0U);
+  EXPECT_EQ(refusal("1 2 3 4\n1,2 3,4\n", "txt").find("F:2: both ',' and blanks"), 0U);
+  EXPECT_EQ(refusal("1;2;3\n1;2 3\n", "txt").find("F:2: both blanks and ';'"), 0U);
   EXPECT_EQ(refusal("# nothing\n\n", "txt"), "F: no points");
   EXPECT_EQ(refusal("", "txt"), "F: empty file");
   EXPECT_EQ(refusal(std::string_view("1 2\n3 \0\n", 8), "txt"), "F:2: '?' is not a number");
@@ -155,7 +161,7 @@ TEST(Text, QhullHeaderWithCommasAndSemicolons) {
   // Separators of the points are not touched by this.
   EXPECT_EQ(rows_of(parse("2 m;m\n2\n1,2\n4,5\n", "csv").view), (Rows{{1, 2}, {4, 5}}));
   EXPECT_EQ(refusal("3 m,m\n2\n1 2 3\n", "txt"), "F:2: promises 2 points, but 1 lines follow");
-  EXPECT_EQ(refusal("3,x\n2\n1 2 3\n", "txt"), "F:1: 'x' is not a number");
+  EXPECT_EQ(refusal("3,x\n2\n1 2 3\n", "txt").find("F:1: 'x' is not a number; --columns 0 "), 0U);
 }
 
 // Both numbers on one line, as Qhull takes them too; points of the plane are points.
@@ -195,14 +201,47 @@ TEST(Text, CddFiles) {
             "F:1: holds halfspaces, not points");
 }
 
-// What editors put before the first character is no part of it, in any format that is text.
-TEST(Text, InUtf16IsCalledSo) {
-  for (const char* format : {"csv", "txt", "obj", "off"}) {
-    EXPECT_EQ(refusal(std::string_view("\xFF\xFE\x31\0,\0\x32\0\n\0", 10), format),
-              "F: text in UTF-16; what is read is UTF-8");
-    EXPECT_EQ(refusal(std::string_view("\xFE\xFF\0\x31\0,\0\x32\0\n", 10), format),
-              "F: text in UTF-16; what is read is UTF-8");
+/// A text of UTF-16 code units, with a byte order mark.
+std::string utf16(std::u16string_view text, bool big) {
+  std::string out;
+  for (const char16_t unit : u"\uFEFF" + std::u16string(text)) {
+    const char low = static_cast<char>(unit & 0xFF), high = static_cast<char>(unit >> 8);
+    out += big ? high : low;
+    out += big ? low : high;
   }
+  return out;
+}
+
+TEST(Text, InUtf16IsRead) {
+  for (const bool big : {false, true}) {
+    for (const char* format : {"csv", "txt", ""})
+      EXPECT_EQ(rows_of(parse(utf16(u"1,2\r\n3,4\r\n", big), format).view), (Rows{{1, 2}, {3, 4}}));
+    EXPECT_EQ(rows_of(parse(utf16(u"v 1 2 3\n", big), "obj").view), (Rows{{1, 2, 3}}));
+    EXPECT_EQ(rows_of(parse(utf16(u"POINT (1 2)", big), "wkt").view), (Rows{{1, 2}}));
+    EXPECT_EQ(refusal(utf16(u"L\u00E4nge,\U0001F600,\u6F22\n1,2,3\n", big), "csv")
+                  .find("F:1: the names of the columns are not known as coordinates: "
+                        "'L\xC3\xA4nge', '\xF0\x9F\x98\x80', '\xE6\xBC\xA2'"),
+              0U);
+    EXPECT_EQ(refusal(utf16(u"", big), "csv"), "F: no points");
+    std::string half = utf16(u"1,\xD83D\n", big);
+    EXPECT_EQ(refusal(half, "csv").find("F:1: '?' is not a number"), 0U);
+    half = utf16(u"1,2\n", big) + "3";  // half a code unit
+    EXPECT_EQ(rows_of(parse(half, "csv").view), (Rows{{1, 2}}));
+  }
+}
+
+TEST(Text, LettersInMessagesStay) {
+  const auto named = [](const std::string& word) {
+    const std::string message = refusal("1," + word + "\n", "csv");
+    return message.substr(5, message.find(" is not") - 5);
+  };
+  EXPECT_EQ(named("\xC3\xA4\xE6\xBC\xA2"), "'\xC3\xA4\xE6\xBC\xA2'");
+  EXPECT_EQ(named("a\xE4z\x01\x7F"), "'a?z??'");        // not UTF-8, controls
+  EXPECT_EQ(named("\xE2\x80\xAE\xC2\x85"), "'?????'");  // turns the line; a control
+  EXPECT_EQ(named("\xC0\xAF\xED\xA0\x80"), "'?????'");  // overlong; a surrogate
+  EXPECT_EQ(named(std::string(39, 'a') + "\xC3\xA4"
+                                         "b"),
+            "'" + std::string(39, 'a') + "...'");
 }
 
 TEST(Text, LineOfAPoint) {

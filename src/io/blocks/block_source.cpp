@@ -230,8 +230,8 @@ class TextBlocks : public BlockSource {
     return true;
   }
   void finish() const override {
-    if (preamble_.kind == Preamble::qhull && points_ != preamble_.count)
-      fail_at_line({name_, nullptr, 0}, preamble_.count_line, "promises ", preamble_.count,
+    if (preamble_.kind != Preamble::none && points_ != preamble_.count)
+      fail_at_line({name_, nullptr, 0}, preamble_.promised_at, "promises ", preamble_.count,
                    " points, but ", points_.load(), " lines follow");
   }
 
@@ -355,14 +355,19 @@ class WholeInput : public BlockSource {
   bool done_ = false;
 };
 
-/// Reads on until the head of a text has a line of points behind its comments.
+/// Reads on until the head of a text has a line of points behind its comments, and as much behind
+/// that as find_preamble() looks at.
 void pass_comments(OpenedBytes& from) {
   constexpr std::size_t most = std::size_t{1} << 30;
   while (from.head.size() < most) {
     const std::string_view head = from.head;
     LineScanner lines(head.data(), head.data() + head.rfind('\n') + 1);
     while (lines.next())
-      if (is_point_line(lines.begin(), lines.end())) return;
+      if (is_point_line(lines.begin(), lines.end())) {
+        constexpr std::ptrdiff_t header = std::ptrdiff_t{1} << 17;  // names, units and the like
+        if (lines.end() + preview_bytes + header < head.data() + head.rfind('\n')) return;
+        break;
+      }
     if (!read_more_of_head(from)) return;
   }
 }
@@ -377,7 +382,7 @@ std::optional<Preamble> preamble_of(OpenedBytes& from, const std::string& format
   if (head.starts_with("\xEF\xBB\xBF")) head.remove_prefix(3);
   if (head.empty()) return std::nullopt;
   const Source source{from.name, head.data(), head.size()};
-  Preamble preamble = find_preamble(source, options, format == "csv");
+  Preamble preamble = find_preamble(source, options, format);
   if (preamble.kind == Preamble::cdd) return std::nullopt;
   return preamble;
 }
@@ -422,6 +427,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   read.threads = 1;
   if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
+  check_decimal(head, format, read);
   std::optional<RecordLayout> layout;
   // A block that was begun is finished, so that its position can be continued from: visit_blocks
   // checks for cancellation between blocks.
@@ -443,7 +449,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
       return std::make_unique<PipedRecords>(std::move(from), std::move(*layout),
                                             options.block_bytes);
   }
-  if (is_text(format))
+  if (is_text(format) && !is_utf16(from.head))
     if (const auto preamble = preamble_of(from, format, read)) {
       const auto body = static_cast<std::uint64_t>(preamble->body - from.head.data());
       return std::make_unique<TextBlocks>(std::move(from), *preamble, body, options.block_bytes,

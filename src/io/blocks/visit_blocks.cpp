@@ -10,6 +10,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io/blocks/block_source.hpp"
+#include "io/records.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -275,10 +276,22 @@ class Reading {
       assign(taken, block.count());
     }
     if (block.dimension() == 0) return;
+    note_columns(taken, block);
     compare_dimension({taken.number, block.dimension(), taken.input->source->name()});
     if (block.count() == 0) return;
     if (!std::exchange(any_points_, true)) summary_.scalar = block.scalar();
     if (summary_.scalar != block.scalar()) summary_.scalar = ScalarType::f64;
+  }
+
+  /// Keeps the columns of the lowest block with points. Requires `mutex_`.
+  void note_columns(const Taken& taken, const LoadedBlock& block) {
+    if (block.state || (!summary_.columns.empty() && taken.number > columns_of_)) return;
+    columns_of_ = taken.number;
+    const std::string& format = block.data.format;
+    summary_.columns = block.data.columns.empty()
+                           ? all_columns(format.empty() ? taken.input->source->format() : format,
+                                         block.dimension())
+                           : block.data.columns;
   }
 
   [[noreturn]] void tell_error() const {
@@ -385,7 +398,8 @@ class Reading {
   bool failed_ = false;
   std::uint64_t error_at_ = 0;
   bool any_points_ = false, any_opened_ = false;
-  DimensionOf lowest_, odd_;  ///< the lowest block so far; the lowest with another dimension
+  std::uint64_t columns_of_ = 0;  ///< the block that summary_.columns is of
+  DimensionOf lowest_, odd_;      ///< the lowest block so far; the lowest with another dimension
   BlockSummary summary_;
 };
 

@@ -1,8 +1,10 @@
-// Points of GeoJSON (RFC 7946): the positions of all its geometries.
+// Points of GeoJSON (RFC 7946): the positions of all its geometries; and of JSON that is a list of
+// rows of numbers, or an object whose member "points" is one.
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -30,6 +32,8 @@ constexpr GeometryType geometry_types[] = {{"Point", 1, false},
                                            {"FeatureCollection", 0, false}};
 
 using nlohmann::json;
+
+constexpr std::string_view points_key = "\"points\"";
 
 /// Reads a text for the parser, and keeps where that is: its events have no place.
 class Cursor {
@@ -266,9 +270,129 @@ class PositionReader : public nlohmann::json_sax<json> {
   std::uint64_t seen_ = 0, values_ = 0;
 };
 
+/// Reads rows, [[0, 0], [1, 0]], of any dimension; of an object its member "points". No document is
+/// built. Ends without a result where the text is an object of another kind.
+class RowsReader : public nlohmann::json_sax<json> {
+ public:
+  RowsReader(const Source& source, const ReadOptions& options)
+      : source_(source), options_(options) {}
+
+  /// Empty: an object without such rows.
+  std::optional<PointData> read() {
+    const char* const end = source_.data + source_.size;
+    const char* ignored = end;
+    if (!json::sax_parse(Cursor(source_.data, read_), Cursor(end, ignored), this) || !found_)
+      return std::nullopt;
+    if (numbers_.empty()) fail(source_, "no points");
+    PointData data = parsed_points(numbers_.size() / dimension_, dimension_, "json");
+    std::copy(numbers_.begin(), numbers_.end(), data.storage.as<double>());
+    return data;
+  }
+
+  bool null() override { return other("null"); }
+  bool boolean(bool) override { return other("true or false"); }
+  bool number_integer(number_integer_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_unsigned(number_unsigned_t value) override {
+    return number(static_cast<double>(value));
+  }
+  bool number_float(number_float_t value, const string_t&) override { return number(value); }
+  bool string(string_t&) override { return other("a string"); }
+  bool binary(binary_t&) override { return other("bytes"); }
+  bool start_object(std::size_t) override {
+    if (depth_ > 0 && rows_ == 0 && !named_) return skip();
+    if (rows_ > 0) return other("an object");
+    if (named_) return false;  // "points" of a hull's report
+    ++depth_;
+    return true;
+  }
+  bool end_object() override { return close(); }
+  bool key(string_t& name) override {
+    if (depth_ != 1) return true;
+    named_ = name == "points";
+    return name != "type" && name != "features" && name != "geometry";
+  }
+  bool start_array(std::size_t) override {
+    if (rows_ == 0 && depth_ > 0 && !named_) return skip();
+    if (rows_ == 2) return other("a list");
+    found_ = true;
+    ++rows_;
+    row_ = 0;
+    return true;
+  }
+  bool end_array() override {
+    if (rows_ == 0) return close();
+    if (rows_-- == 2) end_row();
+    if (rows_ == 0) named_ = false;
+    return true;
+  }
+  bool parse_error(std::size_t byte, const std::string&,
+                   const nlohmann::detail::exception& error) override {
+    constexpr int out_of_range = 406;
+    if (depth_ > 0 && !found_) return false;  // the other reader says what is wrong
+    const char* const at = source_.data + std::min(byte > 0 ? byte - 1 : 0, source_.size);
+    fail_at_line(
+        source_, 1 + static_cast<std::uint64_t>(std::count(source_.data, at, '\n')),
+        error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
+  }
+
+ private:
+  [[noreturn]] void fail_here(const std::string& message) const {
+    fail_at_line(source_, 1 + static_cast<std::uint64_t>(std::count(source_.data, read_, '\n')),
+                 message);
+  }
+  bool skip() {
+    ++depth_;
+    return true;
+  }
+  bool close() {
+    --depth_;
+    return true;
+  }
+  /// A value that is no number.
+  bool other(const char* what) const {
+    if (rows_ > 0)
+      fail_here("row " + std::to_string(seen_) + " of a list of points: " + what +
+                " where a list of numbers is expected, as in [[0, 0], [1, 0]]");
+    if (depth_ == 0) fail_here("is JSON, but neither GeoJSON nor a list of points");
+    return !named_ || depth_ > 1;
+  }
+  bool number(double value) {
+    if (rows_ != 2) return other("a number");
+    numbers_.push_back(value);
+    ++row_;
+    return true;
+  }
+  void end_row() {
+    if ((++seen_ & 0xFFFF) == 0) check_stop(options_);
+    if (row_ == 0) fail_here("row " + std::to_string(seen_ - 1) + " of a list of points is empty");
+    if (dimension_ == 0) dimension_ = row_;
+    if (row_ != dimension_)
+      fail_here("row " + std::to_string(seen_ - 1) + " of a list of points has " +
+                std::to_string(row_) + " numbers, the first has " + std::to_string(dimension_));
+  }
+
+  const Source& source_;
+  const ReadOptions& options_;
+  const char* read_ = source_.data;
+  std::vector<double> numbers_;
+  std::uint32_t dimension_ = 0, row_ = 0;
+  std::uint64_t seen_ = 0, depth_ = 0;  ///< rows; objects and lists around a value
+  int rows_ = 0;                        ///< 1 within the list of rows, 2 within a row
+  bool named_ = false;                  ///< behind the key "points"
+  bool found_ = false;
+};
+
 }  // namespace
 
 PointData read_geojson(const Source& source, const ReadOptions& options) {
+  const char* const end = source.data + source.size;
+  const char* first = source.data;
+  while (first < end && (is_blank(*first) || *first == '\n')) ++first;
+  const bool list = first < end && *first == '[';
+  if (list || std::search(first, end, points_key.begin(), points_key.end()) != end)
+    if (std::optional<PointData> rows = RowsReader(source, options).read()) return *std::move(rows);
   return PositionReader(source, options).read();
 }
 

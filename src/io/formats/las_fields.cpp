@@ -170,6 +170,7 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
     for (std::uint64_t i = 0; i < data.view.count; ++i)
       append(data.keys,
              Columns::is_axis(key) ? coordinate(i, key) : all.field(key).of(records + i * record));
+  data.columns = column_labels(columns, all.names());
   if (std::all_of(columns.begin(), columns.end(), Columns::is_axis))
     take_columns(data, columns);
   else

@@ -45,20 +45,24 @@ std::uint64_t first_not_finite(const PointView& view) {
 
 namespace {
 
-bool is_separator(char c) { return c == ',' || c == ';'; }
+bool is_separator(char c, char decimal) { return c == ';' || (c == ',' && decimal != ','); }
 
-/// The fast path: true if the line holds exactly `dimension` numbers.
-bool parse_row(const char* p, const char* end, std::uint32_t dimension, double* out) {
-  char separator = 0;
+/// The fast path: true if the line holds exactly the numbers of a point.
+template <char Decimal>
+bool parse_row(const char* p, const char* end, const Preamble& preamble, double* out) {
+  constexpr char blank = ' ';
+  const std::uint32_t dimension = preamble.dimension;
+  char separator = preamble.separator;
   for (std::uint32_t j = 0; j < dimension; ++j) {
     p = skip_blanks(p, end);
-    if (j > 0 && p < end && is_separator(*p)) {
-      if (separator != 0 && *p != separator) return false;
-      separator = *p;
-      p = skip_blanks(p + 1, end);
+    if (j > 0) {  // the same between all numbers: "1,5 2,5" would be four of them
+      const char found = p < end && is_separator(*p, Decimal) ? *p : blank;
+      if (separator == 0) separator = found;
+      if (found != separator) return false;
+      if (found != blank) p = skip_blanks(p + 1, end);
     }
-    if (p == end || scan_number(p, end, out[j]) != Scan::ok) return false;
-    if (p < end && !is_blank(*p) && !is_separator(*p) && !is_comment(p, end)) return false;
+    if (p == end || scan_number(p, end, out[j], Decimal) != Scan::ok) return false;
+    if (p < end && !is_blank(*p) && !is_separator(*p, Decimal) && !is_comment(p, end)) return false;
   }
   p = skip_blanks(p, end);
   return p == end || is_comment(p, end);
@@ -77,58 +81,77 @@ bool Fields::all_numbers() const {
   return !list.empty();
 }
 
-bool Fields::no_number() const {
-  bool any = false;
-  for (const Field& f : list) {
-    if (f.scan != Scan::not_a_number) return false;
-    any = any || !f.text.empty();
-  }
-  return any;
+bool Fields::any_number() const {
+  return std::any_of(list.begin(), list.end(), [](const Field& f) { return f.scan == Scan::ok; });
 }
 
-Fields split_fields(const char* p, const char* end) {
+Fields split_fields(const char* p, const char* end, char decimal) {
   Fields fields;
-  char separator = 0;
+  char separator = 0;  // ' ' stands for blanks
   p = skip_blanks(p, end);
   while (p < end && !is_comment(p, end)) {
     const char* q = p;
-    while (q < end && !is_blank(*q) && !is_separator(*q) && !is_comment(q, end)) ++q;
+    while (q < end && !is_blank(*q) && !is_separator(*q, decimal) && !is_comment(q, end)) ++q;
     Field field{{p, static_cast<std::size_t>(q - p)}};
     double value;
     const char* r = p;
-    field.scan = scan_number(r, q, value);
+    field.scan = scan_number(r, q, value, decimal);
     if (field.scan == Scan::ok && r != q) field.scan = Scan::not_a_number;
     fields.list.push_back(field);
     p = skip_blanks(q, end);
-    if (p < end && is_separator(*p)) {
-      fields.separators = true;
-      fields.mixed = fields.mixed || (separator != 0 && *p != separator);
-      separator = *p;
-      p = skip_blanks(p + 1, end);
-      if (p == end || is_comment(p, end)) fields.list.push_back({{p, 0}});
-    }
+    if (p == end || is_comment(p, end)) break;
+    const char found = is_separator(*p, decimal) ? *p : ' ';
+    fields.mixed = fields.mixed || (separator != 0 && found != separator);
+    separator = found;
+    if (found == ' ') continue;
+    fields.separators = true;
+    p = skip_blanks(p + 1, end);
+    if (p == end || is_comment(p, end)) fields.list.push_back({{p, 0}});
   }
   return fields;
 }
 
-std::string explain_row(const char* p, const char* end, std::uint32_t dimension) {
-  const Fields fields = split_fields(p, end);
-  if (fields.mixed) return "both ',' and ';' separate numbers; decimal commas are not read";
+const char* about_decimal_mark(char next, char decimal) {
+  if (decimal == ',' && next == '.') return "; commas are the decimal marks here";
+  return decimal != ',' && next == ','
+             ? "; --decimal , reads decimal commas (in Python decimal=\",\")"
+             : "";
+}
+
+std::string explain_row(const char* p, const char* end, const Preamble& preamble) {
+  const char decimal = preamble.decimal;
+  const Fields fields = split_fields(p, end, decimal);
+  if (fields.mixed) {
+    const std::string line(p, end);
+    const bool commas = line.find(',') != std::string::npos && decimal != ',';
+    const char* const other = commas && line.find(';') == std::string::npos ? "blanks" : "';'";
+    return std::string(commas ? "both ',' and " : "both blanks and ") + other +
+           " separate numbers" + about_decimal_mark(commas ? ',' : ' ', decimal);
+  }
   for (std::size_t j = 0; j < fields.list.size(); ++j) {
     const Field& f = fields.list[j];
     if (f.text.empty()) return "column " + std::to_string(j + 1) + " is empty";
     if (f.scan == Scan::out_of_range) return quoted_text(f.text) + " exceeds the range of doubles";
-    if (f.scan != Scan::ok) return quoted_text(f.text) + " is not a number";
+    if (f.scan == Scan::ok) continue;
+    const char* q = f.text.data();
+    double ignored;
+    const bool begins = scan_number(q, f.text.data() + f.text.size(), ignored, decimal) == Scan::ok;
+    return quoted_text(f.text) + " is not a number" +
+           (begins ? about_decimal_mark(*q, decimal) : "");
   }
+  if (fields.list.size() == preamble.dimension)
+    return std::string("other separators between the numbers than before") +
+           about_decimal_mark(fields.separators ? ',' : ' ', decimal);
   return std::to_string(fields.list.size()) + " coordinates where the first point has " +
-         std::to_string(dimension);
+         std::to_string(preamble.dimension);
 }
 
 namespace {
 
 /// Throws LineFault unless a row of cdd's is a point; returns where its coordinates begin. The 1
 /// that marks a point may be any number but 0, as in Qhull: rbox adds its offset to it, too.
-const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimension) {
+const char* skip_leading_one(const char* p, const char* end, const Preamble& preamble) {
+  const std::uint64_t dimension = preamble.dimension;
   p = skip_blanks(p, end);
   const std::string_view word = first_word(p, end);
   double one = 0;
@@ -136,14 +159,15 @@ const char* skip_leading_one(const char* p, const char* end, std::uint32_t dimen
   if (scan_number(q, end, one) != Scan::ok || q != word.data() + word.size())
     throw LineFault{quoted_text(word) + " is not a number"};
   if (one == 0) throw LineFault{"begins with 0, which is a ray: only points are read"};
-  const std::size_t width = split_fields(p, end).list.size();
-  if (width != std::uint64_t{dimension} + 1)
+  const std::size_t width = split_fields(p, end, preamble.decimal).list.size();
+  if (width != dimension + 1)
     throw LineFault{std::to_string(width) + " numbers where the header promises " +
-                    std::to_string(std::uint64_t{dimension} + 1)};
+                    std::to_string(dimension + 1)};
   return q;
 }
 
 const char* format_name(Preamble::Kind kind) {
+  if (kind == Preamble::node) return "node";
   return kind == Preamble::qhull ? "text (Qhull)" : kind == Preamble::cdd ? "text (cdd)" : "text";
 }
 
@@ -160,8 +184,9 @@ namespace {
       [&](std::uint64_t, const char* p, const char* end) {
     if (preamble.layout != nullptr)
       return preamble.layout->parse(p, end, std::vector<double>(d).data());
-    if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-    if (split_fields(p, end).list.size() != d) throw LineFault{explain_row(p, end, d)};
+    if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, preamble);
+    if (split_fields(p, end, preamble.decimal).list.size() != d)
+      throw LineFault{explain_row(p, end, preamble)};
       },
       [](const char*, const char*) {});
   fail(source, "too short for its points");
@@ -175,6 +200,7 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
   const bool keyed = !options.key.empty() && preamble.layout != nullptr;
   std::vector<std::string_view> keys(keyed ? index.points : 0);
   std::atomic<bool> all_finite{true};
+  const auto parse_one = preamble.decimal == ',' ? &parse_row<','> : &parse_row<'.'>;
   parse_lines(
       source, index, options, is_point_line,
       [&](std::uint64_t point, const char* p, const char* end) {
@@ -182,8 +208,8 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
     if (preamble.layout != nullptr) {
       preamble.layout->parse(p, end, row, keyed ? &keys[point] : nullptr);
     } else {
-      if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, d);
-      if (!parse_row(p, end, d, row)) throw LineFault{explain_row(p, end, d)};
+      if (preamble.kind == Preamble::cdd) p = skip_leading_one(p, end, preamble);
+      if (!parse_one(p, end, preamble, row)) throw LineFault{explain_row(p, end, preamble)};
     }
       },
       [](const char*, const char*) {},
@@ -191,22 +217,23 @@ PointData parse_rows(const Source& source, const LineIndex& index, const Preambl
     if (any_not_finite(out + begin * d, (end - begin) * d)) all_finite = false;
   });
   for (const std::string_view key : keys) data.keys.add(without_doubled_quotes(key));
-  // Without a layout (a header gives the dimension) columns are chosen here.
-  if (preamble.layout == nullptr) choose_columns(data, source.name, {}, options);
+  data.columns = preamble.columns;
+  // Where a header gives the dimension, columns are chosen here.
+  if (preamble.columns.empty()) choose_columns(data, source.name, {}, options);
   if (!all_finite) data.not_finite = line_of_not_finite(index, data.view, is_point_line);
   return data;
 }
 
 }  // namespace
 
-PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
-  const Preamble preamble = find_preamble(file, options, csv);
+PointData read_text(const Source& file, const ReadOptions& options, const std::string& format) {
+  const Preamble preamble = find_preamble(file, options, format);
   const std::uint32_t d = preamble.dimension;
   const Source source{file.name, file.data, static_cast<std::size_t>(preamble.end - file.data)};
   const LineIndex index =
       index_lines(source, preamble.body, preamble.lines, options, is_point_line);
   if (preamble.kind != Preamble::none && index.points != preamble.count)
-    fail_at_line(source, preamble.count_line, "promises ", preamble.count, " points, but ",
+    fail_at_line(source, preamble.promised_at, "promises ", preamble.count, " points, but ",
                  index.points, " lines follow");
   // Every coordinate takes a character and, except for the file's last, a separator.
   std::uint64_t coordinates = 0;
@@ -215,8 +242,11 @@ PointData read_text(const Source& file, const ReadOptions& options, bool csv) {
   return parse_rows(source, index, preamble, options);
 }
 
-std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row, bool csv) {
-  const Preamble preamble = find_preamble(file, {}, csv);
+std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row,
+                                         const std::string& format) {
+  ReadOptions options;
+  options.columns = "0";  // any table has one, whatever its columns are called
+  const Preamble preamble = find_preamble(file, options, format);
   LineScanner lines(preamble.body, preamble.end);
   while (lines.next())
     if (is_point_line(lines.begin(), lines.end()) && row-- == 0)

@@ -1,6 +1,9 @@
 #include "io/text/text_columns.hpp"
 
+#include <algorithm>
+
 #include "io/text/lines.hpp"
+#include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
 
 namespace cullhull::internal::inline io {
@@ -45,7 +48,7 @@ bool ColumnScanner::next(std::string_view& column) {
   return true;
 }
 
-char find_separator(const char* p, const char* end) {
+char find_separator(const char* p, const char* end, char decimal) {
   bool quoted = false, comma = false, tab = false;
   while (end > p && is_blank(end[-1])) --end;
   p = skip_blanks(p, end);
@@ -53,7 +56,7 @@ char find_separator(const char* p, const char* end) {
     if (*p == '"') quoted = !quoted;
     if (quoted) continue;
     if (*p == ';') return ';';
-    comma = comma || *p == ',';
+    comma = comma || (*p == ',' && decimal != ',');
     // Tabs in a row, or next to blanks, are used to align columns and are no separators.
     tab = tab || (*p == '\t' && !is_blank(p[-1]) && !is_blank(p[1]));
   }
@@ -91,6 +94,7 @@ std::string ColumnLayout::name_of(std::size_t column) const {
 
 void ColumnLayout::parse(const char* begin, const char* end, double* out,
                          std::string_view* key_text) const {
+  if (comments) end = std::find(begin, end, '#');
   ColumnScanner scanner(begin, end, separator);
   std::size_t width = 0;
   for (std::string_view text; scanner.next(text); ++width) {
@@ -99,12 +103,12 @@ void ColumnLayout::parse(const char* begin, const char* end, double* out,
     text = {skip_blanks(text.data(), text.data() + text.size()), text.data() + text.size()};
     if (text.empty()) throw LineFault{name_of(width) + " is empty"};
     const char* p = text.data();
-    const Scan scan = scan_number(p, p + text.size(), out[coordinate[width]]);
+    const Scan scan = scan_number(p, p + text.size(), out[coordinate[width]], decimal);
     if (scan == Scan::out_of_range)
       throw LineFault{name_of(width) + ": " + quoted_text(text) + " exceeds the range of doubles"};
     if (scan != Scan::ok || skip_blanks(p, text.data() + text.size()) != text.data() + text.size())
       throw LineFault{name_of(width) + ": " + quoted_text(text) + " is not a number" +
-                      (scan == Scan::ok && *p == ',' ? "; decimal commas are not read" : "")};
+                      (scan == Scan::ok ? about_decimal_mark(*p, decimal) : "")};
   }
   if (width != coordinate.size())
     throw LineFault{std::to_string(width) + (width == 1 ? " column" : " columns") +

@@ -27,8 +27,8 @@ class ColumnScanner {
 };
 
 /// The separator of the columns of a line: ';' ',' or a tab, the first in this order that occurs
-/// outside of quotes; else a blank.
-char find_separator(const char* begin, const char* end);
+/// outside of quotes; else a blank. `decimal`: ',' where commas are decimal marks.
+char find_separator(const char* begin, const char* end, char decimal = '.');
 
 /// Replaces doubled quotes by single ones.
 std::string without_doubled_quotes(std::string_view column);
@@ -44,6 +44,8 @@ struct ColumnLayout {
   std::vector<std::string> names;         ///< of columns, for messages; may be empty
   std::uint32_t dimension = 0;
   std::uint32_t key = none;  ///< the column of ReadOptions::key
+  char decimal = '.';        ///< or ','
+  bool comments = false;     ///< whether # ends a row
 
   ColumnLayout(char separator_, std::uint32_t width, const std::vector<std::uint32_t>& columns,
                std::vector<std::string> names_);

@@ -65,21 +65,25 @@ enum class Scan { ok, not_a_number, out_of_range };
 
 /// Reads one number at p, correctly rounded, and advances p. "nan" and "inf" are numbers (the
 /// library refuses them later, by index); overflow is out of range, underflow is rounded like any
-/// other number. The caller checks what follows.
-inline Scan scan_number(const char*& p, const char* end, double& value) {
+/// other number. `decimal`: '.' or ','. The caller checks what follows.
+inline Scan scan_number(const char*& p, const char* end, double& value, char decimal = '.') {
   const char* q = p;
   if (q < end && *q == '+') {
     ++q;
-    if (q >= end || !(is_digit(*q) || *q == '.')) return Scan::not_a_number;
+    if (q >= end || !(is_digit(*q) || *q == decimal)) return Scan::not_a_number;
   }
-  const auto r = fast_float::from_chars(q, end, value);
+  const auto r = decimal == '.'
+                     ? fast_float::from_chars(q, end, value)
+                     : fast_float::from_chars_advanced(
+                           q, end, value,
+                           fast_float::parse_options(fast_float::chars_format::general, decimal));
   // Some versions report underflow as an error although the value is set, and do not report
   // overflow.
   if (r.ec != std::errc() && !(r.ec == std::errc::result_out_of_range && std::fabs(value) < 1))
     return r.ec == std::errc::result_out_of_range ? Scan::out_of_range : Scan::not_a_number;
   if (std::isinf(value)) {
     const char first = *q == '-' ? q[1] : *q;
-    if (is_digit(first) || first == '.') return Scan::out_of_range;
+    if (is_digit(first) || first == decimal) return Scan::out_of_range;
   }
   p = r.ptr;
   return Scan::ok;
