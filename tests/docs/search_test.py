@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """search_test.py HTML: asks the site's own search, Sphinx's script in a browser, what people ask
-(questions.txt), and wants the right page among the first three results for at least nine in ten. Exit
-status 77: no site was built here, or there is no package of a browser."""
+(questions.txt), and wants the right page among the first three results for at least nine in ten. No
+table of "Which function" is cut on a laptop's screen. Exit status 77: no site was built here, or there
+is no package of a browser."""
 
 import json
 import pathlib
@@ -16,6 +17,18 @@ ASK = """
 return JSON.parse(arguments[0]).map(question =>
   Search._performSearch(...Search._parseQuery(question)).reverse().slice(0, 8).map(r => r[0]));
 """
+
+# Wrappers of tables scroll what is wider than they are.
+CUT = """
+return [...document.querySelectorAll("article .table-wrapper")]
+  .filter(w => w.scrollWidth > w.clientWidth).map(w => w.innerText.slice(0, 60));
+"""
+
+
+def cut_tables(browser, page, width):
+    browser.driver.set_window_size(width, 900)
+    browser.driver.get(f"file://{page}")
+    return browser.run(CUT)
 
 
 def questions():
@@ -43,6 +56,9 @@ def main():
         browser.driver.execute_async_script(
             "const done = arguments[0]; const wait = () => Search.hasIndex() ? done() : setTimeout(wait, 50); wait();")
         found = browser.run(ASK, json.dumps([question for question, _ in asked]))
+        for width in (1366, 1440, 1920):
+            cut = cut_tables(browser, site / "which-function.html", width)
+            assert not cut, f"which-function.html at {width} pixels: cut are {cut}"
     finally:
         browser.close()
     failed = []
