@@ -66,7 +66,7 @@ struct HullArguments {
   std::string by;  ///< the column of the groups' keys
   unsigned repeat = 1;
   bool certify = false;
-  bool triangles = false;
+  FacesArguments faces;
   StreamArguments stream;
   std::vector<std::string> files;  ///< the files that the input's words stand for
   const Elsewhere* elsewhere = nullptr;
@@ -90,6 +90,7 @@ std::vector<std::string> format_words(const std::vector<std::string>& given) {
 }
 
 FilePlan plan_files(const HullArguments& arguments) {
+  arguments.faces.check(arguments.outputs);
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
@@ -191,9 +192,8 @@ template <class Points>
 void write_results(const HullArguments& arguments, const Points& points, const Placing& placing,
                    const cullhull::PointView& extreme, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
-  const auto faces = arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons;
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, points, hull, "", faces);
+    cullhull::write_hull(path, points, hull, "", arguments.faces.faces());
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
@@ -491,8 +491,8 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
 /// Groups have a single kind of output.
 void check_groups(const HullArguments& a) {
   const bool others = !a.vertices.empty() || !a.json.empty() || !a.formats.empty() || a.certify ||
-                      a.triangles || a.repeat > 1 || a.engine != "native" || !a.only.empty() ||
-                      a.stream.any();
+                      a.faces.triangles || a.faces.polygons || a.repeat > 1 ||
+                      a.engine != "native" || !a.only.empty() || a.stream.any();
   if (a.outputs.empty() && !others)
     throw Error(ErrorCode::invalid_argument,
                 "--by needs one -o FILE.geojson (2D), FILE.csv or FILE.json for the hulls");
@@ -560,8 +560,7 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                                   "Compute one hull per group: the points with the same value in\n"
                                   "COLUMN (name or number); -o .geojson (2D), .csv or .json"))
       .type_name("COLUMN");
-  command.add_flag("--triangles", a->triangles,
-                   "Write meshes of triangles, for programs that read no polygons");
+  a->faces.add_to(command, "merged facets");
   allow_words(
       *command.add_option("--only", a->only,
                           "Compute only the vertices, not the facets (for high dimensions)"),

@@ -180,6 +180,34 @@ void FilePlan::writes_frame(const std::string& path) {
     refuse("-o", path, "is the file that " + it->option + " writes");
 }
 
+void FacesArguments::add_to(Parser& command, const std::string& faces) {
+  command.group("Output");
+  command.add_flag("--polygons", polygons,
+                   "Write " + faces +
+                       " as polygons in .ply, .obj, .off and\n.vtp (default: triangles, but for "
+                       ".vtp)");
+  command.add_flag("--triangles", triangles, "Write triangles in .vtp, too");
+}
+
+cullhull::Faces FacesArguments::faces() const {
+  return polygons    ? cullhull::Faces::polygons
+         : triangles ? cullhull::Faces::triangles
+                     : cullhull::Faces::by_format;
+}
+
+void FacesArguments::check(const std::vector<std::string>& outputs) const {
+  if (!polygons && !triangles) return;
+  if (polygons && triangles)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "--polygons and --triangles exclude each other");
+  for (const std::string& path : outputs)
+    for (const std::string_view ending : {".ply", ".obj", ".off", ".vtp"})
+      if (ending_of(path) == ending) return;
+  throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                        polygons ? "--polygons" : "--triangles",
+                        " is of meshes: write -o FILE.ply, .obj, .off or .vtp");
+}
+
 void add_json_option(Parser& command, std::string& path, const std::string& what) {
   command.group("Output");
   needs_value(

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "arguments.hpp"
+#include "cullhull/io.hpp"
 #include "io/write/output_formats.hpp"
 
 namespace app {
@@ -90,6 +91,18 @@ class FilePlan {
 
   std::vector<File> inputs_, outputs_;
   std::string printing_;  ///< the option that prints to standard output
+};
+
+/// --triangles and --polygons: how a mesh stores faces with more than three corners.
+struct FacesArguments {
+  bool triangles = false;
+  bool polygons = false;
+
+  /// `faces`: what has these corners: "merged facets".
+  void add_to(Parser& command, const std::string& faces);
+  cullhull::Faces faces() const;
+  /// Refuses both options together, and one of them where no output is a mesh of polygons.
+  void check(const std::vector<std::string>& outputs) const;
 };
 
 /// Adds `--json[=FILE]`, common to all commands.

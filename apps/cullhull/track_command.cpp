@@ -62,7 +62,7 @@ struct TrackArguments {
   std::string json;
   bool certify = false;
   bool keep_going = false;
-  bool triangles = false;
+  FacesArguments faces;
 };
 
 /// Names of the files of -o: text around a frame number padded with zeros.
@@ -275,9 +275,8 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
       outcome.not_certified = fmt::format("frame {}: {}", sequence.index(), c.reason);
   }
   if (names.wanted())
-    cullhull::write_hull(
-        names.of(sequence.index(), points.dimension), frame.points(), hull, "",
-        arguments.triangles ? cullhull::Faces::triangles : cullhull::Faces::polygons);
+    cullhull::write_hull(names.of(sequence.index(), points.dimension), frame.points(), hull, "",
+                         arguments.faces.faces());
   return true;
 }
 
@@ -358,6 +357,7 @@ int run(const TrackArguments& arguments) {
   read.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;
   const FrameNames names(arguments.output);
   names.check_ending();
+  arguments.faces.check({names.wanted() ? names.of(0, 3) : std::string()});
   cullhull::PointSequence sequence = cullhull::open_sequence(arguments.inputs, read);
   FilePlan plan;
   plan.reads(cullhull::sequence_files(arguments.inputs, read));
@@ -408,8 +408,7 @@ Command add_track(Parser& parent) {
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a->output, "Write the hull of each frame"))
       .type_name("PATTERN|FOLDER");
-  command.add_flag("--triangles", a->triangles,
-                   "Write meshes of triangles, for programs that read no polygons");
+  a->faces.add_to(command, "merged facets");
   add_json_option(command, a->json, "Report each frame");
   a->run.add_to(command, true);
   command.group("Verification and timing");

@@ -81,6 +81,7 @@ struct DualArguments {
   std::vector<std::string> outputs, formats;
   std::string weights, heights, json, measures, box, clip, edges;
   bool furthest = false, certify = false, inside = false;
+  FacesArguments faces;
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
@@ -386,7 +387,7 @@ void write_results(const DualArguments& a, const Input& input, const DualOutcome
     else if (ending_of(path) == ".json" || path == "-")
       cullhull::write_voronoi(path, *out.voronoi);
     else
-      cullhull::write_cells(path, *out.cells);
+      cullhull::write_cells(path, *out.cells, "", a.faces.faces());
   }
   if (!a.measures.empty()) {
     const std::uint64_t n = out.cells->measures.size();
@@ -424,6 +425,7 @@ int run(DualArguments a, bool dual) {
         ErrorCode::invalid_argument, a.clip.empty() ? "--box" : "--clip",
         " clips cells, but .json holds the unclipped diagram; write cells to .geojson or .wkt "
         "(2D), or their sizes with --measures");
+  a.faces.check(a.outputs);
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
@@ -547,6 +549,7 @@ Command add_voronoi(Parser& parent) {
                           "may be concave, with holes and several parts"))
       .type_name("FILE");
   command.group("Output");
+  a->faces.add_to(command, "faces of cells");
   needs_value(*command.add_option("--measures", a->measures,
                                   "Write the length, area or volume of each clipped cell"))
       .type_name("FILE");

@@ -220,10 +220,13 @@ struct JsonExtras {
 /// increases when a member is removed or changes its meaning, not when members are added.
 inline constexpr int json_schema_version = 2;
 
-/// How a mesh file (.ply .obj .off) stores facets with more than three corners.
+/// How a mesh file (.ply .obj .off .vtp) stores facets with more than three corners.
 enum class Faces {
   polygons,   ///< as polygons
-  triangles,  ///< as the hull's simplices, for programs that do not read polygons
+  triangles,  ///< as triangles: the hull's simplices
+  /// Triangles in .ply, .off and .obj, of which several programs read nothing else right (trimesh
+  /// and PyVista of .ply, Open3D of .obj); polygons in .vtp.
+  by_format,
 };
 
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson
@@ -233,15 +236,15 @@ enum class Faces {
 /// Throws Error{invalid_argument} if the format cannot hold the hull's dimension, Error{io} with
 /// the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons);
+                const std::string& format = "", Faces faces = Faces::by_format);
 /// The same with the coordinates that the hull carries (Options::with_coordinates). Throws
 /// Error{invalid_argument} for formats that list every point and for a hull without coordinates.
 void write_hull(const std::string& path, const Hull& hull, const std::string& format = "",
-                Faces faces = Faces::polygons);
+                Faces faces = Faces::by_format);
 /// The same bytes from the points' state and its hull(). Throws Error{invalid_argument} for formats
 /// that list every point.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::polygons);
+                const std::string& format = "", Faces faces = Faces::by_format);
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of
 /// unfinished writers.

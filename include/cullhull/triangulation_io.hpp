@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cullhull/alpha_shape.hpp"
+#include "cullhull/io.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/voronoi.hpp"
@@ -29,10 +30,13 @@ void write_triangulation(const std::string& path, const PointView& points,
                          std::span<const double> heights = {});
 
 /// Writes the polygons of clipped cells (in 3D their faces): .ply .obj .off .vtp, and in 2D
-/// .geojson and .wkt, one or several polygons per point, with holes. Mesh formats have no holes:
+/// .geojson and .wkt, one or several polygons per point, with holes. `faces` (by default
+/// Faces::by_format): whether a mesh holds polygons or triangles. Polygons of a mesh have no holes:
 /// Error{invalid_argument} for cells that have. Files and errors as above.
 void write_cells(const std::string& path, const ClippedCells& cells,
                  const std::string& format = "");
+void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format,
+                 Faces faces);
 
 /// Writes the diagram as .json. File and errors as above.
 void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::string& format = "");

@@ -1,5 +1,6 @@
 // What the program writes, under which names, and what it refuses to write over.
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -207,13 +208,13 @@ TEST(CliOutputs, WhatWasWrittenIsSaid) {
             std::string::npos);
 }
 
-// Binary PLY of polygons with differing numbers of corners is more than some programs read.
-TEST(CliOutputs, TrianglesOnRequest) {
+// Polygons are more than some programs read: trimesh and PyVista of .ply, Open3D of .obj.
+TEST(CliOutputs, TrianglesByDefaultPolygonsOnRequest) {
   const Folder f;
   const std::string p = f / "p.txt";
   write_file(p, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n");
   for (const std::string name : {"h.ply", "h.off", "h.obj"})
-    ASSERT_EQ(run_app({"hull", p, "-q", "--triangles", "-o", f / name}).status, 0) << name;
+    ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / name}).status, 0) << name;
   const std::string ply = read_file(f / "h.ply");
   EXPECT_NE(ply.find("element face 12\n"), std::string::npos);
   const std::size_t faces = ply.find("end_header\n") + 11 + std::size_t{8} * 24;
@@ -226,12 +227,68 @@ TEST(CliOutputs, TrianglesOnRequest) {
   for (std::size_t at = obj.find("\nf "); at != std::string::npos; at = obj.find("\nf ", at + 1))
     ++lines;
   EXPECT_EQ(lines, 12U);
-  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.ply"}).status, 0);
-  EXPECT_NE(read_file(f / "h.ply").find("element face 6\n"), std::string::npos);
+  const auto faces_of = [&](const std::string& option, const std::string& name) {
+    std::vector<std::string> words{"hull", p, "-q", "-o", f / name};
+    if (!option.empty()) words.push_back(option);
+    EXPECT_EQ(run_app(words).status, 0) << option << name;
+    return read_file(f / name);
+  };
+  EXPECT_NE(faces_of("--polygons", "h.ply").find("element face 6\n"), std::string::npos);
+  EXPECT_EQ(faces_of("--polygons", "h.off").substr(0, 11), "OFF\n8 6 12\n");
+  EXPECT_EQ(faces_of("--triangles", "h.off").substr(0, 11), "OFF\n8 12 18");
+  EXPECT_NE(faces_of("", "h.vtp").find("NumberOfPolys=\"6\""), std::string::npos);
+  EXPECT_NE(faces_of("--polygons", "h.vtp").find("NumberOfPolys=\"6\""), std::string::npos);
+  EXPECT_NE(faces_of("--triangles", "h.vtp").find("NumberOfPolys=\"12\""), std::string::npos);
+  const std::string pattern = f / "t%d.off";
+  ASSERT_EQ(run_app({"track", p, "-q", "-o", pattern, "--polygons"}).status, 0);
+  EXPECT_EQ(read_file(f / "t0.off").substr(0, 11), "OFF\n8 6 12\n");
+  ASSERT_EQ(run_app({"track", p, "-q", "-o", pattern}).status, 0);
+  EXPECT_EQ(read_file(f / "t0.off").substr(0, 11), "OFF\n8 12 18");
+  for (const char* option : {"--polygons", "--triangles"}) {
+    expect_refused(f, {"hull", p, option, "-o", f / "n.stl"}, "is of meshes");
+    expect_refused(f, {"hull", p, option}, "is of meshes");
+    expect_refused(f, {"track", p, option, "-o", f / "n%d.json"}, "is of meshes");
+  }
+  expect_refused(f, {"hull", p, "--polygons", "--triangles", "-o", f / "n.ply"}, "exclude");
   // The hull of points in the plane is one polygon, or a fan.
   write_file(p, "0 0\n1 0\n0 1\n1 1\n2 0.5\n");
-  ASSERT_EQ(run_app({"hull", p, "-q", "--triangles", "-o", f / "h.off"}).status, 0);
+  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.off"}).status, 0);
   EXPECT_EQ(read_file(f / "h.off").substr(0, 9), "OFF\n5 3 7");
+  EXPECT_EQ(faces_of("--polygons", "h.off").substr(0, 9), "OFF\n5 1 5");
+}
+
+// Cells of a region with a dent and a hole: their triangles have its area, where fans overlap.
+TEST(CliOutputs, ClippedCellsAsTriangles) {
+  const Folder f;
+  const std::string p = f / "p.txt", region = f / "region.geojson", out = f / "cells.off";
+  write_file(p, "0.5 0.5\n3 3\n9 9\n");
+  write_file(region,
+             R"({"type": "Polygon", "coordinates": [
+                 [[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4], [0, 0]],
+                 [[0.25, 0.25], [0.25, 0.5], [0.5, 0.5], [0.5, 0.25], [0.25, 0.25]]]})");
+  ASSERT_EQ(run_app({"voronoi", p, "-q", "--clip", region, "-o", out}).status, 0);
+  std::istringstream in(read_file(out));
+  std::string word;
+  std::size_t vertices = 0, faces = 0, edges = 0;
+  in >> word >> vertices >> faces >> edges;
+  std::vector<std::array<double, 3>> at(vertices);
+  for (auto& v : at) in >> v[0] >> v[1] >> v[2];
+  double area = 0;
+  for (std::size_t i = 0; i < faces; ++i) {
+    std::size_t n = 0, a = 0, b = 0, c = 0;
+    in >> n >> a >> b >> c;
+    ASSERT_EQ(n, 3U);
+    const double twice = (at[b][0] - at[a][0]) * (at[c][1] - at[a][1]) -
+                         (at[b][1] - at[a][1]) * (at[c][0] - at[a][0]);
+    EXPECT_GT(twice, 0);
+    area += twice / 2;
+  }
+  EXPECT_DOUBLE_EQ(area, 7 - 0.0625);
+  expect_error({"voronoi", p, "-q", "--clip", region, "-o", out, "--polygons"}, 2, "has a hole");
+  EXPECT_EQ(
+      run_app({"voronoi", p, "-q", "--clip", region, "-o", f / "c.vtp", "--triangles"}).status, 0);
+  expect_error({"voronoi", p, "--clip", region, "-o", f / "c.geojson", "--polygons"}, 2,
+               "is of meshes");
 }
 
 }  // namespace cli_outputs_test

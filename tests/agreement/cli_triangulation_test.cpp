@@ -202,8 +202,8 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   refused(polygon + "[[[0,0],[1,1],[2,2]]]}", 1, "spans dimension 1 only");
   write_file(f / "c.geojson",
              polygon + "[[[0,0],[4,0],[4,4],[0,4]],[[0.5,0.5],[1,0.5],[1,1],[0.5,1]]]}");
-  expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "o.obj"}, 2,
-               "has a hole, which meshes cannot hold");
+  expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "o.obj", "--polygons"},
+               2, "has a hole, which no polygon of a mesh has");
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "-o", f / "c.geojson"}, 2,
                "would overwrite the input");
   expect_error({"voronoi", f / "p.csv", "--clip", f / "c.geojson", "--box", "0,0,1,1"}, 2,

@@ -188,7 +188,8 @@ ROWS = (
         tuple(_format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS),
         ways={"--stream": "--format o prints all points, which are never in memory together"},
     ),
-    Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[:3], doors="main"),
+    Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[-1:], doors="main"),
+    Row("hull --polygons", ("hull", "-q", "--polygons"), HULL_MESHES[:3], doors="main"),
     Row(
         "hull --certify",
         ("hull", "-q", "--certify"),
@@ -320,6 +321,18 @@ ROWS = (
         doors="main",
         extra="clip",
     ),
+    Row(
+        "voronoi --polygons",
+        ("voronoi", "-q", "--polygons"),
+        (_o(".ply", texts.ply, mesh, of_points=False), _o(".off", texts.off, mesh, of_points=False)),
+        doors="main",
+    ),
+    Row(
+        "voronoi --triangles",
+        ("voronoi", "-q", "--triangles"),
+        (_o(".vtp", texts.vtp, mesh, of_points=False),),
+        doors="main",
+    ),
     Row("voronoi --certify", ("voronoi", "-q", "--certify"), (_report("voronoi"),), doors="main"),
     Row(
         "voronoi --furthest",
@@ -410,6 +423,14 @@ ROWS = (
         "track --certify",
         ("track", "-q", "--certify"),
         (_report("track"),),
+        shape="sequence",
+        without=SEQUENCE,
+        doors="main",
+    ),
+    Row(
+        "track --polygons",
+        ("track", "-q", "--polygons"),
+        HULL_MESHES[:1],
         shape="sequence",
         without=SEQUENCE,
         doors="main",

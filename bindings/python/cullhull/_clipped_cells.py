@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from operator import methodcaller
 from typing import Any, Protocol
 
@@ -23,11 +24,12 @@ from ._forms import (
     polygons_geometry,
     require_drawable,
     require_plane,
+    require_polygons,
     require_surface,
 )
 from ._lists import Lists
 from ._native import Native
-from ._shown import Exported, Saved
+from ._shown import Exported
 from ._triangulation import Triangulation
 
 
@@ -40,7 +42,7 @@ class Clippable(Protocol):
     def points(self) -> npt.NDArray[Any]: ...
 
 
-class ClippedCells(Exported, Saved, Native):
+class ClippedCells(Exported, Native):
     """Answer of `VoronoiDiagram.clip`: one cell a point.
 
     It never changes; a pickle holds the diagram's triangulation and the region, of which it is made
@@ -344,8 +346,48 @@ class ClippedCells(Exported, Saved, Native):
             ],
         )
 
-    def _write(self, path: str, format: str) -> None:
-        _core.save_clipped(path, self._clipped, format)
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        format: str = "",
+        polygons: bool | None = None,
+    ) -> None:
+        """Writes the cells: in 2D and 3D .ply .obj .off .vtp, in 2D .geojson .wkt.
+
+        An error leaves no part of a file behind.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            The extension selects the format. An existing file is replaced.
+        format : str
+            The format, whatever the extension.
+        polygons : bool, optional
+            Whether .ply, .obj, .off and .vtp hold the cells (in 3D their faces) as polygons, which
+            have no holes there, or as triangles. By default triangles, which every program reads;
+            polygons in .vtp.
+
+        Raises
+        ------
+        FileError (an OSError)
+            If the operating system refuses to write the file.
+        InvalidArgument or BadFile (ValueErrors)
+            If the format is unknown, or cannot hold these cells; for ``polygons`` with a format
+            that has no choice.
+
+        Examples
+        --------
+        >>> import cullhull, os, tempfile
+        >>> cells = cullhull.voronoi([[0, 0], [2, 0], [1, 2]]).clip([0, 0], [2, 2])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     cells.save(os.path.join(folder, "cells.off"), polygons=True)
+        ...     print(open(os.path.join(folder, "cells.off")).readlines()[1].strip())
+        11 3 11
+        """
+        name = os.fspath(path)
+        require_polygons(name, format, polygons)
+        _core.save_clipped(name, self._clipped, format, polygons)
 
     def _page(self) -> str:
         from ._pages import page_of_surface

@@ -259,7 +259,9 @@ class ConvexHull(Exported, IncrementalPoints):
         """
         return self.hull.mesh()
 
-    def save(self, path: str | os.PathLike[str], *, format: str = "") -> None:
+    def save(
+        self, path: str | os.PathLike[str], *, format: str = "", polygons: bool | None = None
+    ) -> None:
         """Writes a file of the hull and its points: see `Hull.save`.
 
         Parameters
@@ -268,6 +270,8 @@ class ConvexHull(Exported, IncrementalPoints):
             The extension selects the format. An existing file is replaced.
         format : str
             The format, whatever the extension.
+        polygons : bool, optional
+            As in `Hull.save`.
 
         Raises
         ------
@@ -282,7 +286,7 @@ class ConvexHull(Exported, IncrementalPoints):
         ...     print(open(os.path.join(folder, "a.wkt")).read().strip())
         POLYGON ((0 0, 4 0, 0 4, 0 0))
         """
-        self.hull.save(path, self._array, format=format)
+        self.hull.save(path, self._array, format=format, polygons=polygons)
 
     def _surface(self) -> Surface:
         return self.hull._surface()

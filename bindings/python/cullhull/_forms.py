@@ -3,6 +3,7 @@ geometries."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -119,6 +120,13 @@ def features(geometries: Sequence[dict[str, Any]], **properties: Any) -> dict[st
             for geometry, row in zip(geometries, rows)
         ],
     }
+
+
+def require_polygons(path: str, format: str, polygons: bool | None) -> None:
+    """Raises if ``polygons`` is given for a format that has no choice."""
+    ending = (format or os.path.splitext(path)[1].lstrip(".")).lower()
+    if polygons is not None and ending not in ("ply", "obj", "off", "vtp"):
+        raise InvalidArgument(f"polygons is of .ply, .obj, .off and .vtp, not of .{ending}")
 
 
 def require_plane(dimension: int, what: str) -> None:

@@ -22,6 +22,7 @@ from ._forms import (
     polygon_geometry,
     require_drawable,
     require_plane,
+    require_polygons,
     require_surface,
 )
 from ._lists import Lists
@@ -326,7 +327,12 @@ class Hull(Questions, Exported, Certified):
     # Out of Python
 
     def save(
-        self, path: str | os.PathLike[str], points: Any = None, *, format: str = ""
+        self,
+        path: str | os.PathLike[str],
+        points: Any = None,
+        *,
+        format: str = "",
+        polygons: bool | None = None,
     ) -> None:
         """Writes a file: .ply .obj .off .stl .glb .vtp (2D and 3D),
         .geojson .wkt (2D), .json (everything), .txt (as qconvex).
@@ -341,13 +347,17 @@ class Hull(Questions, Exported, Certified):
             numbered in the order of their indices.
         format : str
             Overrides the path's extension.
+        polygons : bool, optional
+            Whether .ply, .obj, .off and .vtp hold the merged facets as polygons, or the simplices
+            as triangles. By default triangles, which every program reads; polygons in .vtp.
 
         Raises
         ------
         FileError (an OSError)
             Where the system refuses.
         InvalidArgument or BadFile (a ValueError)
-            For an unknown format, or one that has no place for the hull's dimension.
+            For an unknown format, or one that has no place for the hull's dimension; for
+            ``polygons`` with a format that has no choice.
 
         Examples
         --------
@@ -359,7 +369,9 @@ class Hull(Questions, Exported, Certified):
         ['hull.ply']
         """
         array = None if points is None else as_points(points)
-        _core.save(os.fspath(path), self._solid, array, format)
+        name = os.fspath(path)
+        require_polygons(name, format, polygons)
+        _core.save(name, self._solid, array, format, polygons)
 
     def view(  # type: ignore[override]
         self,
@@ -495,7 +507,7 @@ def picture_of(hulls: Sequence[Hull]) -> Picture:
     polygons = [outline for hull in hulls for outline in hull._outlines()]
     lines = [hull.vertex_points for hull in hulls if hull.affine_dimension == 1]
     flat = [hull.vertex_points for hull in hulls if hull.affine_dimension < 2]
-    return Picture(polygons, lines, np.concatenate(flat) if flat else None)
+    return Picture(polygons, lines, np.concatenate(flat) if flat else None, surface=True)
 
 
 def _hull_of_state(state: dict[str, Any], certificate: Certificate | None) -> Hull:

@@ -51,7 +51,7 @@ def page_of_hull(hull: _core.Solid, points: Any) -> str:
     with tempfile.TemporaryDirectory() as folder:
         if points is None:
             source = os.path.join(folder, "hull.json")
-            _core.save(source, hull, None, "")
+            _core.save(source, hull, None, "", None)
         else:
             source = os.path.join(folder, "points.npy")
             np.save(source, as_points(points))
@@ -154,7 +154,7 @@ def _template(dimension: int) -> str:
     with tempfile.TemporaryDirectory() as folder:
         source = os.path.join(folder, "simplex.json")
         corners = np.vstack([np.zeros(dimension), np.eye(dimension)])
-        _core.save(source, _core.convex_hull(corners, None), None, "")
+        _core.save(source, _core.convex_hull(corners, None), None, "", None)
         return _made([source])
 
 

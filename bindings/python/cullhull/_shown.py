@@ -134,7 +134,6 @@ class Saved:
         ============================ ===========================================================
         `AlphaShape`, `ConcaveHull`  .json; in 2D and 3D .ply .obj .off .stl .glb .vtp .vtk;
                                      in 2D .geojson .wkt
-        `ClippedCells`               in 2D and 3D .ply .obj .off .vtp; in 2D .geojson .wkt
         `HullBatch`                  .csv .json; in 2D .geojson: a record for each set, with the key
                                      ``set``
         `VoronoiDiagram`             .json

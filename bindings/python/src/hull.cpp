@@ -1,5 +1,6 @@
 // convex_hull, cull, certify and the result's arrays.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 
@@ -75,12 +76,13 @@ nb::typed<nb::dict, nb::str, nb::str> shapes() {
 }
 
 /// Writes a file of `solid` and the points `array`, or, for None, its own vertices, renumbered.
-void save(const std::string& path, const Solid& solid, nb::handle array,
-          const std::string& format) {
+void save(const std::string& path, const Solid& solid, nb::handle array, const std::string& format,
+          std::optional<bool> polygons) {
+  const cullhull::Faces faces = faces_of(polygons);
   if (!array.is_none()) {
     const Points points(array);
     const nb::gil_scoped_release release;
-    cullhull::write_hull(path, points.view(), solid.hull(), format);
+    cullhull::write_hull(path, points.view(), solid.hull(), format, faces);
     return;
   }
   const nb::gil_scoped_release release;
@@ -88,7 +90,7 @@ void save(const std::string& path, const Solid& solid, nb::handle array,
   const Hull hull = solid.by_place();
   cullhull::write_hull(
       path, cullhull::PointView::row_major(rows.data(), hull.point_count, hull.dimension), hull,
-      format);
+      format, faces);
 }
 
 nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
@@ -269,7 +271,7 @@ void bind_hull(nb::module_& m) {
         nb::arg("seed"));
   m.def("shapes", shapes);
   m.def("save", save, nb::arg("path"), nb::arg("solid"), nb::arg("points").none(),
-        nb::arg("format"));
+        nb::arg("format"), nb::arg("polygons").none());
 }
 
 }  // namespace binding

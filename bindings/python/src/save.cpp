@@ -1,9 +1,11 @@
 // Files of triangulations, diagrams, clipped cells, alpha shapes and batches of hulls, as the
 // program writes them.
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,9 +54,9 @@ void save_diagram(const std::string& path, const cullhull::Voronoi& diagram,
 }
 
 void save_clipped(const std::string& path, const cullhull::ClippedCells& cells,
-                  const std::string& format) {
+                  const std::string& format, std::optional<bool> polygons) {
   const nb::gil_scoped_release release;
-  cullhull::write_cells(path, cells, format);
+  cullhull::write_cells(path, cells, format, faces_of(polygons));
 }
 
 /// The shape is given as alpha_shape() or concave_hull() returned it; `alpha` is NaN for the
@@ -85,7 +87,7 @@ void bind_save(nb::module_& m) {
   const auto path = nb::arg("path"), format = nb::arg("format"), cells = nb::arg("cells");
   m.def("save_cells", save_cells, path, cells, nb::arg("heights").none(), format);
   m.def("save_diagram", save_diagram, path, nb::arg("diagram"), format);
-  m.def("save_clipped", save_clipped, path, cells, format);
+  m.def("save_clipped", save_clipped, path, cells, format, nb::arg("polygons").none());
   m.def("save_alpha_shape", save_alpha_shape, path, cells, nb::arg("cell_numbers"),
         nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format);
   m.def("save_batch", save_batch, path, nb::arg("batch"), nb::arg("keys"), nb::arg("key_name"),

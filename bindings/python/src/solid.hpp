@@ -6,14 +6,22 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "arrays.hpp"
 #include "call.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
 #include "cullhull/query.hpp"
 
 namespace binding {
+
+/// None: as most programs read the format.
+inline cullhull::Faces faces_of(std::optional<bool> polygons) {
+  if (!polygons) return cullhull::Faces::by_format;
+  return *polygons ? cullhull::Faces::polygons : cullhull::Faces::triangles;
+}
 
 /// Independent of the array it was computed from, which may change or be freed.
 class Solid {

@@ -1,6 +1,8 @@
 """trimesh with our class in place of SciPy's."""
 
 import os
+import pathlib
+import subprocess
 import sys
 
 import numpy as np
@@ -95,3 +97,16 @@ def test_bounds_that_need_hulls(in_place):
     assert (rectangle < 2.01).all()
     centre, radius = trimesh.nsphere.minimum_nsphere(box)
     assert np.isclose(radius, np.sqrt(14) / 2)
+
+
+def test_every_mesh_is_read():
+    """All that the program writes by default; the script reads with other packages, too."""
+    script = pathlib.Path(__file__).parents[3] / "tests" / "files" / "mesh_readers.py"
+    if not script.exists():
+        pytest.skip("this is not the source tree")
+    from cullhull.__main__ import program
+
+    ran = subprocess.run(
+        [sys.executable, script, program(), "trimesh"], capture_output=True, text=True
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -28,7 +28,8 @@ class VertexNumbers {
   std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
 };
 
-/// Replaces polygons by triangles. A polygon of n corners is divided by n - 3 diagonals.
+}  // namespace
+
 void triangulate(HullMesh& mesh) {
   const std::size_t count = mesh.triangles.size() / 3;
   mesh.edges += count - mesh.polygons.size();
@@ -36,8 +37,6 @@ void triangulate(HullMesh& mesh) {
   mesh.polygons.offsets.clear();
   for (std::size_t t = 0; t <= count; ++t) mesh.polygons.offsets.push_back(3 * t);
 }
-
-}  // namespace
 
 HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
                    Faces faces) {
@@ -65,7 +64,7 @@ HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::strin
     for (const std::uint64_t id : hull.simplices) mesh.triangles.push_back(number.of(id));
     mesh.edges = hull.facets.items.size() / 2;
   }
-  if (faces == Faces::triangles) triangulate(mesh);
+  if (in_triangles(faces, format)) triangulate(mesh);
   return mesh;
 }
 

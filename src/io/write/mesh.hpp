@@ -22,9 +22,17 @@ struct HullMesh {
   std::size_t vertex_count() const { return coordinates.size() / 3; }
 };
 
+/// Whether a mesh of this format holds triangles alone.
+inline bool in_triangles(Faces faces, std::string_view format) {
+  return faces == Faces::triangles || (faces == Faces::by_format && format != "vtp");
+}
+
 /// Throws Error{invalid_argument} unless the points are 2D or 3D.
 HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::string& format,
                    Faces faces);
+
+/// Replaces the polygons by the triangles. A polygon of n corners is divided by n - 3 diagonals.
+void triangulate(HullMesh& mesh);
 
 void write_ply(OutputFile& out, const HullMesh& mesh);
 void write_obj(OutputFile& out, const HullMesh& mesh);

@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "cullhull/constrained.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "io/formats/geometry_text.hpp"
@@ -105,8 +106,50 @@ HullMesh mesh_of(const PointView& points, const Triangulation& t) {
   return mesh;
 }
 
+/// Rows of vertices: the outline of a polygon in the plane, then its holes.
+using Rings = std::vector<std::vector<std::uint32_t>>;
+
+/// Whether a simple ring, counter-clockwise, has no dent.
+bool is_convex(const ClippedCells& cells, const std::vector<std::uint32_t>& ring) {
+  const std::size_t n = ring.size();
+  const auto side = [&](std::size_t i, unsigned j) {
+    return cells.vertices[2 * ring[(i + 1) % n] + j] - cells.vertices[2 * ring[i % n] + j];
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    if (side(i, 0) * side(i + 1, 1) < side(i, 1) * side(i + 1, 0)) return false;
+  return true;
+}
+
+/// The triangles of a polygon with dents or holes. None where rounded rings cross.
+std::vector<std::uint32_t> triangles_of(const ClippedCells& cells, const Rings& rings) {
+  std::vector<std::uint32_t> rows, edges;
+  std::vector<double> corners;
+  for (const auto& ring : rings) {
+    const auto first = static_cast<std::uint32_t>(rows.size());
+    for (std::uint32_t i = 0; i < ring.size(); ++i) {
+      rows.push_back(ring[i]);
+      for (unsigned j = 0; j < 2; ++j) corners.push_back(cells.vertices[2 * ring[i] + j]);
+      edges.push_back(first + i);
+      edges.push_back(first + (i + 1 < ring.size() ? i + 1 : 0));
+    }
+  }
+  ConstrainedOptions options;
+  options.threads = 1;  // polygons are many and small
+  options.inside_only = true;
+  std::vector<std::uint32_t> triangles;
+  try {
+    const auto found =
+        constrained_delaunay(PointView::row_major(corners.data(), rows.size(), 2), edges, options);
+    if (found.triangulation.affine_dimension == 2)
+      for (const std::uint32_t v : found.triangulation.cells) triangles.push_back(rows[v]);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::invalid_argument) throw;
+  }
+  return triangles;
+}
+
 /// The faces of cells; of the plane the cells themselves.
-HullMesh mesh_of(const ClippedCells& cells) {
+HullMesh mesh_of(const ClippedCells& cells, bool triangles) {
   HullMesh mesh;
   const unsigned d = cells.dimension;
   for (std::size_t v = 0; v < cells.vertices.size() / d; ++v)
@@ -125,14 +168,25 @@ HullMesh mesh_of(const ClippedCells& cells) {
     const auto first = static_cast<std::uint32_t>(cells.vertex_offsets[i]);
     if (d == 2) {
       for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
-        const std::uint64_t ring = cells.polygon_rings[g];
-        if (cells.polygon_rings[g + 1] > ring + 1)
+        Rings rings;
+        for (std::uint64_t r = cells.polygon_rings[g]; r < cells.polygon_rings[g + 1]; ++r) {
+          rings.emplace_back(cells.ring_starts[r + 1] - cells.ring_starts[r]);
+          std::iota(rings.back().begin(), rings.back().end(),
+                    static_cast<std::uint32_t>(cells.ring_starts[r]));
+        }
+        if (rings.size() > 1 && !triangles)
           throw Error(ErrorCode::invalid_argument, "the cell of point ", i,
-                      " has a hole, which meshes cannot hold; .geojson and .wkt can");
-        polygon.clear();
-        for (std::uint64_t v = cells.ring_starts[ring]; v < cells.ring_starts[ring + 1]; ++v)
-          polygon.push_back(static_cast<std::uint32_t>(v));
-        add(polygon);
+                      " has a hole, which no polygon of a mesh has; triangles, .geojson and .wkt "
+                      "can hold it");
+        if (!triangles || (rings.size() == 1 && is_convex(cells, rings[0]))) {
+          add(rings[0]);
+          continue;
+        }
+        const std::vector<std::uint32_t> parts = triangles_of(cells, rings);
+        if (parts.empty()) add(rings[0]);
+        for (std::size_t t = 0; t < parts.size(); t += 3)
+          add({parts.begin() + static_cast<std::ptrdiff_t>(t),
+               parts.begin() + static_cast<std::ptrdiff_t>(t) + 3});
       }
       continue;
     }
@@ -143,6 +197,7 @@ HullMesh mesh_of(const ClippedCells& cells) {
       add(polygon);
     }
   }
+  if (triangles) triangulate(mesh);
   return mesh;
 }
 
@@ -202,13 +257,18 @@ void write_triangulation(const std::string& path, const PointView& points, const
 }
 
 void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format) {
+  write_cells(path, cells, format, Faces::by_format);
+}
+
+void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format,
+                 Faces faces) {
   const std::string f = output_format(path, format, "geojson");
   if (!holds(f, {OutputKind::cells})) refuse_format(path, f, {OutputKind::cells});
   if (cells.dimension != 2 && (cells.dimension != 3 || is_map(f)))
     refuse(f, is_map(f) ? "polygons of 2D points" : "cells of 2D and 3D points", cells.dimension);
   if (cells.vertex_offsets.empty())
     throw Error(ErrorCode::invalid_argument, "the cells have no shapes to write");
-  if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells));
+  if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells, in_triangles(faces, f)));
   write_map(path, f, cells.point_count, "point", [&](std::uint64_t i) {
     PlanePolygons polygons;
     for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
