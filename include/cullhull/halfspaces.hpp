@@ -41,6 +41,12 @@ struct HalfspaceIntersection {
 HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
                                            const double* interior_point = nullptr,
                                            const Options& options = {});
+inline HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
+                                                  const OnePoint& interior_point,
+                                                  const Options& options = {}) {
+  const std::uint32_t d = halfspaces.dimension > 0 ? halfspaces.dimension - 1 : 0;
+  return intersect_halfspaces(halfspaces, interior_point.of(d), options);
+}
 
 }  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -65,6 +65,9 @@ class Interpolator {
   /// The weights for one point (d numbers), each at least 0 and within 2^-51 of the exact one, so
   /// the sum of n weights is 1 within n 2^-51. Empty outside the hull. Errors as above, not_finite.
   NaturalNeighbours natural_neighbours(const double* point) const;
+  NaturalNeighbours natural_neighbours(const OnePoint& point) const {
+    return natural_neighbours(point.of(query().dimension()));
+  }
 
  private:
   struct State;

@@ -5,11 +5,20 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <ranges>
 #include <type_traits>
+#include <vector>
 
 #include "cullhull/error.hpp"
+
+// Where a compiler has the attribute, it warns of a view that outlives what it refers to.
+#if defined(__clang__)
+#define CULLHULL_LIFETIME_BOUND [[clang::lifetimebound]]
+#else
+#define CULLHULL_LIFETIME_BOUND
+#endif
 
 #pragma GCC visibility push(default)
 namespace cullhull::inline v1 {
@@ -90,12 +99,16 @@ concept ViewableRange = std::ranges::contiguous_range<R> && std::ranges::sized_r
 /// Points: std::vector<std::array<double, 3>>, std::span<const std::array<float, 2>>,
 /// double[8][3], ...
 template <class R>
-concept PointRange = ViewableRange<R> &&(PointOf<R>::dimension != 0);
+concept PointRange = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
+    (PointOf<R>::dimension != 0);
 
-/// Points whose memory would be gone after the call that made the view.
+struct PointView;
+
+/// Objects of which a view does not know where their coordinates are.
 template <class R>
-concept TemporaryPoints =
-    std::ranges::contiguous_range<R> && !ViewableRange<R> && PointOf<R>::dimension != 0;
+concept ObjectRange = std::ranges::contiguous_range<R> && PointOf<R>::dimension == 0 &&
+                      std::is_class_v<std::ranges::range_value_t<R>> &&
+                      !std::same_as<std::ranges::range_value_t<R>, PointView>;
 
 /// Scalars: std::vector<double>, std::span<const float>, ...
 template <class R>
@@ -112,16 +125,6 @@ concept PointMatrix = requires(const M& m) {
   { m.outerStride() } -> std::convertible_to<std::ptrdiff_t>;
   { M::IsRowMajor ? 1 : 0 } -> std::convertible_to<int>;
   { M::RowsAtCompileTime + M::ColsAtCompileTime } -> std::convertible_to<int>;
-};
-/// One that refers to another's memory, as Eigen's blocks do; one that owns its memory.
-template <class M>
-concept MatrixView = requires {
-  typename M::PlainObject;
-}
-&&!std::same_as<M, typename M::PlainObject>;
-template <class M>
-concept OwningMatrix = PointMatrix<M> && !MatrixView<M> && requires(M & m) {
-  m.resize(0, 0);
 };
 
 /// Non-owning, trivially copyable; the memory must outlive every call that uses the view and must
@@ -147,23 +150,28 @@ struct PointView {
         point_stride(point_stride_),
         coordinate_stride(coordinate_stride_) {}
 
-  /// A range of points converts, so it can be passed wherever a view is taken.
+  /// A range of points converts, so it can be passed wherever a view is taken. A temporary as well,
+  /// as to std::string_view: it exists until the call returns, but not as long as a view with a
+  /// name. Structs of your own: records().
   template <PointRange R>
-  PointView(R&& points) noexcept  // NOLINT: a range converts
+  PointView(R&& points CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: a range converts
       : PointView(row_major(
             reinterpret_cast<const typename PointOf<R>::Scalar*>(std::ranges::data(points)),
             std::ranges::size(points), PointOf<R>::dimension)) {}
 
-  template <TemporaryPoints R>
-  PointView(R&& points) = delete;  // a temporary, whose memory would be gone: give it a name
+  template <ObjectRange R>
+  PointView(R&&) noexcept {  // NOLINT: to say what to write instead
+    static_assert(PointOf<R>::dimension != 0,
+                  "the items of this range are not known as points (std::array<T, d>, T[d] and "
+                  "Eigen's vectors of fixed size are): for structs of your own pass "
+                  "cullhull::PointView::records(points, &Point::x, 3)");
+  }
 
   /// A matrix of Eigen's converts, too. The points are its columns if the number of rows alone is
   /// known at compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
   template <PointMatrix M>
-  PointView(const M& points) noexcept  // NOLINT: a matrix converts
+  PointView(const M& points CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: a matrix converts
       : PointView(of_matrix(points)) {}
-  template <OwningMatrix M>
-  PointView(M&& points) = delete;  // a temporary, whose memory would be gone: give it a name
 
   /// Point by point: x0 y0 z0 x1 y1 z1 ...
   template <class T>
@@ -237,6 +245,74 @@ struct PointView {
     const auto s = static_cast<std::ptrdiff_t>(scalar_size(scalar));
     return coordinate_stride == s && point_stride == s * static_cast<std::ptrdiff_t>(dimension);
   }
+};
+
+/// Coordinates by number: std::array, std::span, std::vector, a vector of Eigen's or an expression
+/// of such.
+template <class P>
+concept CoordinateList = requires(const P& p) {
+  { p.size() } -> std::convertible_to<std::size_t>;
+  p[0];
+}
+&&std::is_arithmetic_v<std::remove_cvref_t<decltype(std::declval<const P&>()[0])>>;
+
+/// One point or direction, as queries take it: coordinates by number of any scalar type that is
+/// read, T[d], a list in braces, or a pointer to as many doubles as the query has dimensions. A
+/// parameter's type: it refers to what it is made of, if that is doubles in a row.
+class OnePoint {
+ public:
+  OnePoint(const double* p CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: points convert
+      : data_(p) {}
+  OnePoint(std::initializer_list<double> p CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: as above
+      : size_(p.size()), known_(true) {
+    take(p.begin(), p);
+  }
+  template <class T, std::size_t D>
+  OnePoint(const T (&p CULLHULL_LIFETIME_BOUND)[D]) : size_(D), known_(true) {  // NOLINT: as above
+    take(std::data(p), p);
+  }
+  template <CoordinateList P>
+  OnePoint(const P& p CULLHULL_LIFETIME_BOUND)  // NOLINT: as above
+      : size_(static_cast<std::size_t>(p.size())), known_(true) {
+    if constexpr (std::ranges::contiguous_range<const P>)
+      take(std::ranges::data(p), p);
+    else
+      take(nullptr, p);
+  }
+  OnePoint(const OnePoint&) = delete;
+  OnePoint& operator=(const OnePoint&) = delete;
+
+  /// The coordinates. Throws Error{invalid_argument} if they are not `dimension`, as far as their
+  /// number is known.
+  const double* of(std::uint32_t dimension) const {
+    if (known_ && size_ != dimension)
+      throw Error(ErrorCode::invalid_argument, "a point of ", size_, " coordinates, not ",
+                  dimension);
+    return data_;
+  }
+
+ private:
+  template <class Data, class P>
+  void take([[maybe_unused]] const Data& data, const P& p) {
+    using Index = std::conditional_t<std::is_array_v<P>, std::size_t, decltype(std::size(p))>;
+    if constexpr (std::is_same_v<Data, const double*>) {
+      data_ = data;
+    } else {
+      using Scalar = std::remove_cvref_t<decltype(p[0])>;
+      (void)scalar_type_of<Scalar>();
+      if (size_ > few_.size()) many_.resize(size_);
+      double* const out = size_ > few_.size() ? many_.data() : few_.data();
+      for (std::size_t i = 0; i < size_; ++i)
+        out[i] = static_cast<double>(p[static_cast<Index>(i)]);
+      data_ = out;
+    }
+  }
+
+  const double* data_ = nullptr;
+  std::size_t size_ = 0;
+  bool known_ = false;
+  std::array<double, 4> few_{};
+  std::vector<double> many_;
 };
 
 }  // namespace cullhull::inline v1

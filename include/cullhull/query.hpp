@@ -37,8 +37,9 @@ struct NearestFacet {
 ///
 /// Construction takes O(facets d^3 + simplices) time and memory and copies what it needs: neither
 /// the points nor the hull must outlive it. All members are const and thread safe. Query points are
-/// d = hull.dimension finite doubles; a NaN or an infinity is Error{not_finite} (which names the
-/// first index in the batched forms). An empty hull is Error{invalid_argument}.
+/// d = hull.dimension finite numbers (OnePoint: an array, a span, a list in braces, ...), another
+/// number of them is Error{invalid_argument}; a NaN or an infinity is Error{not_finite} (which
+/// names the first index in the batched forms). An empty hull is Error{invalid_argument}.
 ///
 /// A query walks over neighbouring facets (or vertices) from a start near the answer: a few facets
 /// for d = 3; in general the walk solves a linear program on the dual, where a local maximum is
@@ -56,27 +57,42 @@ class HullQuery {
   HullQuery(HullQuery&&) noexcept;
   HullQuery& operator=(HullQuery&&) noexcept;
 
+  std::uint32_t dimension() const noexcept;
+
   Side side(const double* point) const;
-  bool contains(const double* point) const { return side(point) != Side::outside; }
+  Side side(const OnePoint& point) const { return side(point.of(dimension())); }
+  bool contains(const OnePoint& point) const { return side(point) != Side::outside; }
 
   /// Facets (indices, ascending) that are visible from the point: it is strictly above them. Empty
   /// for a point of the hull, and for a point off the flat of a flat hull.
   std::vector<std::uint32_t> visible_facets(const double* point) const;
+  std::vector<std::uint32_t> visible_facets(const OnePoint& point) const {
+    return visible_facets(point.of(dimension()));
+  }
 
   /// The id of the vertex with the largest scalar product with `direction`, exactly; of several,
   /// the lowest id. The direction must be finite; the zero vector gives the lowest id.
   std::uint64_t support(const double* direction) const;
+  std::uint64_t support(const OnePoint& direction) const {
+    return support(direction.of(dimension()));
+  }
 
   /// Euclidean distance to the hull, 0 on the boundary; for points inside, minus the distance to
   /// the boundary (for a flat hull: its boundary within its flat).
-  double signed_distance(const double* point) const { return nearest_facet(point).distance; }
+  double signed_distance(const OnePoint& point) const { return nearest_facet(point).distance; }
   /// The facet that contains a nearest point of the boundary; of several, any one.
   NearestFacet nearest_facet(const double* point) const;
+  NearestFacet nearest_facet(const OnePoint& point) const {
+    return nearest_facet(point.of(dimension()));
+  }
 
   /// For full-dimensional hulls (else Error{invalid_argument}). A zero direction is an
   /// Error{invalid_argument}. A line that touches the hull, up to rounding, may be reported as a
   /// hit or not.
   RayHit ray(const double* origin, const double* direction) const;
+  RayHit ray(const OnePoint& origin, const OnePoint& direction) const {
+    return ray(origin.of(dimension()), direction.of(dimension()));
+  }
 
   /// The same for many points: `out` receives one item per point. Dimensions must agree. Parallel
   /// over options.threads, with options.stop and options.progress. contains() and sides() first

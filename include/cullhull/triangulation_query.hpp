@@ -34,12 +34,14 @@ class TriangulationQuery {
   TriangulationQuery(TriangulationQuery&&) noexcept;
   TriangulationQuery& operator=(TriangulationQuery&&) noexcept;
 
+  std::uint32_t dimension() const noexcept;
   /// Number of coordinates that barycentric() gives: k + 1; 0 if there are no cells.
   unsigned corners() const noexcept;
 
   /// The cell that contains the point; on a face shared by cells, the lowest number. no_cell
   /// outside, and for a point off the flat of a flat triangulation.
   std::uint32_t find(const double* point) const;
+  std::uint32_t find(const OnePoint& point) const { return find(point.of(dimension())); }
 
   /// The point as an affine combination of the cell's corners: k + 1 numbers in the order of its
   /// ids, each within 2^-50 max(1, |itself|) of exact and of exact sign; zero if the point is on
@@ -47,12 +49,16 @@ class TriangulationQuery {
   /// facet. A point off the flat is projected along the axes that are not in Triangulation::axes.
   /// no_cell: NaN.
   void barycentric(const double* point, std::uint32_t cell, double* out) const;
+  void barycentric(const OnePoint& point, std::uint32_t cell, double* out) const {
+    barycentric(point.of(dimension()), cell, out);
+  }
 
   /// The id of the vertex nearest to the point, exactly; of several, the lowest id. With weights,
   /// the vertex of the least power |x - p|^2 - w; for a furthest-site triangulation the furthest
   /// vertex. no_cell if there are no vertices. Time: O(cells k^2) once, in the first call, then a
   /// walk over edges; without weights in 3D to 8D mostly a tree as that of NearestPoint instead.
   std::uint32_t nearest(const double* point) const;
+  std::uint32_t nearest(const OnePoint& point) const { return nearest(point.of(dimension())); }
 
   /// The same for many points: `out` receives one item (barycentric: k + 1) per point; `cells`:
   /// results of find() or any other cells. Parallel over options.threads, with options.stop and
@@ -87,9 +93,12 @@ class NearestPoint {
   NearestPoint(NearestPoint&&) noexcept;
   NearestPoint& operator=(NearestPoint&&) noexcept;
 
+  std::uint32_t dimension() const noexcept;
+
   /// The id of the point nearest to the query, exactly; of several, the lowest id. `query`: as many
   /// finite numbers as the points have; a NaN or an infinity is Error{not_finite}.
   std::uint32_t nearest(const double* query) const;
+  std::uint32_t nearest(const OnePoint& query) const { return nearest(query.of(dimension())); }
 
   /// The same for many queries: `out` receives one id per query. Error{not_finite} names the first
   /// index; queries of another dimension are Error{invalid_argument}. Parallel over

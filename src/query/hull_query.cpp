@@ -547,6 +547,8 @@ HullQuery::~HullQuery() = default;
 HullQuery::HullQuery(HullQuery&&) noexcept = default;
 HullQuery& HullQuery::operator=(HullQuery&&) noexcept = default;
 
+std::uint32_t HullQuery::dimension() const noexcept { return state_->points.dimension; }
+
 Side HullQuery::side(const double* point) const {
   refuse_non_finite(point, state_->points.dimension);
   return state_->side(point);

@@ -45,6 +45,8 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
   ids += cullhull::convex_hulls(points, offsets).size();
   const cullhull::Triangulation cells = cullhull::delaunay(points);
   for (const auto ridge : cullhull::voronoi(points, cells).ridges) ids += ridge.size();
+  ids += cullhull::convex_hull(std::vector<std::array<double, 3>>(4)).point_count;
+  ids += query.contains({1, 2, 3}) + query.contains(points[0]) + query.support(std::array{1, 0, 0});
   const std::vector<float> scalars(12);
   ids += cullhull::cull(cullhull::PointView::row_major(scalars, 3)).id(0);
   struct Vertex {
@@ -90,8 +92,9 @@ BEFORE = [
     ("cullhull::Options designated{.threads = 2}; (void)designated;", "Options"),
     ("cullhull::PointView designated{.data = nullptr}; (void)designated;", "PointView"),
     ("cullhull::CertifyStream stream(cullhull::convex_hull(view), {});", "CertifyStream"),
-    ("cullhull::convex_hull(std::vector<std::array<double, 3>>(4));",
-     "a temporary, whose memory would be gone: give it a name"),
+    ("struct Place { double x, y, z; }; std::vector<Place> places(4); cullhull::convex_hull(places);",
+     "cullhull::PointView::records(points, &Point::x, 3)"),
+    ("cullhull::delaunay(std::vector<std::vector<double>>(4));", "PointView::records"),
     ("std::vector<std::array<long long, 3>> wide(4); cullhull::convex_hull(wide);",
      "cullhull takes integers of at most 32 bits"),
     ("cullhull::PointView::row_major(&flag, 1, 1);", "coordinates are float, double or integers"),

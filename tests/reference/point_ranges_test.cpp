@@ -4,13 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <list>
 #include <span>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
-#include "cullhull/point_view.hpp"
 
 namespace cullhull {
 namespace point_ranges_test {
@@ -132,19 +132,85 @@ TEST(PointRanges, WhatDoesNotConvert) {
   using Rows = std::vector<std::array<double, 3>>;
   static_assert(std::is_convertible_v<Rows&, PointView>);
   static_assert(std::is_convertible_v<const Rows&, PointView>);
-  static_assert(!std::is_convertible_v<Rows, PointView>);  // a temporary's memory would be gone
+  static_assert(std::is_convertible_v<Rows, PointView>);  // a temporary, until the call returns
   static_assert(!std::is_convertible_v<std::vector<double>&, PointView>);  // of which dimension?
   static_assert(!std::is_convertible_v<std::list<std::array<double, 3>>&, PointView>);
   using Owning = Matrix<double, dynamic, 3, false>;
   static_assert(std::is_convertible_v<Owning&, PointView>);
   static_assert(std::is_convertible_v<const Owning&, PointView>);
-  static_assert(!std::is_convertible_v<Owning, PointView>);
-  struct Block : Owning {
-    using PlainObject = Owning;
-  };
-  static_assert(std::is_convertible_v<Block, PointView>);  // of memory that is another's
+  static_assert(std::is_convertible_v<Owning, PointView>);
   static_assert(std::is_trivially_copyable_v<PointView>);
   static_assert(std::is_convertible_v<const PointView&, PointView>);
+}
+
+std::vector<std::array<double, 2>> made_square() {
+  return {{0, 0}, {2, 0}, {2, 2}, {0, 2}, {1, 1}};
+}
+
+TEST(PointRanges, TemporariesAreReadByTheCall) {
+  EXPECT_EQ(convex_hull(made_square()).vertices.size(), 4U);
+  EXPECT_EQ(convex_hull(Matrix<double, dynamic, 3, true>::counting(5, 3)).affine_dimension, 1);
+  const HullQuery query(made_square(), convex_hull(made_square()));
+  EXPECT_EQ(query.side(std::array{1.0, 1.0}), Side::inside);
+}
+
+/// The members of Eigen's VectorXf that a query reads.
+struct VectorXf {
+  std::vector<float> items;
+  std::ptrdiff_t size() const { return static_cast<std::ptrdiff_t>(items.size()); }
+  float operator[](std::ptrdiff_t i) const { return items[static_cast<std::size_t>(i)]; }
+};
+
+TEST(PointRanges, OnePointOfAQuery) {
+  const HullQuery query(made_square(), convex_hull(made_square()));
+  const std::vector<double> inside{1, 1.5}, beyond{3, 1};
+  const float plain[2] = {1, 1.5F};
+  const double row[2] = {1, 1.5};
+  EXPECT_TRUE(query.contains(inside));
+  EXPECT_TRUE(query.contains(inside.data()));
+  EXPECT_TRUE(query.contains(row));
+  EXPECT_TRUE(query.contains(plain));
+  EXPECT_TRUE(query.contains({1, 1.5}));
+  EXPECT_TRUE(query.contains(std::array{1, 1}));
+  EXPECT_TRUE(query.contains(std::array<std::uint8_t, 2>{1, 2}));
+  EXPECT_TRUE(query.contains(std::span<const double>(inside)));
+  EXPECT_TRUE(query.contains(std::span<const float, 2>(plain)));
+  EXPECT_TRUE(query.contains(VectorXf{{1, 1.5F}}));
+  EXPECT_FALSE(query.contains(beyond));
+  EXPECT_EQ(query.side({2, 2}), Side::boundary);
+  EXPECT_EQ(query.visible_facets(beyond).size(), 1U);
+  EXPECT_EQ(query.support({1, 1}), 2U);
+  EXPECT_EQ(query.signed_distance({3, 1}), 1.0);
+  EXPECT_EQ(query.nearest_facet(std::array{3.0F, 1.0F}).distance, 1.0);
+  EXPECT_EQ(query.ray({-1, 1}, std::array{1.0F, 0.0F}).enter, 1.0);
+  EXPECT_EQ(query.ray(beyond.data(), std::array{-1, 0}).exit, 3.0);
+  for (const auto& wrong : {std::vector<double>{}, {1}, {1, 1, 1}, {1, 1, 1, 1, 1}})
+    EXPECT_THROW(query.contains(wrong), Error);
+  EXPECT_THROW(query.contains({1}), Error);
+  EXPECT_THROW(query.ray(inside, {1, 0, 0}), Error);
+  EXPECT_THROW(query.contains({1, std::numeric_limits<double>::infinity()}), Error);
+
+  // More dimensions than are converted without memory of their own.
+  const std::array<std::array<float, 6>, 7> simplex{
+      {{}, {1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}}};
+  const HullQuery wide(simplex, convex_hull(simplex));
+  EXPECT_TRUE(wide.contains(std::array<float, 6>{0, 0.1F, 0.1F, 0.1F, 0.1F, 0.1F}));
+  EXPECT_FALSE(wide.contains(std::array<int, 6>{0, 0, 0, 0, 1, 1}));
+
+  const std::vector<std::array<double, 2>> points = made_square();
+  const Triangulation cells = delaunay(points);
+  const TriangulationQuery located(points, cells);
+  EXPECT_EQ(located.find({0.5, 1}), located.find(std::array{0.5F, 1.0F}));
+  EXPECT_EQ(located.nearest({1.1, 1}), 4U);
+  double shares[3];
+  located.barycentric({1, 1}, located.find({1, 1}), shares);
+  EXPECT_EQ(shares[0] + shares[1] + shares[2], 1.0);
+  EXPECT_THROW(located.find({1}), Error);
+  EXPECT_EQ(NearestPoint(points).nearest(VectorXf{{1.9F, 0}}), 1U);
+  const Interpolator values(points, cells, std::array{1.0, 1.0, 1.0, 1.0, 1.0}.data());
+  EXPECT_EQ(values.natural_neighbours({1, 1}).ids, std::vector<std::uint32_t>{4});
+  const std::vector<std::array<double, 2>> sides{{1, -3}, {-1, 1}};  // x from 1 to 3
+  EXPECT_EQ(intersect_halfspaces(sides, {2}).vertices.size(), 2U);
 }
 
 #ifndef _WIN32

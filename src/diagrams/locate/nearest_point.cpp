@@ -31,6 +31,8 @@ NearestPoint::~NearestPoint() = default;
 NearestPoint::NearestPoint(NearestPoint&&) noexcept = default;
 NearestPoint& NearestPoint::operator=(NearestPoint&&) noexcept = default;
 
+std::uint32_t NearestPoint::dimension() const noexcept { return state_->tree.dimension(); }
+
 std::uint32_t NearestPoint::nearest(const double* query) const {
   for (unsigned j = 0; j < state_->tree.dimension(); ++j) require_finite(query[j], j);
   return state_->tree.nearest(query, NearestTree::FarQueries::answered);

@@ -282,6 +282,8 @@ TriangulationQuery::~TriangulationQuery() = default;
 TriangulationQuery::TriangulationQuery(TriangulationQuery&&) noexcept = default;
 TriangulationQuery& TriangulationQuery::operator=(TriangulationQuery&&) noexcept = default;
 
+std::uint32_t TriangulationQuery::dimension() const noexcept { return state_->mesh.dimension; }
+
 unsigned TriangulationQuery::corners() const noexcept { return state_->mesh.corners; }
 
 std::uint32_t TriangulationQuery::find(const double* point) const {
