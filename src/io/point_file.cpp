@@ -101,9 +101,17 @@ Source behind_byte_order_mark(const Source& s) {
   return begins(s, "\xEF\xBB\xBF") ? Source{s.name, s.data + 3, s.size - 3} : s;
 }
 
+/// Whether the first line is this one, with blanks after it perhaps.
+bool begins_with_line(const Source& s, std::string_view line) {
+  if (!begins(s, line)) return false;
+  const char* const end = s.data + s.size;
+  const char* const p = skip_blanks(s.data + line.size(), end);
+  return p < end && (*p == '\n' || p[-1] == '\r');
+}
+
 std::string format_of_content(const Source& s) {
   if (begins(s, "\x93NUMPY")) return "npy";
-  if (begins(s, "ply\n") || begins(s, "ply\r")) return "ply";
+  if (begins_with_line(s, "ply")) return "ply";
   if (begins(s, "LASF")) return "las";
   if (begins(s, "# .PCD")) return "pcd";
   if (looks_like_binary_stl(s)) return "stl";
@@ -113,7 +121,7 @@ std::string format_of_content(const Source& s) {
   while (lines.next()) {
     const std::string_view word = first_word(lines.begin(), lines.end());
     if (word.empty() || is_comment(word.data(), lines.end())) continue;
-    if (word == "solid") return "stl";
+    if (is_keyword(word, "solid")) return "stl";
     if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
     if (word.starts_with("{") || word.starts_with("[")) return "geojson";

@@ -18,6 +18,11 @@ TEST(Obj, Refusals) {
   EXPECT_EQ(refusal("v 1 2 x\n", "obj"), "F:1: 'x' is not a number");
   EXPECT_EQ(refusal("v 1 2 3 4 5 6 7 8\n", "obj"), "F:1: vertex has more than 7 numbers");
   EXPECT_EQ(refusal("v 1 2 \\\n3\n", "obj"), "F:1: '\\' is not a number");
+  for (const char* number : {"3.1+e2", "1e", "1e+", "--1", "1,5", "0x1p", "1.2.3"}) {
+    const std::string said = std::string("F:2: '") + number + "' is not a number";
+    EXPECT_EQ(refusal(std::string("v 1 2 3\nv 1 ") + number + " 3\n", "obj"), said);
+    EXPECT_EQ(refusal(std::string("v 1 2 3\nv 1 2 3 ") + number + "\n", "obj"), said);
+  }
   EXPECT_EQ(refusal("f 1 2 3\n", "obj"), "F: no vertices ('v' lines)");
 }
 
@@ -119,6 +124,18 @@ TEST(Stl, AsciiAndBinary) {
   EXPECT_EQ(refusal(lie, "stl"), "F: byte 80: promises 3 triangles (234 bytes) in a file of 184");
   EXPECT_EQ(refusal(lie.substr(0, 70), "stl"),
             "F: byte 70: ends within the header of a binary STL");
+}
+
+TEST(Stl, AsciiInCapitals) {
+  std::string text = "solid a\n" + triangle + "endsolid a\n";
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (const char* format : {"stl", ""}) {
+    const auto points = parse(text, format);
+    EXPECT_EQ(points.format, "stl (ASCII)");
+    EXPECT_EQ(rows_of(points.view), (Rows{{0.1, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  }
+  EXPECT_EQ(refusal("SOLID\nVERTEX 1 2 3\n", "stl"), "F:2: ends without 'endsolid'");
+  EXPECT_EQ(refusal("SOLID\nWHATEVER\nENDSOLID\n", "stl"), "F:2: 'WHATEVER' is no keyword of .stl");
 }
 
 TEST(Stl, AsciiRefusals) {

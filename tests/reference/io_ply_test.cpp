@@ -123,6 +123,16 @@ TEST(Ply, AsciiKeepsDoubles) {
   EXPECT_NE(points.view.at(1, 2), points.view.at(1, 2));
 }
 
+TEST(Ply, BlanksBehindTheFirstLine) {
+  const std::string rest =
+      "format ascii 1.0 \nelement vertex 1\t\nproperty float x \n"
+      "property float y\nend_header \n1 2\n";
+  for (const char* first : {"ply \n", "ply\t \n", "ply \r\n", "ply\r\n"})
+    for (const char* format : {"ply", ""})
+      EXPECT_EQ(rows_of(parse(first + rest, format).view), (Rows{{1, 2}})) << first;
+  EXPECT_EQ(refusal("ply x\n" + rest, "ply"), "F:1: does not begin with 'ply'");
+}
+
 TEST(Ply, HeadersThatLie) {
   const std::string data = bytes_of(1.0, 2.0, 3.0);
   const auto binary = [&](const std::string& count, const std::string& more = "") {

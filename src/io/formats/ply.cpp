@@ -101,7 +101,7 @@ class PlyHeaderParser {
   }
   std::string_view trimmed() const {
     const char* end = lines_.end();
-    if (end > lines_.begin() && end[-1] == '\r') --end;
+    while (end > lines_.begin() && is_blank(end[-1])) --end;
     return {lines_.begin(), static_cast<std::size_t>(end - lines_.begin())};
   }
   std::vector<std::string_view> split() const {

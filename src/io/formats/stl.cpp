@@ -1,5 +1,5 @@
-// .stl, ASCII and binary: the corners of the triangles in file order, three a triangle. STL has no
-// shared vertices, so equal points are normal.
+// .stl, ASCII (in small letters or capitals) and binary: the corners of the triangles in file
+// order, three a triangle. STL has no shared vertices, so equal points are normal.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,13 +34,14 @@ PointData read_binary(const Source& source, std::uint64_t triangles, const ReadO
   return data;
 }
 
-bool is_corner(const char* p, const char* end) { return first_word(p, end) == "vertex"; }
+bool is_corner(const char* p, const char* end) { return is_keyword(first_word(p, end), "vertex"); }
 
 void check_keyword(const char* p, const char* end) {
   static constexpr std::string_view known[] = {"",        "solid",    "facet",   "outer",
                                                "endloop", "endfacet", "endsolid"};
   const std::string_view word = first_word(p, end);
-  if (std::find(std::begin(known), std::end(known), word) == std::end(known))
+  if (std::none_of(std::begin(known), std::end(known),
+                   [&](std::string_view one) { return is_keyword(word, one); }))
     throw LineFault{quoted_text(word) + " is no keyword of .stl"};
 }
 
@@ -65,7 +66,7 @@ PointData read_ascii(const Source& source, const ReadOptions& options) {
     if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after a vertex"};
       },
       check_keyword);
-  if (last_keyword(source) != "endsolid")
+  if (!is_keyword(last_keyword(source), "endsolid"))
     fail_at_line(source, index.lines, "ends without 'endsolid'");
   if (index.points % 3 != 0)
     fail_at_line(source, index.lines, index.points, " vertices are no whole number of triangles");
@@ -88,7 +89,8 @@ PointData read_stl(const Source& source, const ReadOptions& options) {
   while (lines.next() && first_word(lines.begin(), lines.end()).empty()) {
   }
   const bool text = std::memchr(source.data, 0, std::min<std::size_t>(source.size, 512)) == nullptr;
-  if (text && first_word(lines.begin(), lines.end()) == "solid") return read_ascii(source, options);
+  if (text && is_keyword(first_word(lines.begin(), lines.end()), "solid"))
+    return read_ascii(source, options);
   if (source.size < header_bytes)
     fail_at_byte(source, source.size, "ends within the header of a binary STL");
   fail_at_byte(source, 80, "promises ", triangles, " triangles (", needed, " bytes) in a file of ",

@@ -15,6 +15,14 @@ namespace cullhull::internal::inline io {
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
+/// Whether a word is this one of small letters, or the same in capitals.
+inline bool is_keyword(std::string_view word, std::string_view small) {
+  if (word.size() != small.size()) return false;
+  if (word == small) return true;
+  for (std::size_t i = 0; i < word.size(); ++i)
+    if (word[i] != static_cast<char>(small[i] - 'a' + 'A')) return false;
+  return true;
+}
 inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 inline const char* skip_blanks(const char* p, const char* end) {
