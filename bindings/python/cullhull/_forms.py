@@ -60,6 +60,37 @@ def places(ids: npt.NDArray[Any], numbers: npt.NDArray[Any]) -> npt.NDArray[np.i
     return found
 
 
+class VertexIndex:
+    """From the indices of a hull's vertices among all points to the rows of its `points`."""
+
+    __slots__ = ("_ids",)
+
+    def __init__(self, ids: npt.NDArray[np.int64]) -> None:
+        self._ids = ids
+
+    def __getitem__(self, indices: Any) -> Any:
+        """The row of an index; of an array or a list of indices an array of rows.
+
+        Raises `IndexError` for an index of no vertex, `TypeError` for one that is no integer.
+        """
+        asked = np.asarray(indices)
+        if asked.size == 0:
+            return np.empty(asked.shape, dtype=np.int64)
+        if asked.dtype.kind not in "iu":
+            raise TypeError("vertex_index takes integers: indices of vertices")
+        inside = np.isin(asked, self._ids)
+        if not inside.all():
+            raise IndexError(f"point {asked[~inside].flat[0]} is no vertex of the hull")
+        rows = places(self._ids, asked)
+        return int(rows) if rows.ndim == 0 else rows
+
+    def __len__(self) -> int:
+        return len(self._ids)
+
+    def __repr__(self) -> str:
+        return f"<VertexIndex of {len(self)} vertices>"
+
+
 def fan(corners: int) -> npt.NDArray[np.int64]:
     """The triangles of a convex polygon."""
     middle = np.arange(1, max(corners - 1, 1), dtype=np.int64)

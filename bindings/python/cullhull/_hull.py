@@ -17,6 +17,7 @@ from ._forms import (
     Rows,
     Surface,
     Table,
+    VertexIndex,
     fan,
     places,
     polygon_geometry,
@@ -155,14 +156,22 @@ class Hull(Questions, Exported, Certified):
 
     @property
     def points(self) -> npt.NDArray[np.float64]:
-        """(n, d) float64: the coordinates of the vertices in the rows of their indices, so that
-        ``points[vertices]`` and ``points[simplices]`` are what they are in SciPy. A hull keeps no
-        other points: their rows are NaN. A new array; `vertex_points` takes no time."""
-        ids = self.vertices
-        count = max(self.point_count, int(ids.max(initial=-1)) + 1)  # states may count from others
-        rows = np.full((count, self.dimension), np.nan)
-        rows[ids] = self.vertex_points
-        return rows
+        """(v, d) float64: the points that the hull keeps, its vertices; the same as
+        `vertex_points`. `vertex_index` has the row of each: ``points[vertex_index[simplices]]`` is
+        what ``points[simplices]`` is of SciPy's hull, which holds all points."""
+        return self.vertex_points
+
+    @property
+    def vertex_index(self) -> VertexIndex:
+        """The rows of `points` that belong to indices of vertices: ``vertex_index[simplices]``.
+        Any other index is an IndexError.
+
+        >>> import cullhull
+        >>> hull = cullhull.convex_hull([[0, 0], [1, 1], [4, 0], [0, 4]])
+        >>> hull.vertices, hull.vertex_index[[3, 0]]
+        (array([0, 2, 3]), array([2, 0]))
+        """
+        return VertexIndex(self.vertices)
 
     @property
     def equations(self) -> npt.NDArray[np.float64]:

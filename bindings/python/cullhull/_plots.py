@@ -56,12 +56,12 @@ def convex_hull_plot_2d(hull: Any, ax: Any = None) -> Any:
     >>> cullhull.convex_hull_plot_2d(cullhull.ConvexHull([[0, 0], [1, 0], [0, 1]]))  # doctest: +SKIP
     <Figure size 640x480 with 1 Axes>
     """
-    points = hull.points
-    shown = hull.vertex_points if isinstance(hull, Hull) else points
+    shown = hull.points
     ax = _axes(shown, ax, "Convex hull")
     collections = needed("matplotlib.collections", "convex_hull_plot_2d()", "plot")
     ax.plot(shown[:, 0], shown[:, 1], "o")
-    edges = [points[simplex] for simplex in hull.simplices]
+    rows = hull.vertex_index[hull.simplices] if isinstance(hull, Hull) else hull.simplices
+    edges = [shown[simplex] for simplex in rows]
     ax.add_collection(collections.LineCollection(edges, colors="k", linestyle="solid"))
     if len(shown):
         _frame(ax, shown)
