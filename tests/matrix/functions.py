@@ -398,6 +398,7 @@ ELSEWHERE = {
     "generate": "makes points: across.py",
     "shapes": "makes points: across.py",
     "read": "takes files: the cells 'read' of across.py",
+    "load_hull": "takes files: test_hull",
 }
 
 _DRAWN = (

@@ -44,7 +44,7 @@ from ._functions import certify, convex_hull, cull, generate, shapes
 from ._graphs import gabriel_graph, minimum_spanning_tree, relative_neighbourhood_graph
 from ._groups import GroupHulls, hulls_by
 from ._halfspaces import HalfspaceIntersection
-from ._hull import Hull, Simplified
+from ._hull import Hull, Simplified, load_hull
 from ._interpolation import (
     LinearNDInterpolator,
     NaturalNDInterpolator,
@@ -139,6 +139,7 @@ __all__ = [
     "generate",
     "griddata",
     "hulls_by",
+    "load_hull",
     "minimum_spanning_tree",
     "read",
     "relative_neighbourhood_graph",

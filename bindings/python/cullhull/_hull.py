@@ -523,6 +523,42 @@ def _hull_of_state(state: dict[str, Any], certificate: Certificate | None) -> Hu
     return Hull._of(_core.solid_of_state(state), certificate)
 
 
+def load_hull(path: str | os.PathLike[str]) -> Hull:
+    """The hull that a .json file holds, of `Hull.save` or of ``cullhull hull -o hull.json``.
+
+    Vertices keep the indices that the file has: those of the points, if these were passed to
+    `Hull.save`. Statistics are not in the file, and it is not verified: ``hull.certify(points)``
+    does that.
+
+    Parameters
+    ----------
+    path : str or path
+
+    Returns
+    -------
+    Hull
+
+    Raises
+    ------
+    FileError (an OSError)
+        Where the system refuses to read.
+    BadFile (a ValueError)
+        For another file.
+
+    Examples
+    --------
+    >>> import cullhull, os, tempfile
+    >>> points = cullhull.generate("ball", 100)
+    >>> hull = cullhull.convex_hull(points)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = os.path.join(folder, "hull.json")
+    ...     hull.save(path, points)
+    ...     cullhull.load_hull(path) == hull
+    True
+    """
+    return Hull._of(_core.load_hull(os.fspath(path)))
+
+
 class Simplified(NamedTuple):
     """Answer of `Hull.simplify`.
 

@@ -75,6 +75,18 @@ nb::typed<nb::dict, nb::str, nb::str> shapes() {
   return all;
 }
 
+/// The hull of a .json file, which holds the coordinates of its vertices.
+std::unique_ptr<Solid> load_hull(const std::string& path) {
+  std::optional<Hull> hull;
+  std::vector<double> rows;
+  run(nullptr, Length::long_,
+      [&](const Options& options) { hull = cullhull::hull_from_json(path, &rows, options); });
+  if (rows.size() != hull->vertices.size() * hull->dimension)
+    throw cullhull::Error(cullhull::ErrorCode::bad_file, path,
+                          ": the hull has no vertex_coordinates, as other programs write it");
+  return std::make_unique<Solid>(std::move(*hull), std::move(rows));
+}
+
 /// Writes a file of `solid` and the points `array`, or, for None, its own vertices, renumbered.
 void save(const std::string& path, const Solid& solid, nb::handle array, const std::string& format,
           std::optional<bool> polygons) {
@@ -270,6 +282,7 @@ void bind_hull(nb::module_& m) {
   m.def("generate", generate, nb::arg("shape"), nb::arg("count"), nb::arg("dimension"),
         nb::arg("seed"));
   m.def("shapes", shapes);
+  m.def("load_hull", load_hull, nb::arg("path"));
   m.def("save", save, nb::arg("path"), nb::arg("solid"), nb::arg("points").none(),
         nb::arg("format"), nb::arg("polygons").none());
 }

@@ -1,6 +1,9 @@
 """The native face against a slow reference, and questions against NumPy."""
 
+import itertools
+import json
 import pathlib
+import pickle
 
 import numpy as np
 import pytest
@@ -227,3 +230,107 @@ def test_certify_takes_the_class_in_scipys_place():
 def test_a_path_is_no_set_of_points(path):
     with pytest.raises(cullhull.InvalidArgument, match=r"is a path; .*cullhull\.read"):
         cullhull.convex_hull(path)
+
+
+@pytest.mark.parametrize("dimension", [1, 2, 3, 4])
+def test_points_are_the_vertices_whatever_the_hull_comes_from(dimension, tmp_path):
+    points = cullhull.generate("ball", 200, dimension)
+    half = 100
+    stream = cullhull.HullStream()
+    stream.push(points[half:], first_id=half)
+    stream.push(points[:half], first_id=0)
+    growing = cullhull.GrowingHull(dimension)
+    growing.add(points)
+    hull = cullhull.convex_hull(points)
+    hull.save(tmp_path / "h.json", points)
+    hull.save(tmp_path / "own.json")
+    later = cullhull.HullState(points, first_id=10**14)
+    for other, first in [
+        (hull, 0),
+        (pickle.loads(pickle.dumps(hull)), 0),
+        (stream.hull(), 0),
+        (growing.hull, 0),
+        (cullhull.HullState(points).hull(), 0),
+        (cullhull.convex_hulls([points])[0], 0),
+        (cullhull.hulls_by(points, np.zeros(200))[0], 0),
+        (cullhull.load_hull(tmp_path / "h.json"), 0),
+        (later.hull(), 10**14),
+    ]:
+        assert not np.isnan(other.points).any()
+        assert other.points.shape == (len(other.vertices), dimension)
+        assert np.array_equal(other.points, other.vertex_points)
+        rows = other.vertex_index[other.simplices]
+        assert np.array_equal(other.points[rows], points[other.simplices - first])
+        assert np.array_equal(other.vertex_index[other.vertices], np.arange(len(other.vertices)))
+    if dimension > 1:
+        assert np.array_equal(cullhull.ConvexHull(points).hull.points, hull.points)
+    own = cullhull.load_hull(str(tmp_path / "own.json"))
+    assert np.array_equal(own.points[own.vertex_index[own.simplices]], points[hull.simplices])
+
+
+def test_vertex_index_refuses_other_points():
+    hull = cullhull.convex_hull([[0, 0], [1, 1], [4, 0], [0, 4]])
+    index = hull.vertex_index
+    assert index[2] == 1 and isinstance(index[np.int64(2)], int)
+    assert index[[[3, 0], [2, 2]]].tolist() == [[2, 0], [1, 1]]
+    assert index[[]].shape == (0,) and len(index) == 3
+    for wrong in (1, 4, -1, [0, 1], np.array([10**15])):
+        with pytest.raises(IndexError, match="is no vertex of the hull"):
+            index[wrong]
+    with pytest.raises(TypeError, match="integers"):
+        index[1.0]
+    with pytest.raises(IndexError):
+        cullhull.convex_hull(np.empty((0, 3))).vertex_index[0]
+
+
+@pytest.mark.parametrize("count", [0, 1, 2, 5, 300])
+@pytest.mark.parametrize("dimension", [1, 2, 3, 4])
+def test_a_saved_hull_is_loaded(count, dimension, tmp_path):
+    points = cullhull.generate("ball", count, dimension)
+    hull = cullhull.convex_hull(points)
+    hull.save(tmp_path / "hull.json", points)
+    again = cullhull.load_hull(tmp_path / "hull.json")
+    assert again == hull and again.certify(points)
+    assert again.volume == hull.volume and again.facets == hull.facets
+    assert np.array_equal(again.facet_planes, hull.facet_planes)
+    if count > dimension:
+        assert np.array_equal(again.contains(points), hull.contains(points))
+
+
+def test_what_is_no_saved_hull(tmp_path):
+    with pytest.raises(cullhull.FileError, match="none.json"):
+        cullhull.load_hull(tmp_path / "none.json")
+    for text in ("", "{}", "[1, 2]", "not JSON"):
+        (tmp_path / "a.json").write_text(text)
+        with pytest.raises(cullhull.BadFile, match="a.json"):
+            cullhull.load_hull(tmp_path / "a.json")
+    points = cullhull.generate("ball", 20)
+    cullhull.convex_hull(points).save(tmp_path / "a.json", points)
+    document = json.loads((tmp_path / "a.json").read_text())
+    del document["vertex_coordinates"]
+    (tmp_path / "a.json").write_text(json.dumps(document))
+    with pytest.raises(cullhull.BadFile, match="vertex_coordinates"):
+        cullhull.load_hull(tmp_path / "a.json")
+
+
+def test_faces_of_meshes(tmp_path):
+    cube = np.array(list(itertools.product([0.0, 1.0], repeat=3)))
+    hull = cullhull.convex_hull(cube)
+
+    def faces(save, name, **options):
+        save(tmp_path / name, **options)
+        return int((tmp_path / name).read_text().split()[2])
+
+    kinds = (hull.save, lambda p, **o: hull.save(p, cube, **o), cullhull.ConvexHull(cube).save)
+    for save in kinds:
+        assert faces(save, "a.off") == faces(save, "a.off", polygons=False) == 12
+        assert faces(save, "a.off", polygons=True) == 6
+        assert faces(save, "a.txt", format="off", polygons=True) == 6
+        for name in ("a.stl", "a.json", "a.glb", "a.txt"):
+            with pytest.raises(cullhull.InvalidArgument, match="polygons is of .ply"):
+                save(tmp_path / name, polygons=True)
+    cells = cullhull.voronoi([[0, 0], [2, 0], [1, 2]]).clip([0, 0], [2, 2])
+    assert faces(cells.save, "c.off", polygons=True) == 3
+    assert faces(cells.save, "c.off") == sum(len(cells.corners(i)) - 2 for i in range(3))
+    with pytest.raises(cullhull.InvalidArgument, match="polygons is of .ply"):
+        cells.save(tmp_path / "c.geojson", polygons=True)
