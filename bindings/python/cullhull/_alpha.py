@@ -231,7 +231,7 @@ class AlphaShape(Exported, Saved, Compared):
         require_drawable(found.dimension)
         if found.affine_dimension == 3:
             rows = np.asarray(self.points, dtype=np.float64)[self.facets]
-            return Picture([[triangle] for triangle in rows])
+            return Picture([[triangle] for triangle in rows], surface=True)
         if found.affine_dimension == 2 and found.dimension == 2:
             return Picture(self._polygon_rows())
         rows = np.asarray(self.points, dtype=np.float64)[self.cells]

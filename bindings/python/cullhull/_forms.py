@@ -44,6 +44,7 @@ class Picture(NamedTuple):
     segments: Sequence[Rows] | Rows = ()  # (2, d) each
     dots: Rows | None = None  # (m, d)
     frame: Rows | None = None  # (m, d): the picture reaches as far as these, if given
+    surface: bool = False  # the polygons of space are one surface, counter-clockwise from outside
 
 
 class Table(NamedTuple):

@@ -493,13 +493,22 @@ class Hull(Questions, Exported, Certified):
             ("affine dimension", str(self.affine_dimension)),
             ("vertices", f"{len(self.vertices):,}"),
             ("facets", f"{self.facet_count:,} ({self.simplex_count:,} simplices)"),
-            ("volume", f"{self.volume:.6g}"),
-            ("area", f"{self.area:.6g}"),
+            *self._measure_rows(),
             ("computed in", f"{self.statistics['compute_seconds'] * 1e3:.3g} ms"),
         ]
         if self.certificate is not None:
             rows.append(("certified", "yes" if self.certificate else "no"))
         return Table("Convex hull", rows)
+
+    def _measure_rows(self) -> list[tuple[str, str]]:
+        """The measures by their names in the dimension that the points span."""
+        k = self.affine_dimension
+        if k < 1:
+            return []
+        if k == 1:
+            return [("length", f"{self.volume:.6g}")]
+        inner, outer = ("area", "perimeter") if k == 2 else ("volume", "area")
+        return [(inner, f"{self.volume:.6g}"), (outer, f"{self.area:.6g}")]
 
     def __repr__(self) -> str:
         flat = "" if self.affine_dimension == self.dimension else (

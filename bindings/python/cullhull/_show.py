@@ -17,6 +17,8 @@ from ._forms import Picture, Rows, Table
 MOST_SHAPES = 3000
 _SVG_SIZE = 220.0
 _FILLED = {"facecolor": "tab:blue", "edgecolor": "black", "linewidth": 0.5, "alpha": 0.4}
+#: Of so many polygons of a surface, translucent ones and black edges are a heap of lines.
+_MANY_POLYGONS = 100
 _LINES = {"color": "tab:blue", "linewidth": 0.8}
 
 # Matplotlib
@@ -29,7 +31,8 @@ def plot(picture: Picture, ax: Any, style: dict[str, Any]) -> Any:
     if ax is None:
         ax = pyplot.figure().add_subplot(projection="3d" if solid else None)
     if len(picture.polygons):
-        ax.add_collection(_filled(picture, solid, {**_FILLED, **style}))
+        look = {**_FILLED, **(_shaded(picture) if solid else {}), **style}
+        ax.add_collection(_filled(picture, solid, look))
         style = {}
     if len(picture.segments):
         collections = needed("matplotlib.collections", "plot()", "plot")
@@ -72,6 +75,21 @@ def _filled(picture: Picture, solid: bool, look: dict[str, Any]) -> Any:
         ],
         **look,
     )
+
+
+def _shaded(picture: Picture) -> dict[str, Any]:
+    """The look of a surface of many polygons: opaque, lit from above, with faint edges."""
+    if not picture.surface or len(picture.polygons) <= _MANY_POLYGONS:
+        return {}
+    lit = np.array([_normal(rings[0]) for rings in picture.polygons]) @ [-0.4, -0.55, 0.73]
+    shades = (0.55 + 0.45 * np.clip(lit, -0.6, 1))[:, np.newaxis]
+    colours = np.clip(shades * [0.42, 0.68, 0.92], 0, 1)
+    return {
+        "facecolor": colours,
+        "edgecolor": (0, 0, 0, 0.25),
+        "linewidth": max(0.05, 0.5 * (_MANY_POLYGONS / len(picture.polygons)) ** 0.5),
+        "alpha": None,
+    }
 
 
 def _reach(ax: Any, frame: Rows) -> None:

@@ -145,3 +145,35 @@ def test_convex_hull_plot_2d_draws_what_scipys_does():
     with pytest.raises(ValueError, match="Convex hull is not 2-D"):
         cullhull.convex_hull_plot_2d(cullhull.ConvexHull(np.eye(3)))
     plt.close("all")
+
+
+def test_notebooks_name_the_measures_of_the_dimension():
+    def rows(points):
+        page = parsed(cullhull.convex_hull(points)._repr_html_())
+        heads = page.getElementsByTagName("th")
+        return {h.firstChild.data: h.nextSibling.firstChild.data for h in heads}
+
+    square = rows([[0, 0], [2, 0], [2, 3], [0, 3]])
+    assert square["area"] == "6" and square["perimeter"] == "10" and "volume" not in square
+    flat = rows([[0, 0, 1], [2, 0, 1], [2, 3, 1], [0, 3, 1]])
+    assert flat["area"] == "6" and flat["perimeter"] == "10" and "volume" not in flat
+    cube = rows(np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]))
+    assert cube["volume"] == "1" and cube["area"] == "6" and "perimeter" not in cube
+    line = rows([[0, 0], [3, 4]])
+    assert line["length"] == "5" and not {"area", "perimeter", "volume"} & set(line)
+    point = rows([[3, 4]])
+    assert not {"area", "perimeter", "volume", "length"} & set(point)
+
+
+def test_a_surface_of_many_facets_is_opaque_and_lit():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    hull = cullhull.convex_hull(cullhull.generate("sphere", 400, 3))
+    faces = hull.plot().collections[0]
+    faces.axes.figure.canvas.draw()
+    colours = faces.get_facecolor()
+    assert (colours[:, 3] == 1).all() and len(np.unique(colours, axis=0)) > 100
+    assert faces.get_linewidth()[0] < 0.3
+    assert np.allclose(hull.plot(facecolor="red").collections[0].get_facecolor()[0, :3], [1, 0, 0])
+    few = cullhull.convex_hull(cullhull.generate("sphere", 20, 3)).plot().collections[0]
+    assert few.get_alpha() == 0.4
