@@ -281,6 +281,28 @@ def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
     return names, inverse
 
 
+def _split_column(points: Any, keys: Any) -> tuple[Any, Any]:
+    """The other columns of a table, and the one that ``keys`` names."""
+    columns = getattr(points, "columns", None)
+    if not isinstance(keys, str) or columns is None:
+        return points, keys
+    # pandas and polars have names there, a table of Arrow has columns, and its names elsewhere.
+    names = list(getattr(points, "column_names", columns))
+    if keys not in names:
+        listed = ", ".join(map(repr, names))
+        raise InvalidArgument(f"there is no column {keys!r}; the table has {listed}")
+    found = points[keys]
+    if getattr(found, "ndim", 1) != 1:
+        raise InvalidArgument(f"the table has several columns {keys!r}")
+    geometry = getattr(points, "_geometry_column_name", None)
+    if geometry in names and keys != geometry:  # of GeoPandas
+        return points[geometry], found
+    if hasattr(points, "drop_columns"):  # Arrow
+        return points.drop_columns([keys]), found
+    rest = points.drop(columns=[keys]) if hasattr(points, "iloc") else points.drop(keys)
+    return rest, found
+
+
 def hulls_by(
     points: Any,
     keys: Any,
@@ -295,8 +317,10 @@ def hulls_by(
     ----------
     points : (n, d) array
         In any order: they are sorted by key.
-    keys : n numbers, words or other values with an order
-        A list, NumPy array, pandas or polars Series (categories, too), or Arrow array.
+    keys : n numbers, words or other values with an order, or str
+        A list, NumPy array, pandas or polars Series (categories, too), or Arrow array. Of a data
+        frame or a table of pandas, GeoPandas, polars or Arrow the name of a column: the other
+        columns are the coordinates.
     threads, memory_budget, progress : as in `convex_hull`
 
     Returns
@@ -306,7 +330,8 @@ def hulls_by(
     Raises
     ------
     InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget (a MemoryError)
-        As `convex_hulls`; and for keys that are missing or have no order.
+        As `convex_hulls`; and for keys that are missing or have no order, and for a column that the
+        table does not have.
 
     Examples
     --------
@@ -316,6 +341,7 @@ def hulls_by(
     >>> len(hulls), sum(hull.point_count for hull in hulls.values())
     (2, 1000)
     """
+    points, keys = _split_column(points, keys)
     array = as_points(points)
     names, inverse = _codes(keys)
     if len(inverse) != len(array):

@@ -243,3 +243,43 @@ def test_batches_are_saved_by_the_number_of_the_set(tmp_path):
     assert not (tmp_path / "a.ply").exists() and not (tmp_path / "c.geojson").exists()
     cullhull.convex_hulls(np.empty((0, 4, 3))).save(tmp_path / "none.csv")
     assert (tmp_path / "none.csv").read_text().count("\n") == 1
+
+
+def test_a_column_of_a_table_by_its_name():
+    points, numbers = table(20)
+    words = np.array([f"town {k}" for k in numbers])
+    expected = cullhull.hulls_by(points, words)
+    pandas = pytest.importorskip("pandas")
+    pyarrow = pytest.importorskip("pyarrow")
+    columns = {"x": points[:, 0], "g": words, "y": points[:, 1]}
+    frame = pandas.DataFrame(columns)
+    tables = [frame, frame.astype({"g": "category"}), pyarrow.table(columns)]
+    try:
+        import polars
+
+        tables.append(polars.DataFrame(columns))
+    except ImportError:
+        pass
+    for one in tables:
+        hulls = cullhull.hulls_by(one, "g")
+        assert list(hulls) == list(expected), type(one)
+        assert np.array_equal(hulls.batch.volumes, expected.batch.volumes), type(one)
+        with pytest.raises(cullhull.InvalidArgument, match="no column 'h'; the table has 'x', 'g', 'y'"):
+            cullhull.hulls_by(one, "h")
+    assert list(frame) == ["x", "g", "y"]  # the caller's table is as it was
+    twice = pandas.concat([frame, frame[["g"]]], axis=1)
+    with pytest.raises(cullhull.InvalidArgument, match="several columns 'g'"):
+        cullhull.hulls_by(twice, "g")
+    with pytest.raises(ValueError):
+        cullhull.hulls_by(points, "g")
+
+
+def test_a_column_of_a_table_of_geometries():
+    geopandas = pytest.importorskip("geopandas")
+    points, numbers = table(20)
+    words = np.array([f"town {k}" for k in numbers])
+    places = geopandas.GeoDataFrame(
+        {"g": words, "n": numbers}, geometry=geopandas.points_from_xy(*points.T)
+    )
+    hulls = cullhull.hulls_by(places, "g")
+    assert np.array_equal(hulls.batch.volumes, cullhull.hulls_by(points, words).batch.volumes)
