@@ -101,13 +101,19 @@ def _convert(word: str, folder: str, columns: list[str] | None) -> str:
     return str(target)
 
 
+def _split(text: str) -> list[str]:
+    from ._read import split_columns
+
+    return split_columns(text)
+
+
 def _columns(words: list[str]) -> tuple[list[str] | None, list[str]]:
     """The names of --columns, and the words without that option."""
     for i, word in enumerate(words):
         if word == "--columns" and i + 1 < len(words):
-            return words[i + 1].split(","), words[:i] + words[i + 2 :]
+            return _split(words[i + 1]), words[:i] + words[i + 2 :]
         if word.startswith("--columns="):
-            return word.partition("=")[2].split(","), words[:i] + words[i + 1 :]
+            return _split(word.partition("=")[2]), words[:i] + words[i + 1 :]
     return None, words
 
 

@@ -50,8 +50,8 @@ def read(
     Parameters
     ----------
     path : str or path
-    columns : names or numbers, optional; or names joined by commas
-        Which coordinates: numbers, or names where the file has some (a text's first line, x, y, z
+    columns : names or numbers, optional; or both joined by commas
+        Which coordinates: numbers from 0, in a text also ranges of them (``"0:3"``, ``"0,2,5"``), or names where the file has some (a text's first line, x, y, z
         of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
         case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
         height; else all but id, index, fid and columns without a name. Of Parquet, where no columns
@@ -88,8 +88,8 @@ def read(
     1000
     """
     size = None if chunks is None else as_count(chunks, "chunks", least=1)
-    if isinstance(columns, str):  # as the program takes them
-        columns = [c.strip() for c in columns.split(",")]
+    if isinstance(columns, str):
+        columns = split_columns(columns)
     name = os.fspath(path)
     ending = os.path.splitext(name)[1].lower()
     if re.search(r"\.(h5|hdf5|he5|nc|nc4)(:|$)", name, re.IGNORECASE):
@@ -139,6 +139,25 @@ def _damaged(name: str, ending: str, error: Exception) -> BadFile:
     if not reason or "pickle" in reason:  # NumPy advises to run what the file holds
         reason = "it holds no array of numbers"
     return BadFile(f"{name}: damaged, or no {ending} file: {reason}")
+
+
+def split_columns(text: str) -> list[Any]:
+    """Names, numbers and ranges as the program takes them: ``x,"a, b",0,2:5``."""
+    found: list[Any] = []
+    for quoted, word in re.findall(r'\s*(?:"([^"]*)"\s*(?=,|$)|([^,]*))(?:,|$)', text + ","):
+        word = word.strip()
+        span = re.fullmatch(r"([0-9]+):([0-9]+)", word)
+        if quoted:
+            found.append(quoted)
+        elif span:
+            found += range(int(span[1]), int(span[2]))
+        elif re.fullmatch("[0-9]+", word):
+            found.append(int(word))
+        elif word:
+            found.append(word)
+    if not found:
+        raise InvalidArgument(f"columns {text!r} names no column")
+    return found
 
 
 def _opened(name: str) -> Any:

@@ -424,3 +424,39 @@ def test_npy_that_is_damaged_is_a_bad_file(tmp_path):
     assert refused > 200
     with pytest.raises(FileNotFoundError):
         cullhull.read(tmp_path / "none.npy")
+
+
+# ------------------------------------------------------------------------- columns as one word
+
+
+def test_columns_as_one_word(tmp_path):
+    wide = np.column_stack([POINTS, POINTS[:, ::-1], np.arange(300)])
+    np.save(tmp_path / "a.npy", wide)
+    np.savetxt(tmp_path / "a.txt", wide)
+    pa = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    parquet.write_table(pa.table({f"c{j}": wide[:, j] for j in range(7)}), tmp_path / "a.parquet")
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["points"] = wide
+    for name in ("a.npy", "a.txt", "a.parquet", "a.h5"):
+        for text, taken in (
+            ("0:3", [0, 1, 2]),
+            ("0,2,5", [0, 2, 5]),
+            (" 6 , 1:3", [6, 1, 2]),
+            ("3:4", [3]),
+        ):
+            found = said_while_reading(tmp_path / name, columns=text)[0]
+            assert np.allclose(found, wide[:, taken], rtol=0, atol=1e-15), (name, text)
+        for text in ("0:9", "9", "7:8"):
+            with pytest.raises(ValueError):
+                cullhull.read(tmp_path / name, columns=text)
+        for text in ("", " , ", "3:1"):
+            with pytest.raises(cullhull.InvalidArgument, match="names no column"):
+                cullhull.read(tmp_path / name, columns=text)
+    (tmp_path / "named.csv").write_text('0,"a, b",y\n1,2,3\n4,5,6\n')
+    assert cullhull.read(tmp_path / "named.csv", columns='"0",y').tolist() == [[1, 3], [4, 6]]
+    assert cullhull.read(tmp_path / "named.csv", columns='"a, b",0').tolist() == [[2, 1], [5, 4]]
+    with pytest.raises(ValueError, match="0:3"):  # the way that the message shows
+        cullhull.read(tmp_path / "a.npy", columns="0-3")
+    assert cullhull.read(tmp_path / "a.npy", columns="0:3").shape == (300, 3)
