@@ -60,6 +60,10 @@ int run(const Program& program, const std::vector<std::string>& given) {
     complain(with_arguments_cut(unknown_command(words[0], parser), given));
     return bad_usage;
   }
+  if (const std::string second = second_output(words); !second.empty()) {
+    complain(with_arguments_cut(second, given));
+    return bad_usage;
+  }
   const Parsed outcome = parser.parse(words);
   if (outcome.kind == Parsed::Kind::help) {
     write_stdout(outcome.text.ends_with('\n') ? outcome.text : outcome.text + '\n');

@@ -90,6 +90,25 @@ std::vector<std::string> spell_out(const std::vector<std::string>& given, const 
   return words;
 }
 
+std::string second_output(const std::vector<std::string>& words) {
+  const auto is_name = [&](std::size_t i) {
+    return i < words.size() && !words[i].empty() && (words[i][0] != '-' || words[i] == "-");
+  };
+  if (!is_name(1)) return "";
+  for (std::size_t i = 2; i < words.size() && words[i] != "--"; ++i) {
+    const bool apart = words[i] == "-o" || words[i] == "--output";
+    const bool together =
+        words[i].starts_with("--output=") || (words[i].starts_with("-o") && words[i].size() > 2);
+    if ((!apart && !together) || (apart && !is_name(i + 1))) continue;
+    const std::size_t next = i + (apart ? 2 : 1);
+    if (!is_name(next)) continue;
+    return "'" + words[next] + "' after " + words[i] + (apart ? " " + words[i + 1] : "") +
+           ": each output needs an -o of its own, and inputs stand together (see " + "cullhull " +
+           words[0] + " --help)";
+  }
+  return "";
+}
+
 std::string nearest(std::string_view word, const std::vector<std::string>& known) {
   const auto is_known = [&](std::string_view name) {
     return std::find(known.begin(), known.end(), name) != known.end();
@@ -100,7 +119,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& known
   const std::size_t dashes = std::min(word.find_first_not_of('-'), word.size());
   const std::size_t letters = word.size() - dashes;
   if (letters < 3) return best;
-  std::size_t least = letters / 3 + 1;  // words at a greater distance are different words
+  // Words at a greater distance are different words.
+  std::size_t least = std::min<std::size_t>(letters / 3 + 1, 2);
   for (const std::string& name : known) {
     const bool begun = word.size() >= 4 && name.starts_with(word);
     const std::size_t distance = begun ? 0 : edit_distance(word, name);

@@ -17,6 +17,11 @@ bool is_command(const Parser& parser, const std::string& word);
 /// command.
 std::vector<std::string> spell_out(const std::vector<std::string>& words, const Parser& parser);
 
+/// The message for a second name after -o, which would be taken for one more input: `hull a.npy -o
+/// a.ply b.ply`. Empty for other command lines. Inputs after -o FILE are accepted where none stands
+/// before it.
+std::string second_output(const std::vector<std::string>& words);
+
 /// The known word nearest to a mistyped one; empty if no word is near.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
