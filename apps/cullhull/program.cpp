@@ -13,6 +13,7 @@
 #include "system.hpp"
 #include "terminal.hpp"
 #include "words.hpp"
+#include "wrap.hpp"
 
 namespace app {
 namespace {
@@ -33,7 +34,7 @@ std::optional<int> show_topic(const Program& program, const std::vector<std::str
   std::vector<std::string> known = parser.command_names();
   for (const Topic& topic : program.topics) {
     if (words[1] == topic.name && words.size() == 2) {
-      write_stdout(std::string(topic.text) + '\n');
+      write_stdout(for_terminal(std::string(topic.text) + '\n'));
       return 0;
     }
     known.emplace_back(topic.name);
@@ -66,7 +67,8 @@ int run(const Program& program, const std::vector<std::string>& given) {
   }
   const Parsed outcome = parser.parse(words);
   if (outcome.kind == Parsed::Kind::help) {
-    write_stdout(outcome.text.ends_with('\n') ? outcome.text : outcome.text + '\n');
+    const std::string text = outcome.text.ends_with('\n') ? outcome.text : outcome.text + '\n';
+    write_stdout(text.find("\nUsage: ") == std::string::npos ? text : for_terminal(text));
     return 0;
   }
   if (outcome.kind != Parsed::Kind::command) {

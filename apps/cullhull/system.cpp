@@ -22,6 +22,7 @@
 #include <malloc.h>
 #endif
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #endif
@@ -35,6 +36,12 @@ std::ptrdiff_t write_some(int fd, const char* data, std::size_t size) {
 }
 void prepare_heap() {}
 bool is_terminal(int fd) { return _isatty(fd) != 0; }
+std::size_t terminal_columns(int fd) {
+  CONSOLE_SCREEN_BUFFER_INFO screen;
+  const auto console = reinterpret_cast<HANDLE>(_get_osfhandle(fd));
+  if (!GetConsoleScreenBufferInfo(console, &screen)) return 0;
+  return static_cast<std::size_t>(screen.srWindow.Right - screen.srWindow.Left + 1);
+}
 void open_if_closed(int fd) {
   if (_get_osfhandle(fd) == -1) (void)_open("NUL", fd == 0 ? _O_WRONLY : _O_RDONLY);
 }
@@ -107,6 +114,10 @@ void prepare_heap() {
 #endif
 }
 bool is_terminal(int fd) { return ::isatty(fd) == 1; }
+std::size_t terminal_columns(int fd) {
+  winsize window{};
+  return ::ioctl(fd, TIOCGWINSZ, &window) == 0 ? window.ws_col : 0;
+}
 void open_if_closed(int fd) {
   if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
     // The lowest free descriptor is `fd`. Opened in the wrong direction, so that reads and writes

@@ -7,6 +7,7 @@
 #include <pty.h>
 #include <signal.h>
 #include <spawn.h>
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -235,14 +236,18 @@ inline void write_points(const std::string& path, const char* shape, std::uint64
 /// A program whose standard error is a terminal, so that it tells when it is at work.
 class OnTerminal {
  public:
-  /// `in`: standard input, closed here; -1: nothing to read.
-  explicit OnTerminal(const std::vector<std::string>& arguments, int in = -1) {
+  /// `in`: standard input, closed here; -1: nothing to read. `columns`: of a terminal that is
+  /// standard output, too; 0: only standard error is one.
+  explicit OnTerminal(const std::vector<std::string>& arguments, int in = -1,
+                      unsigned short columns = 0) {
     int terminal = -1;
-    if (::openpty(&master_, &terminal, nullptr, nullptr, nullptr) != 0)
+    winsize window{};
+    window.ws_col = columns;
+    if (::openpty(&master_, &terminal, nullptr, nullptr, &window) != 0)
       throw std::runtime_error("no terminal to be had: is /dev/pts mounted?");
     ::fcntl(master_, F_SETFD, FD_CLOEXEC);
     const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    child_ = start_app(arguments, in < 0 ? null : in, null, terminal);
+    child_ = start_app(arguments, in < 0 ? null : in, columns > 0 ? terminal : null, terminal);
     for (const int fd : {terminal, null, in}) ::close(fd);
   }
   ~OnTerminal() { ::close(master_); }
