@@ -24,6 +24,8 @@ Command add_voronoi(Parser& parent);
 Command add_alpha(Parser& parent);
 Command add_view(Parser& parent);
 Command add_qconvex(Parser& parent);
+Command add_completion(Parser& parent);
+Command add_man(Parser& parent);
 
 /// Exit statuses (docs/formats.md); 0 is success.
 enum ExitStatus : int {

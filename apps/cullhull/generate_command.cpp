@@ -167,6 +167,12 @@ int run(const GenerateArguments& arguments) {
   return 0;
 }
 
+std::vector<std::string> shape_names() {
+  std::vector<std::string> names;
+  for (const cullhull::Shape& shape : cullhull::shapes()) names.emplace_back(shape.name);
+  return names;
+}
+
 }  // namespace
 
 Command add_generate(Parser& parent) {
@@ -174,7 +180,10 @@ Command add_generate(Parser& parent) {
   Parser& command =
       *parent.add_subcommand("generate", "Generate seeded random points in a given shape");
   command.group("Points");
-  command.add_option("SHAPE", a->shape, "One of the shapes below")->type_name("")->required();
+  command.add_option("SHAPE", a->shape, "One of the shapes below")
+      ->offers(shape_names())
+      ->type_name("")
+      ->required();
   command.add_option("-n,--count", a->count, "Number of points, e.g. 100000 or 8M")
       ->type_name("N")
       ->required();

@@ -555,6 +555,7 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                                   "Print the hull as qconvex does. Quote several words:\n"
                                   "--format 'Fx n'"))
       .allow_extra_args(false)
+      ->offers(cullhull::qhull_formats())
       ->type_name("WORDS");
   needs_value(*command.add_option("--by", a->by,
                                   "Compute one hull per group: the points with the same value in\n"

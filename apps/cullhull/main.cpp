@@ -34,7 +34,8 @@ int main(int argc, char** argv) {
        .footer = footer,
        .commands = {app::add_hull, app::add_cull, app::add_track, app::add_delaunay,
                     app::add_voronoi, app::add_alpha, app::add_certify, app::add_generate,
-                    app::add_info, app::add_view, app::add_qconvex},
+                    app::add_info, app::add_view, app::add_qconvex, app::add_completion,
+                    app::add_man},
        .topics = app::topics()},
       argc, argv);
 }

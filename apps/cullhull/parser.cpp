@@ -29,6 +29,11 @@ Option* Option::allow_extra_args(bool several) {
   return this;
 }
 
+Option* Option::offers(std::vector<std::string> words) {
+  words_ = std::move(words);
+  return this;
+}
+
 Option& needs_value(Option& option) {
   const auto check = [](const std::string& word) {
     return word.empty() ? std::string("needs a value, not an empty word") : std::string();
@@ -40,6 +45,7 @@ Option& needs_value(Option& option) {
 void allow_words(Option& option, const std::vector<std::string>& words) {
   std::string joined;
   for (const std::string& word : words) joined += (joined.empty() ? "" : "|") + word;
+  option.words_ = words;
   option.option_->type_name(joined)->check(CLI::IsMember(words).description(""));
 }
 
@@ -85,19 +91,27 @@ class Sections : public CLI::Formatter {
     return text;
   }
 
+  static std::vector<const CLI::Option*> options_of(const CLI::App* app, const std::string& group) {
+    return app->get_options([&](const CLI::Option* option) {
+      return option->get_group() == group && option->nonpositional();
+    });
+  }
+  /// Those with options, in the order of the help.
+  static std::vector<std::string> groups_of(const CLI::App* app) {
+    std::vector<std::string> groups = app->get_groups();
+    std::erase_if(groups, [&](const std::string& group) {
+      return group.empty() || options_of(app, group).empty();
+    });
+    std::stable_sort(groups.begin(), groups.end(),
+                     [](const auto& a, const auto& b) { return rank(a) < rank(b); });
+    return groups;
+  }
+
  private:
   std::string sections(const CLI::App* app) const {
     std::string text;
-    std::vector<std::string> groups = app->get_groups();
-    std::stable_sort(groups.begin(), groups.end(),
-                     [](const auto& a, const auto& b) { return rank(a) < rank(b); });
-    for (const std::string& group : groups) {
-      const std::vector<const CLI::Option*> options =
-          app->get_options([&](const CLI::Option* option) {
-            return option->get_group() == group && option->nonpositional();
-          });
-      if (!group.empty() && !options.empty()) text += make_group(group, false, options);
-    }
+    for (const std::string& group : groups_of(app))
+      text += make_group(group, false, options_of(app, group));
     return text;
   }
 
@@ -247,6 +261,48 @@ std::vector<std::string> Parser::command_names() const {
   std::vector<std::string> names;
   for (const auto& subcommand : subcommands_) names.push_back(subcommand->name());
   return names;
+}
+
+std::vector<const Parser*> Parser::subcommands() const {
+  std::vector<const Parser*> all;
+  for (const auto& subcommand : subcommands_) all.push_back(subcommand.get());
+  return all;
+}
+
+std::string Parser::description() const { return app_->get_description(); }
+
+std::string Parser::footer_text() const { return app_->get_footer(); }
+
+std::string Parser::usage() const {
+  constexpr std::string_view mark = "Usage: ";
+  // App::help would show that of the command that was named.
+  const std::string help = Sections().make_usage(app_, full_name());
+  const std::size_t begin = help.find(mark);
+  if (begin == std::string::npos) return full_name();
+  const std::size_t from = begin + mark.size();
+  return help.substr(from, help.find('\n', from) - from);
+}
+
+std::vector<std::string> Parser::sections() const { return Sections::groups_of(app_); }
+
+std::vector<OptionText> Parser::option_texts() const {
+  const Sections sections;
+  std::vector<OptionText> all;
+  for (const CLI::Option* option : static_cast<const CLI::App*>(app_)->get_options()) {
+    OptionText text;
+    text.positional = !option->nonpositional();
+    if (text.positional) text.names.push_back(option->get_name(true));
+    for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
+    text.value = sections.make_option_opts(option);
+    text.value.erase(0, text.value.find_first_not_of(' '));
+    text.about = option->get_description();
+    text.section = option->get_group();
+    for (const auto& own : options_)
+      if (own->option_ == option) text.words = own->words_;
+    all.push_back(std::move(text));
+  }
+  return all;
 }
 
 std::vector<std::string> Parser::option_names() const {

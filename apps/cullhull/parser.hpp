@@ -14,6 +14,16 @@ class Option;
 
 namespace app {
 
+/// What help, man pages and shells know of an option.
+struct OptionText {
+  std::vector<std::string> names;  ///< "-o", "--output"; of a positional argument "SHAPE"
+  std::string value;               ///< the name of its value; empty for a flag
+  std::string about;               ///< may have several lines
+  std::string section;             ///< "Output"
+  std::vector<std::string> words;  ///< the values it takes, where they are few words
+  bool positional = false;
+};
+
 /// An option or a positional argument; its functions return it, to be chained.
 class Option {
  public:
@@ -22,6 +32,8 @@ class Option {
   Option* required();
   /// Whether one mention takes several words; the default for options of vectors.
   Option* allow_extra_args(bool several);
+  /// Words that a shell offers as values.
+  Option* offers(std::vector<std::string> words);
 
  private:
   friend class Parser;
@@ -32,6 +44,7 @@ class Option {
 
   explicit Option(CLI::Option* option) : option_(option) {}
   CLI::Option* option_;
+  std::vector<std::string> words_;
 };
 
 /// Refuses the empty word, as scripts pass for variables that are not set.
@@ -94,6 +107,14 @@ class Parser {
   /// With the names of the commands around it: "cullhull-bench rivals".
   std::string full_name() const;
   std::vector<std::string> command_names() const;
+  std::vector<const Parser*> subcommands() const;
+  std::string description() const;
+  std::string footer_text() const;
+  /// "cullhull hull [OPTIONS] INPUT..."
+  std::string usage() const;
+  /// Titles of the sections of options, in the order of the help; and all options, in their order.
+  std::vector<std::string> sections() const;
+  std::vector<OptionText> option_texts() const;
   /// "--output", "-o", ...
   std::vector<std::string> option_names() const;
 

@@ -468,6 +468,7 @@ int run(DualArguments a, bool dual) {
   out.heights = heights_beside ? std::move(input.weights)
                                : read_numbers(a, "--height", a.heights, input.points.count);
   triangulate(a, input, out);
+  drop_long(a, input, out);
   if (dual) find_dual(a, input.points, grid, out);
   if (out.voronoi) cullhull::to_world(*out.voronoi, grid);
   if (out.cells) cullhull::to_world(*out.cells, grid);
@@ -481,7 +482,7 @@ int run(DualArguments a, bool dual) {
 
 /// `furthest`: the help of --furthest.
 Parser& add_common(Parser& parent, const char* name, const char* about, const char* furthest,
-                   DualArguments& a) {
+                   bool dual, DualArguments& a) {
   Parser& command = *parent.add_subcommand(name, about);
   a.input.add_many_to(command);
   needs_value(*command.add_option("--weights", a.weights,
@@ -497,6 +498,7 @@ Parser& add_common(Parser& parent, const char* name, const char* about, const ch
   add_json_option(command, a.json, "Report counts and times");
   needs_value(*command.add_option("--format", a.formats, "Print the result as Qhull's programs do"))
       .allow_extra_args(false)
+      ->offers(dual ? cullhull::voronoi_formats() : cullhull::delaunay_formats())
       ->type_name("WORDS");
   command.group("Kind of result");
   command.add_flag("--furthest", a.furthest, furthest);
@@ -514,7 +516,7 @@ Command add_delaunay(Parser& parent) {
   auto a = std::make_shared<DualArguments>();
   Parser& command = add_common(
       parent, "delaunay", "Compute the exact Delaunay or regular triangulation of points",
-      "Furthest-site triangulation: the sphere of a cell encloses all\npoints", *a);
+      "Furthest-site triangulation: the sphere of a cell encloses all\npoints", false, *a);
   command.group("Input");
   needs_value(*command.add_option("--edges", a->edges,
                                   "Constraint edges of 2D points: a file of pairs of ids, from 0;\n"
@@ -537,7 +539,7 @@ Command add_voronoi(Parser& parent) {
   Parser& command = add_common(parent, "voronoi", "Compute the Voronoi or power diagram of points",
                                "Furthest-site diagram: the cell of a point is where it is the\n"
                                "furthest of all points",
-                               *a);
+                               true, *a);
   command.group("Kind of result");
   needs_value(*command.add_option("--box", a->box,
                                   "Clip cells to this box: the lower bounds of all axes, then the\n"

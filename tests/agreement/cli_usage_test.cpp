@@ -29,6 +29,10 @@ TEST(CliUsage, DidYouMean) {
   expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
   for (const std::vector<std::string>& far : {std::vector<std::string>{"hull", p, "--colour"},
                                               {"fly"},
+                                              {"convert"},
+                                              {"help", "convert"},
+                                              {"hull", p, "--resolution"},
+                                              {"hull", p, "--formats-all"},
                                               {"hull", p, "--xyzzy"},
                                               {"hull", p, "--area"},
                                               {"hull", p, "--2d"},
@@ -38,6 +42,93 @@ TEST(CliUsage, DidYouMean) {
     EXPECT_EQ(ran.err.find("did you mean"), std::string::npos) << ran.err;
   }
   expect_error({"info", p, "--no-such"}, 2, "--no-such");
+}
+
+TEST(CliUsage, ASecondNameAfterAnOutput) {
+  const Folder f;
+  write_file(f / "p.txt", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n");
+  write_file(f / "q.txt", "5 5 5\n");
+  const std::string p = f / "p.txt", a = f / "a.ply", b = f / "b.ply";
+  for (const char* command : {"hull", "delaunay", "voronoi", "alpha", "cull", "view"})
+    expect_error({command, p, "-o", a, b}, 2, "each output needs an -o of its own");
+  expect_error({"hull", p, "--output=" + a, b}, 2, "'" + b + "' after --output=" + a);
+  expect_error({"hull", p, "-o" + a, b}, 2, "each output needs an -o of its own");
+  expect_error({"hull", p, "-o", a, f / "q.txt"}, 2, "inputs stand together");
+  write_file(b, "ply\nformat ascii 1.0\n");  // of a run before: no input either
+  expect_error({"hull", p, "-q", "--output", a, b, "-o", b}, 2, "each output needs an -o");
+  EXPECT_FALSE(std::filesystem::exists(a));
+  // Inputs after the output, and several outputs.
+  EXPECT_EQ(run_app({"hull", "-q", "-o", a, p, f / "q.txt"}).status, 0);
+  EXPECT_EQ(run_app({"hull", p, "-q", "-o", a, "-o", b}).status, 0);
+  EXPECT_EQ(run_app({"hull", p, "-o", a, "-q", "--threads", "1"}).status, 0);
+}
+
+/// Lines with more columns than that, and lines that begin with the second part of a word of the
+/// text.
+void expect_fits(const std::string& shown, const std::string& whole, std::size_t columns) {
+  std::istringstream lines(shown);
+  std::string joined;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.ends_with('\r')) line.pop_back();
+    std::size_t blanks = 0;
+    while (blanks < line.size() && line[blanks] == ' ') ++blanks;
+    if (line.find(' ', blanks) != std::string::npos) {
+      EXPECT_LE(line.size(), columns) << line;
+    }
+    joined += line + ' ';
+  }
+  const auto words = [](const std::string& text) {
+    std::istringstream in(text);
+    std::vector<std::string> all;
+    for (std::string word; in >> word;) all.push_back(word);
+    return all;
+  };
+  EXPECT_EQ(words(joined), words(whole));
+  const auto paragraphs = [](std::string text) {
+    std::erase(text, '\r');
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.find("\n\n", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  EXPECT_EQ(paragraphs(shown), paragraphs(whole)) << shown;
+}
+
+TEST(CliUsage, HelpFitsTheTerminal) {
+  ::unsetenv("COLUMNS");
+  std::vector<std::vector<std::string>> all{{"--help"}, {"help", "formats"}, {"help", "units"}};
+  for (const char* command : {"hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify",
+                              "generate", "info", "view", "qconvex", "completion", "man"})
+    all.push_back({command, "--help"});
+  for (const auto& words : all) {
+    const std::string whole = run_app(words).out;
+    for (const int columns : {40, 60, 72, 80, 99, 100, 132}) {
+      OnTerminal terminal(words, -1, static_cast<unsigned short>(columns));
+      EXPECT_EQ(terminal.wait(), 0);
+      expect_fits(terminal.shown(), whole, static_cast<std::size_t>(columns));
+      if (columns < 100) continue;
+      std::string plain = terminal.shown();
+      std::erase(plain, '\r');
+      EXPECT_EQ(plain, whole) << "wide enough";
+    }
+  }
+  const auto shown = [](unsigned short columns) {
+    OnTerminal terminal({"hull", "--help"}, -1, columns);
+    terminal.wait();
+    std::string text = terminal.shown();
+    std::erase(text, '\r');
+    return text;
+  };
+  // The text of an option stays in its column, and its lines are filled.
+  const std::string narrow = shown(80);
+  EXPECT_NE(narrow.find("\n  --vertices IDS.npy|.csv|.txt\n                              "
+                        "Write the ids of the extreme points\n"),
+            std::string::npos)
+      << narrow;
+  ::setenv("COLUMNS", "50", 1);  // as exported, it is taken before the window's
+  expect_fits(shown(80), run_app({"hull", "--help"}).out, 50);
+  ::setenv("COLUMNS", "0", 1);
+  EXPECT_EQ(shown(80), narrow);
+  ::unsetenv("COLUMNS");
 }
 
 TEST(CliUsage, NamesOfOtherPrograms) {
@@ -97,7 +188,7 @@ TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
   std::vector<std::string> commands;
   for (std::string line; std::getline(listed, line) && line.starts_with("  ");)
     commands.push_back(line.substr(2, line.find(' ', 2) - 2));
-  ASSERT_EQ(commands.size(), 11U);
+  ASSERT_EQ(commands.size(), 13U);
   for (const std::string& command : commands) {
     const std::string help = run_app({command, "--help"}).out;
     EXPECT_EQ(help.find("\nOptions:\n"), std::string::npos) << help;
@@ -106,7 +197,7 @@ TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
     EXPECT_NE(help.find("\nExit status: "), std::string::npos) << help;
     EXPECT_EQ(help.find("\n\n\n"), std::string::npos) << help;
     EXPECT_EQ(help.find(".pcd"), std::string::npos) << "formats belong to help formats";
-    const bool points = command != "generate";
+    const bool points = command != "generate" && command != "completion" && command != "man";
     EXPECT_EQ(help.find("help formats") != std::string::npos, points) << help;
     std::istringstream lines(help);
     for (std::string line; std::getline(lines, line);)

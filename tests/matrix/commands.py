@@ -473,6 +473,8 @@ ROWS = (
 #: Commands that take no points, and where their own cells are.
 WITHOUT_POINTS = {
     "generate": "makes points: the cells of across.py",
+    "completion": "prints a script: pages_test",
+    "man": "prints pages: pages_test",
 }
 
 #: Options that no row names, and why. An option of `--help` that is neither here, nor a row's, nor

@@ -15,8 +15,10 @@ folder = Path(tempfile.mkdtemp())
 
 
 def setUpModule() -> None:
-    script = root / "scripts/program-pages.py"
-    subprocess.run([sys.executable, script, program, folder], check=True)
+    subprocess.run([program, "man", "--folder", folder], check=True)
+    for shell, name in (("bash", "cullhull.bash"), ("fish", "cullhull.fish"), ("zsh", "_cullhull")):
+        with open(folder / name, "wb") as script:
+            subprocess.run([program, "completion", shell], check=True, stdout=script)
 
 
 def tearDownModule() -> None:
@@ -66,6 +68,17 @@ class Pages(unittest.TestCase):
     def test_every_command_has_examples(self) -> None:
         for page in (folder / "man1").iterdir():
             self.assertIn("\n.SH EXAMPLES\n", page.read_text(), page.name)
+
+    def test_a_page_alone(self) -> None:
+        for name, page in ((), "man1/cullhull.1"), (("hull",), "man1/cullhull-hull.1"), (
+            ("formats",),
+            "man7/cullhull-formats.7",
+        ):
+            ran = subprocess.run([program, "man", *name], check=True, capture_output=True, text=True)
+            self.assertEqual(ran.stdout, (folder / page).read_text(), page)
+        ran = subprocess.run([program, "man", "hul"], capture_output=True, text=True)
+        self.assertEqual(ran.returncode, 2)
+        self.assertIn("did you mean hull?", ran.stderr)
 
     def test_topics(self) -> None:
         page = (folder / "man7/cullhull-formats.7").read_text()
@@ -118,7 +131,9 @@ class Pages(unittest.TestCase):
             self.assertEqual(complete("cullhull", "hull", "-o", "a"), ["a.npy"])
             self.assertEqual(complete("cullhull", "hull", "--vertices", "=", "b"), ["b.csv"])
             first = complete("cullhull", "")
-            self.assertEqual(sorted(first[:2]), both, "files come first")
+            self.assertEqual(sorted(first[-2:]), both, "commands come before files")
+            (place / "hull.npy").touch()
+            self.assertEqual(complete("cullhull", "hu"), ["hull", "hull.npy"])
             self.assertIn("hull", first)
             self.assertIn("help", first)
         finally:
