@@ -99,6 +99,21 @@ TEST(IoPcd, BinaryInPlace) {
   EXPECT_EQ(read_both_ways(path), (Rows{{1.5, -2, 3}, {4, 5, static_cast<float>(6e30)}}));
 }
 
+// As ROS drivers write fields that are aligned already.
+TEST(IoPcd, PaddingOfNoBytes) {
+  const testing::TemporaryFolder folder;
+  const Rows rows{{1, 2, 3}, {4, 5, 6}};
+  std::string body;
+  for (const auto& r : rows)
+    body += bytes_of(static_cast<float>(r[0]), static_cast<float>(r[1]), static_cast<float>(r[2]),
+                     std::uint8_t{9}, std::uint8_t{0});
+  const auto named = [](const char* kind) {
+    return header("x y z _ ring _ _", "4 4 4 1 1 1 1", "F F F U U U U", "1 1 1 0 1 0 1", 2, kind);
+  };
+  EXPECT_EQ(read_both_ways(folder.write("a.pcd", named("binary") + body)), rows);
+  EXPECT_EQ(read_both_ways(folder.write("b.pcd", named("ascii") + "1 2 3 9 0\n4 5 6 9 0\n")), rows);
+}
+
 // Early versions of PCL fill the last page behind the points.
 TEST(IoPcd, BytesAfterThePointsArePassedOver) {
   const testing::TemporaryFolder folder;
@@ -226,6 +241,7 @@ TEST(IoPcd, HeadersThatLie) {
   expect_error(header("x y", "4 2", "F F", "1 1", 1, "ascii"), "a float of 2 bytes");
   expect_error(header("x y", "4 4", "F C", "1 1", 1, "ascii"), "'C' is no TYPE");
   expect_error(header("x y", "4 4", "F F", "1 0", 1, "ascii"), "'0' is no COUNT");
+  expect_error(header("_ y x", "4 4 4", "F F F", "1 0 1", 1, "binary"), "'0' is no COUNT");
   expect_error(header("x y", "4", "F F", "1 1", 1, "ascii"), "SIZE has 1 values for the 2 fields");
   expect_error(header("x y p", "4 4 8", "F F F", "1 1 9999999999999999999", 1, "binary"), "COUNT");
   expect_error(header("x y", "4 4", "F F", "1 1", 1, "zip"), "DATA is ascii, binary or");

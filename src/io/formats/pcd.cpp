@@ -91,7 +91,8 @@ class PcdHeaderParser {
       });
     if (key == "COUNT")
       return for_each_field([](Field& f, std::string_view word) {
-        return parse_unsigned(word, f.count) && f.count > 0;
+        // Some writers mark padding of no bytes so, between fields that are aligned already.
+        return parse_unsigned(word, f.count) && (f.count > 0 || f.name == "_");
       });
     if (key == "WIDTH") return read_number(width_);
     if (key == "HEIGHT") return read_number(height_);
