@@ -194,7 +194,8 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   input.points = input.file.points();
   input.places.parts = {{input_name(arguments.path), 0, input.file.first_not_finite()}};
   const cullhull::Placement& placement = input.file.placement();
-  input.placing = {placement, input.file.grid(), !placement.empty(), arguments.raw};
+  const bool raw_scan = arguments.raw && input.file.format().starts_with("las");
+  input.placing = {placement, input.file.grid(), !placement.empty() || raw_scan, arguments.raw};
   input.weights = input.file.weights();
   return input;
 }

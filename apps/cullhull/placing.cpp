@@ -38,7 +38,7 @@ std::string units_lines(const Placing& placing, const cullhull::PointView& point
   if (!placing.any) return "";
   std::string text = "units      ";
   if (placing.raw)
-    text += "the file's whole numbers";
+    text += "stored numbers, a .las without its scale and offset";
   else
     text += placing.placement.unit.empty() ? "the file's" : placing.placement.unit;
   if (!placing.grid.empty())

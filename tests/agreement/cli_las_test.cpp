@@ -1,8 +1,11 @@
 // The program on LAS files: computed on the grid of their decimals, told and written in the world.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
+#include "agreement/expect_json.hpp"
 #include "agreement/run_app.hpp"
 #include "bench/suites/las_bytes.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -525,6 +528,41 @@ TEST(CliLas, WithoutAScaleRawAloneReads) {
     const Ran ran = run_app(command);
     EXPECT_EQ(ran.status, 1) << ran.err;
     EXPECT_NE(ran.err.find(say), std::string::npos) << ran.err;
+  }
+}
+
+// What --raw takes is said, also where the header gives no place; and no header written has NaN.
+TEST(CliLas, RawIsSaidAndWritten) {
+  const Folder f;
+  const Numbers numbers = ball(500);
+  const double nan = std::numeric_limits<double>::quiet_NaN(),
+               inf = std::numeric_limits<double>::infinity();
+  write_file(f / "p.csv", "1,2,3\n4,5,6\n");
+  const std::string say = "units      stored numbers, a .las without its scale and offset";
+  for (const Placement& bad :
+       {Placement{{0, 0, 0}, {0, 0, 0}, ""}, Placement{{nan, 1, 1}, {0, 0, 0}, ""},
+        Placement{{1, 1, 1}, {0, nan, 0}, ""}, Placement{{1, 1, 1}, {inf, 0, 0}, ""}, metres}) {
+    write_file(f / "a.las", bench::las_bytes(numbers, bad));
+    for (const char* stream : {"off", "on"}) {
+      for (const std::vector<std::string>& inputs :
+           {std::vector<std::string>{f / "a.las"}, {f / "a.las", f / "p.csv"}}) {
+        std::vector<std::string> words{"hull", "--raw", "--stream", stream};
+        words.insert(words.end(), inputs.begin(), inputs.end());
+        const Ran ran = run_app(words);
+        EXPECT_EQ(ran.status, 0) << ran.err;
+        EXPECT_NE(ran.out.find(say), std::string::npos) << ran.out;
+      }
+      const auto report =
+          expect_json({"hull", "--raw", f / "a.las", "--stream", stream, "--json"}, "hull_report");
+      EXPECT_EQ(report["placement"]["numbers"], "file");
+    }
+    expect_success({"cull", f / "a.las", "--raw", "-o", f / "b.las"});
+    const std::string written = read_file(f / "b.las");
+    for (std::size_t at = 179; at < 227; at += 8) {
+      double end = 0;
+      std::memcpy(&end, written.data() + at, sizeof end);
+      EXPECT_TRUE(std::isfinite(end)) << at;
+    }
   }
 }
 

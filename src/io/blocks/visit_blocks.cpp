@@ -249,7 +249,10 @@ class Reading {
 
   /// Called by one thread at a time, in order.
   void note_placement(const BlockSource& source) {
-    summary_.any_placed = summary_.any_placed || !source.placement().empty();
+    // The stored numbers of a scan are such even if its header gives them no place.
+    const bool raw_scan =
+        options_.read.numbers == Numbers::raw && source.format().starts_with("las");
+    summary_.any_placed = summary_.any_placed || !source.placement().empty() || raw_scan;
     if (std::exchange(any_opened_, true)) return;
     summary_.placement = source.placement();
     if (!options_.read.grid) summary_.grid = source.grid();

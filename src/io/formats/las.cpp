@@ -185,7 +185,9 @@ class Census {
     for (std::size_t j = 0; j < 3 && count_ > 0; ++j) {
       const auto scale = load_little_endian<double>(head.data() + 131 + 8 * j);
       const auto offset = load_little_endian<double>(head.data() + 155 + 8 * j);
-      const double ends[] = {greatest_[j] * scale + offset, least_[j] * scale + offset};
+      double ends[] = {greatest_[j] * scale + offset, least_[j] * scale + offset};
+      // No box can be told where scale or offset give no coordinates (Numbers::raw).
+      if (!std::isfinite(ends[0]) || !std::isfinite(ends[1])) ends[0] = ends[1] = 0;
       put(head, 179 + 16 * j, std::max(ends[0], ends[1]));
       put(head, 187 + 16 * j, std::min(ends[0], ends[1]));
     }
