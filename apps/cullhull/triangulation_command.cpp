@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -134,28 +135,49 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
   return numbers;
 }
 
+/// "FILE:LINE" of an edge, or "FILE" where it has no line.
+std::string place_of_edge(const DualArguments& a, std::uint64_t edge) {
+  const auto line = cullhull::line_of_point(a.edges, edge);
+  return input_name(a.edges) + (line ? ":" + std::to_string(*line) : "");
+}
+
+[[noreturn]] void refuse_edge(const DualArguments& a, std::uint64_t edge, const std::string& has) {
+  throw Error(ErrorCode::bad_file, place_of_edge(a, edge), ": edge ", edge, " has ", has);
+}
+
 /// Pairs of numbers of points, a pair a line.
-std::vector<std::uint32_t> read_edges(const DualArguments& a, std::uint64_t count) {
+std::vector<std::uint32_t> read_edges(const DualArguments& a, const Input& of) {
+  const std::uint64_t count = of.points.count;
   InputArguments from;
   from.path = a.edges;
   from.grid = cullhull::Grid();  // point numbers, unchanged
   const Input input = open_input(from, a.run.threads, a.run.memory_bytes());
   if (input.points.dimension != 2)
-    throw Error(ErrorCode::invalid_argument,
-                fmt::format("--edges {}: {} columns; expected two point ids per line", a.edges,
-                            input.points.dimension));
+    throw Error(
+        ErrorCode::bad_file, input_name(a.edges), ": ",
+        fmt::format("{} columns; --edges expects two point ids per line", input.points.dimension));
   std::vector<std::uint32_t> edges;
   for (std::uint64_t i = 0; i < input.points.count; ++i)
     for (std::uint32_t j = 0; j < 2; ++j) {
       const double v = input.points.at(i, j);
       if (!(v >= 0 && v < static_cast<double>(count) && v == std::floor(v)))
-        throw Error(
-            ErrorCode::invalid_argument,
-            fmt::format("--edges {}: edge {} has {}, which is not the id of one of {} points",
-                        a.edges, i, v, count));
+        refuse_edge(a, i, fmt::format("{}, which is not the id of one of {} points", v, count));
       edges.push_back(static_cast<std::uint32_t>(v));
     }
   return edges;
+}
+
+/// A fault that the constraints have together, such as edges that cross, is one of their file.
+[[noreturn]] void rethrow_of_edges(const DualArguments& a, const Error& e) {
+  constexpr std::string_view begin = "edges ";
+  const std::string_view message = e.what();
+  std::uint64_t edge = 0;
+  const bool named =
+      message.starts_with(begin) &&
+      std::from_chars(message.data() + begin.size(), message.data() + message.size(), edge).ec ==
+          std::errc();
+  throw Error(ErrorCode::bad_file, named ? place_of_edge(a, edge) : input_name(a.edges), ": ",
+              message);
 }
 
 struct Box {
@@ -227,14 +249,20 @@ struct DualOutcome {
 
 void triangulate_with_edges(const DualArguments& a, const Input& input, DualOutcome& out) {
   const PointView& points = input.points;
-  const std::vector<std::uint32_t> edges = read_edges(a, points.count);
+  const std::vector<std::uint32_t> edges = read_edges(a, input);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
         cullhull::ConstrainedOptions o{options};
         o.inside_only = a.inside;
         return naming_file(input.places, [&] {
-          cullhull::ConstrainedTriangulation made =
-              cullhull::constrained_delaunay(points, edges, o);
+          cullhull::ConstrainedTriangulation made;
+          try {
+            made = cullhull::constrained_delaunay(points, edges, o);
+          } catch (const Error& e) {
+            // The points' dimension is no fault of the edges.
+            if (e.code() != ErrorCode::invalid_argument || points.dimension != 2) throw;
+            rethrow_of_edges(a, e);
+          }
           if (a.certify) out.certificate = cullhull::certify(points, edges, made, o);
           return made;
         });

@@ -267,11 +267,22 @@ TEST(CliTriangulation, ForcesEdges) {
       {"delaunay", f / "p.csv", "--edges", f / "e.txt", "--inside", "--certify", "--format", "i"});
   EXPECT_EQ(inside.out, "6\n0 1 5\n0 2 4\n0 4 3\n0 5 2\n1 2 5\n2 3 4\n") << inside.err;
   write_file(f / "x.txt", "0 2\n1 3\n");
-  expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt"}, 2,
-               "edges 0 (0, 2) and 1 (1, 3) cross");
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt"}, 1,
+               f / "x.txt" + ":1: edges 0 (0, 2) and 1 (1, 3) cross");
   write_file(f / "y.txt", "0 7\n");
-  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 2,
+  expect_error({"delaunay", f / "p.csv", "--edges", f / "y.txt"}, 1,
                "is not the id of one of 7 points");
+  // A fault of the file names its line, whatever is wrong.
+  for (const auto& [text, why] :
+       {std::pair{"0 1\n\n1 9\n", ":3: edge 1 has 9, which is not the id of one of "},
+        {"# edges\n0 0.5\n", ":2: edge 0 has 0.5, which is not the id of one of "},
+        {"0 nan\n", ":1: edge 0 has nan, which is not the id of one of "},
+        {"-1 0\n", ":1: edge 0 has -1, which is not the id of one of "},
+        {"0 1 2\n", ": 3 columns; --edges expects two point ids per line"},
+        {"0 1\n0 x\n", ":2: 'x' is not a number"}}) {
+    write_file(f / "z.txt", text);
+    expect_error({"delaunay", f / "p.csv", "--edges", f / "z.txt"}, 1, f / "z.txt" + why);
+  }
   expect_error({"delaunay", f / "p.csv", "--inside"}, 2, "--inside needs --edges");
   expect_error({"delaunay", f / "p.csv", "--edges", f / "x.txt", "--furthest"}, 2, "furthest");
 }
