@@ -463,9 +463,34 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
   return key[0];
 }
 
+ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
+                           const std::vector<std::string>& names, std::uint32_t axes) {
+  ChosenFields chosen;
+  chosen.columns = find_columns(options.columns.empty() ? ":" : options.columns, file, names, axes);
+  const std::uint32_t key = find_key(options, file, names, axes, chosen.columns);
+  chosen.keyed = !options.key.empty();
+  if (chosen.keyed) chosen.columns.push_back(key);
+  return chosen;
+}
+
+PointData with_keys(PointData data, bool keyed) {
+  data.chosen = true;
+  if (!keyed) return data;
+  --data.view.dimension;
+  PointView keys = data.view;  // the column behind the last one
+  keys.dimension = data.view.dimension + 1;
+  char text[40];
+  for (std::uint64_t i = 0; i < keys.count; ++i) {
+    const auto r = std::to_chars(text, text + sizeof text, keys.at(i, keys.dimension - 1));
+    data.keys.add({text, static_cast<std::size_t>(r.ptr - text)});
+  }
+  return data;
+}
+
 void choose_columns(PointData& data, const std::string& file, std::vector<std::string> names,
                     const ReadOptions& options) {
-  if (options.columns.empty() && options.key.empty()) return;
+  if (data.chosen || (options.columns.empty() && options.key.empty())) return;
+  data.chosen = true;
   const std::uint32_t width = data.view.dimension;
   names.resize(
       std::min<std::size_t>(names.size(), width));  // those of a format, x y z, of a 2D file

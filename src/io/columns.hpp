@@ -52,9 +52,22 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
                        const std::vector<std::string>& names, std::uint32_t width,
                        std::vector<std::uint32_t>& columns);
 
-/// Restricts the view to the columns that `options` ask for: by strides where possible, else by a
-/// copy. Keys, where asked for, are numbers as decimals. Of `names` those beyond the file's
-/// dimension name nothing.
+/// The columns of a format that names its fields: numbers of names, of which the first `axes` are
+/// x, y and perhaps z.
+struct ChosenFields {
+  std::vector<std::uint32_t> columns;  ///< the coordinates, and behind them the key
+  bool keyed = false;                  ///< whether the last one is the key
+};
+
+/// The axes, or what `options` ask for; numbers and ranges are of axes, other fields have names.
+ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
+                           const std::vector<std::string>& names, std::uint32_t axes);
+/// Points of chosen fields: their last column becomes their keys, as decimals, if it is the key.
+PointData with_keys(PointData data, bool keyed);
+
+/// Restricts the view to the columns that `options` ask for, unless the reader has chosen them: by
+/// strides where possible, else by a copy. Keys, where asked for, are numbers as decimals. Of
+/// `names` those beyond the file's dimension name nothing.
 void choose_columns(PointData& data, const std::string& file, std::vector<std::string> names,
                     const ReadOptions& options);
 /// Restricts the view, and its placement, to these columns.

@@ -124,7 +124,8 @@ std::string format_of_content(const Source& s) {
     if (is_keyword(word, "solid")) return "stl";
     if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
     if (is_obj_keyword(word)) return "obj";
-    if (word.starts_with("{") || word.starts_with("[")) return "geojson";
+    if (word.starts_with("{") || word.starts_with("[") || word.starts_with("\x1E{"))
+      return "geojson";
     if (looks_like_wkt(lines.begin(), lines.end())) return "wkt";
     return "text";
   }
@@ -149,6 +150,8 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   }
   const std::string extension = extension_of(unpacked_name(source.name));
   if (is_known(extension)) return extension;
+  for (const char* sequence : {"geojsonl", "geojsons", "geojsonseq"})  // a text after the other
+    if (extension == sequence) return "geojson";
   if (extension == "laz") return "las";  // whose error names a reader for it
   for (const char* other : {"e57", "parquet", "gpkg", "shp", "fgb", "gml", "kml"})
     if (extension == other)
@@ -267,7 +270,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
     return data;
   }
   PointData data = read_format(file, text, format, options);
-  if (format != "las") choose_columns(data, file.name, column_names(format), options);
+  choose_columns(data, file.name, column_names(format), options);
   return data;
 }
 

@@ -103,9 +103,10 @@ void refuse_zarr(const std::string& path) {
 /// By the extension, behind which .gz or .zst may stand. JSON may be points, hulls or anything.
 bool has_known_extension(const std::string& path) {
   static constexpr std::string_view known[] = {
-      "npy", "npz",  "ply", "las", "laz", "pcd",     "obj",  "off",  "stl",      "xyz", "pts",
-      "ptx", "node", "txt", "csv", "raw", "h5",      "hdf5", "he5",  "nc",       "nc4", "geojson",
-      "wkt", "e57",  "shp", "fgb", "gml", "parquet", "kml",  "gpkg", "hullstate"};
+      "npy", "npz", "ply", "las",     "laz",      "pcd",      "obj",        "off", "stl",
+      "xyz", "pts", "ptx", "node",    "txt",      "csv",      "raw",        "h5",  "hdf5",
+      "he5", "nc",  "nc4", "geojson", "geojsonl", "geojsons", "geojsonseq", "wkt", "e57",
+      "shp", "fgb", "gml", "parquet", "kml",      "gpkg",     "hullstate"};
   const std::string extension = extension_of(unpacked_name(path));
   return std::find(std::begin(known), std::end(known), extension) != std::end(known);
 }

@@ -53,6 +53,7 @@ struct PointData {
   Grid grid;                         ///< as PointFile::grid()
   std::vector<std::string> columns;  ///< as PointFile::columns(); empty: those of the format
   PointKeys keys;                    ///< of every point, where ReadOptions::key asks for them
+  bool chosen = false;               ///< `view` and `keys` are what the options ask for
   PointLine not_finite;              ///< the first such point of a text; line 0: none
 };
 

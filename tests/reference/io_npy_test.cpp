@@ -85,9 +85,16 @@ TEST(Npy, OtherTypesAreNamed) {
             std::string(16, '\0'));
     EXPECT_NE(refusal(bytes, "npy").find("'" + descr + "'"), std::string::npos) << descr;
   }
-  const std::string structured =
-      npy("{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (1,), }", bytes_of(1.0));
-  EXPECT_NE(refusal(structured, "npy").find("structured"), std::string::npos);
+  for (const char* structured :
+       {"[('x', '<f8', (1,))]", "[('a', '<f8')]", "[('x', [('q', '<f8')]), ('y', '<f8')]",
+        "[('x', '|O'), ('y', '<f8')]", "[]", "[('x', '<f8'",
+        "[('x', '<f8', (9999999999, 9999999999))]", "[('x', '<f9'), ('y', '<f8')]"})
+    EXPECT_NE(refusal(npy("{'descr': " + std::string(structured) +
+                              ", 'fortran_order': False, 'shape': (1,), }",
+                          bytes_of(1.0)),
+                      "npy"),
+              "")
+        << structured;
 }
 
 TEST(Npy, LiesAreCaught) {

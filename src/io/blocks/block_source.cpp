@@ -439,7 +439,7 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
   if (format == "las") layout = las_records(head, from.size, uninterrupted);
   if (layout) {
-    if (format != "las" && (!read.columns.empty() || !read.key.empty()))
+    if (!read.columns.empty() || !read.key.empty())
       choose_columns_of(*layout, head.name, column_names(format), read);
     place_points_of(*layout, read);
     if (from.file.get() >= 0)

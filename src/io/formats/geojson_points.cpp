@@ -1,5 +1,6 @@
-// Points of GeoJSON (RFC 7946): the positions of all its geometries; and of JSON that is a list of
-// rows of numbers, or an object whose member "points" is one.
+// Points of GeoJSON (RFC 7946), also of a sequence of texts (RFC 8142, newline-delimited): the
+// positions of all its geometries, and properties of features as columns. And of JSON that is a list
+// of rows of numbers, or an object whose member "points" is one.
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
@@ -10,7 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "io/columns.hpp"
 #include "io/formats/geometry_positions.hpp"
+#include "io/text/text_scan.hpp"
 
 namespace cullhull::internal::inline io {
 namespace {
@@ -57,34 +60,196 @@ class Cursor {
   const char** read_;
 };
 
+/// Properties of features as columns: the value of each is that of all positions of its feature.
+class PropertyColumns {
+ public:
+  /// Those that the options name beside the coordinates.
+  explicit PropertyColumns(const ReadOptions& options) {
+    for (const std::string* text : {&options.columns, &options.key})
+      for (std::string& name : names_in(*text)) {
+        const bool axis = alike(name, "x") || alike(name, "y") || alike(name, "z");
+        if (!axis && std::find(wanted_.begin(), wanted_.end(), name) == wanted_.end())
+          wanted_.push_back(std::move(name));
+      }
+  }
+
+  static constexpr std::size_t not_asked_for = ~std::size_t{0};
+
+  bool any() const { return !wanted_.empty(); }
+  /// The number of a property of this name, or not_asked_for. Case is compared when the columns are
+  /// chosen.
+  std::size_t number_of(const std::string& name) {
+    const auto is_it = [&](const std::string& other) { return alike(name, other); };
+    const bool asked = std::any_of(wanted_.begin(), wanted_.end(), is_it);
+    constexpr std::size_t most_named = 100;  // in a message
+    if ((asked || names_.size() < most_named) &&
+        std::find(names_.begin(), names_.end(), name) == names_.end())
+      names_.push_back(name);
+    if (!asked) return not_asked_for;
+    const std::size_t number = number_asked(name);
+    if (number == asked_.size()) asked_.push_back(name);
+    return number;
+  }
+  /// Of the positions [first, end) of the feature at `at`.
+  void add(std::uint64_t first, std::uint64_t end, std::vector<std::string>&& values,
+           const char* at) {
+    if (wanted_.empty() || first == end) return;
+    features_.push_back({first, end, std::move(values), at});
+  }
+
+  /// The points with the columns and keys that are asked for.
+  PointData points(Positions&& positions, const Source& source, const ReadOptions& options) && {
+    PointData data = std::move(positions).points("geojson");
+    std::vector<std::string> names{"x", "y", "z"};
+    if (!any()) {
+      choose_columns(data, source.name, names, options);
+      return data;
+    }
+    const std::uint32_t axes = data.view.dimension;
+    names.resize(axes);
+    names.insert(names.end(), names_.begin(), names_.end());
+    ChosenFields chosen = choose_fields(options, source.name, names, axes);
+    const std::uint32_t key = chosen.columns.back();
+    if (chosen.keyed) {
+      chosen.columns.pop_back();
+      add_keys(data, key, names, axes);
+    }
+    gather(data, chosen.columns, names, axes, source);
+    data.chosen = true;
+    return data;
+  }
+
+ private:
+  struct Feature {
+    std::uint64_t first, end;
+    std::vector<std::string> values;
+    const char* at;
+  };
+
+  std::size_t number_asked(const std::string& name) const {
+    return static_cast<std::size_t>(std::find(asked_.begin(), asked_.end(), name) - asked_.begin());
+  }
+  /// Empty where the feature has no such property.
+  static std::string value_of(const Feature& f, std::size_t number) {
+    return number < f.values.size() ? f.values[number] : std::string();
+  }
+
+  void add_keys(PointData& data, std::uint32_t key, const std::vector<std::string>& names,
+                std::uint32_t axes) const {
+    if (key < axes) {
+      PointData column;
+      column.view = data.view;
+      column.view.dimension = key + 1;
+      data.keys = with_keys(std::move(column), true).keys;
+      return;
+    }
+    const std::size_t number = number_asked(names[key]);
+    std::uint64_t next = 0;
+    const auto add_until = [&](std::uint64_t end, const std::string& value) {
+      for (; next < end; ++next) data.keys.add(value);
+    };
+    for (const Feature& f : features_) {
+      add_until(f.first, "");
+      add_until(f.end, value_of(f, number));
+    }
+    add_until(data.view.count, "");
+  }
+
+  void gather(PointData& data, const std::vector<std::uint32_t>& columns,
+              const std::vector<std::string>& names, std::uint32_t axes,
+              const Source& source) const {
+    if (std::all_of(columns.begin(), columns.end(), [&](std::uint32_t c) { return c < axes; }))
+      return take_columns(data, columns);
+    const auto d = static_cast<std::uint32_t>(columns.size());
+    const PointView from = data.view;
+    Buffer room(std::max<std::uint64_t>(1, from.count * d * sizeof(double)));
+    auto* const out = room.as<double>();
+    for (std::uint32_t j = 0; j < d; ++j) {
+      const std::uint32_t c = columns[j];
+      if (c < axes)
+        for (std::uint64_t i = 0; i < from.count; ++i) out[i * d + j] = from.at(i, c);
+      else
+        write_property(names[c], from.count, d, out + j, source);
+    }
+    data.storage = std::move(room);
+    data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
+  }
+
+  /// The numbers of a property, each `step` after the one before.
+  void write_property(const std::string& name, std::uint64_t count, std::uint32_t step, double* out,
+                      const Source& source) const {
+    const std::size_t number = number_asked(name);
+    std::uint64_t next = 0;
+    for (const Feature& f : features_) {
+      if (f.first != next) break;
+      const std::string text = value_of(f, number);
+      const char* p = text.data();
+      const char* const end = p + text.size();
+      double value = 0;
+      if (scan_number(p, end, value) != Scan::ok || skip_blanks(p, end) != end)
+        fail_at_line(
+            source, 1 + static_cast<std::uint64_t>(std::count(source.data, f.at, '\n')),
+            "property ", quoted_text(name), " of this feature ",
+            text.empty() ? std::string("has no value") : "is no number: " + quoted_text(text));
+      for (; next < f.end; ++next) out[next * step] = value;
+    }
+    if (next < count)
+      fail(source, "position ", next, " is of no feature, and has no property ", quoted_text(name));
+  }
+
+  std::vector<std::string> wanted_;  ///< as the options write them
+  std::vector<std::string> asked_;   ///< the same as the file writes them
+  std::vector<std::string> names_;   ///< all that occur, or many
+  std::vector<Feature> features_;
+};
+
 /// Follows the parser's events through the members that hold geometries, and skips all others
 /// (properties may hold anything). No document is built: memory goes to the positions alone.
 class PositionReader : public nlohmann::json_sax<json> {
  public:
   PositionReader(const Source& source, const ReadOptions& options)
-      : source_(source), positions_(!options.columns.empty()), options_(options) {}
+      : source_(source),
+        positions_(!options.columns.empty()),
+        properties_(options),
+        options_(options) {}
 
   PointData read() {
     const char* const end = source_.data + source_.size;
     const char* ignored = end;
-    json::sax_parse(Cursor(source_.data, read_), Cursor(end, ignored), this);
-    return std::move(positions_).points("geojson");
+    skip_separators(end);
+    do {
+      begin_ = read_;
+      const char* const first = begin_;
+      json::sax_parse(Cursor(first, read_), Cursor(end, ignored), this,
+                      nlohmann::detail::input_format_t::json, false);
+    } while (another_text(end));
+    return std::move(properties_).points(std::move(positions_), source_, options_);
   }
 
   bool null() override {
+    if (in_properties()) return property("");
     if (in_coordinates()) fail_at(token(), "null among coordinates");
     if (places_.empty()) not_geojson();
     return true;
   }
-  bool boolean(bool) override { return other("true or false"); }
+  bool boolean(bool value) override {
+    if (in_properties()) return property(value ? "true" : "false");
+    return other("true or false");
+  }
   bool number_integer(number_integer_t value) override {
+    if (in_properties()) return property(std::to_string(value));
     return number(static_cast<double>(value));
   }
   bool number_unsigned(number_unsigned_t value) override {
+    if (in_properties()) return property(std::to_string(value));
     return number(static_cast<double>(value));
   }
-  bool number_float(number_float_t value, const string_t&) override { return number(value); }
+  bool number_float(number_float_t value, const string_t& text) override {
+    if (in_properties()) return property(text);
+    return number(value);
+  }
   bool string(string_t& value) override {
+    if (in_properties()) return property(value);
     if (places_.empty() || places_.back() != Place::object || key_ != "type")
       return other("a string");
     objects_.back().type = value;
@@ -98,12 +263,14 @@ class PositionReader : public nlohmann::json_sax<json> {
     if (place == Place::coordinates) fail_at(token(), "an object among coordinates");
     if (place == Place::objects)
       fail_at(token(), "not GeoJSON: ", quoted_text(key_), " is not a list");
-    if (place == Place::object) objects_.push_back({{}, false, 0, positions_.size(), {}, token()});
+    if (place == Place::object)
+      objects_.push_back({{}, false, 0, positions_.size(), {}, token(), {}});
     places_.push_back(place);
     return true;
   }
   bool key(string_t& name) override {
     if (places_.back() == Place::object) key_ = name;
+    if (places_.back() == Place::properties) property_ = properties_.number_of(name);
     return true;
   }
   bool end_object() override {
@@ -132,7 +299,9 @@ class PositionReader : public nlohmann::json_sax<json> {
   }
   bool parse_error(std::size_t byte, const std::string&,
                    const nlohmann::detail::exception& error) override {
-    const char* const at = source_.data + std::min(byte > 0 ? byte - 1 : 0, source_.size);
+    const auto before = static_cast<std::size_t>(begin_ - source_.data);
+    const char* const at =
+        source_.data + std::min(before + (byte > 0 ? byte - 1 : 0), source_.size);
     constexpr int out_of_range = 406;
     if (error.id == out_of_range) fail_at(at, "a number exceeds the range of doubles");
     if (at < source_.data + source_.size && (*at == 'N' || *at == 'I'))
@@ -141,7 +310,7 @@ class PositionReader : public nlohmann::json_sax<json> {
   }
 
  private:
-  enum class Place { object, objects, coordinates, skipped };
+  enum class Place { object, objects, coordinates, properties, skipped };
   struct Object {
     std::string type;
     bool has_coordinates;
@@ -149,6 +318,7 @@ class PositionReader : public nlohmann::json_sax<json> {
     std::uint64_t first;
     std::vector<std::uint64_t> lists;  ///< the first position of each list of positions
     const char* at;
+    std::vector<std::string> properties;  ///< of a feature: those that are asked for
   };
   struct Level {
     std::uint32_t numbers;
@@ -166,12 +336,36 @@ class PositionReader : public nlohmann::json_sax<json> {
   /// The last character of the current event's text; of a number the one after it.
   const char* token() const { return read_ == source_.data ? read_ : read_ - 1; }
 
+  bool in_properties() const { return !places_.empty() && places_.back() == Place::properties; }
+  bool property(const std::string& value) {
+    std::vector<std::string>& values = objects_.back().properties;
+    if (property_ == PropertyColumns::not_asked_for) return true;
+    values.resize(std::max(values.size(), property_ + 1));
+    values[property_] = value;
+    return true;
+  }
+
+  void skip_separators(const char* end) {
+    constexpr char record_separator = 0x1E;
+    while (read_ < end && (is_blank(*read_) || *read_ == '\n' || *read_ == record_separator))
+      ++read_;
+  }
+  /// Whether another text begins behind blanks and record separators; nothing else may be there.
+  bool another_text(const char* end) {
+    skip_separators(end);
+    if (read_ == end) return false;
+    if (*read_ != '{') fail_at(read_, "not valid JSON");
+    return true;
+  }
+
   bool in_coordinates() const { return !places_.empty() && places_.back() == Place::coordinates; }
 
   /// What the value that begins now is.
   Place expected() const {
     if (places_.empty() || places_.back() == Place::objects) return Place::object;
+    if (places_.back() == Place::properties) return Place::skipped;
     if (places_.back() != Place::object) return places_.back();
+    if (key_ == "properties" && properties_.any()) return Place::properties;
     if (key_ == "features" || key_ == "geometries") return Place::objects;
     if (key_ == "geometry") return Place::object;
     return key_ == "coordinates" ? Place::coordinates : Place::skipped;
@@ -237,6 +431,8 @@ class PositionReader : public nlohmann::json_sax<json> {
       fail_at(object.at, "the coordinates of a ", object.type, " are nested ", object.depth,
               " deep, not ", known->depth);
     if (known->rings) close_rings(object);
+    if (object.type == "Feature")
+      properties_.add(object.first, positions_.size(), std::move(object.properties), object.at);
   }
 
   void close_rings(const Object& object) {
@@ -259,8 +455,11 @@ class PositionReader : public nlohmann::json_sax<json> {
   }
 
   const Source& source_;
-  const char* read_ = source_.data;  ///< up to where the parser has read
+  const char* read_ = source_.data;   ///< up to where the parser has read
+  const char* begin_ = source_.data;  ///< of the text that it reads
   Positions positions_;
+  PropertyColumns properties_;
+  std::size_t property_ = 0;  ///< the current one
   const ReadOptions& options_;
   std::vector<Place> places_;
   std::vector<Object> objects_;

@@ -151,6 +151,7 @@ double LasField::of(const char* record) const {
 
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options) {
+  data.chosen = true;
   if (options.columns.empty() && options.key.empty()) return;
   const Columns all(format);
   constexpr std::uint32_t axes = 3;

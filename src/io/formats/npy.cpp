@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <numeric>
 
+#include "io/columns.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text/lines.hpp"
@@ -14,8 +16,17 @@
 namespace cullhull::internal::inline io {
 namespace {
 
+/// Of a structured array.
+struct NpyField {
+  std::string name, descr;
+  std::uint64_t offset = 0;  ///< in the record
+  bool plain = true;         ///< a single item, not an array of its own
+};
+
 struct Header {
   std::string descr;
+  std::vector<NpyField> fields;  ///< of a structured array
+  std::uint64_t record = 0;      ///< bytes of all fields
   bool fortran = false;
   std::vector<std::uint64_t> shape;
   std::uint64_t data_offset = 0;
@@ -37,7 +48,7 @@ class HeaderParser {
       const int which = key == "descr" ? 0 : key == "fortran_order" ? 1 : key == "shape" ? 2 : -1;
       if (which < 0) fault("unknown key " + quoted_text(key));
       if (std::exchange(seen[which], true)) fault("key " + quoted_text(key) + " twice");
-      if (which == 0) h.descr = descr();
+      if (which == 0) read_descr(h);
       if (which == 1) h.fortran = boolean();
       if (which == 2) h.shape = tuple();
       if (!accept(',')) {
@@ -75,10 +86,57 @@ class HeaderParser {
     p_ += s.size() + 1;
     return s;
   }
-  std::string descr() {
-    if (peek() == '[' || peek() == '(')
-      fault("structured dtype; points need one plain number type");
-    return string();
+  /// The type of all numbers, or a list of fields: [('x', '<f8'), ('rgb', '|u1', (3,)), ...].
+  void read_descr(Header& h) {
+    if (!accept('[')) {
+      h.descr = string();
+      return;
+    }
+    h.descr = "structured";
+    while (!accept(']')) {
+      NpyField f;
+      expect('(');
+      if (accept('(')) {  // a title before the name
+        (void)string();
+        expect(',');
+        f.name = string();
+        expect(')');
+      } else {
+        f.name = string();
+      }
+      expect(',');
+      if (peek() == '[') fault("field " + quoted_text(f.name) + " has fields of its own");
+      f.descr = string();
+      f.offset = h.record;
+      std::uint64_t bytes = item_bytes(f.descr);
+      if (accept(',') && peek() == '(') {
+        f.plain = false;
+        for (const std::uint64_t n : tuple())
+          if (!multiply(bytes, n, bytes)) fault("a field of too many bytes");
+      }
+      expect(')');
+      if (h.record + bytes < bytes) fault("records of too many bytes");
+      h.record += bytes;
+      h.fields.push_back(std::move(f));
+      if (!accept(',')) {
+        expect(']');
+        break;
+      }
+    }
+    if (h.fields.empty() || h.record == 0) fault("a structured dtype without fields");
+  }
+  /// Of one item of a type such as <f8, |V4, <U3 or <M8[ns].
+  std::uint64_t item_bytes(const std::string& descr) const {
+    std::size_t at = 0;
+    if (at < descr.size() && std::strchr("<>|=", descr[at]) != nullptr) ++at;
+    const char kind = at < descr.size() ? descr[at++] : '\0';
+    std::size_t end = at;
+    while (end < descr.size() && is_digit(descr[end])) ++end;
+    std::uint64_t bytes = 0;
+    if (kind == 'O' || !parse_unsigned(std::string_view(descr).substr(at, end - at), bytes) ||
+        (kind == 'U' && !multiply(bytes, 4, bytes)))
+      fault("a field of type " + quoted_text(descr));
+    return bytes;
   }
   bool boolean() {
     for (const std::string_view word : {"True", "False"}) {
@@ -133,6 +191,14 @@ Header parse_header(const Source& s) {
   Header h = HeaderParser(s, from, from + length).parse();
   h.data_offset = from + length;
   return h;
+}
+
+bool is_number(const std::string& descr) {
+  std::string_view word = descr;
+  if (!word.empty() && std::strchr("<>|=", word[0]) != nullptr) word.remove_prefix(1);
+  for (const char* known : {"f4", "f8", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8"})
+    if (word == known) return true;
+  return false;
 }
 
 struct Dtype {
@@ -277,8 +343,126 @@ struct PointArray {
   std::uint64_t count, dimension;
 };
 
-PointArray parse_points(const Source& head, std::uint64_t file_size) {
-  PointArray a{parse_header(head), {}, 0, 1};
+/// A field of a structured array whose numbers are read.
+struct NumberField {
+  std::string name;
+  Dtype type;
+  std::uint64_t offset = 0;
+};
+
+struct StructuredArray {
+  std::uint64_t data_offset = 0, count = 0, record = 0;
+  std::vector<NumberField> fields;  ///< the coordinates, and behind them the key
+  bool keyed = false;
+};
+
+/// Points of the fields x, y and z, longitude and latitude, ... or of those that options name.
+StructuredArray parse_structured(const Source& head, const Header& h, std::uint64_t file_size,
+                                 const ReadOptions& options) {
+  if (h.shape.size() != 1)
+    fail(head, "structured array of ", h.shape.size(), " axes; points need one");
+  StructuredArray a{h.data_offset, h.shape[0], h.record, {}, false};
+  Dtype record;
+  record.size = h.record;
+  check_extent(head, h, record, file_size);
+  std::vector<NumberField> numbers;
+  std::vector<std::string> names;
+  for (const NpyField& f : h.fields)
+    if (f.plain && is_number(f.descr)) {
+      numbers.push_back({f.name, parse_dtype(head, f.descr), f.offset});
+      names.push_back(f.name);
+    }
+  std::vector<std::uint32_t> axes = find_known_columns(names).columns;
+  if (axes.empty() && options.columns.empty()) {
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + quoted_text(name);
+    fail(head, "a structured array whose fields name no x and y: ",
+         list.empty() ? "none is a number" : list + "; --columns says which are the coordinates");
+  }
+  if (axes.empty()) {  // then numbers count the fields
+    axes.resize(names.size());
+    std::iota(axes.begin(), axes.end(), 0U);
+  }
+  std::vector<NumberField> ordered;
+  std::vector<std::string> ordered_names;
+  for (const std::uint32_t c : axes) ordered.push_back(numbers[c]);
+  for (std::uint32_t c = 0; c < numbers.size(); ++c)
+    if (std::find(axes.begin(), axes.end(), c) == axes.end()) ordered.push_back(numbers[c]);
+  for (const NumberField& f : ordered) ordered_names.push_back(f.name);
+  const ChosenFields chosen =
+      choose_fields(options, head.name, ordered_names, static_cast<std::uint32_t>(axes.size()));
+  for (const std::uint32_t c : chosen.columns) a.fields.push_back(ordered[c]);
+  a.keyed = chosen.keyed;
+  return a;
+}
+
+/// False for a 64-bit integer that no double equals.
+bool load_number(const char* p, const Dtype& type, double& out) {
+  char bytes[8];
+  if (type.swapped)
+    std::reverse_copy(p, p + type.size, bytes);
+  else
+    std::memcpy(bytes, p, type.size);
+  if (type.kind != 'f' && type.size == 8) {
+    std::uint64_t bits;
+    std::memcpy(&bits, bytes, 8);
+    return type.kind == 'i' ? exact_double(static_cast<std::int64_t>(bits), out)
+                            : exact_double(bits, out);
+  }
+  out = PointView{reinterpret_cast<const std::byte*>(bytes), scalar_of(type), 1, 1, 0, 0}.at(0, 0);
+  return true;
+}
+
+/// In place where the fields are of one type and evenly apart. `first`: as in points_of_array.
+PointData points_of_structured(const Source& records, const StructuredArray& a, std::uint64_t count,
+                               std::uint64_t first, const ReadOptions& options) {
+  const auto d = static_cast<std::uint32_t>(a.fields.size());
+  const Dtype& type = a.fields[0].type;
+  const auto apart = [&](std::uint32_t j) {
+    return static_cast<std::ptrdiff_t>(a.fields[j].offset - a.fields[j - 1].offset);
+  };
+  bool alike = !type.swapped && (type.kind == 'f' || type.size < 8);
+  for (std::uint32_t j = 1; j < d; ++j) {
+    const Dtype& other = a.fields[j].type;
+    alike = alike && other.kind == type.kind && other.size == type.size && !other.swapped &&
+            apart(j) == apart(1);
+  }
+  PointData data;
+  data.format = "npy (structured)";
+  if (alike) {
+    data.in_place = true;
+    data.view = {reinterpret_cast<const std::byte*>(records.data) + a.fields[0].offset,
+                 scalar_of(type),
+                 d,
+                 count,
+                 static_cast<std::ptrdiff_t>(a.record),
+                 d > 1 ? apart(1) : 0};
+    return with_keys(std::move(data), a.keyed);
+  }
+  data.storage = Buffer(std::max<std::uint64_t>(1, count * d * sizeof(double)));
+  double* const out = data.storage.as<double>();
+  std::atomic<std::uint64_t> bad{count * d};
+  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
+                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
+    for (std::uint64_t i = begin * d; i < end * d; ++i) {
+      const NumberField& f = a.fields[i % d];
+      if (load_number(records.data + i / d * a.record + f.offset, f.type, out[i])) continue;
+      std::uint64_t seen = bad.load();
+      while (i < seen && !bad.compare_exchange_weak(seen, i)) {
+      }
+      return;
+    }
+  });
+  if (bad < count * d)
+    fail({records.name, nullptr, 0}, "field ", quoted_text(a.fields[bad % d].name), " of point ",
+         first + bad / d, " is a 64-bit integer that no double equals");
+  data.view = PointView::row_major(out, count, d);
+  return with_keys(std::move(data), a.keyed);
+}
+
+PointArray parse_points(const Source& head, Header&& header, std::uint64_t file_size) {
+  PointArray a{std::move(header), {}, 0, 1};
   a.type = parse_dtype(head, a.header.descr);
   const std::vector<std::uint64_t>& shape = a.header.shape;
   if (shape.size() == 3)
@@ -295,15 +479,33 @@ PointArray parse_points(const Source& head, std::uint64_t file_size) {
 }  // namespace
 
 PointData read_npy(const Source& source, const ReadOptions& options) {
-  const PointArray a = parse_points(source, source.size);
+  Header header = parse_header(source);
+  if (!header.fields.empty()) {
+    const StructuredArray a = parse_structured(source, header, source.size, options);
+    return points_of_structured({source.name, source.data + a.data_offset, 0}, a, a.count, 0,
+                                options);
+  }
+  const PointArray a = parse_points(source, std::move(header), source.size);
   return points_of_array(source, source.data + a.header.data_offset, a.count, a.dimension, a.type,
                          a.header.fortran, options);
 }
 
 std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
-  const PointArray a = parse_points(head, size);
   RecordLayout layout;
+  Header header = parse_header(head);
+  if (!header.fields.empty()) {
+    const StructuredArray a = parse_structured(head, header, size, options);
+    layout.format = "npy (structured)";
+    layout.offset = a.data_offset;
+    layout.count = a.count;
+    layout.record_bytes = a.record;
+    layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
+      return points_of_structured(records, a, count, first, options);
+    };
+    return layout;
+  }
+  const PointArray a = parse_points(head, std::move(header), size);
   layout.format = "npy";
   layout.offset = a.header.data_offset;
   layout.count = a.count;

@@ -1,6 +1,5 @@
 // .pcd (Point Cloud Library): ASCII, binary and compressed; the fields x, y and perhaps z.
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -30,17 +29,18 @@ struct PcdHeader {
   std::vector<Field> fields;
   std::uint64_t points = 0, record = 0;
   std::uint32_t dimension = 0;
-  std::array<std::size_t, 3> xyz{};  ///< indices of the fields
+  std::vector<std::size_t> chosen;  ///< indices of the fields that are read: of the coordinates
+  bool keyed = false;               ///< and, where the last one is the key, of that
   const char* body = nullptr;
   std::uint64_t lines = 0;
 
-  const Field& axis(std::uint64_t j) const { return fields[xyz[j]]; }
+  const Field& axis(std::uint64_t j) const { return fields[chosen[j]]; }
 };
 
 class PcdHeaderParser {
  public:
-  explicit PcdHeaderParser(const Source& source)
-      : source_(source), lines_(source.data, source.data + source.size) {}
+  PcdHeaderParser(const Source& source, const ReadOptions& options)
+      : source_(source), options_(options), lines_(source.data, source.data + source.size) {}
 
   PcdHeader parse() {
     while (h_.body == nullptr) {
@@ -53,6 +53,7 @@ class PcdHeaderParser {
     count_points();
     lay_out();
     find_axes();
+    choose();
     return std::move(h_);
   }
 
@@ -181,11 +182,33 @@ class PcdHeaderParser {
       }
       if (it->count != 1 || std::find_if(it + 1, h_.fields.end(), named) != h_.fields.end())
         fault("field " + quoted_text(name) + " must be one number");
-      h_.xyz[h_.dimension++] = static_cast<std::size_t>(it - h_.fields.begin());
+      h_.chosen.push_back(static_cast<std::size_t>(it - h_.fields.begin()));
     }
+    h_.dimension = static_cast<std::uint32_t>(h_.chosen.size());
+  }
+  /// Among the axes and the other fields of one number.
+  void choose() {
+    if (options_.columns.empty() && options_.key.empty()) return;
+    std::vector<std::size_t> fields = h_.chosen;
+    std::vector<std::string> names{"x", "y", "z"};
+    names.resize(fields.size());
+    for (std::size_t i = 0; i < h_.fields.size(); ++i) {
+      const Field& f = h_.fields[i];
+      if (f.count != 1 || f.name == "_" ||
+          std::find(h_.chosen.begin(), h_.chosen.end(), i) != h_.chosen.end())
+        continue;
+      fields.push_back(i);
+      names.push_back(f.name);
+    }
+    const ChosenFields chosen = choose_fields(options_, source_.name, names, h_.dimension);
+    h_.chosen.clear();
+    for (const std::uint32_t c : chosen.columns) h_.chosen.push_back(fields[c]);
+    h_.dimension = static_cast<std::uint32_t>(h_.chosen.size());
+    h_.keyed = chosen.keyed;
   }
 
   const Source& source_;
+  const ReadOptions& options_;
   LineScanner lines_;
   std::vector<std::string_view> words_;
   std::vector<std::string> seen_;
@@ -230,7 +253,7 @@ struct Axis {
 };
 
 /// `first`: the index of the first point in its file, for messages.
-PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<Axis, 3>& axes,
+PointData as_doubles(const Source& source, const PcdHeader& h, const std::vector<Axis>& axes,
                      std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
   PointData data = parsed_points(count, h.dimension, name_of(h.body_kind));
   double* const out = data.storage.as<double>();
@@ -256,14 +279,14 @@ PointData as_doubles(const Source& source, const PcdHeader& h, const std::array<
 
 /// `count` points whose numbers are stored in `source` as described by `axes`; in place where they
 /// are of one type and evenly apart.
-PointData points_at(const Source& source, const PcdHeader& h, const std::array<Axis, 3>& axes,
+PointData points_at(const Source& source, const PcdHeader& h, const std::vector<Axis>& axes,
                     std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
   const auto apart = [&](std::uint32_t j) {
     return static_cast<std::ptrdiff_t>(axes[j].begin - axes[j - 1].begin);
   };
-  bool alike = scalar_of(h.axis(0)).has_value() && (h.dimension == 2 || apart(1) == apart(2));
+  bool alike = scalar_of(h.axis(0)).has_value();
   for (std::uint32_t j = 1; j < h.dimension; ++j)
-    alike = alike && scalar_of(h.axis(j)) == scalar_of(h.axis(0));
+    alike = alike && scalar_of(h.axis(j)) == scalar_of(h.axis(0)) && apart(j) == apart(1);
   if (!alike) return as_doubles(source, h, axes, count, first, options);
   PointData data;
   data.format = name_of(h.body_kind);
@@ -273,13 +296,13 @@ PointData points_at(const Source& source, const PcdHeader& h, const std::array<A
                h.dimension,
                count,
                static_cast<std::ptrdiff_t>(axes[0].step),
-               apart(1)};
+               h.dimension > 1 ? apart(1) : 0};
   return in_machine_order(std::move(data));
 }
 
 PointData points_of_records(const Source& records, const PcdHeader& h, std::uint64_t count,
                             std::uint64_t first, const ReadOptions& options) {
-  std::array<Axis, 3> axes;
+  std::vector<Axis> axes(h.dimension);
   for (std::uint32_t j = 0; j < h.dimension; ++j) axes[j] = {h.axis(j).offset, h.record};
   return points_at(records, h, axes, count, first, options);
 }
@@ -318,7 +341,7 @@ PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOp
   Buffer unpacked(size);
   if (!unpack_lzf(h.body + 8, packed, unpacked.as<char>(), size))
     fail_at_byte(source, body + 8, "the packed points are corrupt");
-  std::array<Axis, 3> axes;
+  std::vector<Axis> axes(h.dimension);
   for (std::uint32_t j = 0; j < h.dimension; ++j)
     axes[j] = {h.axis(j).offset * h.points, h.axis(j).size};
   PointData data =
@@ -339,7 +362,7 @@ void parse_point(const PcdHeader& h, const char* p, const char* end, double* out
       double value = 0;
       p = parse_coordinates(p, end, 1, &value, h.fields[i].label.c_str());
       for (std::uint32_t j = 0; j < h.dimension; ++j)
-        if (h.xyz[j] == i) out[j] = value;
+        if (h.chosen[j] == i) out[j] = value;
     }
   p = skip_blanks(p, end);
   if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last field"};
@@ -365,16 +388,18 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
 }  // namespace
 
 PointData read_pcd(const Source& source, const ReadOptions& options) {
-  const PcdHeader h = PcdHeaderParser(source).parse();
-  if (h.body_kind == Body::ascii) return read_ascii(source, h, options);
-  if (h.body_kind == Body::compressed) return read_compressed(source, h, options);
+  const PcdHeader h = PcdHeaderParser(source, options).parse();
+  if (h.body_kind == Body::ascii) return with_keys(read_ascii(source, h, options), h.keyed);
+  if (h.body_kind == Body::compressed)
+    return with_keys(read_compressed(source, h, options), h.keyed);
   check_room(source, h, source.size, options);
-  return points_of_records({source.name, h.body, source.size}, h, h.points, 0, options);
+  return with_keys(points_of_records({source.name, h.body, source.size}, h, h.points, 0, options),
+                   h.keyed);
 }
 
 std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
-  const auto header = std::make_shared<const PcdHeader>(PcdHeaderParser(head).parse());
+  const auto header = std::make_shared<const PcdHeader>(PcdHeaderParser(head, options).parse());
   if (header->body_kind != Body::binary) return std::nullopt;
   if (size != unknown_size) check_room(head, *header, size, options);
   RecordLayout layout;
@@ -384,7 +409,7 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
   layout.record_bytes = header->record;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
-    return points_of_records(records, *header, count, first, options);
+    return with_keys(points_of_records(records, *header, count, first, options), header->keyed);
   };
   return layout;
 }

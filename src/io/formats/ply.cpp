@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 
+#include "io/columns.hpp"
 #include "io/records.hpp"
 #include "io/text/lines.hpp"
 #include "io/write/mesh.hpp"
@@ -42,7 +43,8 @@ struct PlyHeader {
   const char* body = nullptr;
   std::uint64_t lines = 0;
   std::uint32_t dimension = 0;
-  std::array<std::size_t, 3> xyz{};  ///< indices of the properties
+  std::vector<std::size_t> chosen;   ///< indices of the properties that are read: of the
+  bool keyed = false;                ///< coordinates, and, where the last one is the key, of that
   std::array<std::size_t, 3> rgb{};  ///< likewise, of bytes
   bool coloured = false;
 };
@@ -65,8 +67,8 @@ bool parse_type(std::string_view word, ScalarType& type) {
 
 class PlyHeaderParser {
  public:
-  explicit PlyHeaderParser(const Source& source)
-      : source_(source), lines_(source.data, source.data + source.size) {}
+  PlyHeaderParser(const Source& source, const ReadOptions& options)
+      : source_(source), options_(options), lines_(source.data, source.data + source.size) {}
 
   PlyHeader parse() {
     if (!lines_.next() || trimmed() != "ply") fault("does not begin with 'ply'");
@@ -171,11 +173,33 @@ class PlyHeaderParser {
         found = j;
       }
       if (found < it->properties.size())
-        header_.xyz[header_.dimension++] = found;
+        header_.chosen.push_back(found);
       else if (name != "z")
         fail_at_line(source_, it->line, "vertex has no property ", quoted_text(name));
     }
+    choose(*it);
     find_colours(*it);
+  }
+  /// Among the axes and the other properties of one number.
+  void choose(const Element& vertex) {
+    header_.dimension = static_cast<std::uint32_t>(header_.chosen.size());
+    if (options_.columns.empty() && options_.key.empty()) return;
+    std::vector<std::size_t> properties = header_.chosen;
+    std::vector<std::string> names{"x", "y", "z"};
+    names.resize(properties.size());
+    for (std::size_t j = 0; j < vertex.properties.size(); ++j) {
+      const Property& p = vertex.properties[j];
+      if (p.list ||
+          std::find(header_.chosen.begin(), header_.chosen.end(), j) != header_.chosen.end())
+        continue;
+      properties.push_back(j);
+      names.push_back(p.name);
+    }
+    const ChosenFields chosen = choose_fields(options_, source_.name, names, header_.dimension);
+    header_.chosen.clear();
+    for (const std::uint32_t c : chosen.columns) header_.chosen.push_back(properties[c]);
+    header_.dimension = static_cast<std::uint32_t>(header_.chosen.size());
+    header_.keyed = chosen.keyed;
   }
   /// Colours are optional: fields other than three bytes are ignored.
   void find_colours(const Element& vertex) {
@@ -192,6 +216,7 @@ class PlyHeaderParser {
   }
 
   const Source& source_;
+  const ReadOptions& options_;
   LineScanner lines_;
   PlyHeader header_;
 };
@@ -208,14 +233,14 @@ double load(const char* p, ScalarType type, bool swap) {
 PointData vertices_of_records(const char* records, std::uint64_t count, const PlyHeader& h,
                               bool swap, const ReadOptions& options) {
   const Element& e = h.elements[h.vertex];
-  const Property& x = e.properties[h.xyz[0]];
-  const Property& y = e.properties[h.xyz[1]];
-  const Property& last = e.properties[h.xyz[h.dimension - 1]];
-  const auto step = static_cast<std::int64_t>(y.offset) - static_cast<std::int64_t>(x.offset);
-  const bool even =
-      h.dimension == 2 ||
-      static_cast<std::int64_t>(last.offset) - static_cast<std::int64_t>(y.offset) == step;
-  const bool alike = even && x.type == y.type && x.type == last.type;
+  const Property& x = e.properties[h.chosen[0]];
+  const auto offset = [&](std::uint32_t j) {
+    return static_cast<std::int64_t>(e.properties[h.chosen[j]].offset);
+  };
+  const std::int64_t step = h.dimension > 1 ? offset(1) - offset(0) : 0;
+  bool alike = true;
+  for (std::uint32_t j = 1; j < h.dimension; ++j)
+    alike = alike && e.properties[h.chosen[j]].type == x.type && offset(j) - offset(j - 1) == step;
   if (alike && (!swap || !little_endian_machine)) {
     PointData data;
     data.in_place = true;
@@ -236,7 +261,7 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
     check_stop(options);
     for (std::uint64_t i = begin; i < end; ++i)
       for (std::uint32_t j = 0; j < d; ++j) {
-        const Property& p = e.properties[h.xyz[j]];
+        const Property& p = e.properties[h.chosen[j]];
         out[i * d + j] = load(records + i * e.min_size + p.offset, p.type, swap);
       }
   });
@@ -262,6 +287,15 @@ class PlyBinary {
     check_room(e, at);
     PointData data = e.has_list ? read_walking(e, at) : read_records(e, at);
     if (h_.coloured && !e.has_list) data.colours = colours_of(e, at);
+    if (!data.in_place && data.colours.count > 0) {  // the source may be closed
+      Buffer copy(3 * data.colours.count);
+      auto* to = copy.as<std::uint8_t>();
+      for (std::uint64_t i = 0; i < data.colours.count; ++i)
+        for (std::uint32_t c = 0; c < 3; ++c) std::memcpy(to++, data.colours.address(i, c), 1);
+      data.colour_storage = std::move(copy);
+      data.colours =
+          PointView::row_major(data.colour_storage.as<const std::uint8_t>(), data.colours.count, 3);
+    }
     data.format = binary_name(h_.encoding);
     return data;
   }
@@ -360,7 +394,8 @@ class PlyBinary {
       if (i % 65536 == 0) check_stop(options_);
       at = walk(e, at, at_property.data());
       for (std::uint32_t j = 0; j < h_.dimension; ++j)
-        *out++ = load(source_.data + at_property[h_.xyz[j]], e.properties[h_.xyz[j]].type, swap_);
+        *out++ =
+            load(source_.data + at_property[h_.chosen[j]], e.properties[h_.chosen[j]].type, swap_);
     }
     check_rest(at);
     return data;
@@ -380,7 +415,7 @@ bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) <
 bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
                   std::uint8_t* colour) {
   const Element& e = h.elements[h.vertex];
-  const std::size_t last = *std::max_element(h.xyz.begin(), h.xyz.begin() + h.dimension);
+  const std::size_t last = *std::max_element(h.chosen.begin(), h.chosen.end());
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
     if (e.properties[j].list && j > last && skip_blanks(p, end) == end) return false;
@@ -395,7 +430,7 @@ bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
       continue;
     }
     for (std::uint32_t c = 0; c < h.dimension; ++c)
-      if (h.xyz[c] == j) out[c] = value;
+      if (h.chosen[c] == j) out[c] = value;
     if (h.coloured)
       for (std::size_t c = 0; c < 3; ++c)
         if (h.rgb[c] == j)  // what is not a number is black
@@ -452,14 +487,15 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
 }  // namespace
 
 PointData read_ply(const Source& source, const ReadOptions& options) {
-  const PlyHeader header = PlyHeaderParser(source).parse();
-  if (header.encoding == Encoding::ascii) return read_ascii(source, header, options);
-  return PlyBinary(source, header, options).read();
+  const PlyHeader header = PlyHeaderParser(source, options).parse();
+  if (header.encoding == Encoding::ascii)
+    return with_keys(read_ascii(source, header, options), header.keyed);
+  return with_keys(PlyBinary(source, header, options).read(), header.keyed);
 }
 
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
-  const auto header = std::make_shared<const PlyHeader>(PlyHeaderParser(head).parse());
+  const auto header = std::make_shared<const PlyHeader>(PlyHeaderParser(head, options).parse());
   if (header->encoding == Encoding::ascii) return std::nullopt;
   const Source whole{head.name, head.data, size};
   const auto begin = PlyBinary(whole, *header, options).records();
@@ -473,7 +509,8 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   layout.record_bytes = e.min_size;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t, std::uint64_t count) {
-    return vertices_of_records(records.data, count, *header, swap, options);
+    return with_keys(vertices_of_records(records.data, count, *header, swap, options),
+                     header->keyed);
   };
   return layout;
 }
