@@ -197,12 +197,14 @@ int run(AlphaArguments a) {
   for (const std::string& path : a.outputs) plan.writes("-o", path, {OutputKind::triangulation});
   plan.writes_json(a.json);
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  input.fill_skipped();
   for (const std::string& path : a.outputs)
     cullhull::check_alpha_shape_format(path, input.points.dimension);
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
   find_shape(a, input, grid, out);
+  input.skipped.restore_copies(out.triangulation);
   input.to_world();
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);

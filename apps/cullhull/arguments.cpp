@@ -149,6 +149,13 @@ void InputArguments::add_format_to(Parser& command) {
                           "(0,2,5, or 1:4 for 1 to 3)"))
       .type_name("COLUMNS");
   add_raw_option(command, raw);
+  add_skip_option(command, skip_nan);
+}
+
+void add_skip_option(Parser& command, bool& skip) {
+  command.add_flag("--skip-nan", skip,
+                   "Leave out points with a NaN coordinate, such as pulses without a\n"
+                   "return; ids remain those of INPUT");
 }
 
 void add_raw_option(Parser& command, bool& raw) {
@@ -176,6 +183,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;
   options.grid = arguments.grid;
+  options.skip_nan = arguments.skip_nan;
   options.remark = print_remark;
   return options;
 }
@@ -186,7 +194,9 @@ Input open_input(const InputArguments& arguments, unsigned threads, std::uint64_
 
 Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& options) {
   Input input;
-  input.file = cullhull::open_points(arguments.path, options);
+  cullhull::ReadOptions all = options;
+  all.skip_nan = false;  // here, as points are written by their ids in the file
+  input.file = cullhull::open_points(arguments.path, all);
   if ((arguments.dimension != 0 || !arguments.type.empty()) &&
       input.file.format().rfind("raw", 0) != 0)
     throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ",
@@ -197,10 +207,31 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   const bool raw_scan = arguments.raw && input.file.format().starts_with("las");
   input.placing = {placement, input.file.grid(), !placement.empty() || raw_scan, arguments.raw};
   input.weights = input.file.weights();
+  if (options.skip_nan) input.skip_nan();
   return input;
 }
 
+void Input::skip_nan() {
+  skipped = Skipped(points);
+  placing.skipped = skipped.count();
+  if (!skipped.any()) return;
+  for (Places::Part& part : places.parts)
+    if (part.not_finite && skipped.contains(part.first + part.not_finite->point))
+      part.not_finite.reset();
+  kept_points = skipped.others(points, others);
+  if (kept_points.count == 0) points = kept_points;  // then there is no point
+  places.skipped = skipped;
+}
+
+void Input::fill_skipped() {
+  if (!skipped.any() || kept_points.count == 0) return;
+  places.skipped = {};
+  points = skipped.with_copies(points, gathered);
+  skipped.copy_numbers(weights);
+}
+
 void Input::to_grid(const cullhull::ReadOptions& options) {
+  if (skipped.any()) return;  // whole numbers have no NaN
   file.to_grid(options);
   points = file.points();
   placing.grid = file.grid();
@@ -226,6 +257,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
                   unsigned threads, std::uint64_t memory) {
   InputArguments one = arguments;
   one.path = files[0];
+  one.skip_nan = arguments.skip_nan && files.size() == 1;
   if (files.size() == 1) return open_input(one, threads, memory);
   if (!one.grid && !one.raw)
     one.grid = cullhull::common_grid(files, read_options(arguments, threads, memory));
@@ -264,6 +296,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
   all.file = std::move(parts[0].file);
   const auto stride = static_cast<std::ptrdiff_t>(size);
   all.points = {all.gathered.data(), all.points.scalar, d, all.points.count, stride * d, stride};
+  if (arguments.skip_nan) all.skip_nan();
   return all;
 }
 

@@ -13,6 +13,7 @@
 #include "cullhull/options.hpp"
 #include "parser.hpp"
 #include "placing.hpp"
+#include "skipped.hpp"
 
 namespace app {
 
@@ -25,6 +26,7 @@ struct InputArguments {
   std::string columns;
   std::string weights;  ///< a column beside the coordinates
   bool raw = false;     ///< the files' own numbers
+  bool skip_nan = false;
   /// Instead of the grid that the files have in common: an empty one for coordinates in the world.
   std::optional<cullhull::Grid> grid;
   /// The words as given, for commands that take several files. Their files are one set of points.
@@ -50,6 +52,7 @@ struct Places {
     std::optional<cullhull::PointLine> not_finite;
   };
   std::vector<Part> parts;  ///< in order
+  Skipped skipped;          ///< messages name numbers beside these
 
   /// "FILE:LINE" of the point that a message begins with ("point 7, ..."), or "FILE".
   std::string of(const std::string& message) const;
@@ -62,14 +65,32 @@ struct Input {
   /// Owns the points where they come from several files.
   std::vector<std::byte> gathered;
   cullhull::PointView points;
+  /// With --skip-nan: what is left out of `points`, and a copy of the others where there are any.
+  Skipped skipped;
+  std::vector<std::byte> others;
+  cullhull::PointView kept_points;
   Placing placing;
   std::vector<double> weights;  ///< where InputArguments::weights names a column
+
+  /// The points beside those that are left out; ids are numbers of these, which skipped.restore()
+  /// makes ids of the file.
+  const cullhull::PointView& kept() const { return skipped.any() ? kept_points : points; }
+  /// How many of `points` are left out.
+  std::uint64_t skipped_points() const { return points.count == 0 ? 0 : skipped.count(); }
+  /// Leaves out points with a NaN, as --skip-nan asks.
+  void skip_nan();
+  /// Puts copies in the place of points that are left out, for commands that need points of every
+  /// id; the result goes through skipped.restore_copies().
+  void fill_skipped();
 
   /// Points of one file, its own numbers, take their places on its grid.
   void to_grid(const cullhull::ReadOptions& options);
   /// Points take their coordinates in the world. The placing still names the grid.
   void to_world();
 };
+
+/// Adds `--skip-nan`, likewise.
+void add_skip_option(Parser& command, bool& skip);
 
 /// Adds `--raw`, common to all commands that read points.
 void add_raw_option(Parser& command, bool& raw);
@@ -128,6 +149,14 @@ inline std::string place_of(const Places& places, const std::string& message) {
   return places.of(message);
 }
 
+/// The message with the id that the point has in the file.
+inline std::string restored(const std::string& /*path*/, const std::string& message) {
+  return message;
+}
+inline std::string restored(const Places& places, const std::string& message) {
+  return places.skipped.restored(message);
+}
+
 /// Calls read(); an error about a point that is not finite then also names the file and its line.
 /// `source`: its path, or Places.
 template <class Source, class Read>
@@ -136,7 +165,8 @@ auto naming_file(const Source& source, const Read& read) -> decltype(read()) {
     return read();
   } catch (const cullhull::Error& e) {
     if (e.code() != cullhull::ErrorCode::not_finite) throw;
-    throw cullhull::Error(e.code(), place_of(source, e.what()) + ": " + e.what());
+    const std::string message = restored(source, e.what());
+    throw cullhull::Error(e.code(), place_of(source, message) + ": " + message);
   }
 }
 }  // namespace app

@@ -112,18 +112,19 @@ CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
   std::mutex mutex;
   Extent extent;
   const bool told = !arguments.json.empty();
-  const cullhull::BlockSummary read =
-      stream_blocks(from, arguments.files, arguments.run,
-                    [&](const cullhull::PointView& block, std::uint64_t first) {
+  const cullhull::BlockSummary read = stream_blocks(
+      from, arguments.files, arguments.run,
+      [&](const cullhull::PointView& block, std::uint64_t first) {
     check.push(block, first);
     if (!told) return;
     Extent of_block;
     of_block.add(block);
     const std::lock_guard lock(mutex);
     extent.add(of_block);
-      });
+      },
+      [&](std::uint64_t count) { check.skip(count); });
   outcome.certificate = check.finish();
-  outcome.placing = {read.placement, read.grid, read.any_placed, arguments.input.raw};
+  outcome.placing = placing_of(read, arguments.input.raw, arguments.input.skip_nan);
   outcome.extent = extent.corners(read.grid);
   outcome.seconds = watch.seconds();
   return outcome;
@@ -152,6 +153,10 @@ int run(CertifyArguments arguments) {
                             "only one of INPUT and HULL can be standard input");
   StreamArguments reading = arguments.stream;
   reading.first_id = 0;  // names points, and is no reason to read in blocks
+  if (arguments.input.skip_nan && reading.stream == "off")
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          "--skip-nan reads in blocks, which --stream off forbids");
+  if (arguments.input.skip_nan) reading.stream = "on";
   CertifyOutcome outcome = reading.wanted(arguments.files, arguments.run, "")
                                ? certify_streamed(arguments)
                                : certify_in_memory(arguments);
@@ -175,7 +180,7 @@ int run(CertifyArguments arguments) {
                              grouped(certificate.points_checked),
                              grouped(certificate.ridges_checked),
                              grouped(certificate.exact_decisions), outcome.seconds) +
-                 wrote_line(arguments.json));
+                 skipped_line(outcome.placing) + wrote_line(arguments.json));
   return 0;
 }
 

@@ -60,6 +60,7 @@ void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
                                {"file_lines", at.file_lines},
                                {"bytes", at.bytes},
                                {"input_bytes", at.input_bytes},
+                               {"skipped", at.skipped},
                                {"inputs", checkpoint.inputs}};
   std::string text = head.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) + '\n';
   const std::vector<std::byte> state = checkpoint.state.to_bytes();
@@ -87,6 +88,7 @@ std::optional<Checkpoint> read_checkpoint(const std::string& path) {
     head.at("file_lines").get_to(read.position.file_lines);
     head.at("bytes").get_to(read.position.bytes);
     head.at("input_bytes").get_to(read.position.input_bytes);
+    read.position.skipped = head.value("skipped", std::uint64_t{0});  // others before --skip-nan
     head.at("inputs").get_to(read.inputs);
     read.state = cullhull::HullState::from_bytes(std::as_bytes(std::span(rest).subspan(line + 1)));
   } catch (const nlohmann::json::exception&) {

@@ -72,7 +72,7 @@ std::string report(const CullArguments& arguments, const cullhull::PointView& po
 std::string summary(const Input& input, const CullOutcome& outcome, double read_seconds) {
   const std::uint64_t count = input.points.count;
   const cullhull::Survivors& survivors = outcome.result;
-  return points_line(input) + units_lines(input.placing, input.points) +
+  return points_line(input) + units_lines(input.placing, input.kept()) +
          survivors_line(survivors.size(count), count, cullhull::filter_name(survivors.filter)) +
          fmt::format("seconds    {:.6f}; reading {:.6f}\n", median(outcome.seconds), read_seconds);
 }
@@ -162,14 +162,15 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   CullOutcome outcome =
       repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
-        return naming_file(input.places, [&] { return cullhull::cull(input.points, options); });
+        return naming_file(input.places, [&] { return cullhull::cull(input.kept(), options); });
       });
+  input.skipped.restore(outcome.result);
   input.to_world();
   write_survivors(arguments, input.points, outcome.result);
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
                          with_placing(report(arguments, input.points, outcome, read_seconds),
-                                      input.placing, input.points));
+                                      input.placing, input.kept()));
   if (!arguments.run.quiet && !plan.uses_stdout())
     write_stdout(summary(input, outcome, read_seconds) + wrote_lines(arguments));
   return 0;

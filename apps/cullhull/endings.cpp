@@ -43,6 +43,15 @@ std::string with_memory(std::string message, const std::vector<std::string>& wor
   return message;
 }
 
+/// Names the option that leaves out points with a NaN, which all commands have that read points but
+/// for the one that takes Qhull's words.
+std::string with_skip_nan(std::string message, const std::vector<std::string>& words) {
+  constexpr std::string_view advice = " is NaN; remove or repair such points first";
+  const std::size_t at = message.find(advice);
+  if (at == std::string::npos || (!words.empty() && words[0] == "qconvex")) return message;
+  return message.replace(at, advice.size(), " is NaN; --skip-nan leaves such points out");
+}
+
 /// Explains a file that is not there where the words before it make it one by mistake: `--json
 /// FILE` and `--columns x y`.
 std::string with_hint(std::string message, const std::vector<std::string>& words) {
@@ -73,6 +82,8 @@ Ending ending_of_exception(const std::vector<std::string>& words) {
     std::string message = e.what();
     if (e.code() == cullhull::ErrorCode::out_of_budget)
       message = with_memory(std::move(message), words);
+    if (e.code() == cullhull::ErrorCode::not_finite)
+      message = with_skip_nan(std::move(message), words);
     if (e.code() == cullhull::ErrorCode::io) message = with_hint(std::move(message), words);
     return {exit_status(e.code()), with_arguments_cut(std::move(message), words)};
   } catch (const std::bad_alloc&) {

@@ -123,7 +123,7 @@ bool in_place(const Input& input) {
 }
 
 HullOutcome compute(const HullArguments& arguments, const Input& input) {
-  const cullhull::PointView& points = input.points;
+  const cullhull::PointView& points = input.kept();
   std::optional<EndDeafWork> qhull;
   if (arguments.engine == "qhull") qhull.emplace();
   HullOutcome outcome{find_repeatedly(
@@ -139,6 +139,7 @@ HullOutcome compute(const HullArguments& arguments, const Input& input) {
     outcome.certificate = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
                             return cullhull::certify(points, outcome.result, options);
                           }).result;
+  input.skipped.restore(outcome.result);
   return outcome;
 }
 
@@ -271,10 +272,10 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
-  const Extreme found =
-      find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
-        return cullhull::extreme_points(input.points, options);
-      });
+  Extreme found = find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
+    return cullhull::extreme_points(input.kept(), options);
+  });
+  input.skipped.restore(found.result.ids);
   const cullhull::ExtremePoints& extreme = found.result;
   const std::vector<double> rows = placed_rows(input, extreme.ids);
   const cullhull::PointView placed =
@@ -296,16 +297,21 @@ int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
 
 // ---------------------------------------------------------------------------- in blocks
 
+/// The first option that lists every point; empty if no option does.
+std::string lists_all_points(const HullArguments& arguments) {
+  for (const std::string& word : format_words(arguments.formats))
+    for (const char* whole : {"o", "f", "FF", "Ft", "FN"})
+      if (word == whole) return "--format " + word;
+  return "";
+}
+
 /// The first option that needs all points in memory; empty if no option does.
 std::string needs_memory(const HullArguments& arguments) {
   if (arguments.repeat > 1) return "--repeat";
   if (arguments.engine != "native") return "--engine " + arguments.engine;
   if (arguments.run.cull != "auto") return "--cull " + arguments.run.cull;
   if (arguments.run.backend == "cuda") return "--backend cuda";
-  for (const std::string& word : format_words(arguments.formats))
-    for (const char* whole : {"o", "f", "FF", "Ft", "FN"})
-      if (word == whole) return "--format " + word;
-  return "";
+  return lists_all_points(arguments);
 }
 
 /// A row for each vertex.
@@ -338,7 +344,8 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   cullhull::CertifyStream check(from_zero, std::move(rows), options);
   stream_blocks(
       arguments.input, arguments.files, arguments.run,
-      [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); });
+      [&](const cullhull::PointView& block, std::uint64_t first) { check.push(block, first); },
+      [&](std::uint64_t count) { check.skip(count); });
   return check.finish();
 }
 
@@ -408,7 +415,7 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
     if (!arguments.json.empty())
       cullhull::write_text(arguments.json, extreme_json_of(arguments, streamed));
     if (speaks)
-      write_stdout(state_lines(arguments, streamed) +
+      write_stdout(state_lines(arguments, streamed) + skipped_line(streamed.placing()) +
                    fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
     remove_checkpoint(arguments.stream);
     return 0;
@@ -479,7 +486,7 @@ int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
   }
   const bool moves = !in_place(input) || !arguments.outputs.empty();
   if (moves) input.to_world();
-  if (vertices.empty()) extreme = input.points;
+  if (vertices.empty()) extreme = input.kept();
   write_results(arguments, input.points, input.placing, extreme, outcome.result,
                 extras_of(outcome.certificate, outcome.seconds, read_seconds, peak));
   if (!arguments.run.quiet && !plan.uses_stdout())
@@ -506,6 +513,8 @@ void check_groups(const HullArguments& a) {
 int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
   const std::string why_not = needs_memory(arguments);
   if (!arguments.by.empty()) throw Error(ErrorCode::invalid_argument, "--by is for one process");
+  if (arguments.input.skip_nan)
+    throw Error(ErrorCode::invalid_argument, "--skip-nan is for one process");
   if (!why_not.empty() || arguments.stream.stream == "off")
     throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not),
                 " needs all points in one process's memory");
@@ -527,6 +536,9 @@ int run(HullArguments arguments) {
                       arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
+  const std::string lists = lists_all_points(arguments);
+  if (arguments.input.skip_nan && !lists.empty())
+    throw Error(ErrorCode::invalid_argument, "--skip-nan: ", lists, " lists every point");
   if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
              ? run_streamed(arguments, plan)

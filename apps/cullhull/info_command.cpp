@@ -51,6 +51,7 @@ std::string report(const Described& input, const Scan& found) {
     json["axes"].push_back(
         {{"least", number(axis.least, any)}, {"greatest", number(axis.greatest, any)}});
   }
+  if (input.placing.skipped) json["skipped"] = *input.placing.skipped;
   if (input.placing.any) json["placement"] = placing_json(input.placing, cullhull::PointView{});
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
@@ -68,10 +69,8 @@ std::string summary(const Described& input, const Scan& found) {
       points.coordinate_stride);
   for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j)
     text += fmt::format("axis {:<5} {} to {}\n", j, found.axes[j].least, found.axes[j].greatest);
-  if (input.placing.any) {
-    const std::string units = units_lines(input.placing, cullhull::PointView{});
-    text += units.substr(0, units.find('\n') + 1);
-  }
+  const std::string units = units_lines(input.placing, cullhull::PointView{});
+  text += units.substr(0, units.find("extent "));
   text += found.not_finite == 0
               ? std::string("finite     yes\n")
               : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}{}\n",
@@ -91,9 +90,11 @@ Described describe(const InputArguments& arguments, const std::vector<std::strin
                    Scan& found) {
   Input input = open_inputs(arguments, files, 0);
   input.to_world();
-  found.add(axis_ranges(input.points, cullhull::internal::resolve_threads(0)));
-  if (found.not_finite > 0)
+  found.add(axis_ranges(input.kept(), cullhull::internal::resolve_threads(0)));
+  if (found.not_finite > 0) {
+    found.first_not_finite = input.skipped.id_of(found.first_not_finite);
     found.place = input.places.of(fmt::format("point {},", found.first_not_finite));
+  }
   return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds(),
           input.placing};
 }
@@ -107,7 +108,7 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
         const AxisRanges part = axis_ranges(block, 1, first);
         const std::lock_guard lock(mutex);
         found.add(part);
-        if (first == 0) shape = block;
+        if (shape.data == nullptr) shape = block;
       });
   shape.count = read.end.points;
   shape.scalar = read.scalar;
@@ -115,8 +116,7 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
     axis.least = read.grid.to_world(axis.least);
     axis.greatest = read.grid.to_world(axis.greatest);
   }
-  return {
-      shape, read.format, false, 0, {read.placement, read.grid, read.any_placed, arguments.raw}};
+  return {shape, read.format, false, 0, placing_of(read, arguments.raw, arguments.skip_nan)};
 }
 
 int run(const InfoArguments& arguments) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/json/json_writer.hpp"
+#include "terminal.hpp"
 
 namespace app {
 namespace {
@@ -34,9 +35,16 @@ std::vector<Range> box_of(const cullhull::PointView& points) {
 
 }  // namespace
 
+std::string skipped_line(const Placing& placing) {
+  if (!placing.skipped) return "";
+  return fmt::format("skipped    {} point{} with a NaN coordinate\n", grouped(*placing.skipped),
+                     *placing.skipped == 1 ? "" : "s");
+}
+
 std::string units_lines(const Placing& placing, const cullhull::PointView& points) {
-  if (!placing.any) return "";
-  std::string text = "units      ";
+  std::string text = skipped_line(placing);
+  if (!placing.any) return text;
+  text += "units      ";
   if (placing.raw)
     text += "stored numbers, a .las without its scale and offset";
   else
@@ -104,14 +112,15 @@ std::string with_placing(std::string report, const Placing& placing,
 }
 
 void add_placing(Json& report, const Placing& placing, const cullhull::PointView& points) {
+  if (placing.skipped) report["skipped"] = *placing.skipped;
   if (placing.any) report["placement"] = placing_json(placing, points);
 }
 
 std::string with_placing(std::string report, const Placing& placing,
                          const cullhull::PointView& points) {
-  if (!placing.any) return report;
+  if (!placing.any && !placing.skipped) return report;
   Json json = Json::parse(report);
-  json["placement"] = placing_json(placing, points);
+  add_placing(json, placing, points);
   return cullhull::internal::json_text(json);
 }
 

@@ -2,7 +2,9 @@
 // (LAS).
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,8 @@ struct Placing {
   cullhull::Grid grid;            ///< whose units the run computed in; empty: rounded doubles
   bool any = false;               ///< whether a file has a placement; otherwise nothing is reported
   bool raw = false;               ///< --raw: the files' own numbers
+  /// With --skip-nan the number of points left out.
+  std::optional<std::uint64_t> skipped = {};
 };
 
 /// The box of points that come one after another.
@@ -34,8 +38,11 @@ class Extent {
 std::string with_placing(std::string report, const Placing& placing,
                          const std::vector<double>& corners);
 
-/// "units      exact on the grid of 0.001; scale ..., offset ...\nextent     ...\n"; empty unless
-/// `placing.any`. `points`: those whose box is the extent, in the world.
+/// "skipped    12 points with NaN\n"; empty without --skip-nan.
+std::string skipped_line(const Placing& placing);
+
+/// skipped_line() and "units      exact on the grid of 0.001; scale ..., offset ...\nextent ...\n";
+/// empty unless `placing.any`. `points`: those whose box is the extent, in the world.
 std::string units_lines(const Placing& placing, const cullhull::PointView& points);
 
 /// The member "placement" of a report (docs/cullhull.schema.json).

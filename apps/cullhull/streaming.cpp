@@ -24,8 +24,9 @@ bool is_state(const std::string& file) { return ending_of(file) == ".hullstate";
 /// What a checkpoint must match to be continued: the same files, read with the same options.
 std::string identity_of(const InputArguments& input, const std::vector<std::string>& files,
                         const StreamArguments& stream) {
-  std::string text = fmt::format("{} {} {} {} {} {} {}\n", input.raw, input.format, input.dimension,
-                                 input.type, input.columns, stream.first_id, stream.global_ids);
+  std::string text = fmt::format("{} {} {} {} {} {} {}{}\n", input.raw, input.format,
+                                 input.dimension, input.type, input.columns, stream.first_id,
+                                 stream.global_ids, input.skip_nan ? " skip-nan" : "");
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
@@ -145,6 +146,9 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
           fmt::format("--first-id {}: ids of the points exceed {}", stream.first_id, greatest_id));
     hull.push(block, id);
   };
+  visitor.skipped = [&](std::uint64_t first, std::uint64_t count) {
+    hull.skip(stream.first_id + first, count);
+  };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
     if (stream.global_ids) return hull.push(state);
     if (!state.ids().empty() && state.ids().back() >= state.point_count())
@@ -163,6 +167,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   }
   Streamed result;
   result.raw = input.raw;
+  result.skip_nan = input.skip_nan;
   cancellable([&] {
     result.read = cullhull::visit_blocks(files, visitor, blocks);
     result.state = hull.state();
@@ -183,7 +188,8 @@ void write_partial(const StreamArguments& stream, const cullhull::HullState& sta
 
 cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
-    const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points) {
+    const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points,
+    const std::function<void(std::uint64_t count)>& skipped) {
   TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
@@ -193,6 +199,7 @@ cullhull::BlockSummary stream_blocks(
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
     points(block, first);
   };
+  if (skipped) visitor.skipped = [&](std::uint64_t, std::uint64_t count) { skipped(count); };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
   return summary;

@@ -45,6 +45,13 @@ struct StreamArguments {
               const std::string& why_not) const;
 };
 
+/// Of points that were read in blocks.
+inline Placing placing_of(const cullhull::BlockSummary& read, bool raw, bool skip_nan) {
+  Placing placing{read.placement, read.grid, read.any_placed, raw};
+  if (skip_nan) placing.skipped = read.end.skipped;
+  return placing;
+}
+
 struct Streamed {
   cullhull::HullState state;
   cullhull::BlockSummary read;
@@ -52,7 +59,9 @@ struct Streamed {
   double seconds = 0;
   bool raw = false;  ///< as InputArguments::raw
 
-  Placing placing() const { return {read.placement, read.grid, read.any_placed, raw}; }
+  bool skip_nan = false;  ///< as InputArguments::skip_nan
+
+  Placing placing() const { return placing_of(read, raw, skip_nan); }
 };
 
 /// The state of all points of the inputs; with checkpoints and progress as requested.
@@ -63,10 +72,12 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
 void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
                    const cullhull::Grid& grid);
 
-/// Passes each block to `points`, with progress; from several threads at once.
+/// Passes each block to `points`, with progress; from several threads at once. With --skip-nan
+/// these are the points between those left out, whose number `skipped` is told.
 cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
-    const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points);
+    const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points,
+    const std::function<void(std::uint64_t count)>& skipped = {});
 
 /// Where the state of all points comes from, and who certifies its hull, if not only this process.
 struct Elsewhere {

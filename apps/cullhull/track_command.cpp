@@ -57,6 +57,7 @@ struct TrackArguments {
   std::vector<std::string> inputs;
   std::string format;
   bool raw = false;
+  bool skip_nan = false;
   RunArguments run;
   std::string output;
   std::string json;
@@ -156,7 +157,7 @@ struct TrackOutcome {
   void place(bool raw, const cullhull::PointSequence& sequence, const cullhull::PointView& view,
              const Hull& h) {
     if (sequence.placement().empty()) return;
-    if (!placing.any) placing = {sequence.placement(), sequence.grid(), true, raw};
+    if (!placing.any) placing = {sequence.placement(), sequence.grid(), true, raw, placing.skipped};
     std::vector<double> rows;
     for (const std::uint64_t v : h.vertices)
       for (std::uint32_t j = 0; j < view.dimension; ++j) rows.push_back(view.at(v, j));
@@ -246,8 +247,17 @@ class Placed {
 bool track_frame(const TrackArguments& arguments, const FrameNames& names,
                  const cullhull::PointSequence& sequence, cullhull::HullTracker& tracker,
                  const cullhull::Options& options, TrackOutcome& outcome) {
-  const cullhull::PointView& points = sequence.points();
+  cullhull::PointView points = sequence.points();
   names.check(points.dimension);
+  const Skipped skipped = arguments.skip_nan ? Skipped(points) : Skipped();
+  outcome.placing.skipped =
+      arguments.skip_nan ? std::optional(skipped.count() + outcome.placing.skipped.value_or(0))
+                         : std::nullopt;
+  std::vector<std::byte> memory;
+  if (skipped.any() && skipped.count() < points.count)
+    points = skipped.with_copies(points, memory);
+  else if (skipped.any())
+    points.count = 0;
   try {
     naming_file(sequence.name(), [&] { tracker.update(points); });
   } catch (const Error& e) {
@@ -260,7 +270,12 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   }
   std::optional<Certificate> certificate;
   if (arguments.certify) certificate = cullhull::certify(points, tracker.hull(), options);
-  const Placed frame(points, tracker.hull(), sequence.grid());
+  Hull restored;
+  if (skipped.any()) {
+    restored = tracker.hull();
+    skipped.restore_copies(restored);
+  }
+  const Placed frame(points, skipped.any() ? restored : tracker.hull(), sequence.grid());
   const Hull& hull = frame.hull();
   outcome.add(tracker.report(), hull, sequence.read_seconds());
   outcome.place(arguments.raw, sequence, frame.points(), hull);
@@ -331,6 +346,7 @@ std::string summary(const cullhull::PointSequence& sequence, const TrackOutcome&
   if (sequence.frames() == 0) return "frames     0\n";
   std::string text =
       fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
+  text += skipped_line(o.placing);
   if (o.done > 0) {
     text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
                         cullhull::scalar_name(o.scalar));
@@ -402,6 +418,7 @@ Command add_track(Parser& parent) {
                           "Read each file in this format, whatever its name and content"),
       {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson", "wkt"});
   add_raw_option(command, a->raw);
+  add_skip_option(command, a->skip_nan);
   command.add_flag(
       "--keep-going", a->keep_going,
       "Continue after frames with NaN or infinite coordinates; the exit\nstatus is still 1");

@@ -119,6 +119,7 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
     from = a.input;
     from.columns = given;
     from.weights.clear();
+    from.skip_nan = false;  // a number for each point, also those left out
   }
   from.grid = cullhull::Grid();  // unchanged
   const Input input = is_file ? open_input(from, a.run.threads, a.run.memory_bytes())
@@ -162,6 +163,8 @@ std::vector<std::uint32_t> read_edges(const DualArguments& a, const Input& of) {
       const double v = input.points.at(i, j);
       if (!(v >= 0 && v < static_cast<double>(count) && v == std::floor(v)))
         refuse_edge(a, i, fmt::format("{}, which is not the id of one of {} points", v, count));
+      if (of.skipped.contains(static_cast<std::uint64_t>(v)))
+        refuse_edge(a, i, fmt::format("point {}, which --skip-nan leaves out", v));
       edges.push_back(static_cast<std::uint32_t>(v));
     }
   return edges;
@@ -354,7 +357,7 @@ std::string report(const DualArguments& a, const Input& input, const DualOutcome
           : std::uint64_t{*std::max_element(t.cell_groups.begin(), t.cell_groups.end())} + 1;
   json["hull_facet_count"] = t.hull_facet_count();
   json["duplicate_count"] = t.duplicates.size();
-  json["hidden_count"] = t.hidden.size();
+  json["hidden_count"] = t.hidden.size() - input.skipped_points();
   if (out.piece_count) json["piece_count"] = *out.piece_count;
   if (out.voronoi) {
     json["vertex_count"] = out.voronoi->vertex_count();
@@ -383,9 +386,10 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
                                   : fmt::format("cells      {}", grouped(t.size())),
                       grouped(t.hull_facet_count()));
   if (out.piece_count) text += fmt::format("edges      {} forced\n", grouped(*out.piece_count));
-  if (!t.duplicates.empty() || !t.hidden.empty())
+  const std::uint64_t hidden = t.hidden.size() - input.skipped_points();
+  if (!t.duplicates.empty() || hidden > 0)
     text += fmt::format("left out   {} duplicates, {} hidden\n", grouped(t.duplicates.size()),
-                        grouped(t.hidden.size()));
+                        grouped(hidden));
   if (out.voronoi)
     text += fmt::format("diagram    {} vertices, {} ridges\n", grouped(out.voronoi->vertex_count()),
                         grouped(out.voronoi->ridge_count()));
@@ -474,6 +478,7 @@ int run(DualArguments a, bool dual) {
   plan.writes_json(a.json);
   if (!a.formats.empty()) plan.prints("--format");
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
+  input.fill_skipped();
   for (const std::string& path : a.outputs)
     cullhull::check_triangulation_format(path, input.points.dimension, dual, !a.heights.empty());
   if (!a.heights.empty() && input.points.dimension != 2)
@@ -495,7 +500,10 @@ int run(DualArguments a, bool dual) {
   for (double& w : out.weights) w = grid.measure_to_grid(w, 2);  // squares of lengths
   out.heights = heights_beside ? std::move(input.weights)
                                : read_numbers(a, "--height", a.heights, input.points.count);
+  input.skipped.copy_numbers(out.weights);
+  input.skipped.copy_numbers(out.heights);
   triangulate(a, input, out);
+  input.skipped.restore_copies(out.triangulation);
   drop_long(a, input, out);
   if (dual) find_dual(a, input.points, grid, out);
   if (out.voronoi) cullhull::to_world(*out.voronoi, grid);

@@ -68,6 +68,9 @@ class CertifyStream {
   /// Checks the points first_id, first_id + 1, ... Blocks may be pushed in any order, from any
   /// threads. Each point must be pushed exactly once.
   void push(const PointView& block, std::uint64_t first_id);
+  /// Counts points that the hull leaves out (HullStream::skip): each id is pushed or skipped. A
+  /// vertex among them makes the certificate invalid.
+  void skip(std::uint64_t count);
   /// part(): what this stream has checked so far. add(): counts another stream's part in this one.
   CertifiedPart part() const;
   void add(const CertifiedPart& part);

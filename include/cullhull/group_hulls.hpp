@@ -17,8 +17,9 @@ namespace cullhull::inline v1 {
 struct GroupReport {
   std::uint64_t points = 0, groups = 0;
   std::uint32_t dimension = 0;
-  double read_seconds = 0;  ///< reading, and sorting by group
-  double hull_seconds = 0;  ///< computing and writing the hulls
+  std::uint64_t skipped = 0;  ///< of the points, those that ReadOptions::skip_nan left out
+  double read_seconds = 0;    ///< reading, and sorting by group
+  double hull_seconds = 0;    ///< computing and writing the hulls
 };
 
 /// Reads the files in blocks, sorts the points by their keys (the column `reading.read.key`), and

@@ -38,6 +38,7 @@ struct Remark {
     columns,   ///< which columns of a text are the coordinates; ReadOptions::columns selects others
     left_out,  ///< bytes or text after the points, truncated faces, lines with unknown keywords
     spelling,  ///< how a text was understood: decimal commas, a line of units, row names of R
+    skipped,   ///< how many points ReadOptions::skip_nan left out
   };
   Kind kind;
   std::string file;     ///< name of the file
@@ -86,6 +87,12 @@ struct ReadOptions {
   std::optional<Grid> grid;
   /// Threads that parse text; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
+  /// Leaves out points with a NaN coordinate, which is how scanners mark pulses without a return
+  /// (.pcd, .ply). Ids remain the file's: PointFile::rows() has the number in the file of each
+  /// point, and visit_blocks passes on the points between those left out with the ids that they
+  /// have. Infinities are not left out. Not for open_sequence, where point i of a frame is point i
+  /// of the next.
+  bool skip_nan = false;
   /// Checked while text is parsed.
   stop_token stop;
   /// The decimal mark of the numbers in a text: '.' or ','. With ',' a comma separates nothing. 0:
@@ -134,6 +141,12 @@ class PointFile {
   bool in_parts() const noexcept;
   std::uint64_t first() const noexcept;  ///< index in the file of the first of points()
   std::uint64_t total() const noexcept;  ///< points in the file
+  /// The number in the file (from 0) of each point of points(), ascending, if
+  /// ReadOptions::skip_nan left out others; else empty: point i has the number first() + i. An
+  /// increasing function of the ids: hull.rename([&](std::uint64_t i) { return file.rows()[i]; }).
+  const std::vector<std::uint64_t>& rows() const noexcept;
+  /// The number of points that ReadOptions::skip_nan left out.
+  std::uint64_t skipped() const noexcept;
   /// Of a text with NaN or infinities the first such point.
   std::optional<PointLine> first_not_finite() const noexcept;
   double read_seconds() const noexcept;

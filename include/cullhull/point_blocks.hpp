@@ -23,6 +23,7 @@ struct BlockPosition {
   std::uint64_t file_points = 0, file_bytes = 0, file_lines = 0;
   std::uint64_t bytes = 0;        ///< of all inputs, for progress
   std::uint64_t input_bytes = 0;  ///< of those, bytes in the next input
+  std::uint64_t skipped = 0;      ///< of `points`, those that ReadOptions::skip_nan left out
 
   friend bool operator==(const BlockPosition&, const BlockPosition&) = default;
 };
@@ -54,6 +55,9 @@ struct BlockVisitor {
   /// Receives an input that is a hull state (.hullstate), which stands for the points from first_id
   /// on. If not set, such an input is an error. Called from several threads at once.
   std::function<void(const HullState& state, std::uint64_t first_id)> state;
+  /// Receives, with ReadOptions::skip_nan, each run of points that are left out: their number and
+  /// the first id. May be empty. Called from several threads at once.
+  std::function<void(std::uint64_t first_id, std::uint64_t count)> skipped;
   /// Called by the thread that called visit_blocks, while no block is being visited: every
   /// `pause_seconds`, and when reading is cancelled.
   std::function<void(const BlockPosition&)> pause;

@@ -136,6 +136,10 @@ class HullStream {
   void push(const PointView& block);
   /// Adds the points that a state represents.
   void push(const HullState& state);
+  /// Counts points that are left out, such as those without a return: the `count` ids from first_id
+  /// on are taken, and the state's point_count() includes them if it has other points. Errors:
+  /// invalid_argument for ids beyond 2^64.
+  void skip(std::uint64_t first_id, std::uint64_t count);
 
   /// The state of all points pushed by calls that have returned. Errors as push().
   HullState state();

@@ -12,6 +12,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
+#include "io/skip_nan.hpp"
 #include "io/source.hpp"
 #include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
@@ -24,6 +25,8 @@ struct PointFile::Impl {
   internal::Buffer unpacked;  ///< decompressed contents
   internal::PointData data;
   std::vector<double> weights;
+  std::vector<std::uint64_t> rows;  ///< where points were left out
+  std::uint64_t skipped = 0;
   internal::Slice slice;
   bool in_parts = false;
   bool placed = false;  ///< no longer the file's own numbers
@@ -34,6 +37,31 @@ struct PointFile::Impl {
     internal::place(data, options);
     placed = !internal::stays(options.numbers) || data.placement.empty();
     if (data.in_place) return;
+    file = internal::MappedFile();
+    unpacked = {};
+  }
+
+  /// Leaves out the points with a NaN, with their colours and weights. Call after place().
+  void skip_nan(const std::string& name, const ReadOptions& options) {
+    if (!options.skip_nan) return;
+    const std::vector<std::uint64_t> out = internal::rows_with_nan(data.view);
+    skipped = out.size();
+    internal::remark({name, nullptr, 0}, options,
+                     std::to_string(skipped) + " of " + std::to_string(data.view.count) +
+                         " points have a NaN coordinate and are skipped",
+                     Remark::Kind::skipped);
+    if (out.empty()) return;
+    rows = internal::other_rows(data.view.count, out);
+    if (data.colours.count > 0)
+      data.colours = internal::packed_rows(data.colours, rows, data.colour_storage);
+    internal::Buffer kept;
+    data.view = internal::packed_rows(data.view, rows, kept);
+    data.storage = std::move(kept);
+    data.in_place = false;
+    for (std::size_t i = 0; !weights.empty() && i < rows.size(); ++i) weights[i] = weights[rows[i]];
+    if (!weights.empty()) weights.resize(rows.size());
+    if (std::binary_search(out.begin(), out.end(), data.not_finite.point)) data.not_finite = {};
+    for (std::uint64_t& row : rows) row += slice.first;
     file = internal::MappedFile();
     unpacked = {};
   }
@@ -74,6 +102,8 @@ bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->
 bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
 std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
 std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
+const std::vector<std::uint64_t>& PointFile::rows() const noexcept { return impl_->rows; }
+std::uint64_t PointFile::skipped() const noexcept { return impl_->skipped; }
 std::optional<PointLine> PointFile::first_not_finite() const noexcept {
   const PointLine& at = impl_->data.not_finite;
   return at.line > 0 ? std::optional(at) : std::nullopt;
@@ -386,6 +416,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     impl->data = internal::read_hdf5(input.file, input.member, reading, impl->slice);
     impl->in_parts = true;
     take_weights();
+    impl->skip_nan(source.name, options);
     impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return PointFile(std::move(impl));
   }
@@ -404,6 +435,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   }
   if (unpacked) impl->file = internal::MappedFile();
   impl->place(options);
+  impl->skip_nan(source.name, options);
   impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return PointFile(std::move(impl));
 }

@@ -211,6 +211,9 @@ std::vector<std::string> sequence_files(const std::vector<std::string>& paths,
 }
 
 PointSequence open_sequence(const std::vector<std::string>& paths, const ReadOptions& options) {
+  if (options.skip_nan)
+    throw Error(ErrorCode::invalid_argument,
+                "skip_nan is not for sequences, where point i of a frame is point i of the next");
   auto impl = std::make_unique<PointSequence::Impl>();
   impl->options = options;
   impl->files = sequence_files(paths, options);

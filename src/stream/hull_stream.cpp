@@ -31,7 +31,8 @@ struct HullStream::Impl {
   std::uint64_t away = 0;    ///< points that a running reduction has taken
   std::shared_ptr<const StreamMap> map;
   std::uint64_t seen = 0, next_id = 0;
-  std::uint64_t reduced = 0;  ///< number of points seen that `extreme` represents
+  std::uint64_t left_out = 0;  ///< by skip(); not in `seen`
+  std::uint64_t reduced = 0;   ///< number of points seen that `extreme` represents
   std::uint64_t reductions = 0, maps = 0;
 
   std::mutex reducing;  ///< held by the reducing thread; locked before `mutex`
@@ -228,7 +229,7 @@ struct HullStream::Impl {
     const std::lock_guard alone(reducing);
     reduce();
     const std::lock_guard lock(mutex);
-    return StateParts::state(extreme, reduced);
+    return StateParts::state(extreme, reduced + (extreme.size() > 0 ? left_out : 0));
   }
 };
 
@@ -272,6 +273,14 @@ void HullStream::push(const HullState& state) {
   NumberedPoints points = StateParts::points(state);
   const std::uint64_t end = state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);
   impl_->take(std::move(points), state.seen_, end);
+}
+
+void HullStream::skip(std::uint64_t first_id, std::uint64_t count) {
+  if (first_id + count < first_id)
+    throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
+  const std::lock_guard lock(impl_->mutex);
+  impl_->left_out += count;
+  impl_->next_id = std::max(impl_->next_id, first_id + count);
 }
 
 HullState HullStream::state() { return impl_->state(); }

@@ -493,6 +493,7 @@ OPTIONS_ELSEWHERE = {
     "--by": "groups: cli_groups_test and test_groups",
     "--edge-length": "the number that --ratio stands for",
     "--raw": "numbers of scans without their scale: cli_las_test",
+    "--skip-nan": "points without a return: cli_skip_nan_test",
     "--height": "heights of a surface: cli_triangulation_test",
     "--count": "generate",
     "--seed": "generate",

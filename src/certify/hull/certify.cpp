@@ -133,7 +133,9 @@ void check_empty(const Hull& h, std::uint64_t n) {
 void check_single(Subject& s) {
   const Hull& h = s.hull;
   check_empty(h, s.points.count);
-  if (h.vertices.size() != 1 || h.vertices[0] != 0) fault("the only vertex should be point 0");
+  // In blocks, check_equal() finds a lower id: point 0 may be one that is left out.
+  if (h.vertices.size() != 1 || (s.claimed == nullptr && h.vertices[0] != 0))
+    fault("the only vertex should be point 0");
   s.full.resize(s.points.dimension);
   for (unsigned j = 0; j < s.points.dimension; ++j)
     s.full[j] = s.claimed != nullptr ? (*s.claimed)[j] : s.points.at(0, j);
@@ -144,13 +146,16 @@ void check_single(Subject& s) {
 void check_equal(const Subject& s, const PointView& block, std::uint64_t first_id) {
   check_chunks(s.run, block.count, std::uint64_t{1} << 16,
                [&](std::uint64_t begin, std::uint64_t end) {
+    const std::uint64_t vertex = s.hull.vertices[0];
+    if (begin < end && begin + first_id < vertex)
+      fault("the only vertex should be point ", begin + first_id);
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < block.dimension; ++j) {
         const double v = block.at(i, j);
         if (!std::isfinite(v)) fault("point ", first_id + i, " is not finite");
-        if (v != s.full[j]) fault("point ", first_id + i, " differs from point 0");
+        if (v != s.full[j]) fault("point ", first_id + i, " differs from point ", vertex);
       }
-    if (begin + first_id == 0) ++s.vertices_met;
+    if (begin + first_id <= vertex && vertex < end + first_id) ++s.vertices_met;
   });
 }
 
@@ -234,7 +239,7 @@ struct CertifyStream::Impl {
   Certificate out;
   mutable std::mutex mutex;  ///< guards the members below
   std::uint64_t at = 0;      ///< lowest first id of a block with a fault
-  std::uint64_t checked = 0;
+  std::uint64_t checked = 0, left_out = 0;
 
   Impl(const Hull& h, std::vector<double>&& rows, const Options& o)
       : options(o), hull(h), claimed(std::move(rows)) {
@@ -307,6 +312,11 @@ void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   }
 }
 
+void CertifyStream::skip(std::uint64_t count) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->left_out += count;
+}
+
 CertifiedPart CertifyStream::part() const {
   const Impl& m = *impl_;
   const std::lock_guard lock(m.mutex);
@@ -325,9 +335,11 @@ void CertifyStream::add(const CertifiedPart& part) {
 Certificate CertifyStream::finish() {
   Impl& m = *impl_;
   try {
-    if (m.out.reason.empty() && m.checked != m.hull.point_count)
+    // A hull of no points does not count those that were left out.
+    const std::uint64_t counted = m.checked + (m.hull.affine_dimension < 0 ? 0 : m.left_out);
+    if (m.out.reason.empty() && counted != m.hull.point_count)
       internal::certify::fault("the hull is that of ", m.hull.point_count, " points, not of ",
-                               m.checked);
+                               counted);
     if (m.out.reason.empty() && m.subject.vertices_met != m.hull.vertices.size())
       internal::certify::fault("of ", m.hull.vertices.size(), " vertices, ",
                                m.subject.vertices_met.load(), " are among the points");

@@ -1,4 +1,5 @@
 // visit_blocks: threads that take the next block, read it, and hand it to the visitor.
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -11,6 +12,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io/blocks/block_source.hpp"
 #include "io/records.hpp"
+#include "io/skip_nan.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -57,7 +59,8 @@ class Reading {
         total_bytes_(input_bytes(files)),
         next_file_(options.from.file),
         named_points_(options.from.points),
-        bytes_before_(options.from.bytes) {
+        bytes_before_(options.from.bytes),
+        skipped_(options.from.skipped) {
     if (options.read.numbers == Numbers::grid && options.read.grid)
       summary_.grid = *options.read.grid;
   }
@@ -145,6 +148,7 @@ class Reading {
     BlockPosition at;
     at.file = next_file_;
     at.points = named_points_;
+    at.skipped = skipped_;
     at.bytes = bytes_before_ + last_.taken;
     if (current_ == active_.end()) return at;
     at.file = current_->file;
@@ -330,19 +334,42 @@ class Reading {
       visitor_.state(*block.state, taken.first_id);
       return;
     }
+    const PointView& view = block.data.view;
     try {
-      if (options_.read.key.empty())
-        visitor_.points(block.data.view, taken.first_id);
+      if (!options_.read.skip_nan)
+        visit_rows(taken, block, 0, view.count);
       else
-        visitor_.keyed(block.data.view, taken.first_id, block.data.keys);
+        for_runs_without_nan(
+            view,
+            [&](std::uint64_t begin, std::uint64_t end) { visit_rows(taken, block, begin, end); },
+            [&](std::uint64_t begin, std::uint64_t end) {
+          skipped_ += end - begin;
+          if (visitor_.skipped) visitor_.skipped(taken.first_id + begin, end - begin);
+            });
     } catch (const Error& e) {
       if (e.code() != ErrorCode::not_finite) throw;
       // Visitors name the first such point of a block, by ids of their own.
       const PointLine& at = block.data.not_finite;
       const bool named = at.line > 0 && std::string_view(e.what()).starts_with("point ") &&
-                         first_not_finite(block.data.view) == at.point;
+                         first_not_finite(view) == at.point &&
+                         !(options_.read.skip_nan && has_nan(view, at.point));
       throw Error(e.code(), file, named ? ":" + std::to_string(at.line) : "", ": ", e.what());
     }
+  }
+
+  /// Passes on the points [begin, end) of a block.
+  void visit_rows(const Taken& taken, const LoadedBlock& block, std::uint64_t begin,
+                  std::uint64_t end) const {
+    PointView rows = block.data.view;
+    const PointKeys& keys = block.data.keys;
+    const bool all = begin == 0 && end == rows.count;
+    if (!all) rows.data = rows.address(begin, 0);
+    rows.count = end - begin;
+    if (options_.read.key.empty()) return visitor_.points(rows, taken.first_id + begin);
+    if (all) return visitor_.keyed(rows, taken.first_id, keys);
+    PointKeys part;
+    for (std::uint64_t i = begin; i < end; ++i) part.add(keys[i]);
+    visitor_.keyed(rows, taken.first_id + begin, part);
   }
 
   void pass_on(const Taken& taken) {
@@ -396,6 +423,7 @@ class Reading {
   std::uint64_t next_file_, next_number_ = 0;
   std::uint64_t next_named_ = 0, named_points_;
   std::uint64_t bytes_before_;
+  mutable std::atomic<std::uint64_t> skipped_;
   BlockTask last_;  ///< the last one taken
   std::exception_ptr error_;
   bool failed_ = false;

@@ -272,6 +272,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   const SortedGroups sorted = collected.sort();
   GroupReport report;
   report.points = read.end.points;
+  report.skipped = read.end.skipped;
   report.groups = sorted.keys.order.size();
   report.dimension = read.dimension;
   const Clock::time_point sorted_at = Clock::now();
