@@ -124,7 +124,7 @@ def _has_columns(path: str) -> bool:
 def _is_plain_input(words: list[str], i: int) -> bool:
     """Whether word i is a file that the program itself reads: not an option's value, as a file
     after ``-o`` is."""
-    flags = ("-q", "--quiet", "--certify", "--raw")
+    flags = ("-q", "--quiet", "--certify", "--raw", "--skip-nan")
     value = i > 0 and words[i - 1].startswith("-") and words[i - 1] not in flags
     return not value and os.path.isfile(words[i]) and not _is_converted(words[i])
 

@@ -16,7 +16,7 @@ from ._arguments import as_count
 from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from ._extras import needed
-from ._parquet import choose
+from ._parquet import _known, choose
 
 Columns = Union[str, Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
@@ -29,6 +29,8 @@ def read(
     columns: Columns = None,
     chunks: int | None = None,
     raw: bool = False,
+    skip_nan: bool = False,
+    return_rows: bool = False,
 ) -> Any:
     """The points of a file.
 
@@ -37,7 +39,7 @@ def read(
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
     FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
-    column each) h5py (``hdf5``). .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
+    column each) h5py (``hdf5``); NetCDF of the classic format needs SciPy. .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
     pyogrio and pyarrow (``vector``); the points are the vertices of all geometries, without the
     last one of a ring, which is its first again.
 
@@ -64,10 +66,16 @@ def read(
     raw : bool
         The whole numbers of a .las or .laz as they are in the file, without its scale and offset:
         .las in place.
+    skip_nan : bool
+        Leave out points with a NaN coordinate, which is how scanners mark pulses without a return.
+        A `ShapeWarning` says how many.
+    return_rows : bool
+        Also return the number in the file of each point, from 0: the ids that its points have for
+        the program, and with `skip_nan` the way back from a hull's ids to the file.
 
     Returns
     -------
-    (n, d) array, or an iterator of them
+    (n, d) array, or an iterator of them; with `return_rows` pairs of an array and its (n,) rows
 
     Raises
     ------
@@ -109,12 +117,35 @@ def read(
         pieces = reader(name, columns, size, raw)
     else:
         pieces = _said_once(reader, name, columns, size, ending)
+    numbered = _numbered(pieces, name, skip_nan)
     if size is not None:
-        return pieces
-    parts = list(pieces)
+        return numbered if return_rows else (points for points, _ in numbered)
+    parts = list(numbered)
     if not parts:
         raise BadFile(f"{name}: no points")
-    return parts[0] if len(parts) == 1 else np.concatenate(parts)
+    points = parts[0][0] if len(parts) == 1 else np.concatenate([points for points, _ in parts])
+    if not return_rows:
+        return points
+    return points, np.concatenate([rows for _, rows in parts])
+
+
+def _numbered(
+    pieces: Iterator[npt.NDArray[Any]], name: str, skip_nan: bool
+) -> Iterator[tuple[npt.NDArray[Any], npt.NDArray[np.int64]]]:
+    """Blocks with the numbers of their points in the file; without points that have a NaN."""
+    first = skipped = 0
+    for block in pieces:
+        rows = np.arange(first, first + len(block))
+        first += len(block)
+        if skip_nan and block.dtype.kind == "f":
+            kept = ~np.isnan(block).any(axis=1)
+            if not kept.all():
+                skipped += len(block) - int(kept.sum())
+                block, rows = block[kept], rows[kept]
+        yield block, rows
+    if skipped:
+        warn(f"{name}: {skipped} of {first} points have a NaN coordinate and are skipped",
+             ShapeWarning)
 
 
 def _said_once(
@@ -179,7 +210,15 @@ def _numbers(columns: Columns, width: int, name: str, names: str = "") -> list[i
     numbers = [c for c in columns if isinstance(c, (int, np.integer)) and 0 <= c < width]
     if len(numbers) != len(columns) or not numbers:
         raise InvalidArgument(f"{name}: columns must be numbers from 0 to {width - 1}")
+    _refuse_repeated(numbers, name)
     return [int(c) for c in numbers]
+
+
+def _refuse_repeated(columns: Sequence[Any], name: str) -> None:
+    """As the library does for the files that it reads itself."""
+    for i, c in enumerate(columns):
+        if c in columns[:i]:
+            raise InvalidArgument(f"{name}: column {c!r} is named twice")
 
 
 def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
@@ -188,6 +227,11 @@ def _blocks(array: Any, size: int | None) -> Iterator[npt.NDArray[Any]]:
 
 
 def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterator[npt.NDArray[Any]]:
+    if array.ndim == 1:  # n points of a line, as the program reads them
+        taken = _numbers(columns, 1, name)
+        for block in _blocks(array, size):
+            yield block[:, None]
+        return
     if array.ndim != 2:
         raise BadFile(f"{name}: array of {array.ndim} axes; points need (n, d)")
     taken = _numbers(columns, array.shape[1], name)
@@ -213,43 +257,136 @@ def _native(
 def _npy(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     file = _opened(name)
     mode: Any = "r" if file is name else None
-    return _slices(np.load(file, mmap_mode=mode), columns, size, name)
+    array = np.load(file, mmap_mode=mode)
+    if array.dtype.names:
+        return _structured(array, columns, size, name)
+    return _slices(array, columns, size, name)
+
+
+def _structured(
+    array: Any, columns: Columns, size: int | None, name: str
+) -> Iterator[npt.NDArray[Any]]:
+    """Fields of a structured array, as PDAL and pyntcloud write it, by the rule of Parquet's
+    columns: x, y and z, longitude and latitude, ... in either case, or those that are named."""
+    if array.ndim != 1:
+        raise BadFile(f"{name}: structured array of {array.ndim} axes; points need one")
+    dtype = array.dtype
+    fields = [f for f in dtype.names if dtype[f].shape == () and dtype[f].kind in "fiu"]
+    known = _known(fields)
+    if columns is None and not known:
+        which = "; columns= says which are the coordinates"
+        listed = ", ".join(map(repr, fields)) + which if fields else "none is a number"
+        raise BadFile(f"{name}: a structured array whose fields name no x and y: {listed}")
+    numbered = known or fields
+    wanted = []
+    for c in range(len(known)) if columns is None else columns:
+        if isinstance(c, str):
+            same = [f for f in fields if f == c] or [f for f in fields if f.lower() == c.lower()]
+            if len(same) != 1:
+                raise InvalidArgument(f"{name}: no column {c!r}; there are {', '.join(fields)}")
+            wanted += same
+        else:
+            wanted.append(numbered[_numbers([c], len(numbered), name)[0]])
+    _refuse_repeated(wanted, name)
+    step = size or max(1, len(array))
+    for start in range(0, max(1, len(array)), step):
+        block = array[start : start + step]
+        yield side_by_side([np.asarray(block[f]) for f in wanted], wanted, name, start)
 
 
 def _hdf5(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
-    h5py = needed("h5py", "reading .h5 files", "hdf5")
     path, dataset = name, ""
     found = re.search(r"\.(h5|hdf5|he5|nc|nc4):", name, re.IGNORECASE)
     if found and not os.path.exists(name):
         path, dataset = name[: found.end() - 1], name[found.end() :]
+    classic = None if "://" in path else _classic_netcdf(path, dataset, columns, size)
+    if classic is not None:
+        yield from classic
+        return
+    h5py = needed("h5py", "reading .h5 files", "hdf5")
     with h5py.File(_opened(path), "r") as file:
-        arrays: list[str] = []
+        tables: list[str] = []
+        lines: list[str] = []
 
         def note(where: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and item.ndim == 2 and item.dtype.kind in "fiu":
-                arrays.append("/" + where)
-
-        def note_columns(where: str, item: Any) -> None:
-            if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "fiu":
-                arrays.append("/" + where)
+            if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
+                if item.ndim == 2:
+                    tables.append("/" + where)
+                if item.ndim == 1:
+                    lines.append("/" + where)
 
         file.visititems(note)
-        if not dataset and len(arrays) == 1:
-            dataset = arrays[0]
-        names = dataset.split(",")
-        found_all = [file.get(n) if n else None for n in names]
+        names = _chosen_datasets(path, dataset, tables, lines, lambda n: file.get(n) if n else None)
+        found_all = [file.get(n) for n in names]
         if not all(isinstance(found, h5py.Dataset) for found in found_all):
-            if len(names) > 1:
-                file.visititems(note_columns)
-            raise InvalidArgument(
-                f"{path}: say which dataset, as FILE.h5:/NAME; there are {', '.join(arrays)}"
-            )
+            raise _no_dataset(path, tables + lines)
         for found in found_all:
             _refuse_gaps(h5py, found, path)
         if len(names) == 1:
             yield from _slices(found_all[0], columns, size, name)
             return
         yield from _columns_of(found_all, names, columns, size, path)
+
+
+def _no_dataset(path: str, known: list[str]) -> InvalidArgument:
+    listed = ", ".join(known) if known else "none of numbers"
+    several = f", or several columns as in FILE.h5:{','.join(known[:3])}" if len(known) > 1 else ""
+    return InvalidArgument(
+        f"{path}: say which dataset, as FILE.h5:/NAME{several}; there are {listed}"
+    )
+
+
+def _chosen_datasets(
+    path: str, dataset: str, tables: list[str], lines: list[str], find: Callable[[str], Any]
+) -> list[str]:
+    """The datasets that are named, or the only table (n, d), or the only column (n), as the program
+    chooses them."""
+    if not dataset and len(tables) == 1:
+        return tables
+    if not dataset and not tables and len(lines) == 1:
+        return lines
+    names = dataset.split(",")
+    if not dataset or any(find(n) is None for n in names):
+        raise _no_dataset(path, tables + lines)
+    return names
+
+
+def _classic_netcdf(
+    path: str, dataset: str, columns: Columns, size: int | None
+) -> Iterator[npt.NDArray[Any]] | None:
+    """NetCDF of the formats before HDF5, by SciPy; None for other files."""
+    try:
+        with open(path, "rb") as file:
+            magic = file.read(4)
+    except OSError:
+        return None  # h5py says what is wrong
+    if magic[:3] != b"CDF" or magic[3:] not in (b"\x01", b"\x02", b"\x05"):
+        return None
+    advice = "nccopy -k nc4 makes a file of it that is read like HDF5"
+    if magic[3:] == b"\x05":
+        raise BadFile(f"{path}: NetCDF of the format CDF-5; {advice}")
+    try:
+        from scipy.io import netcdf_file
+    except ImportError:
+        raise BadFile(f"{path}: NetCDF of the classic format needs SciPy; or {advice}") from None
+    try:
+        with netcdf_file(path, "r", mmap=False) as opened:
+            variables = {n: v.data for n, v in opened.variables.items() if v.data is not None}
+    except Exception as error:  # SciPy's readers have no common base
+        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
+    arrays = {n: a for n, a in variables.items() if getattr(a, "dtype", np.dtype("O")).kind in "fiu"}
+    tables = [n for n, a in arrays.items() if a.ndim == 2]
+    lines = [n for n, a in arrays.items() if a.ndim == 1]
+    names = [
+        n.lstrip("/")
+        for n in _chosen_datasets(
+            path, dataset, tables, lines, lambda n: arrays.get(n.lstrip("/"))
+        )
+    ]
+    native = [arrays[n].astype(arrays[n].dtype.newbyteorder("=")) for n in names]
+    if len(names) == 1:
+        return _slices(native[0], columns, size, path)
+    return _columns_of(native, names, columns, size, path)
 
 
 def _refuse_gaps(h5py: Any, dataset: Any, path: str) -> None:
@@ -319,6 +456,8 @@ def _las(
             if not raw:
                 _refuse_unusable(name, file.header)
             place = _Placing([] if raw else scale, offset, exact="gps_time" not in taken)
+            if not file.header.point_count:
+                yield np.empty((0, len(taken)), dtype=np.int32 if raw else np.float64)
             for points in file.chunk_iterator(size or _MANY):
                 columns_of = [np.asarray(points[c.upper() if c in "xyz" else c]) for c in taken]
                 yield np.column_stack([place(j, column) for j, column in enumerate(columns_of)])
@@ -335,6 +474,7 @@ def _las_names(columns: Columns, fields: list[str], name: str) -> list[str]:
     axes = ["x", "y", "z"]
     if columns is None or not all(isinstance(c, str) for c in columns):
         return [axes[j] for j in _numbers(columns, 3, name)]
+    _refuse_repeated([str(c).lower() for c in columns], name)
     fields = [f for f in fields if f not in ("X", "Y", "Z")]
     known = {f.lower(): f for f in axes + fields}
     for c in columns:
@@ -407,6 +547,7 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
         wanted, rows = choose(name, file.schema_arrow, columns)
         before: int | None = None
         done = 0
+        _refuse_repeated(wanted, name)
         for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
             if rows is not None:
                 block = _named(name, rows, batch.column(wanted[0]), wanted[0], done)

@@ -460,3 +460,134 @@ def test_columns_as_one_word(tmp_path):
     with pytest.raises(ValueError, match="0:3"):  # the way that the message shows
         cullhull.read(tmp_path / "a.npy", columns="0-3")
     assert cullhull.read(tmp_path / "a.npy", columns="0:3").shape == (300, 3)
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.laz", "a.las", "a.csv", "a.h5:/p"])
+def test_no_column_twice(tmp_path, name):
+    path = tmp_path / name
+    if name == "a.npy":
+        np.save(path, POINTS)
+    elif name == "a.csv":
+        path.write_text("x,y,z\n1,2,3\n")
+    elif name == "a.h5:/p":
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(tmp_path / "a.h5", "w") as file:
+            file["p"] = POINTS
+    else:
+        laspy = pytest.importorskip("laspy")
+        if name == "a.laz":
+            pytest.importorskip("lazrs")
+        las = laspy.create(point_format=3, file_version="1.2")
+        las.X = las.Y = las.Z = np.arange(9)
+        las.write(str(path))
+    for columns in [[0, 0], *([["x", "X"]] if name[:5] in ("a.laz", "a.las", "a.csv") else [])]:
+        with pytest.raises(cullhull.InvalidArgument, match="named twice"):
+            cullhull.read(path, columns=columns)
+
+
+@pytest.mark.parametrize("ending", ["las", "laz"])
+def test_scans_without_points(tmp_path, ending):
+    laspy = pytest.importorskip("laspy")
+    if ending == "laz":
+        pytest.importorskip("lazrs")
+    path = str(tmp_path / f"a.{ending}")
+    with laspy.open(path, "w", header=laspy.LasHeader(point_format=0, version="1.2")):
+        pass
+    assert cullhull.read(path).shape == (0, 3)
+    assert [block.shape for block in cullhull.read(path, chunks=5)] == [(0, 3)]
+    assert cullhull.read(path, raw=True).dtype == np.int32
+
+
+# ------------------------------------------------------------------------ points without a return
+
+
+def test_skip_nan(tmp_path):
+    rows = np.array([[np.nan, 0], [0, 0], [1, 0], [np.nan, np.nan], [0, 1]])
+    np.save(tmp_path / "a.npy", rows)
+    (tmp_path / "a.xyz").write_text("\n".join(" ".join(map(str, row)) for row in rows))
+    for name in ("a.npy", "a.xyz"):
+        points, said = said_while_reading(tmp_path / name, skip_nan=True)
+        assert points.tolist() == [[0, 0], [1, 0], [0, 1]]
+        assert "2 of 5 points have a NaN coordinate and are skipped" in said
+        (points, ids), _ = said_while_reading(tmp_path / name, skip_nan=True, return_rows=True)
+        assert ids.tolist() == [1, 2, 4]
+        assert ids[cullhull.convex_hull(points).vertices].tolist() == [1, 2, 4]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            pieces = list(
+                cullhull.read(tmp_path / name, chunks=2, skip_nan=True, return_rows=True)
+            )
+        assert np.concatenate([p for p, _ in pieces]).tolist() == points.tolist()
+        assert np.concatenate([r for _, r in pieces]).tolist() == [1, 2, 4]
+    points, ids = cullhull.read(tmp_path / "a.npy", return_rows=True)
+    assert len(points) == 5 and ids.tolist() == [0, 1, 2, 3, 4]
+    whole, said = said_while_reading(tmp_path / "a.npy", columns=[1], skip_nan=True)
+    assert len(whole) == 4 and "1 of 5" in said
+
+
+# ----------------------------------------------------------------------------------------- NumPy
+
+
+@pytest.mark.parametrize("case", [str.upper, str.lower])
+def test_structured_arrays(tmp_path, case):
+    fields = [(case(n), "<f4" if n == "x" else "<f8") for n in "xyz"]
+    made = np.zeros(300, dtype=[("label", "u1"), *fields, ("rgb", "u1", (3,))])
+    for j, n in enumerate("xyz"):
+        made[case(n)] = POINTS[:, j]
+    made["label"] = np.arange(300) % 7
+    np.save(tmp_path / "a.npy", made)
+    points = cullhull.read(tmp_path / "a.npy")
+    assert points.dtype == np.float64
+    assert np.array_equal(points[:, 1:], POINTS[:, 1:])
+    assert np.array_equal(cullhull.read(tmp_path / "a.npy", columns="z,Label")[:, 1], made["label"])
+    assert np.array_equal(cullhull.read(tmp_path / "a.npy", columns=[2, 1]), POINTS[:, [2, 1]])
+    assert sum(len(block) for block in cullhull.read(tmp_path / "a.npy", chunks=128)) == 300
+    for columns, said in (("x,X", "named twice"), ("q", "no column 'q'"), ("rgb", "no column 'rgb'")):
+        with pytest.raises(cullhull.InvalidArgument, match=said):
+            cullhull.read(tmp_path / "a.npy", columns=columns)
+    np.save(tmp_path / "b.npy", np.zeros(3, dtype=[("a", "f8"), ("b", "f8")]))
+    with pytest.raises(cullhull.BadFile, match="name no x and y: 'a', 'b'; columns="):
+        cullhull.read(tmp_path / "b.npy")
+    assert cullhull.read(tmp_path / "b.npy", columns="b,a").shape == (3, 2)
+
+
+def test_an_array_of_one_axis_is_points_of_a_line(tmp_path):
+    np.save(tmp_path / "a.npy", np.arange(4.0))
+    assert cullhull.read(tmp_path / "a.npy").tolist() == [[0], [1], [2], [3]]
+    assert [b.shape for b in cullhull.read(tmp_path / "a.npy", chunks=3)] == [(3, 1), (1, 1)]
+
+
+# ------------------------------------------------------------------------------ HDF5 and NetCDF
+
+
+def test_hdf5_of_columns_alone(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for j, name in enumerate("xyz"):
+            file[name] = POINTS[:, j]
+    with pytest.raises(cullhull.InvalidArgument, match=r"FILE.h5:/x,/y,/z; there are /x, /y, /z"):
+        cullhull.read(tmp_path / "a.h5")
+    assert np.array_equal(cullhull.read(f"{tmp_path}/a.h5:x,y,z"), POINTS)
+    assert np.array_equal(cullhull.read(f"{tmp_path}/a.h5:/y"), POINTS[:, 1:2])
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file["only"] = POINTS[:, 0]
+    assert np.array_equal(cullhull.read(tmp_path / "b.h5"), POINTS[:, :1])
+
+
+def test_netcdf_of_the_classic_format(tmp_path):
+    netcdf = pytest.importorskip("scipy.io").netcdf_file
+    with netcdf(tmp_path / "a.nc", "w") as file:
+        file.createDimension("n", 300)
+        for j, name in enumerate("xyz"):
+            file.createVariable(name, "f8", ("n",))[:] = POINTS[:, j]
+    points = cullhull.read(f"{tmp_path}/a.nc:x,y,z")
+    assert np.array_equal(points, POINTS) and points.dtype.isnative
+    assert np.array_equal(cullhull.read(f"{tmp_path}/a.nc:z"), POINTS[:, 2:])
+    with pytest.raises(cullhull.InvalidArgument, match="there are x, y, z"):
+        cullhull.read(tmp_path / "a.nc")
+    (tmp_path / "b.nc").write_bytes(b"CDF\x05" + bytes(40))
+    with pytest.raises(cullhull.BadFile, match="CDF-5; nccopy -k nc4"):
+        cullhull.read(tmp_path / "b.nc")
+    (tmp_path / "c.nc").write_bytes((tmp_path / "a.nc").read_bytes()[:40])
+    with pytest.raises(cullhull.BadFile):
+        cullhull.read(tmp_path / "c.nc")
