@@ -209,7 +209,8 @@ int run(AlphaArguments a) {
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);
   for (const std::string& path : a.outputs)
-    cullhull::write_alpha_shape(path, input.points, out.triangulation, out.shape, out.alpha);
+    cullhull::write_alpha_shape(path, input.points, out.triangulation, out.shape, out.alpha, "",
+                                {input.placing.crs, {}});
   if (!a.json.empty()) cullhull::write_text(a.json, report(input, out));
   if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
   return 0;
@@ -222,6 +223,7 @@ Command add_alpha(Parser& parent) {
   Parser& command =
       *parent.add_subcommand("alpha", "Compute the alpha shape or a concave hull of points");
   a->input.add_many_to(command);
+  add_crs_option(command, a->input.crs);
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a->outputs,
                                   "Write the shape; the extension chooses the format. Repeat\n"

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "signals.hpp"
@@ -132,6 +133,8 @@ std::vector<std::string> InputArguments::files() const {
 std::vector<std::string> InputArguments::find_files() {
   std::vector<std::string> found = files();
   path = found.size() == 1 ? found[0] : std::to_string(found.size()) + " inputs";
+  check_crs(crs);
+  if (crs.empty()) crs = stated_crs(found, *this);
   return found;
 }
 
@@ -158,16 +161,60 @@ void add_skip_option(Parser& command, bool& skip) {
                    "return; ids remain those of INPUT");
 }
 
+void add_crs_option(Parser& command, std::string& crs) {
+  command.group("Input");
+  needs_value(*command.add_option("--crs", crs,
+                                  "Coordinate reference system of the points, such as EPSG:25832;\n"
+                                  "default: the one that the files state. It is written to\n"
+                                  ".geojson; coordinates are not changed"))
+      .type_name("EPSG:N");
+}
+
+void check_crs(std::string& crs) {
+  if (crs.empty()) return;
+  const std::string code = cullhull::crs_code(crs);
+  if (code.empty())
+    throw Error(ErrorCode::invalid_argument, "--crs ", crs,
+                ": expected an authority and a code, such as EPSG:25832");
+  crs = code;
+}
+
+namespace {
+
+/// Whether the first two columns are named as a vertical plane: they are no map then.
+bool are_vertical(const std::string& columns) {
+  const std::size_t second = columns.find(',');
+  const auto is_height = [](std::string_view name) { return name == "z" || name == "Z"; };
+  if (second == std::string::npos) return is_height(columns);
+  return is_height(std::string_view(columns).substr(0, second)) ||
+         is_height(std::string_view(columns).substr(second + 1,
+                                                    columns.find(',', second + 1) - second - 1));
+}
+
+}  // namespace
+
+std::string stated_crs(const std::vector<std::string>& files, const InputArguments& arguments) {
+  if (arguments.raw || are_vertical(arguments.columns)) return "";
+  const cullhull::CommonCrs common = cullhull::common_crs(files);
+  if (!common.other.empty())
+    print_remark({cullhull::Remark::Kind::left_out, common.other,
+                  "states " + cullhull::file_crs(common.other) + ", " + common.first + " states " +
+                      cullhull::file_crs(common.first) +
+                      "; no coordinate reference system is written without --crs"});
+  return common.crs;
+}
+
 void add_raw_option(Parser& command, bool& raw) {
   command.add_flag("--raw", raw, "Use the whole numbers of a .las, without its scale and offset");
 }
 
 void print_remark(const cullhull::Remark& remark) {
+  const bool columns = remark.kind == cullhull::Remark::Kind::columns;
+  if (columns && is_converted(remark.file)) return;  // whose columns are of our making
   static std::mutex mutex;
   static std::set<std::string> told;  // once, however many tiles have the same remark
   const std::lock_guard lock(mutex);
   if (!told.insert(remark.message).second) return;
-  const bool columns = remark.kind == cullhull::Remark::Kind::columns;
   write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
 }
 
@@ -205,7 +252,8 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   input.places.parts = {{input_name(arguments.path), 0, input.file.first_not_finite()}};
   const cullhull::Placement& placement = input.file.placement();
   const bool raw_scan = arguments.raw && input.file.format().starts_with("las");
-  input.placing = {placement, input.file.grid(), !placement.empty() || raw_scan, arguments.raw};
+  input.placing = {placement, input.file.grid(), !placement.empty() || raw_scan, arguments.raw,
+                   arguments.crs};
   input.weights = input.file.weights();
   if (options.skip_nan) input.skip_nan();
   return input;

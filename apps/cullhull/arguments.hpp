@@ -29,6 +29,7 @@ struct InputArguments {
   bool skip_nan = false;
   /// Instead of the grid that the files have in common: an empty one for coordinates in the world.
   std::optional<cullhull::Grid> grid;
+  std::string crs;  ///< as crs_code spells it: of --crs, else what the files state
   /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
@@ -37,7 +38,7 @@ struct InputArguments {
   void add_many_to(Parser& command, const std::string& last = "");
   /// The files that the words stand for (input_files), or the one path.
   std::vector<std::string> files() const;
-  /// The same; sets `path` to the name that messages use for all of them.
+  /// The same; sets `path` to the name that messages use for all of them, and `crs`.
   std::vector<std::string> find_files();
 
  private:
@@ -91,6 +92,12 @@ struct Input {
 
 /// Adds `--skip-nan`, likewise.
 void add_skip_option(Parser& command, bool& skip);
+/// Adds `--crs`, common to all commands that write maps.
+void add_crs_option(Parser& command, std::string& crs);
+/// Refuses what `--crs` does not take, and spells it as crs_code does.
+void check_crs(std::string& crs);
+/// The system that files state, of points in these columns; a remark where they state several.
+std::string stated_crs(const std::vector<std::string>& files, const InputArguments& arguments);
 
 /// Adds `--raw`, common to all commands that read points.
 void add_raw_option(Parser& command, bool& raw);

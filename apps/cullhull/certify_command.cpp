@@ -124,7 +124,8 @@ CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
       },
       [&](std::uint64_t count) { check.skip(count); });
   outcome.certificate = check.finish();
-  outcome.placing = placing_of(read, arguments.input.raw, arguments.input.skip_nan);
+  outcome.placing =
+      placing_of(read, arguments.input.raw, arguments.input.skip_nan, arguments.input.crs);
   outcome.extent = extent.corners(read.grid);
   outcome.seconds = watch.seconds();
   return outcome;

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
+#include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
@@ -26,9 +27,11 @@ constexpr const char* cull_footer =
     "Output files (-o and --points, by extension):\n"
     "  -o .npy .csv .txt   ids of the survivors in ascending order (.npy: int64; -o -: .npy)\n"
     "  -o .ply .xyz        coordinates of the survivors\n"
+    "  -o .geojson         2D and 3D: a Point with its id for each survivor\n"
     "  -o .las             of one .las: the survivors' complete records, scale and offset\n"
-    "  --points            coordinates as .npy .ply .csv .xyz .txt, or .las; .npy and .ply keep\n"
-    "                      the scalar type\n"
+    "  --points            coordinates as .npy .ply .csv .xyz .txt .geojson, or .las; .npy and "
+    ".ply\n"
+    "                      keep the scalar type\n"
     "\n"
     "Examples:\n"
     "  cullhull cull big.npy -o ids.npy\n"
@@ -45,6 +48,7 @@ struct CullArguments {
   std::string output;
   std::string points;
   std::string json;
+  std::string keep;  ///< columns beside the points
   unsigned repeat = 1;
   StreamArguments stream;
   std::vector<std::string> files;  ///< the files that the input's words stand for
@@ -85,7 +89,7 @@ std::string wrote_lines(const CullArguments& arguments) {
 /// -o takes ids or points, by the extension of the name.
 bool holds_points(const std::string& path) {
   const std::string ending = ending_of(path);
-  return ending == ".ply" || ending == ".xyz" || ending == ".las";
+  return ending == ".ply" || ending == ".xyz" || ending == ".las" || ending == ".geojson";
 }
 
 /// Compressed or not.
@@ -104,12 +108,21 @@ void check_one_las(const CullArguments& arguments, const std::string& output) {
                           output + ": .las is written of the records of one .las");
 }
 
+/// Ids are written without columns.
+void check_kept(const CullArguments& arguments) {
+  std::vector<std::string> outputs;
+  for (const std::string& path : {arguments.output, arguments.points})
+    if (!path.empty() && (path == arguments.points || holds_points(path))) outputs.push_back(path);
+  check_keep(arguments.keep, arguments.files, outputs, {".geojson", ".csv"});
+}
+
 FilePlan plan_files(const CullArguments& arguments) {
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, arguments.files);
   plan.writes("-o", arguments.output, {OutputKind::ids, OutputKind::points, OutputKind::records});
   plan.writes("--points", arguments.points, {OutputKind::points, OutputKind::records});
   plan.writes_json(arguments.json);
+  check_kept(arguments);
   arguments.stream.plan(plan);
   for (const auto& [option, path] :
        {std::pair{"-o", arguments.output}, {"--points", arguments.points}})
@@ -118,11 +131,18 @@ FilePlan plan_files(const CullArguments& arguments) {
 }
 
 void check_dimension(const std::string& path, std::uint32_t dimension) {
-  if (ending_of(path) == ".ply" && dimension != 2 && dimension != 3)
+  const std::string ending = ending_of(path);
+  if ((ending == ".ply" || ending == ".geojson") && dimension != 2 && dimension != 3)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          fmt::format("{}: .ply holds points of dimension 2 or 3, not {}; write "
+                          fmt::format("{}: {} holds points of dimension 2 or 3, not {}; write "
                                       ".npy or .csv",
-                                      path, dimension));
+                                      path, ending, dimension));
+}
+
+/// The system, and the columns that --keep names.
+cullhull::MapExtras extras_of(const CullArguments& arguments) {
+  return {arguments.input.crs,
+          kept_columns(arguments.keep, arguments.input, arguments.files, arguments.run)};
 }
 
 /// `coordinates(path)` writes those of the points whose ids are given.
@@ -149,8 +169,9 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
     survivors.ids.resize(points.count);
     std::iota(survivors.ids.begin(), survivors.ids.end(), std::uint64_t{0});
   }
+  const cullhull::MapExtras extras = extras_of(arguments);
   write_outputs(arguments, survivors.ids, [&](const std::string& path) {
-    cullhull::write_points(path, points, survivors.ids);
+    cullhull::write_points(path, points, survivors.ids, "", extras);
   });
 }
 
@@ -180,13 +201,15 @@ int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
 int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
+  streamed.crs = arguments.input.crs;
   cullhull::HullState& state = streamed.state;
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, state.dimension());
   cullhull::to_world(state, streamed.read.grid);
   write_partial(arguments.stream, state, {});
+  const cullhull::MapExtras extras = extras_of(arguments);
   write_outputs(arguments, state.ids(),
-                [&](const std::string& path) { cullhull::write_points(path, state); });
+                [&](const std::string& path) { cullhull::write_points(path, state, "", extras); });
   if (!arguments.json.empty()) {
     CullOutcome outcome;
     outcome.result.ids = state.ids();
@@ -228,14 +251,16 @@ Command add_cull(Parser& parent) {
   Parser& command =
       *parent.add_subcommand("cull", "Discard interior points: the filter without the hull");
   a->input.add_many_to(command);
+  add_crs_option(command, a->input.crs);
   command.group("Output");
-  needs_value(
-      *command.add_option("-o,--output", a->output,
-                          "Write the survivors: ids (.npy .csv .txt) or points (.ply .xyz .las)"))
+  needs_value(*command.add_option("-o,--output", a->output,
+                                  "Write the survivors: ids (.npy .csv .txt) or points (.ply .xyz\n"
+                                  ".geojson .las)"))
       .type_name("FILE");
   needs_value(*command.add_option("--points", a->points, "Write the survivors' coordinates"))
       .type_name("FILE");
   add_json_option(command, a->json, "Report counts and times");
+  add_keep_option(command, a->keep, "of each survivor, to .geojson and the .csv of --points");
   a->run.add_to(command, true);
   command.group("Verification and timing");
   allow_range(

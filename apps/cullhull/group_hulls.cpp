@@ -22,16 +22,19 @@ int run_groups(const InputArguments& input, const std::vector<std::string>& file
     TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
     reading.progress = options.progress = progress.callback();
     reading.position = progress.bytes_callback();
-    cancellable([&] { report = cullhull::write_group_hulls(files, output, reading, options); });
+    cancellable([&] {
+      report = cullhull::write_group_hulls(files, output, reading, options, {input.crs, {}});
+    });
   }
   if (run.quiet || output == "-") return 0;
   Placing placing;
   if (input.skip_nan) placing.skipped = report.skipped;
   write_stdout(fmt::format("points     {} x {}\n"
-                           "{}groups     {}\n"
+                           "{}{}groups     {}\n"
                            "seconds    {:.6f} = reading and sorting {:.6f} + hulls {:.6f}\n"
                            "run        peak memory {:.1f} MB\n",
                            grouped(report.points), report.dimension, skipped_line(placing),
+                           input.crs.empty() ? "" : "crs        " + input.crs + "\n",
                            grouped(report.groups), report.read_seconds + report.hull_seconds,
                            report.read_seconds, report.hull_seconds,
                            static_cast<double>(peak_bytes()) / 1e6) +

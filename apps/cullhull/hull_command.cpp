@@ -194,7 +194,7 @@ void write_results(const HullArguments& arguments, const Points& points, const P
                    const cullhull::PointView& extreme, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, points, hull, "", arguments.faces.faces());
+    cullhull::write_hull(path, points, hull, "", arguments.faces.faces(), {placing.crs, {}});
   if (!arguments.vertices.empty()) {
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
@@ -402,6 +402,7 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
       arguments.elsewhere != nullptr
           ? arguments.elsewhere->state(arguments.input, arguments.files, arguments.run)
           : stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
+  streamed.crs = arguments.input.crs;
   cullhull::HullState& state = streamed.state;
   const cullhull::Grid& grid = streamed.read.grid;
   const bool speaks = !arguments.run.quiet && !plan.uses_stdout();
@@ -554,6 +555,7 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
   a->elsewhere = elsewhere;
   Parser& command = *parent.add_subcommand("hull", "Compute the exact convex hull of points");
   a->input.add_many_to(command);
+  add_crs_option(command, a->input.crs);
   command.group("Output");
   needs_value(*command.add_option("-o,--output", a->outputs,
                                   "Write the hull; the extension chooses the format. Repeat\n"

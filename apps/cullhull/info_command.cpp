@@ -8,6 +8,7 @@
 #include "arguments.hpp"
 #include "axis_ranges.hpp"
 #include "commands.hpp"
+#include "converted.hpp"
 #include "cullhull/io.hpp"
 #include "outputs.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -24,6 +25,7 @@ struct Scan : AxisRanges {
 
 /// The rest of the report.
 struct Described {
+  std::string file;            ///< the first
   cullhull::PointView points;  ///< only number, dimension, scalar type and strides
   std::string format;
   bool in_place = false;
@@ -51,8 +53,8 @@ std::string report(const Described& input, const Scan& found) {
     json["axes"].push_back(
         {{"least", number(axis.least, any)}, {"greatest", number(axis.greatest, any)}});
   }
-  if (input.placing.skipped) json["skipped"] = *input.placing.skipped;
-  if (input.placing.any) json["placement"] = placing_json(input.placing, cullhull::PointView{});
+  add_users_members(json, input.file);
+  add_placing(json, input.placing, cullhull::PointView{});
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
   json["read_seconds"] = input.read_seconds;
@@ -69,6 +71,7 @@ std::string summary(const Described& input, const Scan& found) {
       points.coordinate_stride);
   for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j)
     text += fmt::format("axis {:<5} {} to {}\n", j, found.axes[j].least, found.axes[j].greatest);
+  text += users_lines(input.file);
   const std::string units = units_lines(input.placing, cullhull::PointView{});
   text += units.substr(0, units.find("extent "));
   text += found.not_finite == 0
@@ -95,8 +98,9 @@ Described describe(const InputArguments& arguments, const std::vector<std::strin
     found.first_not_finite = input.skipped.id_of(found.first_not_finite);
     found.place = input.places.of(fmt::format("point {},", found.first_not_finite));
   }
-  return {input.points, input.file.format(), input.file.mapped(), input.file.read_seconds(),
-          input.placing};
+  return {
+      files[0],     input.points, format_of(input), is_in_place(input), input.file.read_seconds(),
+      input.placing};
 }
 
 Described describe_streamed(const InputArguments& arguments, const std::vector<std::string>& files,
@@ -116,11 +120,12 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
     axis.least = read.grid.to_world(axis.least);
     axis.greatest = read.grid.to_world(axis.greatest);
   }
-  return {shape, read.format, false, 0, placing_of(read, arguments.raw, arguments.skip_nan)};
+  return {files[0], shape, read.format,
+          false,    0,     placing_of(read, arguments.raw, arguments.skip_nan, arguments.crs)};
 }
 
-int run(const InfoArguments& arguments) {
-  const std::vector<std::string> files = arguments.input.files();
+int run(InfoArguments arguments) {
+  const std::vector<std::string> files = arguments.input.find_files();
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, files);
   plan.writes_json(arguments.json);

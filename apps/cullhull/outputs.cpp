@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -57,12 +58,22 @@ std::string ending_of(const std::string& path) {
   return ending;
 }
 
+std::string format_of(const Input& input) {
+  const std::string& format = input.file.format();
+  const std::string read_as = format.empty() ? "hull state" : format;
+  return input.places.parts.empty() ? read_as : users_format(input.places.parts[0].name, read_as);
+}
+
+bool is_in_place(const Input& input) {
+  return input.file.mapped() &&
+         (input.places.parts.empty() || !is_converted(input.places.parts[0].name));
+}
+
 std::string points_line(const Input& input) {
   const cullhull::PointView& points = input.points;
   return fmt::format("points     {} x {} {}, {}{}\n", grouped(points.count), points.dimension,
-                     cullhull::scalar_name(points.scalar),
-                     input.file.format().empty() ? "hull state" : input.file.format(),
-                     input.file.mapped() ? ", in place" : "");
+                     cullhull::scalar_name(points.scalar), format_of(input),
+                     is_in_place(input) ? ", in place" : "");
 }
 
 std::string survivors_line(std::uint64_t survivors, std::uint64_t count, std::string_view method) {
@@ -93,6 +104,7 @@ void add_measures(nlohmann::ordered_json& json, int affine_dimension, double are
 std::string wrote_line(const std::string& path) {
   if (path.empty() || path == "-") return "";
   std::error_code not_a_file;
+  if (is_converted(path)) return fmt::format("wrote      {}\n", path);  // of another size
   const auto bytes = std::filesystem::file_size(path, not_a_file);
   return not_a_file ? fmt::format("wrote      {}\n", path)
                     : fmt::format("wrote      {}, {} bytes\n", path, grouped(bytes));

@@ -16,6 +16,12 @@ namespace app {
 
 using cullhull::internal::OutputKind;
 
+/// "npy", "las 1.4, point format 6": of the first input, as the user knows it.
+std::string format_of(const Input& input);
+
+/// Whether the user's file is read where it lies.
+bool is_in_place(const Input& input);
+
 /// "points     20,000 x 3 f64, npy, in place\n"
 std::string points_line(const Input& input);
 

@@ -42,7 +42,7 @@ std::string skipped_line(const Placing& placing) {
 }
 
 std::string units_lines(const Placing& placing, const cullhull::PointView& points) {
-  std::string text = skipped_line(placing);
+  std::string text = crs_line(placing) + skipped_line(placing);
   if (!placing.any) return text;
   text += "units      ";
   if (placing.raw)
@@ -61,6 +61,10 @@ std::string units_lines(const Placing& placing, const cullhull::PointView& point
   for (std::size_t j = 0; j < box.size(); ++j)
     text += fmt::format("{}{} to {}", j > 0 ? ", " : "", box[j].least, box[j].greatest);
   return text + (box.empty() ? "no points\n" : "\n");
+}
+
+std::string crs_line(const Placing& placing) {
+  return placing.crs.empty() ? "" : fmt::format("crs        {}\n", placing.crs);
 }
 
 Json placing_json(const Placing& placing, const cullhull::PointView& points) {
@@ -113,12 +117,13 @@ std::string with_placing(std::string report, const Placing& placing,
 
 void add_placing(Json& report, const Placing& placing, const cullhull::PointView& points) {
   if (placing.skipped) report["skipped"] = *placing.skipped;
+  if (!placing.crs.empty()) report["crs"] = placing.crs;
   if (placing.any) report["placement"] = placing_json(placing, points);
 }
 
 std::string with_placing(std::string report, const Placing& placing,
                          const cullhull::PointView& points) {
-  if (!placing.any && !placing.skipped) return report;
+  if (!placing.any && !placing.skipped && placing.crs.empty()) return report;
   Json json = Json::parse(report);
   add_placing(json, placing, points);
   return cullhull::internal::json_text(json);

@@ -1,5 +1,5 @@
 // What the coordinates of a run are, for its summary and its report: of files with scale and offset
-// (LAS).
+// (LAS), and of those that state a coordinate reference system.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +18,7 @@ struct Placing {
   cullhull::Grid grid;            ///< whose units the run computed in; empty: rounded doubles
   bool any = false;               ///< whether a file has a placement; otherwise nothing is reported
   bool raw = false;               ///< --raw: the files' own numbers
+  std::string crs{};  ///< the coordinate reference system, as crs_code spells it; empty: unknown
   /// With --skip-nan the number of points left out.
   std::optional<std::uint64_t> skipped = {};
 };
@@ -41,14 +42,18 @@ std::string with_placing(std::string report, const Placing& placing,
 /// "skipped    12 points with NaN\n"; empty without --skip-nan.
 std::string skipped_line(const Placing& placing);
 
-/// skipped_line() and "units      exact on the grid of 0.001; scale ..., offset ...\nextent ...\n";
-/// empty unless `placing.any`. `points`: those whose box is the extent, in the world.
+/// "crs        EPSG:25832\n", where it is known; skipped_line(); and "units      exact on the grid
+/// of 0.001; scale ..., offset ...\nextent     ...\n", where `placing.any`. `points`: those whose
+/// box is the extent, in the world.
 std::string units_lines(const Placing& placing, const cullhull::PointView& points);
+
+/// The system alone, as a line of a summary.
+std::string crs_line(const Placing& placing);
 
 /// The member "placement" of a report (docs/cullhull.schema.json).
 nlohmann::ordered_json placing_json(const Placing& placing, const cullhull::PointView& points);
 
-/// A report with that member, where there is something to tell.
+/// A report with that member and "crs", where there is something to report.
 std::string with_placing(std::string report, const Placing& placing,
                          const cullhull::PointView& points);
 void add_placing(nlohmann::ordered_json& report, const Placing& placing,

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "checkpoint.hpp"
+#include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "measure.hpp"
 #include "signals.hpp"
@@ -172,6 +173,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     result.read = cullhull::visit_blocks(files, visitor, blocks);
     result.state = hull.state();
   });
+  result.read.format = users_format(files[0], result.read.format);
   result.report = hull.report();
   result.seconds = watch.seconds();
   return result;
@@ -202,6 +204,7 @@ cullhull::BlockSummary stream_blocks(
   if (skipped) visitor.skipped = [&](std::uint64_t, std::uint64_t count) { skipped(count); };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
+  summary.format = users_format(files[0], summary.format);
   return summary;
 }
 

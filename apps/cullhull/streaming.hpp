@@ -46,8 +46,9 @@ struct StreamArguments {
 };
 
 /// Of points that were read in blocks.
-inline Placing placing_of(const cullhull::BlockSummary& read, bool raw, bool skip_nan) {
-  Placing placing{read.placement, read.grid, read.any_placed, raw};
+inline Placing placing_of(const cullhull::BlockSummary& read, bool raw, bool skip_nan,
+                          const std::string& crs) {
+  Placing placing{read.placement, read.grid, read.any_placed, raw, crs};
   if (skip_nan) placing.skipped = read.end.skipped;
   return placing;
 }
@@ -57,11 +58,12 @@ struct Streamed {
   cullhull::BlockSummary read;
   cullhull::StreamReport report;
   double seconds = 0;
-  bool raw = false;  ///< as InputArguments::raw
+  bool raw = false;   ///< as InputArguments::raw
+  std::string crs{};  ///< as InputArguments::crs
 
   bool skip_nan = false;  ///< as InputArguments::skip_nan
 
-  Placing placing() const { return placing_of(read, raw, skip_nan); }
+  Placing placing() const { return placing_of(read, raw, skip_nan, crs); }
 };
 
 /// The state of all points of the inputs; with checkpoints and progress as requested.

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "system.hpp"
@@ -105,15 +106,17 @@ void keep_standard_streams() {
 }
 
 void write_stdout(std::string_view text) {
-  if (const int error = write_all(system::standard_output, text); error != 0)
+  if (const int error = write_all(system::standard_output, in_users_names(text)); error != 0)
     throw cullhull::Error(cullhull::ErrorCode::io,
                           "cannot write to standard output: " + reason(error));
 }
 
-void write_stderr(std::string_view text) { (void)write_all(system::standard_error, text); }
+void write_stderr(std::string_view text) {
+  (void)write_all(system::standard_error, in_users_names(text));
+}
 
 void complain(std::string_view message) {
-  const std::string line = "cullhull: " + printable(message) + '\n';
+  const std::string line = "cullhull: " + printable(in_users_names(message)) + '\n';
   // Where another thread ends the program, its line is the last.
   int state = line_state;
   do {

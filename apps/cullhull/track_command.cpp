@@ -291,7 +291,7 @@ bool track_frame(const TrackArguments& arguments, const FrameNames& names,
   }
   if (names.wanted())
     cullhull::write_hull(names.of(sequence.index(), points.dimension), frame.points(), hull, "",
-                         arguments.faces.faces());
+                         arguments.faces.faces(), {cullhull::file_crs(sequence.name()), {}});
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -18,6 +19,8 @@
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "cullhull/voronoi.hpp"
+#include "io/formats/crs.hpp"
+#include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
@@ -80,7 +83,7 @@ struct DualArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs, formats;
-  std::string weights, heights, json, measures, box, clip, edges;
+  std::string weights, heights, json, measures, box, clip, edges, keep;
   bool furthest = false, certify = false, inside = false;
   FacesArguments faces;
   std::vector<std::string> files;  ///< that the words of the input stand for
@@ -136,8 +139,17 @@ std::vector<double> read_numbers(const DualArguments& a, const char* option,
   return numbers;
 }
 
-/// "FILE:LINE" of an edge, or "FILE" where it has no line.
+/// Whether the name is one of GeoJSON, compressed or not.
+bool is_geojson(const std::string& file) {
+  std::filesystem::path name(file);
+  if (const std::string ending = ending_of(file); ending == ".gz" || ending == ".zst")
+    name.replace_extension();
+  return ending_of(name.string()) == ".geojson";
+}
+
+/// "FILE:LINE" of an edge, or "FILE" where it has no line of its own.
 std::string place_of_edge(const DualArguments& a, std::uint64_t edge) {
+  if (is_geojson(a.edges)) return input_name(a.edges);
   const auto line = cullhull::line_of_point(a.edges, edge);
   return input_name(a.edges) + (line ? ":" + std::to_string(*line) : "");
 }
@@ -146,8 +158,54 @@ std::string place_of_edge(const DualArguments& a, std::uint64_t edge) {
   throw Error(ErrorCode::bad_file, place_of_edge(a, edge), ": edge ", edge, " has ", has);
 }
 
-/// Pairs of numbers of points, a pair a line.
+/// Refuses a file that `option` names in another system than the points.
+void check_same_crs(const DualArguments& a, const char* option, const std::string& file) {
+  const std::string& crs = a.input.crs;
+  if (crs.empty()) return;
+  const std::string other = cullhull::file_crs(file);
+  const auto is_wgs84 = cullhull::internal::is_wgs84;
+  if (other.empty() || other == crs || (is_wgs84(other) && is_wgs84(crs))) return;
+  throw Error(ErrorCode::bad_file, option, ' ', file, ": states ", other,
+              ", but the points are in ", crs);
+}
+
+/// The segments of lines whose corners are points, by the points' ids; of equal points the first.
+std::vector<std::uint32_t> read_line_edges(const DualArguments& a, const Input& input) {
+  check_same_crs(a, "--edges", a.edges);
+  const cullhull::Polygons lines = cullhull::read_lines(a.edges);
+  const PointView& points = input.points;
+  if (points.dimension != 2)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--edges needs 2D points, but these are {}D; --columns x,y leaves the "
+                            "height out",
+                            points.dimension));
+  const cullhull::Grid& grid = input.placing.grid;
+  std::map<std::pair<double, double>, std::uint32_t> ids;
+  for (std::uint64_t i = 0; i < points.count; ++i)
+    if (!input.skipped.contains(i))
+      ids.emplace(std::pair{grid.to_world(points.at(i, 0)), grid.to_world(points.at(i, 1))},
+                  static_cast<std::uint32_t>(i));
+  std::vector<std::uint32_t> edges;
+  for (std::size_t line = 0; line + 1 < lines.ring_offsets.size(); ++line) {
+    std::optional<std::uint32_t> before;
+    for (std::uint64_t i = lines.ring_offsets[line]; i < lines.ring_offsets[line + 1]; ++i) {
+      const double x = lines.corners[2 * i], y = lines.corners[2 * i + 1];
+      const auto found = ids.find({x, y});
+      if (found == ids.end())
+        throw Error(ErrorCode::bad_file,
+                    fmt::format("--edges {}: line {} has a corner at {} {}, where no point is; "
+                                "corners of lines must be points (INPUT may be several files)",
+                                a.edges, line, x, y));
+      if (before && *before != found->second) edges.insert(edges.end(), {*before, found->second});
+      before = found->second;
+    }
+  }
+  return edges;
+}
+
+/// Pairs of numbers of points, a pair a line; or the segments of GeoJSON's lines.
 std::vector<std::uint32_t> read_edges(const DualArguments& a, const Input& of) {
+  if (is_geojson(a.edges)) return read_line_edges(a, of);
   const std::uint64_t count = of.points.count;
   InputArguments from;
   from.path = a.edges;
@@ -235,6 +293,7 @@ Box box_of(const DualArguments& a, const PointView& points, const cullhull::Grid
 
 /// On the points' grid.
 cullhull::Polygons read_region(const DualArguments& a, const cullhull::Grid& grid) {
+  check_same_crs(a, "--clip", a.clip);
   cullhull::Polygons region = cullhull::read_polygons(a.clip);
   for (double& x : region.corners) x = grid.to_grid(x);
   return region;
@@ -415,11 +474,13 @@ void write_results(const DualArguments& a, const Input& input, const DualOutcome
   const PointView& points = input.points;
   for (const std::string& path : a.outputs) {
     if (!out.voronoi)
-      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights);
+      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights,
+                                    {input.placing.crs, {}});
     else if (ending_of(path) == ".json" || path == "-")
       cullhull::write_voronoi(path, *out.voronoi);
     else
-      cullhull::write_cells(path, *out.cells, "", a.faces.faces());
+      cullhull::write_cells(path, *out.cells, "", a.faces.faces(),
+                            {input.placing.crs, kept_columns(a.keep, a.input, a.files, a.run)});
   }
   if (!a.measures.empty()) {
     const std::uint64_t n = out.cells->measures.size();
@@ -474,6 +535,7 @@ int run(DualArguments a, bool dual) {
       plan.writes("-o", path, {OutputKind::voronoi, OutputKind::cells});
     else
       plan.writes("-o", path, {OutputKind::triangulation});
+  check_keep(a.keep, a.files, a.outputs, {".geojson"});
   plan.writes("--measures", a.measures, {OutputKind::ids});
   plan.writes_json(a.json);
   if (!a.formats.empty()) plan.prints("--format");
@@ -521,6 +583,7 @@ Parser& add_common(Parser& parent, const char* name, const char* about, const ch
                    bool dual, DualArguments& a) {
   Parser& command = *parent.add_subcommand(name, about);
   a.input.add_many_to(command);
+  add_crs_option(command, a.input.crs);
   needs_value(*command.add_option("--weights", a.weights,
                                   "Weights of the points: a column of INPUT, or a file with one\n"
                                   "number per point"))
@@ -555,8 +618,9 @@ Command add_delaunay(Parser& parent) {
       "Furthest-site triangulation: the sphere of a cell encloses all\npoints", false, *a);
   command.group("Input");
   needs_value(*command.add_option("--edges", a->edges,
-                                  "Constraint edges of 2D points: a file of pairs of ids, from 0;\n"
-                                  "a point on an edge splits it"))
+                                  "Constraint edges of 2D points: a file of pairs of ids, from 0,\n"
+                                  "or a .geojson of lines whose corners are points; a point on an\n"
+                                  "edge splits it"))
       .type_name("FILE");
   needs_value(*command.add_option("--height", a->heights,
                                   "Heights of 2D points, kept in meshes, .vtk and .json: a column\n"
@@ -591,6 +655,7 @@ Command add_voronoi(Parser& parent) {
   needs_value(*command.add_option("--measures", a->measures,
                                   "Write the length, area or volume of each clipped cell"))
       .type_name("FILE");
+  add_keep_option(command, a->keep, "of each cell's point, to .geojson");
   command.footer(std::string(input_footer) + "\n\n" + voronoi_footer);
   return [a] { return run(*a, true); };
 }

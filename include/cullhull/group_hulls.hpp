@@ -31,7 +31,8 @@ struct GroupReport {
 /// Memory: twice the points, plus 4 bytes per point and about 40 per group; Error{out_of_budget}
 /// beyond options.memory_budget. Throws what visit_blocks, convex_hulls and write_hull throw.
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
-                              const BlockOptions& reading, const Options& options = {});
+                              const BlockOptions& reading, const Options& options = {},
+                              const MapExtras& extras = {});
 
 /// Writes the hulls of a batch in the same formats: set i is the group of the key `keys[i]`. For
 /// the same points and keys the bytes are those of the function above. Groups of equal keys keep
@@ -41,7 +42,8 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
 /// coordinates and for a format that cannot hold the hulls; Error{io}.
 void write_group_hulls(const std::string& path, const HullBatch& hulls,
                        std::span<const double> vertex_coordinates, const PointKeys& keys,
-                       const std::string& key_name = "key", const std::string& format = "");
+                       const std::string& key_name = "key", const std::string& format = "",
+                       const MapExtras& extras = {});
 
 }  // namespace cullhull::inline v1
 #pragma GCC visibility pop

@@ -242,6 +242,37 @@ enum class Faces {
   by_format,
 };
 
+/// The keys (ReadOptions::key) of points, concatenated.
+struct PointKeys {
+  std::string text;
+  std::vector<std::uint64_t> ends;  ///< end of each key in `text`
+
+  std::size_t size() const noexcept { return ends.size(); }
+  std::string_view operator[](std::size_t i) const {
+    const auto begin = static_cast<std::size_t>(i > 0 ? ends[i - 1] : 0);
+    return std::string_view(text).substr(begin, static_cast<std::size_t>(ends[i]) - begin);
+  }
+  void add(std::string_view key) {
+    text += key;
+    ends.push_back(text.size());
+  }
+};
+
+/// A value for each point, to be written beside what belongs to one point.
+struct PointColumn {
+  std::string name;
+  PointKeys values;      ///< one per point of the input; an empty one is missing
+  bool numeric = false;  ///< whether all values are JSON numbers, or missing
+};
+
+/// What programs for maps want to know beside the shapes. Files that hold only shapes leave it out.
+struct MapExtras {
+  /// The coordinate reference system, as crs_code spells it: the member `crs` of .geojson, as GDAL
+  /// writes it; for WGS 84 there is none (RFC 7946). Empty: unknown.
+  std::string crs;
+  std::vector<PointColumn> columns;  ///< where a writer says that it takes some
+};
+
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson
 /// .wkt .json .txt) or in `format`: one of these names or of qhull_formats(). The bytes depend only
 /// on points and hull, so .json holds the result without times. The file appears complete or not at
@@ -249,15 +280,17 @@ enum class Faces {
 /// Throws Error{invalid_argument} if the format cannot hold the hull's dimension, Error{io} with
 /// the system's reason.
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::by_format);
+                const std::string& format = "", Faces faces = Faces::by_format,
+                const MapExtras& extras = {});
 /// The same with the coordinates that the hull carries (Options::with_coordinates). Throws
 /// Error{invalid_argument} for formats that list every point and for a hull without coordinates.
 void write_hull(const std::string& path, const Hull& hull, const std::string& format = "",
-                Faces faces = Faces::by_format);
+                Faces faces = Faces::by_format, const MapExtras& extras = {});
 /// The same bytes from the points' state and its hull(). Throws Error{invalid_argument} for formats
 /// that list every point.
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format = "", Faces faces = Faces::by_format);
+                const std::string& format = "", Faces faces = Faces::by_format,
+                const MapExtras& extras = {});
 
 /// For a handler of SIGINT or SIGTERM (async-signal-safe): removes the temporary files of
 /// unfinished writers.
@@ -317,11 +350,14 @@ void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
 
 /// Writes the points with these ids, in that order: .npy and .ply keep the scalar type (.ply: 2D
 /// and 3D); .xyz, .txt and .csv are decimals that read back as the same numbers, .csv after a line
-/// of column names. Throws as write_ids does.
+/// of column names; .geojson (2D and 3D) has a Point for each, with its id. The columns of `extras`
+/// go into .csv and .geojson; other formats refuse them. Throws as write_ids does.
 void write_points(const std::string& path, const PointView& points,
-                  const std::vector<std::uint64_t>& ids, const std::string& format = "");
+                  const std::vector<std::uint64_t>& ids, const std::string& format = "",
+                  const MapExtras& extras = {});
 /// The same for the extreme points that a state holds.
-void write_points(const std::string& path, const HullState& state, const std::string& format = "");
+void write_points(const std::string& path, const HullState& state, const std::string& format = "",
+                  const MapExtras& extras = {});
 
 /// Writes the records of the LAS file `las` (any name that open_points accepts) with these ids,
 /// ascending, as a LAS file. All fields of these records, scale, offset, point format and other

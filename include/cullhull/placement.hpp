@@ -1,5 +1,6 @@
 // How the integers of a scan map to coordinates: scale and offset of each axis, and the grid on
-// which points of several files are computed exactly. Part of cullhull::io.
+// which points of several files are computed exactly; and the coordinate reference systems that
+// files state. Part of cullhull::io.
 #pragma once
 
 #include <string>
@@ -96,6 +97,27 @@ void to_world(std::vector<double>& numbers, const Grid& grid);
 /// which they were computed. Empty if an input is not a regular file. Throws what open_points
 /// throws.
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options);
+
+/// A coordinate reference system as AUTHORITY:CODE ("EPSG:25832", "OGC:CRS84"), of such a text or
+/// of a URN or URL of the OGC ("urn:ogc:def:crs:EPSG::25832"). Empty for any other text.
+std::string crs_code(const std::string& text);
+/// The same of a WKT (1 or 2): of its projected system, else of its geographic one. Systems without
+/// a code are known by name where they are UTM zones of WGS 84, ETRS89 and NAD83, Web Mercator, WGS
+/// 84 or ETRS89.
+std::string crs_of_wkt(const std::string& wkt);
+
+/// The coordinate reference system that a file states: .las in its GeoTIFF keys or WKT, GeoJSON in
+/// its member `crs`, both also compressed; any file in a .prj of its name (a.prj beside a.csv).
+/// Empty where it states none that has a code, for standard input, and for what cannot be read.
+std::string file_crs(const std::string& path);
+
+/// The system of several inputs, as file_crs finds it.
+struct CommonCrs {
+  std::string crs;    ///< the one that all inputs state that state any; empty: none, or several
+  std::string first;  ///< an input that states one
+  std::string other;  ///< an input that states another; empty: there is none
+};
+CommonCrs common_crs(const std::vector<std::string>& files);
 
 }  // namespace cullhull::inline v1
 #pragma GCC visibility pop

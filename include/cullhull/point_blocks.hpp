@@ -28,22 +28,6 @@ struct BlockPosition {
   friend bool operator==(const BlockPosition&, const BlockPosition&) = default;
 };
 
-/// The keys (ReadOptions::key) of the points of a block, concatenated.
-struct PointKeys {
-  std::string text;
-  std::vector<std::uint64_t> ends;  ///< end of each key in `text`
-
-  std::size_t size() const noexcept { return ends.size(); }
-  std::string_view operator[](std::size_t i) const {
-    const auto begin = static_cast<std::size_t>(i > 0 ? ends[i - 1] : 0);
-    return std::string_view(text).substr(begin, static_cast<std::size_t>(ends[i]) - begin);
-  }
-  void add(std::string_view key) {
-    text += key;
-    ends.push_back(text.size());
-  }
-};
-
 /// Functions that receive the blocks. If one throws, reading ends and the error of the lowest block
 /// is thrown; not_finite then also names the file.
 struct BlockVisitor {

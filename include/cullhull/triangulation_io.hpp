@@ -27,16 +27,14 @@ namespace cullhull::inline v1 {
 /// are not one finite number per point; Error{io}.
 void write_triangulation(const std::string& path, const PointView& points,
                          const Triangulation& triangulation, const std::string& format = "",
-                         std::span<const double> heights = {});
+                         std::span<const double> heights = {}, const MapExtras& extras = {});
 
 /// Writes the polygons of clipped cells (in 3D their faces): .ply .obj .off .vtp, and in 2D
-/// .geojson and .wkt, one or several polygons per point, with holes. `faces` (by default
-/// Faces::by_format): whether a mesh holds polygons or triangles. Polygons of a mesh have no holes:
-/// Error{invalid_argument} for cells that have. Files and errors as above.
-void write_cells(const std::string& path, const ClippedCells& cells,
-                 const std::string& format = "");
-void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format,
-                 Faces faces);
+/// .geojson and .wkt, one or several polygons per point, with holes. `faces`: whether a mesh holds
+/// polygons or triangles. Polygons of a mesh have no holes: Error{invalid_argument} for cells that
+/// have. The columns of `extras` go into .geojson. Files and errors as above.
+void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format = "",
+                 Faces faces = Faces::by_format, const MapExtras& extras = {});
 
 /// Writes the diagram as .json. File and errors as above.
 void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::string& format = "");
@@ -48,7 +46,7 @@ void write_voronoi(const std::string& path, const Voronoi& voronoi, const std::s
 /// no alpha (null in .json).
 void write_alpha_shape(const std::string& path, const PointView& points,
                        const Triangulation& triangulation, const AlphaShape& shape, double alpha,
-                       const std::string& format = "");
+                       const std::string& format = "", const MapExtras& extras = {});
 /// Throws, before the work, what write_alpha_shape would throw for this name.
 void check_alpha_shape_format(const std::string& path, std::uint32_t dimension);
 
@@ -64,6 +62,11 @@ struct Polygons {
   /// A view for clip_voronoi; valid as long as this object.
   PolygonRings rings() const;
 };
+
+/// Reads the lines of a GeoJSON file as read_polygons does: LineString, MultiLineString, and the
+/// rings of polygons, whose first corner is then the last again. Skips points. Each line is a ring
+/// of the result.
+Polygons read_lines(const std::string& path);
 
 /// Reads all polygons of a GeoJSON file, also .gz and .zst (`-`: standard input): Polygon,
 /// MultiPolygon, collections of them, and features. Skips points, lines and third coordinates.

@@ -101,7 +101,7 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
   const Folder f;
   const std::string absent = f / "absent.npy";  // the name is judged before the input is opened
   expect_refused(f, {"cull", absent, "-o", f / "s.obj"},
-                 "must end in .npy, .ply, .las, .csv, .xyz or .txt");
+                 "must end in .npy, .ply, .las, .geojson, .csv, .xyz or .txt");
   expect_refused(f, {"cull", absent, "-o", f / "s"}, "must end in");
   expect_refused(f, {"cull", absent, "--points", f / "s.off"}, "must end in");
   expect_refused(f, {"hull", absent, "-o", f / "h.npy"},

@@ -221,6 +221,7 @@ ROWS = (
             (False, _s(".xyz", texts.points_txt), _s(".txt", texts.points_txt)),
             (False, _s(".csv", texts.ids_csv), _s(".xyz", texts.points_txt)),
             (False, _s(".txt", texts.ids_txt), _s(".ply", texts.ply, mesh)),
+            (False, _s(".geojson", texts.geojson, PLANE), _s(".geojson", texts.geojson, PLANE)),
         )
     ),
     Row("cull --partial", ("cull", "-q"), (STATE,), ways=IN_BLOCKS, doors="main"),
@@ -491,6 +492,8 @@ OPTIONS_ELSEWHERE = {
     "--keep-going": "frames that are not finite: cli_track_test",
     "--inside": "needs rings: the tests of constrained edges",
     "--by": "groups: cli_groups_test and test_groups",
+    "--crs": "what programs for maps want: cli_maps_test",
+    "--keep": "columns beside points: cli_maps_test and test_maps",
     "--edge-length": "the number that --ratio stands for",
     "--raw": "numbers of scans without their scale: cli_las_test",
     "--skip-nan": "points without a return: cli_skip_nan_test",

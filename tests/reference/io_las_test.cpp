@@ -70,19 +70,71 @@ std::string geo_keys(const std::vector<std::pair<unsigned, unsigned>>& keys, int
   return vlr(34735, b);
 }
 
-/// What a file with these records names as the unit of x and y.
-std::string unit_of(const std::vector<std::string>& records) {
+/// A file with these records behind its header.
+std::string with_records(const std::vector<std::string>& records) {
   std::string all;
   for (const std::string& r : records) all += r;
-  const testing::TemporaryFolder folder;
   Las las;
   las.offset = static_cast<unsigned>(227 + all.size());
   std::string bytes = las.bytes();
   bytes.replace(100, 4, testing::bytes_of(static_cast<std::uint32_t>(records.size())));
   bytes.replace(227, all.size(), all);
-  const PointFile file = open_points(folder.write("a.las", bytes));
+  return bytes;
+}
+
+/// What a file with these records names as the unit of x and y.
+std::string unit_of(const std::vector<std::string>& records) {
+  const testing::TemporaryFolder folder;
+  const PointFile file = open_points(folder.write("a.las", with_records(records)));
   EXPECT_FALSE(file.placement().empty());
   return file.placement().unit;
+}
+
+TEST(IoLas, SystemsByGeoTiffKeysAndWkt) {
+  const testing::TemporaryFolder folder;
+  const auto crs_of = [&](const std::vector<std::string>& records) {
+    return file_crs(folder.write("a.las", with_records(records)));
+  };
+  constexpr unsigned model = 1024, on_earth = 2048, in_plane = 3072, wkt = 2112;
+  EXPECT_EQ(crs_of({}), "");
+  EXPECT_EQ(crs_of({geo_keys({{in_plane, 25832}})}), "EPSG:25832");
+  EXPECT_EQ(crs_of({geo_keys({{model, 1}, {on_earth, 4258}, {in_plane, 25832}})}), "EPSG:25832");
+  EXPECT_EQ(crs_of({geo_keys({{model, 2}, {on_earth, 4258}})}), "EPSG:4258");
+  EXPECT_EQ(crs_of({geo_keys({{model, 1}, {in_plane, 32767}})}), "") << "user-defined";
+  EXPECT_EQ(crs_of({geo_keys({{model, 1}, {in_plane, 0}})}), "");
+  EXPECT_EQ(crs_of({geo_keys({{model, 1}, {in_plane, 25832}}, 1)}), "");
+  const std::string of_wkt = R"(PROJCS["p",GEOGCS["g",AUTHORITY["EPSG","4258"]],)"
+                             R"(AUTHORITY["EPSG","25833"]])";
+  EXPECT_EQ(crs_of({vlr(wkt, of_wkt)}), "EPSG:25833");
+  EXPECT_EQ(crs_of({geo_keys({{in_plane, 25832}}), vlr(wkt, of_wkt)}), "EPSG:25833");
+  EXPECT_EQ(crs_of({geo_keys({{in_plane, 25832}}), vlr(wkt, "PROJCS[\"p\"]")}), "EPSG:25832");
+  EXPECT_EQ(crs_of({vlr(wkt, of_wkt, "someone_else")}), "");
+  // Cut short anywhere: the readers say so.
+  const std::string whole = with_records({vlr(wkt, of_wkt)});
+  for (std::size_t size = 0; size < 227 + 54 + of_wkt.size(); size += 7)
+    EXPECT_EQ(file_crs(folder.write("b.las", whole.substr(0, size))), "");
+}
+
+TEST(IoLas, SystemBehindThePoints) {
+  const testing::TemporaryFolder folder;
+  const std::string of_wkt = R"(PROJCRS["p",ID["EPSG",25833]])";
+  std::string bytes = Las{.minor = 4, .format = 6}.bytes();
+  const auto add = [&](const std::string& user, unsigned id, const std::string& contents) {
+    std::string head(60, '\0');
+    head.replace(2, user.size(), user);
+    head.replace(18, 2, testing::bytes_of(static_cast<std::uint16_t>(id)));
+    head.replace(20, 8, testing::bytes_of(static_cast<std::uint64_t>(contents.size())));
+    bytes += head + contents;
+  };
+  bytes.replace(235, 8, testing::bytes_of(static_cast<std::uint64_t>(bytes.size())));
+  bytes.replace(243, 4, testing::bytes_of(std::uint32_t{2}));
+  add("other", 7, "abc");
+  add("LASF_Projection", 2112, of_wkt);
+  EXPECT_EQ(file_crs(folder.write("a.las", bytes)), "EPSG:25833");
+  for (std::size_t cut = 1; cut < 180; cut += 11)
+    EXPECT_EQ(file_crs(folder.write("a.las", bytes.substr(0, bytes.size() - cut))), "");
+  bytes.replace(235, 8, testing::bytes_of(~std::uint64_t{0} - 10));
+  EXPECT_EQ(file_crs(folder.write("a.las", bytes)), "");
 }
 
 TEST(IoLas, UnitsByGeoTiffKeys) {
@@ -206,7 +258,8 @@ TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
     const std::string path = folder.write("a.las", las.bytes());
     EXPECT_EQ(
         testing::error_whole_and_in_blocks(path),
-        path + ": byte " + say + ", which gives no coordinates; --raw (Python: raw=True) reads the stored integers");
+        path + ": byte " + say +
+            ", which gives no coordinates; --raw (Python: raw=True) reads the stored integers");
     // Beside a good tile, whose grid the report would have claimed for both.
     const std::string good = folder.write("good.las", Las().bytes());
     ReadOptions on_grid;

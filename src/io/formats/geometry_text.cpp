@@ -130,7 +130,21 @@ void append_wkt(std::string& out, const PlanePolygons& polygons) {
   out += ")";
 }
 
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format) {
+void append_property(std::string& out, const PointColumn& column, std::uint64_t point) {
+  out += ", ";
+  append_json_string(out, column.name);
+  out += ": ";
+  const std::string_view value = column.values[point];
+  if (value.empty())
+    out += "null";
+  else if (column.numeric)
+    out += value;
+  else
+    append_json_string(out, value);
+}
+
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
+                          const std::string& crs) {
   if (hull.dimension != 2)
     throw Error(ErrorCode::invalid_argument, ".", format, " holds hulls of 2D points, not ",
                 hull.dimension, "D; meshes hold 3D, .json any");
@@ -142,7 +156,7 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
     append_wkt(out, boundary);
     return out + '\n';
   }
-  out = "{\"type\": \"Feature\", \"properties\": {\"points\": ";
+  out = "{\"type\": \"Feature\", " + crs_member(crs) + "\"properties\": {\"points\": ";
   append_number(out, hull.point_count);
   const PlaneMeasures m = measures_of(hull);
   for (const auto& [name, value] : {std::pair{"perimeter", m.perimeter}, {"area", m.area}}) {

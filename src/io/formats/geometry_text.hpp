@@ -10,6 +10,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "io/coordinates.hpp"
+#include "io/formats/crs.hpp"
 #include "io/source.hpp"
 #include "io/write/output_text.hpp"
 
@@ -32,23 +33,32 @@ using PlanePolygons = std::vector<PlaneRings>;
 void append_geojson(std::string& out, const PlanePolygons& polygons);
 void append_wkt(std::string& out, const PlanePolygons& polygons);
 
-/// The whole file for one hull: a Feature with its measures, or one line. Error{invalid_argument}
-/// unless the points are 2D.
-std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format);
+/// The whole file for one hull: a Feature with its measures, or one line. `crs`: as in MapExtras.
+/// Error{invalid_argument} unless the points are 2D.
+std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
+                          const std::string& crs);
 
-/// Writes a collection of polygons, each with its number under `name`; rings(i): those of polygon
-/// i.
+/// Adds a kept value to properties: a JSON number unchanged, null for an empty one, else a string.
+void append_property(std::string& out, const PointColumn& column, std::uint64_t point);
+
+/// Writes a collection of polygons, each with its number under `name` and in GeoJSON the values of
+/// `extras`; rings(i): those of polygon i.
 template <class Rings>
 void write_map(const std::string& path, const std::string& f, std::uint64_t count, const char* name,
-               const Rings& rings) {
+               const MapExtras& extras, const Rings& rings) {
   OutputText out(path);
   const bool geojson = f == "geojson";
-  out.add(geojson ? "{\"type\": \"FeatureCollection\", \"features\": [" : "GEOMETRYCOLLECTION ");
-  if (!geojson) out.add(count == 0 ? "EMPTY" : "(");
+  if (geojson)
+    out.add("{\"type\": \"FeatureCollection\", ")
+        .add(crs_member(extras.crs))
+        .add("\"features\": [");
+  else
+    out.add("GEOMETRYCOLLECTION ").add(count == 0 ? "EMPTY" : "(");
   for (std::uint64_t i = 0; i < count; ++i) {
     if (i > 0) out.add(geojson ? "," : ", ");
     if (geojson) {
       out.add("\n{\"type\": \"Feature\", \"properties\": {\"").add(name).add("\": ").number(i);
+      for (const PointColumn& column : extras.columns) append_property(out.text(), column, i);
       out.add("}, \"geometry\": ");
       append_geojson(out.text(), rings(i));
       out.add("}");
@@ -62,7 +72,7 @@ void write_map(const std::string& path, const std::string& f, std::uint64_t coun
 
 // Polygons of GeoJSON (RFC 7946).
 
-/// As the public read_polygons.
-Polygons read_polygons(const Source& source);
+/// As the public read_polygons; `lines`: as read_lines.
+Polygons read_polygons(const Source& source, bool lines = false);
 
 }  // namespace cullhull::internal::inline io

@@ -29,10 +29,14 @@ const std::vector<LasField>& las_fields(unsigned format);
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options);
 
-// The unit of a LAS file's coordinates, by its coordinate reference system.
+// The coordinate reference system of a LAS file, and the unit of its coordinates.
 
 /// "metre", "foot", "US survey foot", "degree", or the name that the WKT has for the unit of x and
 /// y; empty where the records behind the header, `count` from byte `begin` on, do not tell.
 std::string las_unit(const Source& head, std::size_t begin, std::size_t count);
+
+/// As file_crs; of the same records, or of the contents of one that has the WKT. `head`: the file
+/// from its first byte to its points.
+std::string las_crs(const Source& head);
 
 }  // namespace cullhull::internal::inline io

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "io/formats/crs.hpp"
 #include "io/formats/las_fields.hpp"
 #include "parallel/byte_order.hpp"
 
@@ -55,9 +57,7 @@ std::string unit_of_keys(std::string_view keys) {
 /// The unit of the projected system that a WKT names, else of the geographic one: the last among
 /// its direct members and those of its axes.
 std::string unit_of_wkt(std::string_view wkt) {
-  std::size_t at = std::string_view::npos;
-  for (const std::string_view kind : {"PROJCS[", "PROJCRS[", "GEOGCS[", "GEOGCRS["})
-    if (at == std::string_view::npos) at = wkt.find(kind);
+  std::size_t at = horizontal_system(wkt);
   if (at == std::string_view::npos) return "";
   std::string unit;
   bool quoted = false, of_axis = false;
@@ -83,19 +83,68 @@ std::string unit_of_wkt(std::string_view wkt) {
 
 }  // namespace
 
-std::string las_unit(const Source& head, std::size_t begin, std::size_t count) {
-  std::string of_keys, of_wkt;
+namespace {
+
+/// Calls `visit` with the number and the contents of each record of the projection, of `count`
+/// records from byte `begin` on.
+template <class Visit>
+void visit_projection(const Source& head, std::size_t begin, std::size_t count,
+                      const Visit& visit) {
   for (std::size_t at = begin; count-- > 0 && at + record_head <= head.size;) {
     const std::size_t size = load_little_endian<std::uint16_t>(head.data + at + 20);
     const auto id = load_little_endian<std::uint16_t>(head.data + at + 18);
     const bool projection = std::strncmp(head.data + at + 2, "LASF_Projection", 16) == 0;
     if (size > head.size - at - record_head) break;
-    const std::string_view contents(head.data + at + record_head, size);
-    constexpr unsigned geo_keys = 34735, wkt = 2112;
-    if (projection && id == geo_keys) of_keys = unit_of_keys(contents);
-    if (projection && id == wkt) of_wkt = unit_of_wkt(contents);
+    if (projection) visit(id, std::string_view(head.data + at + record_head, size));
     at += record_head + size;
   }
+}
+
+constexpr unsigned geo_keys_record = 34735, wkt_record = 2112;
+
+/// The code of the system that GeoTIFF keys name: the projected one, of a geographic model the
+/// geographic one.
+std::string crs_of_keys(std::string_view keys) {
+  constexpr unsigned model = 1024, geographic = 2, of_angles = 2048, projected = 3072;
+  constexpr unsigned user_defined = 32767;
+  const auto number = [&](std::size_t at) {
+    return unsigned{load_little_endian<std::uint16_t>(keys.data() + 2 * at)};
+  };
+  if (keys.size() < 8) return "";
+  unsigned kind = 0, on_earth = 0, in_plane = 0;
+  const std::size_t end = 4 + 4 * std::size_t{number(3)};
+  for (std::size_t at = 4; at < end && 2 * at + 8 <= keys.size(); at += 4) {
+    if (number(at + 1) != 0) continue;
+    const unsigned id = number(at), value = number(at + 3);
+    if (id == model) kind = value;
+    if (id == of_angles) on_earth = value;
+    if (id == projected) in_plane = value;
+  }
+  const unsigned code = kind == geographic ? on_earth : in_plane;
+  return code == 0 || code >= user_defined ? "" : "EPSG:" + std::to_string(code);
+}
+
+}  // namespace
+
+std::string las_unit(const Source& head, std::size_t begin, std::size_t count) {
+  std::string of_keys, of_wkt;
+  visit_projection(head, begin, count, [&](unsigned id, std::string_view contents) {
+    if (id == geo_keys_record) of_keys = unit_of_keys(contents);
+    if (id == wkt_record) of_wkt = unit_of_wkt(contents);
+  });
+  return of_wkt.empty() ? of_keys : of_wkt;
+}
+
+std::string las_crs(const Source& head) {
+  constexpr std::size_t oldest = 227;
+  if (head.size < oldest) return "";
+  const std::size_t begin = load_little_endian<std::uint16_t>(head.data + 94);
+  const std::size_t count = load_little_endian<std::uint32_t>(head.data + 100);
+  std::string of_keys, of_wkt;
+  visit_projection(head, begin, count, [&](unsigned id, std::string_view contents) {
+    if (id == geo_keys_record) of_keys = crs_of_keys(contents);
+    if (id == wkt_record) of_wkt = crs_of_wkt(std::string(contents));
+  });
   return of_wkt.empty() ? of_keys : of_wkt;
 }
 

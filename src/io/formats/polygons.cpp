@@ -1,4 +1,4 @@
-// Polygons of GeoJSON (RFC 7946).
+// Polygons and lines of GeoJSON (RFC 7946).
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -19,11 +19,13 @@ using nlohmann::json;
 
 class PolygonReader {
  public:
-  explicit PolygonReader(const std::string& name) : name_(name) {}
+  /// `lines`: also lines, which bound nothing.
+  PolygonReader(const std::string& name, bool lines) : name_(name), lines_(lines) {}
 
   Polygons read(const json& document) {
     add(document);
-    if (out_.ring_offsets.size() == 1) fault("there is no polygon in it");
+    if (out_.ring_offsets.size() == 1)
+      fault(lines_ ? "there is no line and no polygon in it" : "there is no polygon in it");
     return std::move(out_);
   }
 
@@ -52,6 +54,10 @@ class PolygonReader {
       add_polygon(member(object, "coordinates"));
     } else if (type == "MultiPolygon") {
       for (const json& polygon : list(member(object, "coordinates"))) add_polygon(polygon);
+    } else if (lines_ && type == "LineString") {
+      add_line(member(object, "coordinates"));
+    } else if (lines_ && type == "MultiLineString") {
+      add_polygon(member(object, "coordinates"));
     } else if (type != "Point" && type != "MultiPoint" && type != "LineString" &&
                type != "MultiLineString") {
       fault("not GeoJSON: its type is " + type.dump(-1, ' ', true).substr(0, 40));
@@ -62,29 +68,31 @@ class PolygonReader {
     return value;
   }
   void add_polygon(const json& rings) {
-    for (const json& ring : list(rings)) {
-      for (const json& position : list(ring)) {
-        if (!position.is_array() || position.size() < 2)
-          fault("ring " + std::to_string(out_.ring_offsets.size() - 1) +
-                " has a position without x and y");
-        for (unsigned j = 0; j < 2; ++j) {
-          if (!position[j].is_number() || !std::isfinite(position[j].get<double>()))
-            fault("ring " + std::to_string(out_.ring_offsets.size() - 1) +
-                  " has a coordinate that is no finite number");
-          out_.corners.push_back(position[j].get<double>());
-        }
+    for (const json& ring : list(rings)) add_line(ring);
+  }
+  void add_line(const json& line) {
+    const std::string which =
+        (lines_ ? "line " : "ring ") + std::to_string(out_.ring_offsets.size() - 1);
+    for (const json& position : list(line)) {
+      if (!position.is_array() || position.size() < 2)
+        fault(which + " has a position without x and y");
+      for (unsigned j = 0; j < 2; ++j) {
+        if (!position[j].is_number() || !std::isfinite(position[j].get<double>()))
+          fault(which + " has a coordinate that is no finite number");
+        out_.corners.push_back(position[j].get<double>());
       }
-      out_.ring_offsets.push_back(out_.corners.size() / 2);
     }
+    out_.ring_offsets.push_back(out_.corners.size() / 2);
   }
 
   const std::string& name_;
+  bool lines_;
   Polygons out_;
 };
 
 }  // namespace
 
-Polygons read_polygons(const Source& source) {
+Polygons read_polygons(const Source& source, bool lines) {
   json document;
   try {
     document = json::parse(source.data, source.data + source.size);
@@ -95,7 +103,7 @@ Polygons read_polygons(const Source& source) {
   } catch (const json::out_of_range&) {
     throw Error(ErrorCode::bad_file, source.name, ": not GeoJSON: a number out of range");
   }
-  return PolygonReader(source.name).read(document);
+  return PolygonReader(source.name, lines).read(document);
 }
 
 }  // namespace cullhull::internal::inline io
@@ -106,7 +114,9 @@ PolygonRings Polygons::rings() const {
   return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};
 }
 
-Polygons read_polygons(const std::string& path) {
+namespace {
+
+Polygons read_rings(const std::string& path, bool lines) {
   using namespace internal;
   const MappedFile file(path);
   Source source = file.source();
@@ -117,9 +127,14 @@ Polygons read_polygons(const std::string& path) {
         read_all(*unpack(packing, stream_of(bytes), source.name), source.name, {}, source.size);
     source.data = unpacked.as<char>();
   }
-  Polygons polygons = read_polygons(source);
+  Polygons polygons = internal::read_polygons(source, lines);
   file.check_size();
   return polygons;
 }
+
+}  // namespace
+
+Polygons read_polygons(const std::string& path) { return read_rings(path, false); }
+Polygons read_lines(const std::string& path) { return read_rings(path, true); }
 
 }  // namespace cullhull::inline v1

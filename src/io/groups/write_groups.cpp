@@ -9,6 +9,7 @@
 
 #include "cullhull/batch.hpp"
 #include "cullhull/group_hulls.hpp"
+#include "io/formats/crs.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/groups/collected.hpp"
 #include "io/json/json_writer.hpp"
@@ -59,10 +60,11 @@ struct GroupHull {
 class GroupRecords {
  public:
   GroupRecords(std::string format, std::string key_name, const JsonPoints& points,
-               std::string& text)
+               std::string& text, const MapExtras& extras)
       : format_(std::move(format)),
         key_name_(std::move(key_name)),
         points_(points),
+        crs_(extras.crs),
         dimension_(points.dimension),
         text_(text),
         json_(text) {
@@ -73,7 +75,7 @@ class GroupRecords {
 
   void begin() {
     if (format_ == "geojson") {
-      text_ += "{\"type\": \"FeatureCollection\", \"features\": [";
+      text_ += "{\"type\": \"FeatureCollection\", " + crs_member(crs_) + "\"features\": [";
     } else if (format_ == "csv") {
       append_csv(text_, key_name_);
       text_ += dimension_ == 2 ? ",points,vertices,perimeter,area,wkt\n"
@@ -190,6 +192,7 @@ class GroupRecords {
 
   std::string format_, key_name_;
   JsonPoints points_;
+  std::string crs_;
   std::uint32_t dimension_;
   std::string& text_;
   JsonWriter json_;
@@ -256,7 +259,8 @@ std::string name_of_key(const std::string& key) {
 namespace cullhull::inline v1 {
 
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
-                              const BlockOptions& reading, const Options& options) {
+                              const BlockOptions& reading, const Options& options,
+                              const MapExtras& extras) {
   using namespace internal;
   using Clock = std::chrono::steady_clock;
   if (reading.read.key.empty())
@@ -279,7 +283,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   report.read_seconds = std::chrono::duration<double>(sorted_at - start).count();
   std::string text;
   GroupRecords records(format, name_of_key(reading.read.key),
-                       {report.points, report.dimension, read.scalar}, text);
+                       {report.points, report.dimension, read.scalar}, text, extras);
   OutputFile out(path);
   write_slices(collected, sorted, records, text, read.grid, options, out);
   out.commit();
@@ -289,7 +293,8 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
 
 void write_group_hulls(const std::string& path, const HullBatch& hulls,
                        std::span<const double> vertex_coordinates, const PointKeys& keys,
-                       const std::string& key_name, const std::string& format) {
+                       const std::string& key_name, const std::string& format,
+                       const MapExtras& extras) {
   using namespace internal;
   if (keys.size() != hulls.size())
     throw Error(ErrorCode::invalid_argument, hulls.size(), " hulls have ", keys.size(), " keys");
@@ -301,7 +306,7 @@ void write_group_hulls(const std::string& path, const HullBatch& hulls,
       std::accumulate(hulls.point_counts.begin(), hulls.point_counts.end(), std::uint64_t{0});
   std::string text;
   GroupRecords records(checked_format(path, format), key_name,
-                       {points, hulls.dimension, hulls.scalar}, text);
+                       {points, hulls.dimension, hulls.scalar}, text, extras);
   const KeyOrder order(keys);
   const Grid grid;
   OutputFile out(path);

@@ -59,7 +59,7 @@ inline constexpr OutputFormat OutputFormat::all[] = {
     {".vtp", {hull, triangulation, cells}, Shape::mesh},
     {".vtk", {triangulation}},
     {".las", {records}},
-    {".geojson", {hull, group_hulls, triangulation, cells, made}, Shape::map},
+    {".geojson", {hull, group_hulls, triangulation, cells, points, made}, Shape::map},
     {".wkt", {hull, triangulation, cells, made}, Shape::map},
     {".csv", {group_hulls, ids, points, made}},
     {".json", {hull, group_hulls, triangulation, voronoi}},

@@ -64,10 +64,10 @@ std::vector<std::uint32_t> ends_of_parts(const PointView& points, const Triangul
 
 /// Points and lines, where no polygon has an area.
 void write_parts(const std::string& path, const std::string& f, const PointView& points,
-                 const Triangulation& t, const AlphaShape& shape) {
+                 const Triangulation& t, const AlphaShape& shape, const MapExtras& extras) {
   const std::vector<std::uint32_t> ends = ends_of_parts(points, t, shape);
   const std::size_t each = t.affine_dimension == 1 ? 2 : 1;
-  write_map(path, f, ends.size() / each, "region", [&](std::uint64_t i) {
+  write_map(path, f, ends.size() / each, "region", {extras.crs, {}}, [&](std::uint64_t i) {
     PlaneRings part(1);
     for (std::size_t end = i * each; end < (i + 1) * each; ++end)
       for (std::uint32_t j = 0; j < 2; ++j) part[0].push_back(points.at(ends[end], j));
@@ -76,9 +76,9 @@ void write_parts(const std::string& path, const std::string& f, const PointView&
 }
 
 void write_polygons(const std::string& path, const std::string& f, const PointView& points,
-                    const Triangulation& t, const AlphaShape& shape) {
+                    const Triangulation& t, const AlphaShape& shape, const MapExtras& extras) {
   const CellPolygons all = cell_polygons(points, t, shape.cells);
-  write_map(path, f, all.polygon_count(), "region", [&](std::uint64_t i) {
+  write_map(path, f, all.polygon_count(), "region", {extras.crs, {}}, [&](std::uint64_t i) {
     PlaneRings rings;
     for (std::uint64_t r = all.polygon_offsets[i]; r < all.polygon_offsets[i + 1]; ++r) {
       rings.emplace_back();
@@ -139,7 +139,8 @@ void check_alpha_shape_format(const std::string& path, std::uint32_t dimension) 
 }
 
 void write_alpha_shape(const std::string& path, const PointView& points, const Triangulation& t,
-                       const AlphaShape& shape, double alpha, const std::string& format) {
+                       const AlphaShape& shape, double alpha, const std::string& format,
+                       const MapExtras& extras) {
   require_triangulation_of(points, t);
   const auto below = [](const Array<std::uint32_t>& list, std::uint64_t end) {
     return std::all_of(list.begin(), list.end(), [end](std::uint32_t v) { return v < end; });
@@ -150,8 +151,8 @@ void write_alpha_shape(const std::string& path, const PointView& points, const T
   check(path, f, t.dimension);
   if (f == "json") return write_json(path, t, shape, alpha);
   if (f == "vtk") return write_vtk(path, points, t, shape.cells);
-  if (is_map(f) && t.affine_dimension < 2) return write_parts(path, f, points, t, shape);
-  if (is_map(f)) return write_polygons(path, f, points, t, shape);
+  if (is_map(f) && t.affine_dimension < 2) return write_parts(path, f, points, t, shape, extras);
+  if (is_map(f)) return write_polygons(path, f, points, t, shape, extras);
   write_mesh(path, f, mesh_of(points, t, shape));
 }
 

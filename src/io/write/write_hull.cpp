@@ -37,7 +37,7 @@ namespace {
 /// `Points`: PointView or HullState.
 template <class Points>
 void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
-                   const std::string& format, Faces faces) {
+                   const std::string& format, Faces faces, const MapExtras& extras) {
   using namespace internal;
   const Coordinates points(of);
   if (points.count != hull.point_count || points.dimension != hull.dimension)
@@ -50,7 +50,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
     out.commit();
   } else if (is_map(f)) {
-    write_text(path, geometry_file(points, hull, f));
+    write_text(path, geometry_file(points, hull, f, extras.crs));
   } else if (f == "txt") {
     // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
     std::string text = hull_to_qhull_text(of, hull, "p");
@@ -67,17 +67,18 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
 }  // namespace
 
 void write_hull(const std::string& path, const PointView& points, const Hull& hull,
-                const std::string& format, Faces faces) {
-  write_hull_of(path, points, hull, format, faces);
+                const std::string& format, Faces faces, const MapExtras& extras) {
+  write_hull_of(path, points, hull, format, faces, extras);
 }
 
-void write_hull(const std::string& path, const Hull& hull, const std::string& format, Faces faces) {
-  write_hull_of(path, HullState(hull), hull, format, faces);
+void write_hull(const std::string& path, const Hull& hull, const std::string& format, Faces faces,
+                const MapExtras& extras) {
+  write_hull_of(path, HullState(hull), hull, format, faces, extras);
 }
 
 void write_hull(const std::string& path, const HullState& state, const Hull& hull,
-                const std::string& format, Faces faces) {
-  write_hull_of(path, state, hull, format, faces);
+                const std::string& format, Faces faces, const MapExtras& extras) {
+  write_hull_of(path, state, hull, format, faces, extras);
 }
 
 }  // namespace cullhull::inline v1

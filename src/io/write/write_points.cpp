@@ -1,10 +1,12 @@
-// Ids of points, points by their ids (.npy, .ply, .csv, .txt, .xyz), and points in pieces.
+// Ids of points, points by their ids (.npy, .ply, .csv, .txt, .xyz, .geojson), and points in
+// pieces.
 #include <cstring>
 #include <memory>
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
+#include "io/formats/geometry_text.hpp"
 #include "io/json/json_text.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
@@ -48,19 +50,53 @@ void write_ply_points(OutputFile& out, const Coordinates& points,
   write_rows(out, points, ids);
 }
 
+/// A value of a .csv, in quotes where it needs them.
+void append_csv_value(std::string& out, std::string_view value) {
+  if (value.find_first_of("\",;\t\r\n#/ ") == std::string_view::npos) {
+    out += value;
+    return;
+  }
+  out += '"';
+  for (const char c : value) out += c == '"' ? "\"\"" : std::string(1, c);
+  out += '"';
+}
+
 /// Every number as a double: the shortest decimal of a 32-bit float would read back as another
 /// double.
 void write_text_points(OutputFile& out, const Coordinates& points,
-                       const std::vector<std::uint64_t>& ids, char separator) {
+                       const std::vector<std::uint64_t>& ids, char separator,
+                       const std::vector<PointColumn>& columns) {
   std::string line;
   for (const std::uint64_t id : ids) {
     line.clear();
     for (std::uint32_t j = 0; j < points.dimension; ++j) {
+      if (j > 0) line += separator;
       append_number(line, points.at(id, j));
-      line += j + 1 < points.dimension ? separator : '\n';
     }
-    out.write(line);
+    for (const PointColumn& column : columns)
+      append_csv_value(line += separator, column.values[id]);
+    out.write(line += '\n');
   }
+}
+
+/// A Point with its id for each.
+void write_geojson_points(OutputFile& out, const Coordinates& points,
+                          const std::vector<std::uint64_t>& ids, const MapExtras& extras) {
+  out.write("{\"type\": \"FeatureCollection\", " + crs_member(extras.crs) + "\"features\": [");
+  std::string line;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    line = i > 0 ? ",\n" : "\n";
+    line += "{\"type\": \"Feature\", \"properties\": {\"id\": ";
+    append_json_number(line, ids[i]);
+    for (const PointColumn& column : extras.columns) append_property(line, column, ids[i]);
+    line += "}, \"geometry\": {\"type\": \"Point\", \"coordinates\": [";
+    for (std::uint32_t j = 0; j < points.dimension; ++j) {
+      if (j > 0) line += ", ";
+      append_json_number(line, points.at(ids[i], j));
+    }
+    out.write(line += "]}}");
+  }
+  out.write("\n]}\n");
 }
 
 /// "x,y,z", or "x0,x1,..." beyond three dimensions.
@@ -101,22 +137,33 @@ void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
 namespace {
 
 void write_points_of(const std::string& path, const internal::Coordinates& points,
-                     const std::vector<std::uint64_t>& ids, const std::string& format) {
+                     const std::vector<std::uint64_t>& ids, const std::string& format,
+                     const MapExtras& extras) {
   using namespace internal;
   const std::string f = output_format(path, format, "npy");
   if (!holds(f, {OutputKind::points})) refuse_format(path, f, {OutputKind::points});
-  if (f == "ply" && points.dimension != 2 && points.dimension != 3)
-    throw Error(ErrorCode::invalid_argument, ".ply holds points of 2 and 3 dimensions, not of ",
+  if ((f == "ply" || f == "geojson") && points.dimension != 2 && points.dimension != 3)
+    throw Error(ErrorCode::invalid_argument, ".", f, " holds points of 2 and 3 dimensions, not of ",
                 points.dimension);
+  if (!extras.columns.empty() && f != "csv" && f != "geojson")
+    throw Error(ErrorCode::invalid_argument, ".", f,
+                " holds coordinates alone; .csv and .geojson hold columns beside them");
   OutputFile out(path);
   if (f == "npy") {
     out.write(npy_header(npy_descr(points.scalar).c_str(), {ids.size(), points.dimension}));
     write_rows(out, points, ids);
   } else if (f == "ply") {
     write_ply_points(out, points, ids);
+  } else if (f == "geojson") {
+    write_geojson_points(out, points, ids, extras);
   } else {
-    if (f == "csv") out.write(axis_names(points.dimension));
-    write_text_points(out, points, ids, f == "csv" ? ',' : ' ');
+    if (f == "csv") {
+      std::string names = axis_names(points.dimension);
+      names.pop_back();
+      for (const PointColumn& column : extras.columns) append_csv_value(names += ',', column.name);
+      out.write(names += '\n');
+    }
+    write_text_points(out, points, ids, f == "csv" ? ',' : ' ', extras.columns);
   }
   out.commit();
 }
@@ -124,12 +171,14 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
 }  // namespace
 
 void write_points(const std::string& path, const PointView& points,
-                  const std::vector<std::uint64_t>& ids, const std::string& format) {
-  write_points_of(path, points, ids, format);
+                  const std::vector<std::uint64_t>& ids, const std::string& format,
+                  const MapExtras& extras) {
+  write_points_of(path, points, ids, format, extras);
 }
 
-void write_points(const std::string& path, const HullState& state, const std::string& format) {
-  write_points_of(path, state, state.ids(), format);
+void write_points(const std::string& path, const HullState& state, const std::string& format,
+                  const MapExtras& extras) {
+  write_points_of(path, state, state.ids(), format, extras);
 }
 
 // ---------------------------------------------------------------------------- PointsWriter

@@ -227,7 +227,8 @@ void check_triangulation_format(const std::string& path, std::uint32_t dimension
 }
 
 void write_triangulation(const std::string& path, const PointView& points, const Triangulation& t,
-                         const std::string& format, std::span<const double> heights) {
+                         const std::string& format, std::span<const double> heights,
+                         const MapExtras& extras) {
   require_triangulation_of(points, t);
   const std::string f = output_format(path, format, "json");
   if (!heights.empty() && is_map(f)) refuse_heights(f);
@@ -248,7 +249,8 @@ void write_triangulation(const std::string& path, const PointView& points, const
   if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
   const bool triangles = t.affine_dimension == 2;  // else there are none
   if (!is_map(f)) return write_mesh(path, f, triangles ? mesh_of(places, t) : HullMesh());
-  write_map(path, f, triangles ? t.size() : 0, "cell", [&](std::uint64_t c) {
+  const MapExtras of_cells{extras.crs, {}};
+  write_map(path, f, triangles ? t.size() : 0, "cell", of_cells, [&](std::uint64_t c) {
     PlaneRings corners(1);
     for (const std::uint32_t v : t.cell(c))
       for (std::uint32_t j = 0; j < 2; ++j) corners[0].push_back(points.at(v, j));
@@ -256,12 +258,8 @@ void write_triangulation(const std::string& path, const PointView& points, const
   });
 }
 
-void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format) {
-  write_cells(path, cells, format, Faces::by_format);
-}
-
 void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format,
-                 Faces faces) {
+                 Faces faces, const MapExtras& extras) {
   const std::string f = output_format(path, format, "geojson");
   if (!holds(f, {OutputKind::cells})) refuse_format(path, f, {OutputKind::cells});
   if (cells.dimension != 2 && (cells.dimension != 3 || is_map(f)))
@@ -269,7 +267,7 @@ void write_cells(const std::string& path, const ClippedCells& cells, const std::
   if (cells.vertex_offsets.empty())
     throw Error(ErrorCode::invalid_argument, "the cells have no shapes to write");
   if (is_mesh(f)) return write_mesh(path, f, mesh_of(cells, in_triangles(faces, f)));
-  write_map(path, f, cells.point_count, "point", [&](std::uint64_t i) {
+  write_map(path, f, cells.point_count, "point", extras, [&](std::uint64_t i) {
     PlanePolygons polygons;
     for (std::uint64_t g = cells.polygon_offsets[i]; g < cells.polygon_offsets[i + 1]; ++g) {
       polygons.emplace_back();

@@ -1,0 +1,26 @@
+// --keep: values beside the coordinates, for what is written of single points.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "arguments.hpp"
+#include "cullhull/io.hpp"
+
+namespace app {
+
+/// Adds `--keep NAME,...`. `where`: the outputs that take the values.
+void add_keep_option(Parser& command, std::string& keep, const std::string& where);
+
+/// Refuses, before the work, what contradicts itself: inputs that are read once, and outputs of
+/// which none holds columns. `outputs`: the names after `option`; `endings`: of those that do.
+void check_keep(const std::string& keep, const std::vector<std::string>& files,
+                const std::vector<std::string>& outputs, const std::vector<std::string>& endings);
+
+/// The columns that --keep names, of all points; the inputs are read once more for each.
+std::vector<cullhull::PointColumn> kept_columns(const std::string& keep,
+                                                const InputArguments& input,
+                                                const std::vector<std::string>& files,
+                                                const RunArguments& run);
+
+}  // namespace app

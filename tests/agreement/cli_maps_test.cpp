@@ -1,0 +1,277 @@
+// What programs for maps want: the coordinate reference system of every command's .geojson, and
+// columns of points beside what belongs to one.
+#include <nlohmann/json.hpp>
+
+#include "agreement/expect_json.hpp"
+#include "bench/suites/las_bytes.hpp"
+
+namespace cullhull {
+namespace cli_maps_test {
+
+using nlohmann::json;
+using namespace testing;
+
+const std::string table =
+    "x,y,region,n\n0,0,\"a, b\",1\n4,0,c,\n0,4,\"q \"\"z\"\"\",3\n4,4,,4\n1,2,c,5.5\n";
+const std::string zone_32 = "PROJCS[\"ETRS_1989_UTM_Zone_32N\",GEOGCS[\"GCS_ETRS_1989\"]]";
+
+Ran expect_success(const std::vector<std::string>& words) {
+  Ran ran = run_app(words);
+  EXPECT_EQ(ran.status, 0) << words[0] << ": " << ran.err;
+  return ran;
+}
+
+/// The system that a file names.
+std::string crs_in(const std::string& path) {
+  const json document = json::parse(read_file(path));
+  return document.contains("crs") ? document["crs"]["properties"]["name"].get<std::string>() : "";
+}
+
+TEST(CliMaps, EveryCommandWritesTheSystemThatItsInputStates) {
+  const Folder f;
+  write_file(f / "p.csv", table);
+  write_file(f / "utm.csv", table);
+  write_file(f / "utm.prj", zone_32);
+  const std::string out = f / "o.geojson";
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"hull"},
+                                             {"hull", "--stream", "on"},
+                                             {"hull", "--by", "region"},
+                                             {"delaunay"},
+                                             {"voronoi"},
+                                             {"alpha"},
+                                             {"alpha", "--ratio", "0.5"},
+                                             {"cull"},
+                                             {"cull", "--stream", "on"}}) {
+    const auto run = [&](const std::string& input, std::vector<std::string> more = {}) {
+      more.insert(more.begin(), words.begin(), words.end());
+      more.insert(more.end(), {input, "-o", out});
+      return expect_success(more).out;
+    };
+    const std::string silent = run(f / "p.csv");
+    EXPECT_EQ(silent.find("crs"), std::string::npos) << silent;
+    EXPECT_EQ(crs_in(out), "") << words[0];
+    EXPECT_NE(run(f / "utm.csv").find("\ncrs        EPSG:25832\n"), std::string::npos) << words[0];
+    EXPECT_EQ(crs_in(out), "urn:ogc:def:crs:EPSG::25832") << words[0];
+    // What is asked for comes first; WGS 84 is what GeoJSON has without a name.
+    run(f / "utm.csv", {"--crs", "epsg:31467"});
+    EXPECT_EQ(crs_in(out), "urn:ogc:def:crs:EPSG::31467") << words[0];
+    EXPECT_NE(run(f / "utm.csv", {"--crs", "OGC:CRS84"}).find("crs        OGC:CRS84"),
+              std::string::npos);
+    EXPECT_EQ(crs_in(out), "") << words[0];
+    const Ran bad = run_app({words[0], f / "p.csv", "--crs", "UTM 32"});
+    EXPECT_EQ(bad.status, 2);
+    EXPECT_EQ(bad.err,
+              "cullhull: --crs UTM 32: expected an authority and a code, such as "
+              "EPSG:25832\n");
+  }
+  // What is written is read again.
+  expect_success({"hull", f / "utm.csv", "-o", f / "a.geojson"});
+  expect_success({"hull", f / "a.geojson", "-o", f / "b.geojson"});
+  EXPECT_EQ(crs_in(f / "b.geojson"), "urn:ogc:def:crs:EPSG::25832");
+}
+
+TEST(CliMaps, ReportsNameIt) {
+  const Folder f;
+  write_file(f / "p.csv", table);
+  EXPECT_FALSE(expect_json({"hull", f / "p.csv", "--json"}, "hull_report").contains("crs"));
+  write_file(f / "p.prj", "EPSG:25832");
+  const std::pair<std::vector<std::string>, std::string> reports[] = {
+      {{"hull"}, "hull_report"},
+      {{"hull", "--stream", "on"}, "hull_report"},
+      {{"hull", "--only", "vertices"}, "extreme_report"},
+      {{"cull"}, "cull_report"},
+      {{"delaunay"}, "triangulation_report"},
+      {{"voronoi"}, "voronoi_report"},
+      {{"alpha"}, "alpha_report"},
+      {{"info"}, "info_report"},
+      {{"info", "--stream", "on"}, "info_report"}};
+  for (const auto& [command, kind] : reports) {
+    std::vector<std::string> words = command;
+    words.insert(words.end(), {f / "p.csv", "--json"});
+    EXPECT_EQ(expect_json(words, kind)["crs"], "EPSG:25832") << command[0];
+  }
+}
+
+TEST(CliMaps, LasWithNothingButAProjectedSystem) {
+  const Folder f;
+  std::string las = bench::las_bytes({0, 0, 0, 900, 0, 1, 0, 900, 2, 500, 500, 3},
+                                     {{0.01, 0.01, 0.01}, {500000, 5500000, 0}, {}});
+  // A GeoTIFF directory of one key.
+  std::string record(54, '\0');
+  record.replace(2, 15, "LASF_Projection");
+  record[18] = static_cast<char>(34735 & 255);
+  record[19] = static_cast<char>(34735 >> 8);
+  record[20] = 16;
+  for (const unsigned v : {1U, 1U, 0U, 1U, 3072U, 0U, 1U, 25832U})
+    (record += static_cast<char>(v & 255)) += static_cast<char>(v >> 8);
+  las.insert(227, record);
+  las[96] = static_cast<char>((227 + record.size()) & 255);
+  las[97] = static_cast<char>((227 + record.size()) >> 8);
+  las[100] = 1;
+  write_file(f / "a.las", las);
+  write_file(f / "b.las", las);
+  EXPECT_NE(expect_success({"info", f / "a.las"}).out.find("crs        EPSG:25832\n"),
+            std::string::npos);
+  for (const std::vector<std::string>& input :
+       std::vector<std::vector<std::string>>{{f / "a.las"}, {f / "a.las", f / "b.las"}}) {
+    std::vector<std::string> words{"hull", "--columns", "x,y", "-o", f / "o.geojson"};
+    words.insert(words.end(), input.begin(), input.end());
+    expect_success(words);
+    EXPECT_EQ(crs_in(f / "o.geojson"), "urn:ogc:def:crs:EPSG::25832");
+  }
+  // A vertical plane is no map, nor are the file's whole numbers.
+  expect_success({"hull", f / "a.las", "--columns", "x,z", "-o", f / "o.geojson"});
+  EXPECT_EQ(crs_in(f / "o.geojson"), "");
+  expect_success({"hull", f / "a.las", "--columns", "x,y", "--raw", "-o", f / "o.geojson"});
+  EXPECT_EQ(crs_in(f / "o.geojson"), "");
+  // A state carries none.
+  expect_success({"hull", f / "a.las", "--columns", "x,y", "--partial", f / "a.hullstate"});
+  expect_success({"hull", f / "a.hullstate", "-o", f / "o.geojson"});
+  EXPECT_EQ(crs_in(f / "o.geojson"), "");
+  expect_success({"hull", f / "a.hullstate", "-o", f / "o.geojson", "--crs", "EPSG:25832"});
+  EXPECT_EQ(crs_in(f / "o.geojson"), "urn:ogc:def:crs:EPSG::25832");
+}
+
+TEST(CliMaps, InputsOfTwoSystemsWriteNone) {
+  const Folder f;
+  write_file(f / "a.csv", table);
+  write_file(f / "b.csv", table);
+  write_file(f / "a.prj", "EPSG:25832");
+  write_file(f / "b.prj", "EPSG:25833");
+  const Ran ran = expect_success({"hull", f / "a.csv", f / "b.csv", "-o", f / "o.geojson"});
+  EXPECT_EQ(crs_in(f / "o.geojson"), "");
+  EXPECT_NE(ran.err.find((f / "b.csv") + ": states EPSG:25833, " + (f / "a.csv") +
+                         " states EPSG:25832; no coordinate reference system is written without "
+                         "--crs\n"),
+            std::string::npos)
+      << ran.err;
+  const Ran chosen = expect_success(
+      {"hull", f / "a.csv", f / "b.csv", "-o", f / "o.geojson", "--crs", "EPSG:25832"});
+  EXPECT_EQ(chosen.err.find("states"), std::string::npos) << chosen.err;
+  EXPECT_EQ(crs_in(f / "o.geojson"), "urn:ogc:def:crs:EPSG::25832");
+}
+
+std::string polygon(const std::string& crs) {
+  return "{\"type\": \"Polygon\", " +
+         (crs.empty()
+              ? ""
+              : "\"crs\": {\"type\": \"name\", \"properties\": {\"name\": \"" + crs + "\"}}, ") +
+         "\"coordinates\": [[[0, 0], [4, 0], [4, 4], [0, 4], [0, 0]]]}";
+}
+
+TEST(CliMaps, RegionsAndLinesOfAnotherSystemAreRefused) {
+  const Folder f;
+  write_file(f / "p.csv", table);
+  write_file(f / "same.geojson", polygon("urn:ogc:def:crs:EPSG::25832"));
+  write_file(f / "other.geojson", polygon("urn:ogc:def:crs:EPSG::25833"));
+  write_file(f / "none.geojson", polygon(""));
+  for (const char* option : {"--clip", "--edges"}) {
+    const auto run = [&](const std::string& file) {
+      const std::string command = option == std::string("--clip") ? "voronoi" : "delaunay";
+      return run_app({command, f / "p.csv", option, f / file, "-o", f / "o.geojson", "-q"});
+    };
+    std::filesystem::remove(f / "p.prj");
+    EXPECT_EQ(run("other.geojson").status, 0);
+    write_file(f / "p.prj", "EPSG:25832");
+    EXPECT_EQ(run("same.geojson").status, 0);
+    EXPECT_EQ(run("none.geojson").status, 0);
+    const Ran refused = run("other.geojson");
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.err.find(option + (" " + (f / "other.geojson")) +
+                               ": states EPSG:25833, but the points are in EPSG:25832\n"),
+              std::string::npos)
+        << refused.err;
+  }
+}
+
+TEST(CliMaps, EdgesAreLinesOfGeoJson) {
+  const Folder f;
+  write_file(f / "p.csv", "0,0\n4,0\n4,4\n0,4\n1,2\n");
+  write_file(f / "pairs.csv", "0,2\n2,3\n");
+  write_file(f / "lines.geojson",
+             R"({"type": "LineString", "coordinates": [[0, 0], [4, 4], [4, 4], [0, 4]]})");
+  expect_success({"delaunay", f / "p.csv", "--edges", f / "pairs.csv", "-o", f / "a.json"});
+  expect_success({"delaunay", f / "p.csv", "--edges", f / "lines.geojson", "-o", f / "b.json"});
+  EXPECT_EQ(read_file(f / "a.json"), read_file(f / "b.json"));
+  // The corners may be points of the same file.
+  write_file(f / "ring.geojson", polygon(""));
+  expect_success({"delaunay", f / "ring.geojson", f / "p.csv", "--edges", f / "ring.geojson",
+                  "--inside", "-o", f / "c.json"});
+  write_file(f / "off.geojson", R"({"type": "LineString", "coordinates": [[0, 0], [4, 3.5]]})");
+  const Ran off = run_app({"delaunay", f / "p.csv", "--edges", f / "off.geojson"});
+  EXPECT_EQ(off.status, 1);
+  EXPECT_EQ(off.err, "cullhull: --edges " + (f / "off.geojson") +
+                         ": line 0 has a corner at 4 3.5, where no point is; corners of lines must "
+                         "be points (INPUT may be several files)\n");
+  write_file(f / "dots.geojson", R"({"type": "Point", "coordinates": [0, 0]})");
+  EXPECT_EQ(run_app({"delaunay", f / "p.csv", "--edges", f / "dots.geojson"}).status, 1);
+  // On a grid corners are compared in the world.
+  write_file(f / "g.las", bench::las_bytes({1, 1, 0, 31, 1, 0, 31, 31, 0, 1, 31, 0},
+                                           {{0.1, 0.1, 0.1}, {484000, 0, 0}, {}}));
+  write_file(f / "g.geojson",
+             R"({"type": "LineString", "coordinates": [[484000.1, 0.1], [484003.1, 3.1]]})");
+  EXPECT_NE(
+      expect_success({"delaunay", f / "g.las", "--columns", "x,y", "--edges", f / "g.geojson"})
+          .out.find("edges      1 forced"),
+      std::string::npos);
+}
+
+TEST(CliMaps, KeptColumnsGoToCellsAndSurvivors) {
+  const Folder f;
+  write_file(f / "p.csv", table);
+  expect_success({"voronoi", f / "p.csv", "--keep", "region,n", "-o", f / "o.geojson"});
+  const json cells = json::parse(read_file(f / "o.geojson"))["features"];
+  ASSERT_EQ(cells.size(), 5U);
+  EXPECT_EQ(cells[0]["properties"], json({{"point", 0}, {"region", "a, b"}, {"n", 1}}));
+  EXPECT_EQ(cells[1]["properties"], json({{"point", 1}, {"region", "c"}, {"n", nullptr}}));
+  EXPECT_EQ(cells[2]["properties"]["region"], "q \"z\"");
+  EXPECT_EQ(cells[3]["properties"], json({{"point", 3}, {"region", nullptr}, {"n", 4}}));
+  EXPECT_EQ(cells[4]["properties"]["n"], 5.5);
+  for (const char* stream : {"on", "off"}) {
+    expect_success({"cull", f / "p.csv", "--keep", "3", "-o", f / "s.geojson", "--points",
+                    f / "s.csv", "--stream", stream});
+    const json points = json::parse(read_file(f / "s.geojson"))["features"];
+    ASSERT_GE(points.size(), 4U);
+    EXPECT_EQ(points[2]["properties"], json({{"id", 2}, {"column 3", 3}}));
+    EXPECT_EQ(points[2]["geometry"]["coordinates"], json({0, 4}));
+    EXPECT_EQ(read_file(f / "s.csv").substr(0, 25), "x,y,\"column 3\"\n0,0,1\n4,0,");
+  }
+  // In two files, in blocks: values are those of the same points.
+  std::string many = "x,y,key\n";
+  for (int i = 0; i < 200000; ++i)
+    many +=
+        std::to_string(i % 1000) + "," + std::to_string(i / 1000) + ",k" + std::to_string(i) + "\n";
+  write_file(f / "m.csv", many);
+  expect_success(
+      {"cull", f / "p.csv", f / "m.csv", "--columns", "x,y", "--keep", "2", "-o", f / "m.geojson"});
+  for (const json& point : json::parse(read_file(f / "m.geojson"))["features"]) {
+    const auto id = point["properties"]["id"].get<int>();
+    if (id >= 5) EXPECT_EQ(point["properties"]["column 2"], "k" + std::to_string(id - 5));
+  }
+}
+
+TEST(CliMaps, KeepSaysWhatItCannotDo) {
+  const Folder f;
+  write_file(f / "p.csv", table);
+  const auto refused = [&](std::vector<std::string> words, int status, const std::string& why) {
+    words.insert(words.begin() + 1, {f / "p.csv", "--keep", "n"});
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, status) << ran.err;
+    EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
+  };
+  refused({"voronoi", "-o", f / "o.wkt"}, 2, "holds no columns; .geojson does");
+  refused({"voronoi"}, 2, "needs an output that ends in .geojson");
+  refused({"cull", "-o", f / "ids.csv"}, 2, "needs an output that ends in .geojson or .csv");
+  refused({"cull", "-o", f / "o.ply"}, 2, "holds no columns; .geojson and .csv do");
+  refused({"hull", "-o", f / "o.geojson"}, 2, "--keep");
+  EXPECT_EQ(f.entries(), 1U);
+  const Ran unknown =
+      run_app({"voronoi", f / "p.csv", "--keep", "depth", "-o", f / "o.geojson", "-q"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.err.find("no column 'depth'"), std::string::npos) << unknown.err;
+  EXPECT_EQ(f.entries(), 1U);
+}
+
+}  // namespace cli_maps_test
+}  // namespace cullhull
