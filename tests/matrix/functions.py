@@ -432,6 +432,7 @@ METHODS_ELSEWHERE = {
         for kind in _EXPORTED
         for way in ("to_trimesh", "to_pyvista", "to_open3d", "to_shapely")
     },
+    "ClippedCells.to_geopandas": "an object of another package: test_maps",
     "ConcaveHull.mesh": "inherited: AlphaShape.mesh",
     "TolerantConvexHull.mesh": "inherited: ConvexHull.mesh",
     "TolerantDelaunay.mesh": "inherited: Delaunay.mesh",

@@ -255,7 +255,7 @@ class AlphaShape(Exported, Saved, Compared):
             ],
         )
 
-    def _write(self, path: str, format: str) -> None:
+    def _write(self, path: str, format: str, crs: str = "") -> None:
         _core.save_alpha_shape(
             path,
             self.triangulation._cells,
@@ -264,6 +264,7 @@ class AlphaShape(Exported, Saved, Compared):
             np.ascontiguousarray(self.facet_cells),
             self._alpha_written(),
             format,
+            crs,
         )
 
     def _alpha_written(self) -> float:

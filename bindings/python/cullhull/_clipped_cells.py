@@ -14,6 +14,7 @@ from ._answers import Mesh
 from ._arguments import as_points
 from ._constrained import constrained_delaunay
 from ._errors import InvalidArgument
+from ._extras import needed
 from ._forms import (
     Picture,
     Surface,
@@ -28,6 +29,7 @@ from ._forms import (
     require_surface,
 )
 from ._lists import Lists
+from ._maps import save_map
 from ._native import Native
 from ._shown import Exported
 from ._triangulation import Triangulation
@@ -318,6 +320,52 @@ class ClippedCells(Exported, Native):
             for begin, end in zip(rings, rings[1:])
         ]
 
+    def to_geopandas(self, data: Any = None, *, crs: Any = None) -> Any:
+        """The cells as a table of GeoPandas: a row for each point.
+
+        Parameters
+        ----------
+        data : GeoDataFrame or DataFrame, optional
+            A row for each point, in the order of the points, such as the table that they come from:
+            its columns (without geometries) and index are taken. A column of it comes in the place
+            of one of ours that has its name.
+        crs : anything that GeoPandas takes, optional
+            The coordinate reference system; default: that of `data`.
+
+        Returns
+        -------
+        geopandas.GeoDataFrame
+            The columns ``point`` and ``area``, those of `data`, and ``geometry``: polygons, of points
+            without a cell within the region empty ones.
+
+        Raises
+        ------
+        ImportError
+            If GeoPandas is not installed: ``pip install 'cullhull[geo]'``.
+        InvalidArgument (a ValueError)
+            If the points are not 2D, or `data` has another number of rows.
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> cells = cullhull.voronoi([[0, 0], [2, 0], [1, 2]]).clip([0, 0], [2, 2])
+        >>> cells.to_geopandas(crs="EPSG:25832").area.sum()  # doctest: +SKIP
+        4.0
+        """
+        geopandas = needed("geopandas", "to_geopandas()", "geo")
+        shapes = list(self.to_shapely().geoms)
+        columns: dict[str, Any] = {"point": np.arange(len(self)), "area": self.measures}
+        index = None
+        if data is not None:
+            if len(data) != len(self):
+                raise InvalidArgument(f"data has {len(data)} rows, but there are {len(self)} cells")
+            index = data.index
+            if crs is None:
+                crs = getattr(data, "crs", None)
+            kept = [c for c in data.columns if str(data[c].dtype) != "geometry"]
+            columns.update({c: data[c].array for c in kept})
+        return geopandas.GeoDataFrame(columns, geometry=shapes, index=index, crs=crs)
+
     def _geometry(self) -> dict[str, Any]:
         require_plane(self._diagram.triangulation.dimension, "a diagram")
         cells = [polygons_geometry(self.polygons(i)) for i in range(len(self))]
@@ -352,8 +400,9 @@ class ClippedCells(Exported, Native):
         *,
         format: str = "",
         polygons: bool | None = None,
+        crs: str | None = None,
     ) -> None:
-        """Writes the cells: in 2D and 3D .ply .obj .off .vtp, in 2D .geojson .wkt.
+        """Writes the cells: in 2D and 3D .ply .obj .off .vtp, in 2D .geojson .wkt .gpkg .fgb .shp.
 
         An error leaves no part of a file behind.
 
@@ -367,6 +416,9 @@ class ClippedCells(Exported, Native):
             Whether .ply, .obj, .off and .vtp hold the cells (in 3D their faces) as polygons, which
             have no holes there, or as triangles. By default triangles, which every program reads;
             polygons in .vtp.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -385,9 +437,15 @@ class ClippedCells(Exported, Native):
         ...     print(open(os.path.join(folder, "cells.off")).readlines()[1].strip())
         11 3 11
         """
-        name = os.fspath(path)
-        require_polygons(name, format, polygons)
-        _core.save_clipped(name, self._clipped, format, polygons)
+        require_polygons(os.fspath(path), format, polygons)
+        save_map(
+            os.fspath(path),
+            format,
+            crs,
+            lambda path, format, crs: _core.save_clipped(
+                path, self._clipped, format, polygons, crs
+            ),
+        )
 
     def _page(self) -> str:
         from ._pages import page_of_surface

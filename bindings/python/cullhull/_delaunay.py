@@ -411,7 +411,12 @@ class Delaunay(ShownCells, Lifted):
     # As the native triangulation has it
 
     def save(
-        self, path: str | os.PathLike[str], heights: Any = None, *, format: str = ""
+        self,
+        path: str | os.PathLike[str],
+        heights: Any = None,
+        *,
+        format: str = "",
+        crs: str | None = None,
     ) -> None:
         """Writes a file of the simplices: see `Triangulation.save`.
 
@@ -423,6 +428,9 @@ class Delaunay(ShownCells, Lifted):
             Third coordinates of 2D points.
         format : str
             The format, whatever the extension.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -437,7 +445,7 @@ class Delaunay(ShownCells, Lifted):
         ...     print(open(os.path.join(folder, "a.wkt")).read().strip())
         GEOMETRYCOLLECTION (POLYGON ((0 0, 4 0, 0 4, 0 0)))
         """
-        self.triangulation.save(path, heights, format=format)
+        self.triangulation.save(path, heights, format=format, crs=crs)
 
     def _coordinates(self) -> npt.NDArray[Any]:
         return np.asarray(self.triangulation.points)

@@ -261,7 +261,7 @@ class VoronoiDiagram(Shown, Saved, Native):
             ],
         )
 
-    def _write(self, path: str, format: str) -> None:
+    def _write(self, path: str, format: str, crs: str = "") -> None:
         _core.save_diagram(path, self._diagram, format)
 
     def _page(self) -> str:

@@ -260,7 +260,12 @@ class ConvexHull(Exported, IncrementalPoints):
         return self.hull.mesh()
 
     def save(
-        self, path: str | os.PathLike[str], *, format: str = "", polygons: bool | None = None
+        self,
+        path: str | os.PathLike[str],
+        *,
+        format: str = "",
+        polygons: bool | None = None,
+        crs: str | None = None,
     ) -> None:
         """Writes a file of the hull and its points: see `Hull.save`.
 
@@ -272,6 +277,9 @@ class ConvexHull(Exported, IncrementalPoints):
             The format, whatever the extension.
         polygons : bool, optional
             As in `Hull.save`.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -286,7 +294,7 @@ class ConvexHull(Exported, IncrementalPoints):
         ...     print(open(os.path.join(folder, "a.wkt")).read().strip())
         POLYGON ((0 0, 4 0, 0 4, 0 0))
         """
-        self.hull.save(path, self._array, format=format, polygons=polygons)
+        self.hull.save(path, self._array, format=format, polygons=polygons, crs=crs)
 
     def _surface(self) -> Surface:
         return self.hull._surface()

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import InvalidArgument
+from ._maps import save_map
 from ._native import Certified
 from ._shown_cells import ShownCells
 
@@ -38,10 +39,15 @@ class FoundCells(ShownCells, Certified):
         return self._cells.duplicates
 
     def save(
-        self, path: str | os.PathLike[str], heights: Any = None, *, format: str = ""
+        self,
+        path: str | os.PathLike[str],
+        heights: Any = None,
+        *,
+        format: str = "",
+        crs: str | None = None,
     ) -> None:
         """Writes the cells to a file: .json (everything), .vtk (up to 3D); of 2D points also
-        .ply .obj .off .stl .glb .vtp .geojson .wkt.
+        .ply .obj .off .stl .glb .vtp .geojson .wkt .gpkg .fgb .shp.
 
         An error leaves no part of a file behind.
 
@@ -53,6 +59,9 @@ class FoundCells(ShownCells, Certified):
             Third coordinates of 2D points, for meshes, .vtk and .json: a surface of terrain.
         format : str
             The format, whatever the extension.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -75,7 +84,12 @@ class FoundCells(ShownCells, Certified):
             rows = np.ascontiguousarray(heights, dtype=np.float64)
             if rows.ndim != 1:
                 raise InvalidArgument(f"heights should be one number a point, not {rows.shape}")
-        _core.save_cells(os.fspath(path), self._cells, rows, format)
+        save_map(
+            os.fspath(path),
+            format,
+            crs,
+            lambda path, format, crs: _core.save_cells(path, self._cells, rows, format, crs),
+        )
 
     def _coordinates(self) -> npt.NDArray[Any]:
         return np.asarray(self.points)

@@ -16,6 +16,7 @@ from ._errors import InvalidArgument
 from ._forms import Picture, Surface, Table
 from ._hull import Hull
 from ._many import HullBatch, convex_hulls
+from ._maps import save_map
 from ._shown import Exported
 
 
@@ -145,10 +146,17 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
     def _page(self) -> str:
         return self.batch._page()
 
-    def save(self, path: str | os.PathLike[str], *, format: str = "", by: str = "key") -> None:
+    def save(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        format: str = "",
+        by: str = "key",
+        crs: str | None = None,
+    ) -> None:
         """Writes the hulls to a file, a record for each group, as ``cullhull hull --by`` does.
 
-        .csv and .json hold hulls of any dimension, .geojson those of 2D points: docs/formats.md, "A
+        .csv and .json hold hulls of any dimension, .geojson .gpkg .fgb .shp those of 2D points: docs/formats.md, "A
         hull for each group", describes them. Keys are written as text. If all are numbers they are
         written as numbers, in ascending order; otherwise the groups are in the order of the text.
         An error leaves no part of a file behind.
@@ -161,6 +169,9 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
             The format, whatever the extension.
         by : str
             The name of the keys in the file.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -180,7 +191,13 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
         a,3,3,3.414213562373095,0.5,"POLYGON ((0 0, 1 0, 0 1, 0 0))"
         b,1,1,0,0,"POINT (9 9)"
         """
-        self.batch._write_by(_texts(self._keys), by, os.fspath(path), format)
+        keys = _texts(self._keys)
+        save_map(
+            os.fspath(path),
+            format,
+            crs,
+            lambda path, format, crs: self.batch._write_by(keys, by, path, format, crs),
+        )
 
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.

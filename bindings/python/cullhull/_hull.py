@@ -27,6 +27,7 @@ from ._forms import (
     require_surface,
 )
 from ._lists import Lists
+from ._maps import save_map
 from ._native import Certificate, Certified
 from ._questions import Questions
 from ._shown import Exported
@@ -342,9 +343,10 @@ class Hull(Questions, Exported, Certified):
         *,
         format: str = "",
         polygons: bool | None = None,
+        crs: str | None = None,
     ) -> None:
-        """Writes a file: .ply .obj .off .stl .glb .vtp (2D and 3D),
-        .geojson .wkt (2D), .json (everything), .txt (as qconvex).
+        """Writes a file: .ply .obj .off .stl .glb .vtp (2D and 3D), .geojson .wkt .gpkg .fgb .shp
+        (2D), .json (everything), .txt (as qconvex).
 
         The file appears whole or not at all.
 
@@ -359,6 +361,9 @@ class Hull(Questions, Exported, Certified):
         polygons : bool, optional
             Whether .ply, .obj, .off and .vtp hold the merged facets as polygons, or the simplices
             as triangles. By default triangles, which every program reads; polygons in .vtp.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -378,9 +383,13 @@ class Hull(Questions, Exported, Certified):
         ['hull.ply']
         """
         array = None if points is None else as_points(points)
-        name = os.fspath(path)
-        require_polygons(name, format, polygons)
-        _core.save(name, self._solid, array, format, polygons)
+        require_polygons(os.fspath(path), format, polygons)
+        save_map(
+            os.fspath(path),
+            format,
+            crs,
+            lambda path, format, crs: _core.save(path, self._solid, array, format, polygons, crs),
+        )
 
     def view(  # type: ignore[override]
         self,

@@ -228,11 +228,11 @@ class HullBatch(Exported, Saved, Native, Sequence[Hull]):
 
         return page_of_surface(self._surface(), None, self._table())
 
-    def _write(self, path: str, format: str) -> None:
-        self._write_by([str(i) for i in range(len(self))], "set", path, format)
+    def _write(self, path: str, format: str, crs: str = "") -> None:
+        self._write_by([str(i) for i in range(len(self))], "set", path, format, crs)
 
-    def _write_by(self, keys: list[str], name: str, path: str, format: str) -> None:
-        _core.save_batch(path, self._batch, keys, name, format)
+    def _write_by(self, keys: list[str], name: str, path: str, format: str, crs: str) -> None:
+        _core.save_batch(path, self._batch, keys, name, format, crs)
 
     def __repr__(self) -> str:
         return f"<HullBatch of {len(self)} hulls in {self.dimension}D>"

@@ -16,7 +16,7 @@ from ._arguments import as_count
 from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from ._extras import needed
-from ._parquet import _known, choose
+from ._parquet import Taken, _known, choose, peek_of
 
 Columns = Union[str, Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
@@ -56,9 +56,10 @@ def read(
         Which coordinates: numbers from 0, in a text also ranges of them (``"0:3"``, ``"0,2,5"``), or names where the file has some (a text's first line, x, y, z
         of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
         case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
-        height; else all but id, index, fid and columns without a name. Of Parquet, where no columns
-        are so named, GeoParquet's points (WKB) or the one column of lists of numbers come before
-        that. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
+        height; else all but id, index, fid and columns without a name. Of GeoParquet the primary
+        column comes first: the vertices of all its geometries, as of other vector files, without
+        rows that have none. Of other Parquet, where no columns are so named, the one column of
+        geometries in WKB or of lists of numbers comes before that. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
         passed over, such as faces that are cut short.
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
@@ -544,21 +545,27 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
     arrow = needed("pyarrow", "reading .parquet files", "parquet")
     try:
         file = parquet.ParquetFile(_opened(name))
-        wanted, rows = choose(name, file.schema_arrow, columns)
+        wanted, rows, geometries = choose(name, file.schema_arrow, columns, peek_of(file))
         before: int | None = None
-        done = 0
+        done = missing = 0
         _refuse_repeated(wanted, name)
         for batch in file.iter_batches(batch_size=size or _MANY, columns=wanted):
             if rows is not None:
-                block = _named(name, rows, batch.column(wanted[0]), wanted[0], done)
+                column = batch.column(wanted[0])
+                block = _named(name, rows, column, wanted[0], done)
                 done += len(batch)
+                if geometries:
+                    missing += column.null_count
+                    if not len(block):
+                        continue
                 if before not in (None, block.shape[1]):
                     raise BadFile(
                         f"{name}: column {wanted[0]!r}: points of {before} and of "
                         f"{block.shape[1]} coordinates"
                     )
                 before = block.shape[1]
-                yield block
+                for start in range(0, max(1, len(block)), size or max(1, len(block))):
+                    yield block[start : start + size] if size else block
                 continue
             for column in wanted:
                 if batch.column(column).null_count:
@@ -566,19 +573,24 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
             parts = [batch.column(column).to_numpy(zero_copy_only=False) for column in wanted]
             yield side_by_side(parts, wanted, name, done)
             done += len(batch)
+        if missing:
+            have = "has" if missing == 1 else "have"
+            warn(f"{name}: {missing} of {done} rows {have} no geometry", ShapeWarning)
+        if geometries and before is None:
+            yield np.empty((0, 2))
     except arrow.lib.ArrowException as error:
         raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
 
 
 def _named(
     name: str,
-    rows: Callable[[Any, str, int], npt.NDArray[Any]],
+    rows: Callable[[Any, str, int], Taken],
     array: Any,
     column: str,
     first: int,
 ) -> npt.NDArray[Any]:
     try:
-        return rows(array, column, first)
+        return rows(array, column, first).rows
     except BadFile as error:
         raise BadFile(f"{name}: {error}") from None
 

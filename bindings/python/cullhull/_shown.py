@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ._answers import Mesh
 from ._errors import InvalidArgument
 from ._forms import Picture, Surface, Table, Volume
+from ._maps import save_map
 
 if TYPE_CHECKING:
     from ._show import Page
@@ -121,10 +122,12 @@ class Saved:
 
     __slots__ = ()
 
-    def _write(self, path: str, format: str) -> None:
+    def _write(self, path: str, format: str, crs: str = "") -> None:
         raise NotImplementedError
 
-    def save(self, path: str | os.PathLike[str], *, format: str = "") -> None:
+    def save(
+        self, path: str | os.PathLike[str], *, format: str = "", crs: str | None = None
+    ) -> None:
         """Writes the result to a file, in every format that the program writes it in.
 
         An error leaves no part of a file behind.
@@ -133,9 +136,9 @@ class Saved:
         result                       formats
         ============================ ===========================================================
         `AlphaShape`, `ConcaveHull`  .json; in 2D and 3D .ply .obj .off .stl .glb .vtp .vtk;
-                                     in 2D .geojson .wkt
-        `HullBatch`                  .csv .json; in 2D .geojson: a record for each set, with the key
-                                     ``set``
+                                     in 2D .geojson .wkt .gpkg .fgb .shp
+        `HullBatch`                  .csv .json; in 2D .geojson .gpkg .fgb .shp: a record for each
+                                     set, with the key ``set``
         `VoronoiDiagram`             .json
         ============================ ===========================================================
 
@@ -145,6 +148,9 @@ class Saved:
             The extension selects the format. An existing file is replaced.
         format : str
             The format, whatever the extension.
+        crs : str, optional
+            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
+            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -162,7 +168,7 @@ class Saved:
         ...     os.listdir(folder)
         ['shape.geojson']
         """
-        self._write(os.fspath(path), format)
+        save_map(os.fspath(path), format, crs, self._write)
 
 
 class Exported(Shown):

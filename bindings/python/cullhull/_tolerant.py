@@ -311,13 +311,18 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
 
 
     def save(
-        self, path: str | os.PathLike[str], heights: Any = None, *, format: str = ""
+        self,
+        path: str | os.PathLike[str],
+        heights: Any = None,
+        *,
+        format: str = "",
+        crs: str | None = None,
     ) -> None:
         """As `Delaunay.save`, if no simplex was dropped: files are of exact triangulations.
 
         Parameters
         ----------
-        path, heights, format : as of `Delaunay.save`
+        path, heights, format, crs : as of `Delaunay.save`
 
         Raises
         ------
@@ -339,7 +344,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
             raise InvalidArgument(
                 f"{self.dropped} flat {were} dropped; triangulation.save() writes all"
             )
-        super().save(path, heights, format=format)
+        super().save(path, heights, format=format, crs=crs)
 
     def _groups(self) -> npt.NDArray[np.int32]:
         groups: npt.NDArray[np.int32] = self.triangulation.cell_groups[self._peeled.kept]

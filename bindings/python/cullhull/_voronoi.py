@@ -193,8 +193,8 @@ class Voronoi(Shown, Saved, Lifted):
 
     # As the native diagram has it
 
-    def _write(self, path: str, format: str) -> None:
-        self.diagram._write(path, format)
+    def _write(self, path: str, format: str, crs: str = "") -> None:
+        self.diagram._write(path, format, crs)
 
     def _picture(self) -> Picture:
         return self.diagram._picture()

@@ -113,6 +113,14 @@ void bind_files(nb::module_& m) {
       [](const std::vector<std::string>& words) { return cullhull::input_files(words); },
       nb::arg("words"),
       "The files that words of a command line stand for: folders, patterns, lists.");
+  m.def("crs_code", cullhull::crs_code, nb::arg("text"),
+        "AUTHORITY:CODE of such a text, or of an OGC URN; empty for any other.");
+  m.def("crs_of_wkt", cullhull::crs_of_wkt, nb::arg("wkt"),
+        "The code of the system of x and y; empty where there is none.");
+  m.def(
+      "common_crs",
+      [](const std::vector<std::string>& files) { return cullhull::common_crs(files).crs; },
+      nb::arg("files"), "The one coordinate reference system that files state; or empty.");
   m.def(
       "grid_of",
       [](std::vector<double> scale, std::vector<double> offset) -> std::

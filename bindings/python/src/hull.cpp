@@ -89,12 +89,13 @@ std::unique_ptr<Solid> load_hull(const std::string& path) {
 
 /// Writes a file of `solid` and the points `array`, or, for None, its own vertices, renumbered.
 void save(const std::string& path, const Solid& solid, nb::handle array, const std::string& format,
-          std::optional<bool> polygons) {
+          std::optional<bool> polygons, const std::string& crs) {
   const cullhull::Faces faces = faces_of(polygons);
+  const cullhull::MapExtras extras{crs, {}};
   if (!array.is_none()) {
     const Points points(array);
     const nb::gil_scoped_release release;
-    cullhull::write_hull(path, points.view(), solid.hull(), format, faces);
+    cullhull::write_hull(path, points.view(), solid.hull(), format, faces, extras);
     return;
   }
   const nb::gil_scoped_release release;
@@ -102,7 +103,7 @@ void save(const std::string& path, const Solid& solid, nb::handle array, const s
   const Hull hull = solid.by_place();
   cullhull::write_hull(
       path, cullhull::PointView::row_major(rows.data(), hull.point_count, hull.dimension), hull,
-      format, faces);
+      format, faces, extras);
 }
 
 nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
@@ -284,7 +285,7 @@ void bind_hull(nb::module_& m) {
   m.def("shapes", shapes);
   m.def("load_hull", load_hull, nb::arg("path"));
   m.def("save", save, nb::arg("path"), nb::arg("solid"), nb::arg("points").none(),
-        nb::arg("format"), nb::arg("polygons").none());
+        nb::arg("format"), nb::arg("polygons").none(), nb::arg("crs") = "");
 }
 
 }  // namespace binding

@@ -41,10 +41,11 @@ cullhull::Array<std::uint32_t> copied_back(Numbers numbers, std::uint64_t limit)
 
 /// `heights`: None, or a third coordinate for each point of the plane.
 void save_cells(const std::string& path, const Cells& cells, nb::handle heights,
-                const std::string& format) {
+                const std::string& format, const std::string& crs) {
   const std::vector<double> rows = weights_of(heights);
   const nb::gil_scoped_release release;
-  cullhull::write_triangulation(path, cells.points().view(), cells.triangulation(), format, rows);
+  cullhull::write_triangulation(path, cells.points().view(), cells.triangulation(), format, rows,
+                                {crs, {}});
 }
 
 void save_diagram(const std::string& path, const cullhull::Voronoi& diagram,
@@ -54,44 +55,47 @@ void save_diagram(const std::string& path, const cullhull::Voronoi& diagram,
 }
 
 void save_clipped(const std::string& path, const cullhull::ClippedCells& cells,
-                  const std::string& format, std::optional<bool> polygons) {
+                  const std::string& format, std::optional<bool> polygons,
+                  const std::string& crs) {
   const nb::gil_scoped_release release;
-  cullhull::write_cells(path, cells, format, faces_of(polygons));
+  cullhull::write_cells(path, cells, format, faces_of(polygons), {crs, {}});
 }
 
 /// The shape is given as alpha_shape() or concave_hull() returned it; `alpha` is NaN for the
 /// latter.
 void save_alpha_shape(const std::string& path, const Cells& cells, Numbers cell_numbers,
-                      Numbers facets, Numbers facet_cells, double alpha,
-                      const std::string& format) {
+                      Numbers facets, Numbers facet_cells, double alpha, const std::string& format,
+                      const std::string& crs) {
   const cullhull::Triangulation& t = cells.triangulation();
   const cullhull::AlphaShape shape{copied_back(std::move(cell_numbers), t.size()),
                                    copied_back(std::move(facets), t.point_count),
                                    copied_back(std::move(facet_cells), t.size())};
   const nb::gil_scoped_release release;
-  cullhull::write_alpha_shape(path, cells.points().view(), t, shape, alpha, format);
+  cullhull::write_alpha_shape(path, cells.points().view(), t, shape, alpha, format, {crs, {}});
 }
 
 /// `words`: a key for each hull, as text.
 void save_batch(const std::string& path, const Batch& batch, const std::vector<std::string>& words,
-                const std::string& key_name, const std::string& format) {
+                const std::string& key_name, const std::string& format, const std::string& crs) {
   const nb::gil_scoped_release release;
   cullhull::PointKeys keys;
   for (const std::string& word : words) keys.add(word);
-  cullhull::write_group_hulls(path, batch.hulls, batch.vertex_rows, keys, key_name, format);
+  cullhull::write_group_hulls(path, batch.hulls, batch.vertex_rows, keys, key_name, format,
+                              {crs, {}});
 }
 
 }  // namespace
 
 void bind_save(nb::module_& m) {
-  const auto path = nb::arg("path"), format = nb::arg("format"), cells = nb::arg("cells");
-  m.def("save_cells", save_cells, path, cells, nb::arg("heights").none(), format);
+  const auto path = nb::arg("path"), format = nb::arg("format"), cells = nb::arg("cells"),
+             crs = nb::arg("crs");
+  m.def("save_cells", save_cells, path, cells, nb::arg("heights").none(), format, crs);
   m.def("save_diagram", save_diagram, path, nb::arg("diagram"), format);
-  m.def("save_clipped", save_clipped, path, cells, format, nb::arg("polygons").none());
+  m.def("save_clipped", save_clipped, path, cells, format, nb::arg("polygons").none(), crs);
   m.def("save_alpha_shape", save_alpha_shape, path, cells, nb::arg("cell_numbers"),
-        nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format);
+        nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format, crs);
   m.def("save_batch", save_batch, path, nb::arg("batch"), nb::arg("keys"), nb::arg("key_name"),
-        format);
+        format, crs);
 }
 
 }  // namespace binding

@@ -15,7 +15,8 @@ here=$(cd "$(dirname "$0")" && pwd)
 foreign=(test_coxeter.py test_libpysal.py test_metpy.py test_openpnm.py test_scipy_suite.py
   test_skimage.py test_trimesh.py)
 # Of packages that `make test` does not install.
-later=(test_clusters.py test_command_line.py test_dask.py test_recipes.py test_vectors.py)
+later=(test_clusters.py test_command_line.py test_dask.py test_maps.py test_recipes.py
+  test_vectors.py)
 kind_of() { # FILE
   local name
   for name in "${foreign[@]}"; do [[ ${1##*/} != "$name" ]] || { echo foreign; return; }; done

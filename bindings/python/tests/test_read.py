@@ -174,7 +174,7 @@ def test_parquet_rows_at_fault_are_numbered_from_the_first_of_the_file(tmp_path)
         list(cullhull.read(path, columns=["at"], chunks=150))
     geometries = wkb(POINTS[:200]) + wkb(POINTS[:1], kind=2)
     path = written(tmp_path, {"geometry": geometries})
-    with pytest.raises(cullhull.BadFile, match="'geometry', row 200: a geometry of type 2"):
+    with pytest.raises(cullhull.BadFile, match="'geometry', row 200: no geometry in WKB"):
         list(cullhull.read(path, columns=["geometry"], chunks=150))
 
 
@@ -212,18 +212,22 @@ def test_geoparquet_of_measured_and_mixed_points(tmp_path):
 
 def test_geoparquet_of_what_is_no_point(tmp_path):
     geo = {"primary_column": "g", "columns": {"g": {"encoding": "WKB"}}}
-    line = struct.pack("<BII4d", 1, 2, 2, 0, 0, 1, 1)
+    curve = struct.pack("<BII4d", 1, 8, 2, 0, 0, 1, 1)
     point = wkb(POINTS[:1, :2])[0]
     for rows, why in (
-        ([point, line], "'g', row 1: a geometry of type 2, not a point"),
+        ([point, curve], r"'g', row 1: curves \(WKB type 8\) have no vertices to take"),
+        ([point, None, b""], "'g', row 2: no geometry in WKB"),
         ([point, b"\1\1\0"], "'g', row 1: no geometry in WKB"),
         ([point, point[:-1]], "'g', row 1: no geometry in WKB"),
-        ([point, wkb(POINTS[:1], "<", 1001)[0]], "'g', row 1: 3 coordinates where the first has 2"),
-        ([point, wkb([[np.nan, np.nan]])[0]], "'g', row 1: an empty point"),
-        ([point, None], "'g' has missing values"),
+        ([point, wkb(POINTS[:1], "<", 1001)[0]], "'g', row 1: 3 coordinates where those before have 2"),
     ):
         with pytest.raises(cullhull.BadFile, match=why):
             cullhull.read(written(tmp_path, {"g": rows}, geo))
+    empty = wkb([[np.nan, np.nan]])[0]
+    path = written(tmp_path, {"g": [empty, point, None, empty, point]}, geo)
+    points, said = said_while_reading(path)
+    assert np.array_equal(points, POINTS[[0, 0], :2])
+    assert said == f"{path}: 1 of 5 rows has no geometry"
 
 
 def test_geoparquet_points_as_structs(tmp_path):
