@@ -46,17 +46,11 @@ void add_line(std::string& out, std::string_view line) {
   out += '\n';
 }
 
-/// A term and its text, or a paragraph, joined from the lines it had.
-void add_block(std::string& out, std::string_view head, std::string_view text, std::size_t column,
-               std::size_t width) {
+/// Words in lines of at most `width` columns. The first begins with `head`, the others with
+/// `indent` blanks.
+void fill(std::string& out, std::string_view head, std::string_view text, std::size_t indent,
+          std::size_t width) {
   std::string line(head);
-  std::size_t indent = column;
-  // A text that would be a narrow ribbon begins below its term.
-  if (column > indent_of(head) && column + 24 > width && column_of(head) > indent_of(head)) {
-    add_line(out, line);
-    indent = indent_of(head) + 4;
-    line.assign(indent, ' ');
-  }
   bool empty = true;
   while (!text.empty()) {
     const std::string_view word = text.substr(0, text.find(' '));
@@ -72,6 +66,16 @@ void add_block(std::string& out, std::string_view head, std::string_view text, s
     empty = false;
   }
   add_line(out, line);
+}
+
+/// A term and its text, or a paragraph, joined from the lines it had.
+void add_block(std::string& out, std::string_view head, std::string_view text, std::size_t column,
+               std::size_t width) {
+  const std::size_t indent = indent_of(head);
+  if (indent == head.size() || column + 24 <= width) return fill(out, head, text, column, width);
+  // A text that would be a narrow ribbon begins below its term.
+  fill(out, head.substr(0, indent), head.substr(indent), indent + 4, width);
+  fill(out, std::string(indent + 4, ' '), text, indent + 4, width);
 }
 
 }  // namespace
