@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 
 #include "arguments.hpp"
 #include "commands.hpp"
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/constrained.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
@@ -49,6 +51,7 @@ constexpr const char* delaunay_footer =
     "  cullhull delaunay disk.npy -o mesh.ply --certify      the mesh, verified\n"
     "  cullhull delaunay sites.csv --columns x,y --weights w -o regular.json\n"
     "  cullhull delaunay terrain.csv --columns x,y --height z -o tin.obj   a surface (TIN)\n"
+    "  cullhull delaunay terrain.csv --columns x,y --height z --max-edge 50 -o tin.ply\n"
     "  rbox 100 D2 | cullhull delaunay - --format i          replaces qdelaunay\n"
     "  cullhull delaunay map.csv --edges rings.csv --inside -o map.vtp   a polygon's interior\n"
     "\n"
@@ -86,6 +89,7 @@ struct DualArguments {
   std::string weights, heights, json, measures, box, clip, edges, keep;
   bool furthest = false, certify = false, inside = false;
   FacesArguments faces;
+  double max_edge = -1;            ///< negative: not given
   std::vector<std::string> files;  ///< that the words of the input stand for
 };
 
@@ -305,6 +309,7 @@ struct DualOutcome {
   std::optional<cullhull::ClippedCells> cells;
   std::optional<Certificate> certificate;
   std::optional<std::uint64_t> piece_count;  ///< of forced edges
+  std::optional<std::uint64_t> dropped;      ///< cells with edges longer than --max-edge
   std::vector<double> weights, heights;
   double read_seconds = 0, dual_seconds = 0;
 };
@@ -348,6 +353,18 @@ void triangulate(const DualArguments& a, const Input& input, DualOutcome& out) {
   if (!a.certify) return;
   out.certificate = out.weights.empty() ? cullhull::certify(points, out.triangulation)
                                         : cullhull::certify(points, out.weights, out.triangulation);
+}
+
+/// Leaves the cells out that have an edge longer than --max-edge.
+void drop_long(const DualArguments& a, const Input& input, DualOutcome& out) {
+  if (a.max_edge < 0) return;
+  const std::uint64_t all = out.triangulation.size();
+  const double length = input.placing.grid.to_grid(a.max_edge);
+  out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
+                        return cullhull::without_long_edges(
+                            input.points, std::move(out.triangulation), length, options);
+                      }).result;
+  out.dropped = all - out.triangulation.size();
 }
 
 double sum_of(const cullhull::Array<double>& numbers) {
@@ -418,6 +435,7 @@ std::string report(const DualArguments& a, const Input& input, const DualOutcome
   json["duplicate_count"] = t.duplicates.size();
   json["hidden_count"] = t.hidden.size() - input.skipped_points();
   if (out.piece_count) json["piece_count"] = *out.piece_count;
+  if (out.dropped) json["dropped_cell_count"] = *out.dropped;
   if (out.voronoi) {
     json["vertex_count"] = out.voronoi->vertex_count();
     json["ridge_count"] = out.voronoi->ridge_count();
@@ -445,6 +463,9 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
                                   : fmt::format("cells      {}", grouped(t.size())),
                       grouped(t.hull_facet_count()));
   if (out.piece_count) text += fmt::format("edges      {} forced\n", grouped(*out.piece_count));
+  if (out.dropped)
+    text += fmt::format("dropped    {} cells with an edge longer than {}\n", grouped(*out.dropped),
+                        a.max_edge);
   const std::uint64_t hidden = t.hidden.size() - input.skipped_points();
   if (!t.duplicates.empty() || hidden > 0)
     text += fmt::format("left out   {} duplicates, {} hidden\n", grouped(t.duplicates.size()),
@@ -627,6 +648,13 @@ Command add_delaunay(Parser& parent) {
                                   "of INPUT, or a file with one number per point"))
       .type_name("COLUMN|FILE");
   command.group("Kind of result");
+  allow_real_range(
+      *command
+           .add_option("--max-edge", a->max_edge,
+                       "Drop every cell with an edge longer than this, in the units of\n"
+                       "the points: a surface (TIN) without long triangles at its border")
+           ->type_name("NUMBER"),
+      0, std::numeric_limits<double>::max());
   command.add_flag("--inside", a->inside,
                    "Keep only triangles inside the outline that --edges form (even-odd\n"
                    "rule)");

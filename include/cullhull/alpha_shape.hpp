@@ -66,6 +66,15 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
                       const RunOptions& options = {});
 
+/// The triangulation without the cells that have an edge longer than `length`, compared exactly: a
+/// TIN without the long triangles at its border. Its hull facets are the boundary of the cells that
+/// remain, points without a cell are `hidden`, `cell_groups` is empty: do not pass it to
+/// TriangulationQuery, voronoi() and other functions that need a Delaunay triangulation. `length`
+/// >= 0. Options used: stop. Errors: invalid_argument for a length that is negative or NaN, and for
+/// points that are not those of the triangulation.
+Triangulation without_long_edges(const PointView& points, Triangulation triangulation,
+                                 double length, const RunOptions& options = {});
+
 /// Regions of the plane, bounded by rings of points.
 struct CellPolygons {
   /// The ids of each ring, without repeats, from the lowest id on.

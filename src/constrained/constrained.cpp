@@ -472,23 +472,14 @@ void force_on_line(const PointView& points, const Constraints& constraints,
 
 /// Keeps the cells of odd depth, renumbered.
 void keep_inside(ConstrainedTriangulation& out) {
-  Triangulation& t = out.triangulation;
-  std::vector<std::uint32_t> number(t.size(), no_cell);
-  std::uint32_t count = 0;
-  for (std::uint32_t c = 0; c < t.size(); ++c)
-    if (out.depths[c] % 2 == 1) number[c] = count++;
-  Array<std::uint32_t> cells, neighbours, depths;
-  for (std::uint32_t c = 0; c < number.size(); ++c) {
-    if (number[c] == no_cell) continue;
-    cells.insert(cells.end(), t.cell(c).begin(), t.cell(c).end());
-    for (const std::uint32_t o : t.neighbours_of(c))
-      neighbours.push_back(o == no_cell ? no_cell : number[o]);
-    depths.push_back(out.depths[c]);
+  std::vector<std::uint8_t> kept;
+  Array<std::uint32_t> depths;
+  for (const std::uint32_t depth : out.depths) {
+    kept.push_back(depth % 2 == 1 ? 1 : 0);
+    if (depth % 2 == 1) depths.push_back(depth);
   }
-  t.cells = std::move(cells);
-  t.neighbours = std::move(neighbours);
+  keep_cells(out.triangulation, kept.data());
   out.depths = std::move(depths);
-  t.hidden = hidden_points(t);
 }
 
 void force_all(const LiftedPoints& points, const Constraints& constraints, const Run& run,

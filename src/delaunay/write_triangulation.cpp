@@ -310,6 +310,24 @@ void write_boundary(const Triangulation& t, const std::uint8_t* kept,
   }
 }
 
+void keep_cells(Triangulation& t, const std::uint8_t* kept) {
+  std::vector<std::uint32_t> number(t.size(), no_cell);
+  std::uint32_t count = 0;
+  for (std::uint32_t c = 0; c < t.size(); ++c)
+    if (kept[c] != 0) number[c] = count++;
+  Array<std::uint32_t> cells, neighbours;
+  for (std::uint32_t c = 0; c < number.size(); ++c) {
+    if (number[c] == no_cell) continue;
+    cells.insert(cells.end(), t.cell(c).begin(), t.cell(c).end());
+    for (const std::uint32_t o : t.neighbours_of(c))
+      neighbours.push_back(o == no_cell ? no_cell : number[o]);
+  }
+  t.cells = std::move(cells);
+  t.neighbours = std::move(neighbours);
+  t.cell_groups.clear();
+  t.hidden = hidden_points(t);
+}
+
 std::vector<std::uint32_t> hidden_points(const Triangulation& t) {
   std::vector<bool> accounted_for(t.point_count);
   for (const std::uint32_t v : t.cells) accounted_for[v] = true;

@@ -40,6 +40,10 @@ void write_boundary(const Triangulation& t, const std::uint8_t* kept,
 /// The ids that are neither vertices of cells nor duplicates, ascending.
 std::vector<std::uint32_t> hidden_points(const Triangulation& t);
 
+/// Drops the cells without a flag in `kept` and numbers the others anew. Points without a cell
+/// become hidden, groups are cleared; the hull is left to write_boundary().
+void keep_cells(Triangulation& t, const std::uint8_t* kept);
+
 /// For each id its place in the order of insertion; 0 for ids that were not inserted.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);
 

@@ -1,4 +1,5 @@
 // cullhull delaunay and cullhull voronoi as users meet them.
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -99,6 +100,80 @@ TEST(CliTriangulation, TerrainKeepsItsHeights) {
   ASSERT_EQ(run_app({"delaunay", f / "t.csv", "--columns", "x,y", "-q", "-o", f / "h.obj"}).status,
             0);
   EXPECT_NE(read_file(f / "h.obj").find("v 1 1 0\n"), std::string::npos);
+}
+
+// A grid with steps of 1 and a point far off: without its long triangles the grid remains.
+TEST(CliTriangulation, LongTrianglesAreDropped) {
+  const Folder f;
+  std::string table = "x,y,z\n";
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y)
+      table +=
+          std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(10 * x + y) + "\n";
+  write_file(f / "t.csv", table + "50,1,7\n");
+  const auto said = [&](const std::string& length, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"delaunay",
+                                   f / "t.csv",
+                                   "--columns",
+                                   "x,y",
+                                   "--height",
+                                   "z",
+                                   "-o",
+                                   f / "t.off",
+                                   "-o",
+                                   f / "t.json",
+                                   "--json=" + (f / "r.json"),
+                                   "--max-edge",
+                                   length};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return ran.out;
+  };
+  const std::string kept = said("1.5");
+  EXPECT_NE(kept.find("cells      18, 12 facets on the hull\n"), std::string::npos) << kept;
+  EXPECT_NE(kept.find("cells with an edge longer than 1.5\n"), std::string::npos) << kept;
+  const json report = json::parse(read_file(f / "r.json"));
+  const std::size_t dropped = report["dropped_cell_count"];
+  EXPECT_GT(dropped, 2U);
+  EXPECT_EQ(report["cell_count"], 18);
+  const json t = json::parse(read_file(f / "t.json"));
+  EXPECT_EQ(t["cells"].size(), 18U);
+  EXPECT_EQ(t["hull_facets"].size(), 12U);
+  EXPECT_EQ(t["hidden"], json::parse("[16]"));
+  EXPECT_EQ(t["heights"].size(), 17U);
+  for (std::size_t c = 0; c < 18; ++c)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const int o = t["neighbours"][c][j];
+      if (o < 0) continue;
+      const json& back = t["neighbours"][static_cast<std::size_t>(o)];
+      EXPECT_NE(std::find(back.begin(), back.end(), c), back.end());
+    }
+  EXPECT_NE(read_file(f / "t.off").find("\n2 3 23\n"), std::string::npos) << "heights are kept";
+  EXPECT_EQ(read_file(f / "t.off").substr(0, 10), "OFF\n17 18 ");
+  // Exactly: the diagonal of a square of the grid is as long as sqrt(2), rounded down it is longer.
+  (void)said("1.4142135623730951");
+  EXPECT_EQ(json::parse(read_file(f / "t.json"))["cells"].size(), 18U);
+  (void)said("1.414213562373095");
+  EXPECT_EQ(json::parse(read_file(f / "t.json"))["cells"].size(), 0U);
+  (void)said("0");
+  EXPECT_EQ(json::parse(read_file(f / "r.json"))["cell_count"], 0);
+  (void)said("1000", {"--certify"});
+  EXPECT_EQ(json::parse(read_file(f / "r.json"))["dropped_cell_count"], 0);
+  // With forced edges, in space, and on a line.
+  write_file(f / "e.txt", "0 15\n");
+  (void)said("1.5", {"--edges", f / "e.txt"});
+  EXPECT_EQ(json::parse(read_file(f / "r.json"))["piece_count"], 3);
+  write_file(f / "s.txt", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n9 9 9\n");
+  const Ran space = run_app({"delaunay", f / "s.txt", "--max-edge", "2"});
+  EXPECT_NE(space.out.find("cells      1, 4 facets on the hull\n"), std::string::npos) << space.out;
+  write_file(f / "l.txt", "0 0\n1 0\n5 0\n6 0\n");
+  const Ran line = run_app({"delaunay", f / "l.txt", "--max-edge", "2"});
+  EXPECT_NE(line.out.find("cells      2, 4 facets on the hull\n"), std::string::npos) << line.out;
+  write_file(f / "one.txt", "0 0\n");
+  EXPECT_EQ(run_app({"delaunay", f / "one.txt", "--max-edge", "2"}).status, 0);
+  expect_error({"delaunay", f / "s.txt", "--max-edge", "-1"}, 2, "not a finite number from 0 on");
+  expect_error({"voronoi", f / "t.csv", "--max-edge", "1"}, 2, "unknown option --max-edge");
 }
 
 TEST(CliTriangulation, HeightsThatCannotBeKept) {

@@ -494,6 +494,8 @@ OPTIONS_ELSEWHERE = {
     "--by": "groups: cli_groups_test and test_groups",
     "--crs": "what programs for maps want: cli_maps_test",
     "--keep": "columns beside points: cli_maps_test and test_maps",
+    "--max-edge": "drops cells of a triangulation: cli_triangulation_test",
+    "--folder": "of man: pages_test",
     "--edge-length": "the number that --ratio stands for",
     "--raw": "numbers of scans without their scale: cli_las_test",
     "--skip-nan": "points without a return: cli_skip_nan_test",

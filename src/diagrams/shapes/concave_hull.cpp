@@ -151,6 +151,32 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
   return out;
 }
 
+Triangulation without_long_edges(const PointView& points, Triangulation triangulation,
+                                 double length, const RunOptions& options) {
+  Triangulation& t = triangulation;
+  if (!(length >= 0))
+    throw Error(ErrorCode::invalid_argument,
+                "the length of edges must be a number that is not negative");
+  const Call call(options);
+  const Run& run = call.run;
+  const DualPoints p(points, t, {}, run);
+  const unsigned corners = t.corners();
+  if (corners < 2 || std::isinf(length)) return triangulation;
+  Lengths lengths(p, t.dimension);
+  lengths.set_limit(length);
+  std::vector<std::uint8_t> kept(t.size(), 1);
+  for (std::uint32_t c = 0; c < t.size(); ++c) {
+    if (c % 4096 == 0) run.check();
+    const auto ids = t.cell(c);
+    for (unsigned i = 0; i < corners; ++i)
+      for (unsigned j = i + 1; j < corners; ++j)
+        if (lengths.over_limit(edge_of(ids[i], ids[j]))) kept[c] = 0;
+  }
+  keep_cells(t, kept.data());
+  write_boundary(t, nullptr, t.hull_facets, t.hull_cells, run);
+  return triangulation;
+}
+
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
                       const RunOptions& options) {
   const Triangulation& t = triangulation;
