@@ -87,6 +87,7 @@ struct Outcome {
   double alpha = 0, read_seconds = 0, compute_seconds = 0;
   std::optional<double> edge_length;  ///< by it, not by alpha
   std::uint64_t region_count = 0;
+  cullhull::ShapeMeasures measures;
 };
 
 /// The number of --alpha; negative for one of the words.
@@ -164,6 +165,7 @@ std::string report(const Input& input, const Outcome& out) {
   json["cell_count"] = out.shape.cells.size();
   json["facet_count"] = out.shape.facet_cells.size();
   json["region_count"] = out.region_count;
+  add_measures(json, t.affine_dimension, out.measures.boundary, out.measures.volume);
   json["read_seconds"] = out.read_seconds;
   json["compute_seconds"] = out.compute_seconds;
   json["peak_bytes"] = peak_bytes();
@@ -183,6 +185,7 @@ std::string summary(const AlphaArguments& a, const Input& input, const Outcome& 
                       grouped(out.shape.cells.size()), grouped(t.size()),
                       grouped(out.shape.facet_cells.size()), grouped(out.region_count),
                       out.region_count == 1 ? "" : "s");
+  text += measure_lines(t.affine_dimension, out.measures.boundary, out.measures.volume);
   text += fmt::format("seconds    {:.6f}; reading {:.6f}\n", out.compute_seconds, out.read_seconds);
   for (const std::string& path : a.outputs) text += wrote_line(path);
   return text + wrote_line(a.json);
@@ -206,6 +209,7 @@ int run(AlphaArguments a) {
   find_shape(a, input, grid, out);
   input.skipped.restore_copies(out.triangulation);
   input.to_world();
+  out.measures = cullhull::shape_measures(input.points, out.triangulation, out.shape);
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);
   for (const std::string& path : a.outputs)
@@ -230,7 +234,7 @@ Command add_alpha(Parser& parent) {
                                   "-o for more files"))
       .allow_extra_args(false)
       ->type_name("FILE");
-  add_json_option(command, a->json, "Report counts and times");
+  add_json_option(command, a->json, "Report counts, measures and times");
   command.group("Shape");
   needs_value(*command.add_option("--alpha", a->alpha,
                                   "Largest circumradius of a cell: a number, one-region (default)\n"

@@ -75,6 +75,18 @@ double concave_length(const PointView& points, const Triangulation& triangulatio
 Triangulation without_long_edges(const PointView& points, Triangulation triangulation,
                                  double length, const RunOptions& options = {});
 
+/// Measures of a shape.
+struct ShapeMeasures {
+  double volume = 0;    ///< of its cells: k-dimensional, in the plane the area
+  double boundary = 0;  ///< of its facets: (k-1)-dimensional, in the plane the perimeter
+};
+
+/// The measures of a shape of these points, in their units; each within a few roundings of the sum
+/// of its cells' and facets'. For k = 1 the boundary is the number of ends, for k < 1 both are 0.
+/// Errors: invalid_argument if the points are not those of the triangulation.
+ShapeMeasures shape_measures(const PointView& points, const Triangulation& triangulation,
+                             const AlphaShape& shape);
+
 /// Regions of the plane, bounded by rings of points.
 struct CellPolygons {
   /// The ids of each ring, without repeats, from the lowest id on.

@@ -34,6 +34,7 @@ def alpha_shape(
     alpha: float | str = "one-region",
     *,
     threads: int | None = None,
+    memory_budget: int | None = None,
     progress: Progress = None,
 ) -> AlphaShape:
     """The alpha shape of points: the Delaunay cells whose circumscribed spheres are small.
@@ -49,7 +50,7 @@ def alpha_shape(
         exactly; ``inf`` keeps all cells, which is the convex hull. ``"all-points"``: choose the
         smallest radius at which every point is a vertex of a kept cell. ``"one-region"``: choose
         the smallest such radius at which the kept cells are connected through facets.
-    threads, progress : as in `convex_hull`
+    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -60,7 +61,7 @@ def alpha_shape(
     NotFinite, InvalidArgument (ValueErrors), TypeError
         As `delaunay`; also if alpha is negative, NaN or an unknown word, and for a furthest-site
         triangulation.
-    KeyboardInterrupt
+    OutOfBudget (a MemoryError), KeyboardInterrupt
 
     Examples
     --------
@@ -72,8 +73,10 @@ def alpha_shape(
     >>> [ring.tolist() for ring in shape.polygons()[0]]
     [[0, 1, 2, 4, 5, 3]]
     """
-    chosen = settings(threads=threads, progress=progress)
-    found = triangulated(points, threads=threads, progress=progress)
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    found = triangulated(
+        points, threads=threads, memory_budget=memory_budget, progress=progress
+    )
     if isinstance(alpha, str):
         if alpha not in ("all-points", "one-region"):
             raise InvalidArgument(
@@ -143,6 +146,57 @@ class AlphaShape(Exported, Saved, Compared):
 
     def _parts(self) -> tuple[Any, ...]:
         return self.triangulation, self.alpha, self.cell_numbers
+
+    @property
+    def area(self) -> float:
+        """In 2D the area of the shape, in 3D that of its surface. (`Hull.area` of points in the plane
+        is the perimeter, as SciPy has it.)
+
+        Of points that span other than two or three dimensions `InvalidArgument`, a ValueError.
+
+        >>> import cullhull
+        >>> shape = cullhull.alpha_shape([[0, 0], [2, 0], [2, 1], [0, 1]])
+        >>> shape.area, shape.perimeter
+        (2.0, 6.0)
+        """
+        within, boundary = self._measures(2, 3)
+        return boundary if self.triangulation.affine_dimension == 3 else within
+
+    @property
+    def perimeter(self) -> float:
+        """The length of the boundary of a shape in the plane, with that of its holes. In other
+        dimensions `InvalidArgument`, a ValueError."""
+        return self._measures(2)[1]
+
+    @property
+    def volume(self) -> float:
+        """The volume of a shape in space. In other dimensions `InvalidArgument`, a ValueError.
+
+        >>> import cullhull, itertools
+        >>> cullhull.alpha_shape(list(itertools.product([0, 1], repeat=3))).volume
+        1.0
+        """
+        return self._measures(3)[0]
+
+    def _measures(self, *dimensions: int) -> tuple[float, float]:
+        """Of the shape and of its boundary. Points on a line, equal ones and none have neither."""
+        found = self.triangulation
+        if found.dimension not in dimensions and found.affine_dimension not in dimensions:
+            known = " and ".join(f"{d}D" for d in dimensions)
+            raise InvalidArgument(f"shapes in {known} have it, not in {found.dimension}D")
+        if found.affine_dimension not in dimensions:
+            return 0.0, 0.0
+        return _core.shape_measures(
+            found._cells,
+            np.ascontiguousarray(self.cell_numbers),
+            np.ascontiguousarray(self.facets).ravel(),
+            np.ascontiguousarray(self.facet_cells),
+        )
+
+    def _measure_rows(self) -> list[tuple[str, str]]:
+        k = self.triangulation.affine_dimension
+        names = {2: ("area", "perimeter"), 3: ("volume", "area")}.get(k, ())
+        return [(name, f"{getattr(self, name):.6g}") for name in names]
 
     def polygons(self) -> list[list[npt.NDArray[np.int32]]]:
         """The shape of points in the plane as polygons, one for each piece.
@@ -252,6 +306,7 @@ class AlphaShape(Exported, Saved, Compared):
                 ("alpha", f"{self.alpha:.6g}"),
                 ("cells", f"{len(self.cell_numbers):,} of {found.cell_count:,}"),
                 ("facets of the boundary", f"{len(self.facet_cells):,}"),
+                *self._measure_rows(),
             ],
         )
 
@@ -289,6 +344,7 @@ def concave_hull(
     *,
     edge_length: float | None = None,
     threads: int | None = None,
+    memory_budget: int | None = None,
     progress: Progress = None,
 ) -> ConcaveHull:
     """The concave hull of points in a plane: one ring without holes, around all points.
@@ -306,7 +362,7 @@ def concave_hull(
     edge_length : float, optional
         The limit as a length, in the units of the points, compared exactly. Pass either ``ratio``
         or ``edge_length``.
-    threads, progress : as in `convex_hull`
+    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -317,7 +373,7 @@ def concave_hull(
     NotFinite, InvalidArgument (ValueErrors), TypeError
         As `delaunay`; also for points that span more than two dimensions, numbers out of range,
         and triangulations of the furthest site or with hidden points.
-    KeyboardInterrupt
+    OutOfBudget (a MemoryError), KeyboardInterrupt
 
     Examples
     --------
@@ -334,8 +390,10 @@ def concave_hull(
         number = edge_length
     else:
         raise InvalidArgument("concave_hull needs either a ratio or an edge_length")
-    found = triangulated(points, threads=threads, progress=progress)
-    chosen = settings(threads=threads, progress=progress)
+    found = triangulated(
+        points, threads=threads, memory_budget=memory_budget, progress=progress
+    )
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
     return ConcaveHull(
         found, *_core.concave_hull(found._cells, float(number), ratio is not None, chosen)
     )
@@ -399,6 +457,7 @@ class ConcaveHull(AlphaShape):
                 ("points", f"{found.point_count:,} in {found.dimension}D"),
                 ("boundary edges longer than this are replaced", f"{self.edge_length:.6g}"),
                 ("edges of the boundary", f"{len(self.facet_cells):,}"),
+                *self._measure_rows(),
             ],
         )
 
@@ -413,14 +472,18 @@ class ConcaveHull(AlphaShape):
 
 
 def alpha_radii(
-    points: Any, *, threads: int | None = None, progress: Progress = None
+    points: Any,
+    *,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
 ) -> npt.NDArray[np.float64]:
     """Of each Delaunay cell the smallest alpha whose alpha shape contains the cell.
 
     Parameters
     ----------
     points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-    threads, progress : as in `convex_hull`
+    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -430,7 +493,7 @@ def alpha_radii(
 
     Raises
     ------
-    NotFinite, InvalidArgument (ValueErrors), TypeError, KeyboardInterrupt
+    NotFinite, InvalidArgument (ValueErrors), TypeError, OutOfBudget, KeyboardInterrupt
         As `alpha_shape`.
 
     Examples
@@ -439,5 +502,8 @@ def alpha_radii(
     >>> cullhull.alpha_radii([[0, 0], [6, 0], [0, 8]]).tolist()
     [5.0]
     """
-    found = triangulated(points, threads=threads, progress=progress)
-    return _core.alpha_radii(found._cells, settings(threads=threads, progress=progress))
+    found = triangulated(
+        points, threads=threads, memory_budget=memory_budget, progress=progress
+    )
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    return _core.alpha_radii(found._cells, chosen)

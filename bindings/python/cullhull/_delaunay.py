@@ -476,11 +476,19 @@ def as_triangulation(points: Any) -> Triangulation | None:
     return points if isinstance(points, Triangulation) else None
 
 
-def triangulated(points: Any, *, threads: int | None, progress: Progress) -> Triangulation:
+def triangulated(
+    points: Any,
+    *,
+    threads: int | None,
+    memory_budget: int | None = None,
+    progress: Progress,
+) -> Triangulation:
     """The triangulation of points, or the one that is passed in their place."""
     found = as_triangulation(points)
     if found is None:
-        return delaunay(points, threads=threads, progress=progress)
+        return delaunay(
+            points, threads=threads, memory_budget=memory_budget, progress=progress
+        )
     if found.weights is not None:
         raise InvalidArgument("this is of triangulations without weights")
     return found

@@ -2,11 +2,13 @@
 // program writes them.
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -55,23 +57,39 @@ void save_diagram(const std::string& path, const cullhull::Voronoi& diagram,
 }
 
 void save_clipped(const std::string& path, const cullhull::ClippedCells& cells,
-                  const std::string& format, std::optional<bool> polygons,
-                  const std::string& crs) {
+                  const std::string& format, std::optional<bool> polygons, const std::string& crs) {
   const nb::gil_scoped_release release;
   cullhull::write_cells(path, cells, format, faces_of(polygons), {crs, {}});
 }
 
-/// The shape is given as alpha_shape() or concave_hull() returned it; `alpha` is NaN for the
-/// latter.
+/// The shape as alpha_shape() or concave_hull() returned it.
+cullhull::AlphaShape shape_of(const Cells& cells, Numbers cell_numbers, Numbers facets,
+                              Numbers facet_cells) {
+  const cullhull::Triangulation& t = cells.triangulation();
+  return {copied_back(std::move(cell_numbers), t.size()),
+          copied_back(std::move(facets), t.point_count),
+          copied_back(std::move(facet_cells), t.size())};
+}
+
+/// Of the shape, and of its boundary.
+std::tuple<double, double> shape_measures(const Cells& cells, Numbers cell_numbers, Numbers facets,
+                                          Numbers facet_cells) {
+  const cullhull::AlphaShape shape =
+      shape_of(cells, std::move(cell_numbers), std::move(facets), std::move(facet_cells));
+  const nb::gil_scoped_release release;
+  const auto found = cullhull::shape_measures(cells.points().view(), cells.triangulation(), shape);
+  return {found.volume, found.boundary};
+}
+
+/// `alpha` is NaN for a concave hull.
 void save_alpha_shape(const std::string& path, const Cells& cells, Numbers cell_numbers,
                       Numbers facets, Numbers facet_cells, double alpha, const std::string& format,
                       const std::string& crs) {
-  const cullhull::Triangulation& t = cells.triangulation();
-  const cullhull::AlphaShape shape{copied_back(std::move(cell_numbers), t.size()),
-                                   copied_back(std::move(facets), t.point_count),
-                                   copied_back(std::move(facet_cells), t.size())};
+  const cullhull::AlphaShape shape =
+      shape_of(cells, std::move(cell_numbers), std::move(facets), std::move(facet_cells));
   const nb::gil_scoped_release release;
-  cullhull::write_alpha_shape(path, cells.points().view(), t, shape, alpha, format, {crs, {}});
+  cullhull::write_alpha_shape(path, cells.points().view(), cells.triangulation(), shape, alpha,
+                              format, {crs, {}});
 }
 
 /// `words`: a key for each hull, as text.
@@ -94,6 +112,8 @@ void bind_save(nb::module_& m) {
   m.def("save_clipped", save_clipped, path, cells, format, nb::arg("polygons").none(), crs);
   m.def("save_alpha_shape", save_alpha_shape, path, cells, nb::arg("cell_numbers"),
         nb::arg("facets"), nb::arg("facet_cells"), nb::arg("alpha"), format, crs);
+  m.def("shape_measures", shape_measures, cells, nb::arg("cell_numbers"), nb::arg("facets"),
+        nb::arg("facet_cells"));
   m.def("save_batch", save_batch, path, nb::arg("batch"), nb::arg("keys"), nb::arg("key_name"),
         format, crs);
 }

@@ -308,3 +308,45 @@ def test_triangulations_of_the_furthest_site_are_refused_by_either_name():
         with pytest.raises(cullhull.InvalidArgument, match="its kind already"):
             cullhull.voronoi(found, furthest_site=True)
         assert len(cullhull.voronoi(found).vertices)
+
+
+def test_area_and_perimeter_of_shapes():
+    ring = [(x, y) for x in range(7) for y in range(7) if (x, y) != (3, 3)]
+    shape = cullhull.alpha_shape(ring, 0.71)
+    assert shape.area == 34.0 and np.isclose(shape.perimeter, 24 + 4 * 2**0.5, rtol=1e-15)
+    hull = cullhull.concave_hull(ring, 1.0)
+    assert (hull.area, hull.perimeter) == (36.0, 24.0)
+    assert "perimeter" in shape._repr_html_() and "perimeter" in hull._repr_html_()
+    cube = np.array([(x, y, z) for x in range(3) for y in range(3) for z in range(3)])
+    solid = cullhull.alpha_shape(cube)
+    assert (solid.volume, solid.area) == (8.0, 24.0)
+    assert "volume" in solid._repr_html_()
+    flat = cullhull.alpha_shape(np.column_stack([ring, np.ones(len(ring))]), 0.71)
+    assert (flat.area, flat.perimeter, flat.volume) == (shape.area, shape.perimeter, 0.0)
+    for few in (np.empty((0, 2)), [[1, 2]], [[0, 0], [1, 1], [3, 3]]):
+        shape = cullhull.alpha_shape(few)
+        assert (shape.area, shape.perimeter) == (0.0, 0.0)
+    for attribute, points in (("volume", ring), ("perimeter", cube), ("area", np.eye(5))):
+        with pytest.raises(cullhull.InvalidArgument, match="shapes in"):
+            getattr(cullhull.alpha_shape(points), attribute)
+    shapely = pytest.importorskip("shapely")
+    rng = np.random.default_rng(8)
+    for scale in (1e-3, 1.0, 1e5):
+        points = rng.normal(size=(500, 2)) * scale
+        for shape in (cullhull.alpha_shape(points, 0.3 * scale), cullhull.concave_hull(points, 0.1)):
+            drawn = shapely.geometry.shape(shape.__geo_interface__)
+            assert np.isclose(shape.area, drawn.area, rtol=1e-12)
+            assert np.isclose(shape.perimeter, drawn.length, rtol=1e-12)
+
+
+def test_shapes_are_refused_beyond_the_memory_budget():
+    points = cullhull.generate("ball", 20000, 3)
+    calls = (
+        lambda **o: cullhull.alpha_shape(points, **o),
+        lambda **o: cullhull.concave_hull(points[:, :2], 0.1, **o),
+        lambda **o: cullhull.alpha_radii(points, **o),
+    )
+    for call in calls:
+        with pytest.raises(cullhull.OutOfBudget):
+            call(memory_budget=1000)
+        call(memory_budget=1 << 30)

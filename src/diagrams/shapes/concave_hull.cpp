@@ -1,7 +1,9 @@
 // Concave hulls by edge length (Duckham, Kulik, Worboys, Galton 2008: chi-shapes).
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <queue>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -175,6 +177,78 @@ Triangulation without_long_edges(const PointView& points, Triangulation triangul
   keep_cells(t, kept.data());
   write_boundary(t, nullptr, t.hull_facets, t.hull_cells, run);
   return triangulation;
+}
+
+namespace {
+
+/// The rest of a vector beside unit vectors that are orthogonal to one another.
+void leave_orthogonal(double* own, const double* units, std::size_t count, std::size_t d) {
+  for (std::size_t b = 0; b < count; ++b, units += d) {
+    const double part = std::inner_product(own, own + d, units, 0.0);
+    for (std::size_t j = 0; j < d; ++j) own[j] -= part * units[j];
+  }
+}
+
+/// The product of the lengths that the rows have beside those before. `edges`: k rows of d numbers,
+/// overwritten.
+double orthogonal_product(double* edges, std::size_t k, std::size_t d) {
+  if (k == 2 && d == 2) return std::abs(edges[0] * edges[3] - edges[1] * edges[2]);
+  if (k >= 2 && d == 3) {
+    const double* const e = edges;
+    const double cross[] = {e[1] * e[5] - e[2] * e[4], e[2] * e[3] - e[0] * e[5],
+                            e[0] * e[4] - e[1] * e[3]};
+    return k == 2 ? std::hypot(cross[0], cross[1], cross[2])
+                  : std::abs(std::inner_product(e + 6, e + 9, cross, 0.0));
+  }
+  double product = 1;
+  for (std::size_t a = 0; a < k; ++a) {
+    double* const own = edges + a * d;
+    leave_orthogonal(own, edges, a, d);
+    const double length = std::sqrt(std::inner_product(own, own + d, own, 0.0));
+    if (length == 0) return 0;
+    product *= length;
+    for (std::size_t j = 0; j < d; ++j) own[j] /= length;
+  }
+  return product;
+}
+
+/// k! times the k-measure of k + 1 points: for small whole numbers exact, and so is a sum. The
+/// edges are scaled by a power of two, so that no product overflows.
+double parallelotope_measure(const PointView& points, std::span<const std::uint32_t> ids) {
+  const std::size_t k = ids.size() - 1, d = points.dimension;
+  std::vector<double> edges(k * d);
+  double longest = 0;
+  for (std::size_t i = 0; i < k * d; ++i) {
+    const auto j = static_cast<std::uint32_t>(i % d);
+    edges[i] = points.at(ids[1 + i / d], j) - points.at(ids[0], j);
+    longest = std::max(longest, std::abs(edges[i]));
+  }
+  if (longest == 0) return k == 0 ? 1 : 0;
+  const int scale = std::ilogb(longest);
+  for (double& x : edges) x = std::ldexp(x, -scale);
+  double measure = orthogonal_product(edges.data(), k, d);
+  for (std::size_t i = 0; i < k; ++i) measure = std::ldexp(measure, scale);
+  return measure;
+}
+
+}  // namespace
+
+ShapeMeasures shape_measures(const PointView& points, const Triangulation& triangulation,
+                             const AlphaShape& shape) {
+  const Triangulation& t = triangulation;
+  if (points.count != t.point_count || points.dimension != t.dimension)
+    throw Error(ErrorCode::invalid_argument, "the triangulation is not that of these points");
+  ShapeMeasures out;
+  if (t.corners() < 2) return out;
+  const std::size_t k = t.corners() - 1;
+  for (const std::uint32_t c : shape.cells) out.volume += parallelotope_measure(points, t.cell(c));
+  for (std::size_t at = 0; at < shape.facets.size(); at += k)
+    out.boundary += parallelotope_measure(points, std::span(shape.facets).subspan(at, k));
+  for (std::size_t i = 2; i <= k; ++i) {
+    out.volume /= static_cast<double>(i);
+    if (i < k) out.boundary /= static_cast<double>(i);
+  }
+  return out;
 }
 
 double concave_length(const PointView& points, const Triangulation& triangulation, double ratio,
