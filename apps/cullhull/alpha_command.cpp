@@ -15,6 +15,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_io.hpp"
+#include "group_hulls.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
@@ -55,6 +56,7 @@ constexpr const char* footer =
     "Examples:\n"
     "  cullhull alpha lidar.las --columns x,y -o outline.geojson   an outline with holes\n"
     "  cullhull alpha sites.csv --ratio 0.1 -o outline.wkt         one ring around all points\n"
+    "  cullhull alpha points.csv --by id -o outlines.geojson       a shape for each value of id\n"
     "  cullhull alpha scan.ply --alpha 0.05 -o surface.stl         a surface around points\n"
     "\n"
     "All points must fit in memory.\n"
@@ -66,6 +68,7 @@ struct AlphaArguments {
   RunArguments run;
   std::vector<std::string> outputs;
   std::string alpha, json;  ///< alpha: a number or a word; empty: the default, or by edges
+  std::string by;           ///< the column of the groups' keys
   double edge_length = -1, ratio = -1;  ///< negative: not given
   std::vector<std::string> files;       ///< that the words of the input stand for
 
@@ -191,12 +194,27 @@ std::string summary(const AlphaArguments& a, const Input& input, const Outcome& 
   return text + wrote_line(a.json);
 }
 
+/// Groups have a single kind of output.
+int run_by(const AlphaArguments& a, FilePlan& plan) {
+  if (a.outputs.size() != 1 || !a.json.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "--by writes the shapes of groups to one -o (.geojson .csv .json), without --json");
+  plan.writes("-o", a.outputs[0], {OutputKind::group_hulls});
+  const cullhull::GroupShape shape{
+      .goal = a.alpha == "all-points" ? AlphaGoal::all_points : AlphaGoal::one_region,
+      .alpha = given_alpha(a.alpha),
+      .edge_length = a.edge_length,
+      .ratio = a.ratio};
+  return run_group_shapes(a.input, a.files, a.by, a.outputs[0], shape, a.run);
+}
+
 int run(AlphaArguments a) {
   check_choice(a);
   (void)given_alpha(a.alpha);  // refused before the work
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
+  if (!a.by.empty()) return run_by(a, plan);
   for (const std::string& path : a.outputs) plan.writes("-o", path, {OutputKind::triangulation});
   plan.writes_json(a.json);
   Input input = open_inputs(a.input, a.files, a.run.threads, a.run.memory_bytes());
@@ -235,6 +253,10 @@ Command add_alpha(Parser& parent) {
       .allow_extra_args(false)
       ->type_name("FILE");
   add_json_option(command, a->json, "Report counts, measures and times");
+  needs_value(*command.add_option("--by", a->by,
+                                  "Compute one shape per group: the points with the same value in\n"
+                                  "COLUMN (name or number); -o .geojson (2D), .csv or .json"))
+      .type_name("COLUMN");
   command.group("Shape");
   needs_value(*command.add_option("--alpha", a->alpha,
                                   "Largest circumradius of a cell: a number, one-region (default)\n"

@@ -1,4 +1,4 @@
-// One hull per group of points; a group is the points with the same key.
+// One hull or shape per group of points; a group is the points with the same key.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -33,6 +34,21 @@ struct GroupReport {
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options = {},
                               const MapExtras& extras = {});
+
+/// The shape that write_group_shapes computes of each group: at most one of the numbers is not
+/// negative; without any the least alpha that meets `goal`, another one for each group.
+struct GroupShape {
+  AlphaGoal goal = AlphaGoal::one_region;
+  double alpha = -1;        ///< alpha_shape() with this alpha
+  double edge_length = -1;  ///< concave_hull() with this length
+  double ratio = -1;        ///< concave_hull() with the length of concave_length()
+};
+
+/// The same with the alpha shape or concave hull of each group. Lengths are in the units of the
+/// points. Throws what delaunay(), alpha_shape() and concave_hull() throw as well.
+GroupReport write_group_shapes(const std::vector<std::string>& files, const std::string& path,
+                               const GroupShape& shape, const BlockOptions& reading,
+                               const Options& options = {}, const MapExtras& extras = {});
 
 /// Writes the hulls of a batch in the same formats: set i is the group of the key `keys[i]`. For
 /// the same points and keys the bytes are those of the function above. Groups of equal keys keep

@@ -1,4 +1,5 @@
 // cullhull alpha as users meet it.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "agreement/run_app.hpp"
@@ -31,6 +32,120 @@ TEST(CliAlpha, SaysWhatThereIs) {
   EXPECT_NE(one.out.find("around 1 region\n"), std::string::npos) << one.out;
   const Ran all = run_app({"alpha", f / "p.txt", "--alpha", "inf"});
   EXPECT_NE(all.out.find("cells      23 of 23"), std::string::npos) << all.out;
+}
+
+// A point is missing in the middle of a grid: the shape has a hole of four half squares.
+TEST(CliAlpha, SaysAreaAndPerimeter) {
+  const Folder f;
+  std::string ring, cube, line;
+  for (int x = 0; x < 7; ++x)
+    for (int y = 0; y < 7; ++y)
+      if (x != 3 || y != 3) ring += std::to_string(x) + " " + std::to_string(y) + "\n";
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y)
+      for (int z = 0; z < 3; ++z)
+        cube += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
+  const auto said = [&](const std::string& text, const std::vector<std::string>& more) {
+    write_file(f / "p.txt", text);
+    std::vector<std::string> words{"alpha", f / "p.txt", "--json=" + (f / "r.json")};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 0) << ran.err;
+    return std::pair{ran.out, json::parse(read_file(f / "r.json"))};
+  };
+  const auto [plane, of_plane] = said(ring, {"--alpha", "0.71"});
+  EXPECT_NE(plane.find("\nperimeter  29.65685424949238"), std::string::npos) << plane;
+  EXPECT_NE(plane.find("\narea       34\n"), std::string::npos) << plane;
+  EXPECT_DOUBLE_EQ(of_plane["perimeter"].get<double>(), 24 + 4 * std::sqrt(2.0));
+  EXPECT_EQ(of_plane["area"], 34.0);
+  const auto [whole, of_whole] = said(ring, {"--ratio", "1"});
+  EXPECT_EQ(of_whole["perimeter"], 24.0);
+  EXPECT_EQ(of_whole["area"], 36.0);
+  const auto [space, of_space] = said(cube, {});
+  EXPECT_NE(space.find("\narea       24\nvolume     8\n"), std::string::npos) << space;
+  EXPECT_EQ(of_space["volume"], 8.0);
+  const auto [huge, of_huge] = said("0 0\n1e150 0\n0 1e150\n1e150 1e150\n", {});
+  EXPECT_DOUBLE_EQ(of_huge["area"].get<double>(), 1e300) << huge;
+  const auto [tiny, of_tiny] = said("0 0\n1e-150 0\n0 1e-150\n1e-150 1e-150\n", {});
+  EXPECT_DOUBLE_EQ(of_tiny["area"].get<double>(), 1e-300) << tiny;
+  const auto [flat, of_flat] = said("0 0 1\n2 0 1\n0 3 1\n2 3 1\n", {});
+  EXPECT_EQ(of_flat["area"], 6.0) << flat;
+  const auto [segment, of_line] = said("0 0\n3 4\n6 8\n", {"--alpha", "inf"});
+  EXPECT_EQ(of_line["length"], 10.0) << segment;
+  const auto [point, of_point] = said("0 0\n", {});
+  EXPECT_FALSE(of_point.contains("area")) << point;
+}
+
+TEST(CliAlpha, AShapeForEachGroup) {
+  const Folder f;
+  std::string table = "x,y,town\n", ulm;
+  for (int x = 0; x < 4; ++x)
+    for (int y = 0; y < 4; ++y)
+      if (x < 2 || y < 2) {
+        table += std::to_string(x) + "," + std::to_string(y) + ",Ulm\n";
+        ulm += std::to_string(x) + " " + std::to_string(y) + "\n";
+      }
+  table += "9,9,Bonn\n8,8,Bonn\n7,7,Bonn\n5,5,Kiel\n5,5,Kiel\n";
+  write_file(f / "p.csv", table);
+  write_file(f / "ulm.txt", ulm);
+  for (const std::vector<std::string>& how : {std::vector<std::string>{},
+                                              {"--alpha", "0.75"},
+                                              {"--alpha", "all-points"},
+                                              {"--edge-length", "1.2"},
+                                              {"--ratio", "0.3"}}) {
+    const auto run = [&](std::vector<std::string> words) {
+      words.insert(words.end(), how.begin(), how.end());
+      const Ran ran = run_app(words);
+      EXPECT_EQ(ran.status, 0) << ran.err;
+      return ran.out;
+    };
+    for (const char* name : {"g.geojson", "g.csv", "g.json"}) {
+      const std::string said = run({"alpha", f / "p.csv", "--by", "town", "-o", f / name});
+      EXPECT_NE(said.find("groups     3\n"), std::string::npos) << said;
+    }
+    (void)run({"alpha", f / "ulm.txt", "-q", "-o", f / "one.wkt", "--json=" + (f / "r.json")});
+    const json one = json::parse(read_file(f / "r.json"));
+    const json map = json::parse(read_file(f / "g.geojson"));
+    ASSERT_EQ(map["features"].size(), 3U);
+    const json& bonn = map["features"][0];
+    const json& kiel = map["features"][1];
+    const json& third = map["features"][2];
+    EXPECT_EQ(bonn["properties"]["town"], "Bonn");
+    EXPECT_EQ(kiel["geometry"], json::parse(R"({"type": "Point", "coordinates": [5, 5]})"));
+    EXPECT_EQ(third["properties"]["town"], "Ulm");
+    EXPECT_EQ(third["properties"]["points"], 12);
+    EXPECT_EQ(third["properties"]["area"], one["area"]);
+    EXPECT_EQ(third["properties"]["perimeter"], one["perimeter"]);
+    const char* const limit = one["alpha"].is_null() ? "edge_length" : "alpha";
+    EXPECT_EQ(third["properties"][limit], one[limit]);
+    EXPECT_EQ(third["geometry"]["type"], "Polygon");
+    EXPECT_EQ(third["geometry"]["coordinates"][0].size(),
+              one["facet_count"].get<std::size_t>() + 1);
+    const std::string csv = read_file(f / "g.csv");
+    EXPECT_EQ(csv.substr(0, csv.find('\n')),
+              std::string("town,points,") + limit + ",perimeter,area,wkt");
+    const json records = json::parse(read_file(f / "g.json"));
+    EXPECT_EQ(records["kind"], "group_shapes");
+    const json& record = records["groups"][2];
+    EXPECT_EQ(record["cells"].size(), one["cell_count"]);
+    EXPECT_EQ(record["facets"].size(), one["facet_count"]);
+    EXPECT_EQ(record["area"], one["area"]);
+    EXPECT_EQ(record["coordinates"].size(), 12U);
+  }
+  EXPECT_EQ(
+      run_app({"alpha", f / "p.csv", "-q", "--by", "town", "-o", f / "g.csv", "--alpha", "inf"})
+          .status,
+      0);
+  EXPECT_NE(read_file(f / "g.csv").find("\nBonn,3,inf,5.656854249492381,0,"), std::string::npos)
+      << read_file(f / "g.csv");
+  expect_error({"alpha", f / "p.csv", "--by", "town"}, 2,
+               "--by writes the shapes of groups to one -o");
+  expect_error({"alpha", f / "p.csv", "--by", "town", "-o", f / "g.ply"}, 2,
+               "must end in .geojson, .csv or .json");
+  expect_error({"alpha", f / "p.csv", "--by", "city", "-o", f / "g.csv"}, 2, "no column 'city'");
+  expect_error(
+      {"alpha", f / "p.csv", "--by", "town", "-o", f / "g.csv", "--alpha", "1", "--ratio", "1"}, 2,
+      "exclude");
 }
 
 /// A comb: by the length of edges what is between its teeth is outside, and there are no holes.

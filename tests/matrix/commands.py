@@ -439,7 +439,7 @@ ROWS = (
     Row(
         "track --triangles",
         ("track", "-q", "--triangles"),
-        HULL_MESHES[:1],
+        HULL_MESHES[-1:],
         shape="sequence",
         without=SEQUENCE,
         doors="main",

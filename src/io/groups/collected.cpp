@@ -60,6 +60,17 @@ void CollectedPoints::add(const PointView& block, std::uint64_t first_id, const 
   blocks_.push_back(std::move(kept));
 }
 
+BlockSummary CollectedPoints::read(const std::vector<std::string>& files,
+                                   const BlockOptions& reading) {
+  if (reading.read.key.empty())
+    throw Error(ErrorCode::invalid_argument, "groups need a column that tells them apart");
+  BlockVisitor visitor;
+  visitor.keyed = [this](const PointView& block, std::uint64_t first, const PointKeys& keys) {
+    add(block, first, keys);
+  };
+  return visit_blocks(files, visitor, reading);
+}
+
 bool is_json_number(std::string_view word) {
   const std::size_t sign = word.starts_with('-') ? 1 : 0;
   if (word.size() == sign || !is_digit(word[sign]) || !is_digit(word.back())) return false;

@@ -51,6 +51,9 @@ class CollectedPoints {
   explicit CollectedPoints(std::uint64_t budget) : budget_(budget) {}
   /// From any thread. Throws Error{not_finite}, Error{out_of_budget}.
   void add(const PointView& block, std::uint64_t first_id, const PointKeys& keys);
+  /// Adds the points of all files with their keys. Throws Error{invalid_argument} where the options
+  /// name no column of keys.
+  BlockSummary read(const std::vector<std::string>& files, const BlockOptions& reading);
   /// Sorts and hands over all points.
   SortedGroups sort();
   const PointKeys& words() const { return words_.words(); }

@@ -12,6 +12,7 @@
 #include "io/formats/crs.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/groups/collected.hpp"
+#include "io/groups/group_files.hpp"
 #include "io/json/json_writer.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
@@ -102,15 +103,6 @@ class GroupRecords {
   }
 
  private:
-  static void append_csv(std::string& out, std::string_view text) {
-    if (text.find_first_of("\",;\t#/ ") == std::string_view::npos) {
-      out += text;
-      return;
-    }
-    out += '"';
-    for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-    out += '"';
-  }
   void append_feature(std::string& out, const GroupHull& hull) const {
     out += "{\"type\": \"Feature\", \"properties\": {";
     append_json_string(out, key_name_);
@@ -199,19 +191,6 @@ class GroupRecords {
   bool first_ = true;
 };
 
-void write_if_long(std::string& text, OutputFile& out) {
-  if (text.size() <= std::size_t{1} << 20) return;
-  out.write(text);
-  text.clear();
-}
-
-std::string checked_format(const std::string& path, const std::string& format) {
-  std::string found = output_format(path, format, "json");
-  if (!holds(found, {OutputKind::group_hulls}))
-    refuse_format(path, found, {OutputKind::group_hulls});
-  return found;
-}
-
 void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
                   GroupRecords& records, std::string& text, const Grid& grid,
                   const Options& options, OutputFile& out) {
@@ -248,11 +227,6 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
   out.write(text);
 }
 
-/// The key's name in the output: its own, or "column" and its number.
-std::string name_of_key(const std::string& key) {
-  return key.find_first_not_of("0123456789") == std::string::npos ? "column " + key : key;
-}
-
 }  // namespace
 }  // namespace cullhull::internal::inline io
 
@@ -263,16 +237,10 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
                               const MapExtras& extras) {
   using namespace internal;
   using Clock = std::chrono::steady_clock;
-  if (reading.read.key.empty())
-    throw Error(ErrorCode::invalid_argument, "groups need a column that tells them apart");
   const std::string format = checked_format(path, "");
   const Clock::time_point start = Clock::now();
   CollectedPoints collected(resolve_budget(options.memory_budget));
-  BlockVisitor visitor;
-  visitor.keyed = [&](const PointView& block, std::uint64_t first, const PointKeys& keys) {
-    collected.add(block, first, keys);
-  };
-  const BlockSummary read = visit_blocks(files, visitor, reading);
+  const BlockSummary read = collected.read(files, reading);
   const SortedGroups sorted = collected.sort();
   GroupReport report;
   report.points = read.end.points;
