@@ -102,8 +102,7 @@ CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
   // Before anything is read: the hull is to be on the grid as its points will be.
   from.grid = arguments.input.raw ? cullhull::Grid()
                                   : cullhull::common_grid(arguments.files, read_options(from, 1));
-  cullhull::to_grid(hull, *from.grid);
-  for (double& x : rows) x = from.grid->number_of(x);
+  cullhull::to_grid(hull, rows, *from.grid);
   outcome.points.count = hull.point_count;
   outcome.points.dimension = hull.dimension;
   outcome.points.scalar = hull.scalar;

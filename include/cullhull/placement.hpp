@@ -86,6 +86,9 @@ class GridAxes {
 /// facets and normals do not change.
 void to_world(Hull& hull, const Grid& grid);
 void to_grid(Hull& hull, const Grid& grid);
+/// The same for a hull from a file and the coordinates of its vertices, which become the grid's
+/// integers, NaN where there is none. A centroid within the box of the vertices stays within it.
+void to_grid(Hull& hull, std::vector<double>& vertex_coordinates, const Grid& grid);
 /// The same for a diagram, for clipped cells and for the extreme points that a state holds.
 void to_world(Voronoi& diagram, const Grid& grid);
 void to_world(ClippedCells& cells, const Grid& grid);

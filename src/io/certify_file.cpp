@@ -13,13 +13,13 @@ Certificate certify_source(const PointView& points, const Source& source, const 
                            const Grid& grid, std::uint64_t first_id) {
   std::vector<double> rows;
   Hull hull = read_hull_json(source, &rows, options, first_id);
-  to_grid(hull, grid);
+  to_grid(hull, rows, grid);
   Certificate certificate = certify(points, hull, options);
   if (!certificate.valid) return certificate;
   const unsigned d = points.dimension;
   for (std::size_t i = 0; i < hull.vertices.size() && certificate.valid; ++i)
     for (unsigned j = 0; j < d && certificate.valid; ++j)
-      if (grid.number_of(rows[i * d + j]) != points.at(hull.vertices[i], j)) {
+      if (rows[i * d + j] != points.at(hull.vertices[i], j)) {
         certificate.valid = false;
         certificate.reason = "row " + std::to_string(i) + " of vertex_coordinates is not point " +
                              std::to_string(hull.vertices[i]);

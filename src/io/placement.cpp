@@ -238,6 +238,24 @@ void to_grid(Hull& hull, const Grid& grid) {
       [&](double m, int d) { return grid.measure_to_grid(m, d); });
 }
 
+void to_grid(Hull& hull, std::vector<double>& vertex_coordinates, const Grid& grid) {
+  if (grid.empty()) return;
+  const std::size_t d = hull.dimension;
+  const std::vector<double> centroid = hull.centroid;
+  to_grid(hull, grid);
+  for (double& x : vertex_coordinates) x = grid.number_of(x);
+  for (std::size_t j = 0; j < hull.centroid.size(); ++j) {
+    double low = INFINITY, high = -INFINITY;
+    for (std::size_t i = j; i < vertex_coordinates.size(); i += d) {
+      low = std::min(low, vertex_coordinates[i]);
+      high = std::max(high, vertex_coordinates[i]);
+    }
+    // Rounding may have moved it out of the box, of which a point or a flat has no thickness.
+    if (grid.to_world(low) <= centroid[j] && centroid[j] <= grid.to_world(high))
+      hull.centroid[j] = std::clamp(hull.centroid[j], low, high);
+  }
+}
+
 void to_world(Voronoi& diagram, const Grid& grid) {
   if (grid.empty()) return;
   for (double& x : diagram.vertices) x = grid.to_world(x);

@@ -1,13 +1,18 @@
 // Grids of decimals: which scans have one, and that coordinates lead back to their numbers.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/placement.hpp"
+#include "io/certify_file.hpp"
+#include "io/json/json.hpp"
+#include "io/source.hpp"
 
 namespace cullhull {
 namespace io_placement_test {
@@ -119,6 +124,46 @@ TEST(IoPlacement, HullsGoToTheWorldAndBack) {
   EXPECT_EQ(hull.facet_planes[3], on_grid.facet_planes[3] / 1000);
   to_grid(hull, grid);
   EXPECT_TRUE(certify(points, hull).valid);
+}
+
+/// Files of hulls on a decimal grid: points, segments, polygons and polytopes of any flat, a few
+/// units wide, near the origin and far from it. Their numbers are rounded to world coordinates and
+/// back.
+TEST(IoPlacement, FilesOfHullsOnDecimalGridsAreCertified) {
+  std::mt19937_64 random(7);
+  for (unsigned set = 0; set < 4000; ++set) {
+    const auto d = static_cast<std::uint32_t>(1 + random() % 4);
+    const std::uint64_t n = 1 + random() % 40, spanned = random() % (d + 1);
+    const Grid grid(1 + static_cast<int>(random() % 4));
+    const double width = std::round(grid.power() * std::array{0.7, 3.0, 40.0}[random() % 3]);
+    const double offset = grid.power() * std::array{0.0, 10'000.0, 484'683.0}[random() % 3];
+    std::vector<double> at(d), rows, world;
+    for (double& x : at)
+      x = std::round(offset * (random() % 3 == 0 ? -1 : 1)) + static_cast<double>(random() % 1000);
+    for (std::uint64_t i = 0; i < n; ++i)
+      for (unsigned j = 0; j < d; ++j) {
+        const auto step = static_cast<double>(random() % static_cast<std::uint64_t>(width + 1));
+        rows.push_back(at[j] + (j < spanned ? step : 0));
+        // Another axis in step with the first: a flat that is not parallel to the axes.
+        if (j > 0 && j == spanned && set % 2 == 0) rows.back() += rows[rows.size() - j - 1] - at[0];
+      }
+    for (const double x : rows) world.push_back(grid.to_world(x));
+    const PointView points = PointView::row_major(rows.data(), n, d);
+    Hull hull = convex_hull(points);
+    to_world(hull, grid);
+    std::string text;
+    internal::write_result_json(PointView::row_major(world.data(), n, d), hull,
+                                [&](const std::string& piece) { text += piece; });
+    const Certificate found =
+        internal::certify_source(points, {"F", text.data(), text.size()}, {}, grid);
+    EXPECT_EQ(found.reason, "") << "set " << set;
+    std::vector<double> vertices;
+    Hull again = internal::read_hull_json({"F", text.data(), text.size()}, &vertices, {}, 0);
+    to_grid(again, vertices, grid);
+    CertifyStream check(again, vertices);
+    check.push(points, 0);
+    EXPECT_EQ(check.finish().reason, "") << "set " << set << " in pieces";
+  }
 }
 
 TEST(IoPlacement, StatesRememberTheirGrid) {

@@ -347,8 +347,10 @@ class MeasureCheck {
     if (given < low || given > high)
       fault("coordinate ", c, " of the centroid, ", number(given), ", is outside of the hull");
     const mpf_class expected = mpf_class(origin, shift.get_prec()) + shift;
+    // Of 4 units of the value two are for a file's hull, converted from a grid to world
+    // coordinates and back.
     const mpf_class allowed =
-        (2 * relative + f_.beta() * unit) * with_own * extent + 2 * unit * abs(expected) + least();
+        (2 * relative + f_.beta() * unit) * with_own * extent + 4 * unit * abs(expected) + least();
     if (!std::isfinite(given) || abs(mpf_class(given, 256) - expected) > allowed)
       fault("coordinate ", c, " of the centroid, ", number(given), ", should be ",
             number(expected.get_d()));
