@@ -45,6 +45,10 @@ class Grid {
   double power() const noexcept { return power_; }
   /// The spacing of the grid in coordinates; 0 without a grid.
   double unit() const noexcept { return unit_; }
+  /// The bits of the largest number on the grid that a file could hold from which common_grid()
+  /// made it; 0: unknown. No part of the grid's value.
+  int bits() const noexcept { return bits_; }
+  void set_bits(int bits) noexcept { bits_ = bits; }
   /// The double nearest to the coordinate that is `number` on the grid.
   double to_world(double number) const noexcept { return number / power_; }
   double to_grid(double coordinate) const noexcept { return coordinate * power_; }
@@ -55,10 +59,12 @@ class Grid {
   double measure_to_world(double measure, int dimension) const noexcept;
   double measure_to_grid(double measure, int dimension) const noexcept;
 
-  friend bool operator==(const Grid&, const Grid&) = default;
+  friend bool operator==(const Grid& a, const Grid& b) noexcept {
+    return a.decimals_ == b.decimals_ && a.unit_ == b.unit_;
+  }
 
  private:
-  int decimals_ = -1;
+  int decimals_ = -1, bits_ = 0;
   double power_ = 1, unit_ = 0;
 };
 
@@ -98,7 +104,8 @@ void to_world(std::vector<double>& numbers, const Grid& grid);
 
 /// The common grid (as above) of these inputs, from their headers; hull states have the grid on
 /// which they were computed. Empty if an input is not a regular file. Throws what open_points
-/// throws.
+/// throws. Visiting a state of a decimal grid throws Error{invalid_argument} if there is no common
+/// grid: it lacks points that rounding could make extreme.
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options);
 
 /// A coordinate reference system as AUTHORITY:CODE ("EPSG:25832", "OGC:CRS84"), of such a text or

@@ -53,9 +53,11 @@ class HullState {
   /// changes.
   PointView points() const noexcept;
 
-  /// Adds the points of another state. An id may occur in both only for the same point. Errors as
-  /// of extreme_points(), after which the state is unchanged. Error{invalid_argument} if dimensions
-  /// differ, or if different extreme points of the two have the same id. A shared id of which one
+  /// Adds the points of another state. An id may occur in both only for the same point. States of
+  /// different grids (below) are compared on the coarsest grid that contains both. Errors as of
+  /// extreme_points(), after which the state is unchanged. Error{invalid_argument} if dimensions
+  /// differ, if different extreme points of the two have the same id, or if one state is of a
+  /// decimal grid and no grid of at most 50 bits contains the other. A shared id of which one
   /// point is not extreme in its set is not detected, as states hold extreme points only; the
   /// result is then still the hull of all points, but the id is ambiguous.
   void merge(const HullState& other, const Options& options = {});
@@ -65,13 +67,23 @@ class HullState {
   void shift_ids(std::uint64_t offset);
 
   /// Converts points from units of a grid with this many decimals (cullhull/placement.hpp) to world
-  /// coordinates, rounded. The state remembers the grid: merge() compares grid units if both states
-  /// have the same grid. Throws Error{invalid_argument} beyond 15 decimals.
-  void to_world(int decimals);
-  /// Converts back to grid units. No effect without a grid.
+  /// coordinates, rounded. The state remembers the grid, on which merge() compares. `bits`: those
+  /// of the largest number that a file of the points could hold (Grid::bits); 0: those of the
+  /// points. Throws Error{invalid_argument} beyond 15 decimals.
+  void to_world(int decimals, int bits = 0);
+  /// Converts back to grid units. No effect without a decimal grid.
   void to_grid();
-  /// The decimals of the grid on which the state was computed and merges exactly; -1: no grid.
+  /// The same, to units of a finer grid. Throws Error{invalid_argument} if no grid of that many
+  /// decimals and at most 50 bits contains the points.
+  void to_grid(int decimals);
+  /// Remembers that the coordinates are multiples of 2^-places. `bits`: as of to_world().
+  void set_binary_grid(int places, int bits = 0);
+  /// The decimals of the grid on which the state was computed and merges exactly; -1: no such grid.
   int decimals() const noexcept { return decimals_; }
+  /// The binary places of its grid; -1: no such grid.
+  int places() const noexcept { return places_; }
+  /// Of `bits` above.
+  int bits() const noexcept { return bits_; }
 
   /// Equal to convex_hull() of all the points, with global ids, bit for bit except for
   /// `statistics`, which describe the last step. Errors as convex_hull; Error{invalid_argument} if
@@ -90,7 +102,7 @@ class HullState {
   friend struct internal::StateParts;
   std::uint32_t dimension_ = 0;
   ScalarType scalar_ = ScalarType::f64;
-  int decimals_ = -1;
+  std::int8_t decimals_ = -1, places_ = -1, bits_ = 0;
   std::uint64_t seen_ = 0;
   std::vector<std::uint64_t> ids_;
   std::vector<std::byte> rows_;

@@ -59,6 +59,15 @@ struct Multiples {
 /// there.
 std::optional<Multiples> multiples_of(const Placement& placement, const Grid& grid);
 
+/// What a hull state says of its grid; members as in HullState.
+struct GridOfState {
+  int decimals = -1, places = -1, bits = 0;
+};
+
+/// The common grid of files with these placements and of these states, as of all the files that the
+/// states were computed from. Empty if a state has no grid.
+Grid grid_of_all(const std::vector<Placement>& placements, const std::vector<GridOfState>& states);
+
 /// Replaces the points of a file that has a placement by what `options.numbers` asks for, as
 /// doubles, and sets `data.grid`.
 void place(PointData& data, const ReadOptions& options);

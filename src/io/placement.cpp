@@ -84,12 +84,63 @@ std::optional<int> binary_places(const std::vector<Placement>& placements) {
   return places;
 }
 
-bool all_lie_on(const std::vector<Placement>& placements, const Grid& grid) {
-  return std::all_of(placements.begin(), placements.end(),
-                     [&](const Placement& p) { return multiples_of(p, grid).has_value(); });
+/// The bits of numbers up to `most`.
+int bits_of(double most) { return most <= 1 ? 1 : static_cast<int>(std::ceil(std::log2(most))); }
+
+/// The bits of a state's numbers on a grid that contains it; 0: unknown.
+int bits_on(const GridOfState& s, const Grid& grid) {
+  if (s.bits == 0) return 0;
+  const double own = s.decimals >= 0 ? Grid(s.decimals).unit() : std::ldexp(1.0, -s.places);
+  return bits_of(std::ldexp(own / grid.unit(), s.bits));
+}
+
+/// Whether all numbers have at most 50 bits there. Sets the grid's bits.
+bool all_lie_on(const std::vector<Placement>& placements, const std::vector<GridOfState>& states,
+                Grid& grid) {
+  double most = 1;
+  for (const Placement& p : placements) {
+    const std::optional<Multiples> m = multiples_of(p, grid);
+    if (!m) return false;
+    for (std::size_t j = 0; j < m->step.size(); ++j)
+      most = std::max(most, (m->step[j] * 0x1p31 + std::abs(m->origin[j])) /
+                                (grid.decimals() < 0 ? grid.unit() : 1));
+  }
+  int bits = bits_of(most);
+  for (const GridOfState& s : states) {
+    const int own = bits_on(s, grid);
+    if (own > 50) return false;
+    bits = own == 0 || bits == 0 ? 0 : std::max(bits, own);
+  }
+  grid.set_bits(bits);
+  return true;
 }
 
 }  // namespace
+
+Grid grid_of_all(const std::vector<Placement>& placements, const std::vector<GridOfState>& states) {
+  int decimals = 0;
+  for (const Placement& p : placements) {
+    if (p.empty()) return {};
+    for (const std::vector<double>* numbers : {&p.scale, &p.offset})
+      for (const double v : *numbers) decimals = std::max(decimals, -shortest_decimal(v).exponent);
+  }
+  std::optional<int> places = binary_places(placements);
+  for (const GridOfState& s : states) {
+    if (s.decimals < 0 && s.places < 0) return {};
+    // A binary fraction has as many decimals as places.
+    decimals = std::max(decimals, std::max(s.decimals, s.places));
+    if (s.decimals > 0)
+      places.reset();
+    else if (places)
+      places = std::max(*places, s.places);
+  }
+  if (placements.empty() && states.empty()) return {};
+  if (decimals > 0 && places)
+    if (Grid grid = Grid::binary(*places); all_lie_on(placements, states, grid)) return grid;
+  if (decimals > most_decimals) return {};
+  Grid grid(decimals);
+  return all_lie_on(placements, states, grid) ? grid : Grid();
+}
 
 std::optional<Multiples> multiples_of(const Placement& placement, const Grid& grid) {
   Multiples m;
@@ -184,20 +235,7 @@ double Grid::number_of(double coordinate) const noexcept {
 }
 
 Grid common_grid(const std::vector<Placement>& placements) {
-  int decimals = 0;
-  for (const Placement& p : placements) {
-    if (p.empty()) return {};
-    for (const std::vector<double>* numbers : {&p.scale, &p.offset})
-      for (const double v : *numbers)
-        decimals = std::max(decimals, -internal::shortest_decimal(v).exponent);
-  }
-  if (placements.empty()) return {};
-  if (const auto places = internal::binary_places(placements); decimals > 0 && places)
-    if (const Grid grid = Grid::binary(*places); internal::all_lie_on(placements, grid))
-      return grid;
-  if (decimals > internal::most_decimals) return {};
-  const Grid grid(decimals);
-  return internal::all_lie_on(placements, grid) ? grid : Grid();
+  return internal::grid_of_all(placements, {});
 }
 
 GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
@@ -268,7 +306,10 @@ void to_world(ClippedCells& cells, const Grid& grid) {
 }
 
 void to_world(HullState& state, const Grid& grid) {
-  if (grid.decimals() >= 0) state.to_world(grid.decimals());  // else it is there
+  if (grid.decimals() >= 0)
+    state.to_world(grid.decimals(), grid.bits());
+  else if (!grid.empty())  // the coordinates are there
+    state.set_binary_grid(-std::ilogb(grid.unit()), grid.bits());
 }
 
 void to_world(std::vector<double>& numbers, const Grid& grid) {

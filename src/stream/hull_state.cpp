@@ -51,27 +51,103 @@ PointView HullState::points() const noexcept {
   return {rows_.data(), scalar_, dimension_, ids_.size(), size * dimension_, size};
 }
 
+namespace {
+
+constexpr int most_decimals = 15, most_places = 100, most_bits = 50;
+
+double power_of_ten(int exponent) {
+  double power = 1;
+  for (int i = 0; i < exponent; ++i) power *= 10;  // exact up to 10^22
+  return power;
+}
+
+/// As HullState has them: -1 and 0 where there is none.
+struct GridOfStates {
+  int decimals = -1, places = -1, bits = 0;
+};
+
+GridOfStates grid_of(const HullState& s) { return {s.decimals(), s.places(), s.bits()}; }
+
+/// Multiples of 10^0 are multiples of 2^0, too.
+int places_of(const HullState& s) { return s.decimals() == 0 ? 0 : s.places(); }
+
+/// Binary places that a number needs are its decimals, too: 1/4 is 0.25.
+int decimals_of(const HullState& s) { return s.decimals() >= 0 ? s.decimals() : s.places(); }
+
+/// The bits of a state's numbers in units of a decimal grid that contains it.
+int bits_on(const HullState& s, int decimals) {
+  double most = 0;
+  const double unit = power_of_ten(decimals);
+  if (s.bits() > 0) {
+    const double own = s.decimals() >= 0 ? power_of_ten(s.decimals()) : std::ldexp(1, s.places());
+    most = std::ldexp(unit / own, s.bits());
+  } else {
+    const PointView points = s.points();
+    for (std::uint64_t i = 0; i < points.count; ++i)
+      for (std::uint32_t j = 0; j < points.dimension; ++j)
+        most = std::max(most, std::abs(points.at(i, j)) * unit);
+  }
+  return most <= 1 ? 1 : most > 0x1p100 ? 101 : static_cast<int>(std::ceil(std::log2(most)));
+}
+
+[[noreturn]] void refuse_grids(int decimals) {
+  throw Error(ErrorCode::invalid_argument, "states of different grids: one is of numbers with ",
+              decimals,
+              " decimals, and no grid of at most 50 bits contains those of the other; compute the "
+              "states with all files named in each call (--part K/N)");
+}
+
+/// The grid of the union, as it is of the files that the states were computed from
+/// (cullhull/placement.hpp): binary if both are, otherwise decimal; none if a state has none, where
+/// doubles are compared as they are. Throws Error{invalid_argument} if those of a decimal grid
+/// would be rounded.
+GridOfStates common_grid(const HullState& a, const HullState& b) {
+  if (a.point_count() == 0) return grid_of(b);
+  if (b.point_count() == 0) return grid_of(a);
+  if (a.decimals() <= 0 && b.decimals() <= 0) {
+    GridOfStates out;
+    if (places_of(a) < 0 || places_of(b) < 0) return out;
+    const int places = std::max(places_of(a), places_of(b));
+    const auto bits = [&](const HullState& s) {
+      return s.bits() == 0 ? 0 : s.bits() + places - places_of(s);
+    };
+    if (std::max(bits(a), bits(b)) > most_bits) return out;
+    (places == 0 ? out.decimals : out.places) = places;
+    if (bits(a) > 0 && bits(b) > 0) out.bits = std::max(bits(a), bits(b));
+    return out;
+  }
+  GridOfStates out;
+  out.decimals = std::max(decimals_of(a), decimals_of(b));
+  const int bits = std::max(bits_on(a, out.decimals), bits_on(b, out.decimals));
+  if (std::min(decimals_of(a), decimals_of(b)) < 0 || out.decimals > most_decimals ||
+      bits > most_bits)
+    refuse_grids(std::max(a.decimals(), b.decimals()));
+  if (a.bits() > 0 && b.bits() > 0) out.bits = bits;
+  return out;
+}
+
+}  // namespace
+
 void HullState::merge(const HullState& other, const Options& options) {
   if (other.dimension_ == 0) return;
   if (dimension_ != 0 && dimension_ != other.dimension_)
     throw Error(ErrorCode::invalid_argument, "a state of dimension ", other.dimension_,
                 " cannot be merged into one of dimension ", dimension_);
-  if (decimals_ >= 0 && decimals_ == other.decimals_) {
+  const GridOfStates grid = common_grid(*this, other);
+  if (grid.decimals > 0 && seen_ > 0 && other.seen_ > 0) {
     HullState merged = *this, numbers = other;
-    merged.to_grid();
-    numbers.to_grid();
+    merged.to_grid(grid.decimals);
+    numbers.to_grid(grid.decimals);
     merged.merge(numbers, options);
-    merged.to_world(decimals_);
+    merged.to_world(grid.decimals, grid.bits);
     *this = std::move(merged);
     return;
   }
-  const int decimals = seen_ == 0 ? other.decimals_ : other.seen_ == 0 ? decimals_ : -1;
   const ScalarType scalar = common_scalar(scalar_, seen_, other.scalar_, other.seen_);
   if (seen_ == 0) {
     const bool known = dimension_ != 0;
     *this = other;
     if (known) scalar_ = scalar;
-    decimals_ = decimals;
     return;
   }
   NumberedPoints mine = StateParts::points(*this), theirs = StateParts::points(other);
@@ -83,18 +159,12 @@ void HullState::merge(const HullState& other, const Options& options) {
   }
   const std::uint64_t seen = seen_ + other.seen_;
   *this = StateParts::state(mine, seen);
-  decimals_ = decimals;
+  decimals_ = static_cast<std::int8_t>(grid.decimals);
+  places_ = static_cast<std::int8_t>(grid.places);
+  bits_ = static_cast<std::int8_t>(grid.bits);
 }
 
 namespace {
-
-constexpr int most_decimals = 15;
-
-double power_of_ten(int exponent) {
-  double power = 1;
-  for (int i = 0; i < exponent; ++i) power *= 10;  // exact up to 10^22
-  return power;
-}
 
 /// Rows of doubles: of(coordinate) for each coordinate.
 template <class Of>
@@ -111,12 +181,14 @@ std::vector<std::byte> rows_of(const PointView& points, const Of& of) {
 
 }  // namespace
 
-void HullState::to_world(int decimals) {
+void HullState::to_world(int decimals, int bits) {
   if (decimals < 0 || decimals > most_decimals)
     throw Error(ErrorCode::invalid_argument, "a grid has 0 to 15 decimals");
   rows_ = rows_of(points(), [p = power_of_ten(decimals)](double x) { return x / p; });
   scalar_ = ScalarType::f64;
-  decimals_ = decimals;
+  decimals_ = static_cast<std::int8_t>(decimals);
+  places_ = -1;
+  bits_ = static_cast<std::int8_t>(std::clamp(bits, 0, most_bits));
 }
 
 void HullState::to_grid() {
@@ -124,6 +196,36 @@ void HullState::to_grid() {
   rows_ = rows_of(points(), [p = power_of_ten(decimals_)](double x) { return std::round(x * p); });
   scalar_ = ScalarType::f64;
   decimals_ = -1;
+  bits_ = 0;
+}
+
+void HullState::to_grid(int decimals) {
+  if (seen_ == 0) {
+    decimals_ = places_ = -1;
+    bits_ = 0;
+    return;
+  }
+  if (decimals_of(*this) < 0 || decimals < decimals_of(*this) || decimals > most_decimals ||
+      bits_on(*this, decimals) > most_bits)
+    refuse_grids(decimals);
+  // Integers below 2^50, whether the coordinates are rounded or, on a binary grid, exact.
+  const double finer = power_of_ten(decimals - decimals_of(*this));
+  rows_ = rows_of(points(), [&, p = power_of_ten(decimals_of(*this))](double x) {
+    return std::round(x * p) * finer;
+  });
+  scalar_ = ScalarType::f64;
+  decimals_ = places_ = -1;
+  bits_ = 0;
+}
+
+void HullState::set_binary_grid(int places, int bits) {
+  if (places < 0 || places > most_places)
+    throw Error(ErrorCode::invalid_argument, "a binary grid has 0 to 100 places");
+  rows_ = rows_of(points(), [](double x) { return x; });
+  scalar_ = ScalarType::f64;
+  decimals_ = -1;
+  places_ = static_cast<std::int8_t>(places);
+  bits_ = static_cast<std::int8_t>(std::clamp(bits, 0, most_bits));
 }
 
 void HullState::shift_ids(std::uint64_t offset) {
@@ -147,13 +249,15 @@ Hull HullState::hull(const Options& options) const {
 namespace {
 
 constexpr char magic[8] = {'\x93', 'C', 'U', 'L', 'L', 'H', 'S', '\n'};
-constexpr std::uint32_t state_version = 1;
+/// 1 has no places and bits.
+constexpr std::uint32_t state_version = 2;
 
 /// The header, which precedes ids and coordinates. All numbers are little-endian.
 struct Head {
   char magic[8];
   std::uint32_t version, dimension;
-  std::uint32_t scalar, grid;  ///< grid: 1 + its decimals; 0: no grid
+  std::uint32_t scalar;
+  std::uint32_t grid;  ///< a byte each: 1 + decimals, 1 + places, bits; 0: no such grid, unknown
   std::uint64_t seen, count;
 
   Head turned() const {
@@ -191,10 +295,10 @@ std::vector<std::byte> HullState::to_bytes() const {
   const std::size_t ids = ids_.size() * sizeof(std::uint64_t), rows = rows_.size();
   std::vector<std::byte> bytes(sizeof(Head) + ids + padded(rows) + 8);
   Head head{{},
-            state_version,
+            places_ >= 0 || bits_ > 0 ? state_version : 1,
             dimension_,
             static_cast<std::uint32_t>(scalar_),
-            static_cast<std::uint32_t>(decimals_ + 1),
+            static_cast<std::uint32_t>((decimals_ + 1) | (places_ + 1) << 8 | bits_ << 16),
             seen_,
             ids_.size()};
   std::memcpy(head.magic, magic, sizeof magic);
@@ -216,17 +320,24 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   std::memcpy(&head, bytes.data(), sizeof head);
   head = head.turned();
   if (std::memcmp(head.magic, magic, sizeof magic) != 0) bad_state("does not begin as one does");
-  if (head.version != state_version)
-    bad_state("version " + std::to_string(head.version) + "; this program reads version " +
+  if (head.version != 1 && head.version != state_version)
+    bad_state("version " + std::to_string(head.version) + "; this program reads versions 1 and " +
               std::to_string(state_version));
   if (head.scalar > static_cast<std::uint32_t>(ScalarType::u32))
     bad_state("unknown scalar type " + std::to_string(head.scalar));
-  if (head.grid > most_decimals + 1 ||
+  const int decimals = static_cast<int>(head.grid & 255) - 1;
+  const int places = static_cast<int>(head.grid >> 8 & 255) - 1;
+  const int bits = static_cast<int>(head.grid >> 16);
+  if (decimals > most_decimals || places > most_places || bits > most_bits ||
+      (decimals >= 0 && places >= 0) || (bits > 0 && decimals < 0 && places < 0) ||
+      (head.version == 1 && head.grid > 255) ||
       (head.grid > 0 && head.scalar != static_cast<std::uint32_t>(ScalarType::f64)))
     bad_state("unknown grid " + std::to_string(head.grid));
   HullState state;
   state.dimension_ = head.dimension;
-  state.decimals_ = static_cast<int>(head.grid) - 1;
+  state.decimals_ = static_cast<std::int8_t>(decimals);
+  state.places_ = static_cast<std::int8_t>(places);
+  state.bits_ = static_cast<std::int8_t>(bits);
   state.scalar_ = static_cast<ScalarType>(head.scalar);
   state.seen_ = head.seen;
   const std::uint64_t row = std::uint64_t{head.dimension} * scalar_size(state.scalar_);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "agreement/expect_json.hpp"
 #include "agreement/run_app.hpp"
@@ -394,6 +395,41 @@ TEST(CliLas, StatesAndPipesKeepTheGrid) {
   EXPECT_EQ(merged.decimals(), 3);
   EXPECT_EQ(merged.ids(),
             convex_hull(PointView::row_major(on_grid(numbers).data(), 2000, 3)).vertices);
+}
+
+/// Hull states of tiles give the hull of the tiles, byte for byte, or a sentence.
+TEST(CliLas, StatesOfTilesOnDifferentGrids) {
+  const Folder f;
+  std::mt19937_64 random(3);
+  constexpr double scales[] = {0.001, 0.01, 0.1, 0.25, 0.5, 1, 0.125, 0.05, 10, 1e-7, 1.0 / 3};
+  constexpr double offsets[] = {0, 0.25, 1000, 10'000.1, 484'683.001};
+  unsigned refused = 0;
+  for (unsigned set = 0; set < 40; ++set) {
+    std::vector<std::string> tiles, states;
+    for (const char* name : {"a", "b"}) {
+      const double scale = scales[random() % std::size(scales)];
+      const double offset = offsets[random() % std::size(offsets)];
+      Numbers numbers;
+      for (unsigned i = 0; i < 90; ++i)
+        numbers.push_back(static_cast<std::int32_t>(
+            std::lround(static_cast<double>(random() % 5) / std::min(scale, 1.0))));
+      tiles.push_back(f / (std::string(name) + ".las"));
+      states.push_back(f / (std::string(name) + ".hullstate"));
+      write_file(tiles.back(),
+                 bench::las_bytes(numbers, {{scale, scale, scale}, {offset, offset, offset}}));
+      expect_success({"hull", tiles.back(), "--partial", states.back()});
+    }
+    expect_success({"hull", tiles[0], tiles[1], "-o", f / "tiles.obj"});
+    const Ran ran = run_app({"hull", states[0], states[1], "-o", f / "states.obj"});
+    if (ran.status == 0) {
+      EXPECT_EQ(read_file(f / "states.obj"), read_file(f / "tiles.obj")) << "set " << set;
+      continue;
+    }
+    EXPECT_EQ(ran.status, 1);
+    EXPECT_NE(ran.err.find("decimals"), std::string::npos) << ran.err;
+    ++refused;
+  }
+  EXPECT_LT(refused, 20U);
 }
 
 TEST(CliLas, TracksAreInTheWorld) {

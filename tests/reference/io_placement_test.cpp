@@ -63,7 +63,11 @@ TEST(IoPlacement, GridsOfBinaryFractionsAreDoublesAsTheyAre) {
   HullState state(PointView::row_major(std::vector<double>{0.25, 0.5}.data(), 1, 2));
   const HullState same = state;
   to_world(state, Grid::binary(2));
-  EXPECT_EQ(state, same);
+  EXPECT_EQ(state.places(), 2);
+  EXPECT_EQ(HullState::from_bytes(state.to_bytes()), state);
+  EXPECT_EQ(state.to_bytes().size(), same.to_bytes().size());
+  EXPECT_EQ(state.ids(), same.ids());
+  EXPECT_THROW(state.set_binary_grid(101), Error);
 }
 
 TEST(IoPlacement, WhatDoublesDoNotHoldHasNoGrid) {
@@ -180,13 +184,68 @@ TEST(IoPlacement, StatesRememberTheirGrid) {
   first.to_grid();
   EXPECT_EQ(first, HullState(PointView::row_major(rows.data(), 600, 3)));
   HullState world(PointView::row_major(rows.data(), 3, 3), 600);
-  first.to_world(3);
   first.merge(world);
   EXPECT_EQ(first.decimals(), -1);
+  const HullState nothing(3);
+  first.to_world(3);
+  first.merge(nothing);
+  EXPECT_EQ(first.decimals(), 3);
+  EXPECT_THROW(first.merge(world), Error);  // it was rounded
+  EXPECT_THROW(world.merge(first), Error);
   EXPECT_THROW(first.to_world(16), Error);
   std::vector<std::byte> bytes = all.to_bytes();
   bytes[20] = std::byte{17};  // and a check sum that is wrong besides
   EXPECT_THROW(HullState::from_bytes(bytes), Error);
+}
+
+/// States of parts on grids of their own, merged in any order, are the state of all points on the
+/// common grid, or refused.
+TEST(IoPlacement, StatesOfDifferentGridsMergeOnTheCommonOne) {
+  std::mt19937_64 random(11);
+  unsigned refused = 0;
+  for (unsigned set = 0; set < 1000; ++set) {
+    constexpr double scales[] = {0.001, 0.01, 0.1, 0.25, 0.5, 1, 10, 0.05, 1e-7};
+    constexpr double offsets[] = {0, 10'000.1, 0.25, 484'683.001};
+    std::vector<Placement> placements;
+    std::vector<HullState> states;
+    std::vector<std::vector<double>> parts;
+    std::uint64_t n = 0;
+    for (unsigned part = 0; part < 3; ++part) {
+      Placement p = placement(scales[random() % 9], offsets[random() % 4]);
+      const Grid own = common_grid({p});
+      const GridAxes axes(p, own);
+      std::vector<double> numbers, rows;
+      for (unsigned i = 0; i < 40; ++i)
+        numbers.push_back(
+            std::round(static_cast<double>(random() % 5) / std::min(p.scale[0], 1.0)));
+      for (const double x : numbers) rows.push_back(axes.at(0, x));
+      states.emplace_back(PointView::row_major(rows.data(), 20, 2), n);
+      to_world(states.back(), own);
+      placements.push_back(std::move(p));
+      parts.push_back(std::move(numbers));
+      n += 20;
+    }
+    const Grid grid = common_grid(placements);
+    std::swap(states[0], states[random() % 3]);
+    try {
+      for (const unsigned i : {1U, 2U})
+        states[0].merge(HullState::from_bytes(states[i].to_bytes()));
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+      ++refused;
+      continue;
+    }
+    ASSERT_FALSE(grid.empty()) << "set " << set;
+    std::vector<double> all;
+    for (unsigned part = 0; part < 3; ++part)
+      for (const double x : parts[part]) all.push_back(GridAxes(placements[part], grid).at(0, x));
+    HullState whole(PointView::row_major(all.data(), n, 2));
+    to_world(whole, grid);
+    EXPECT_EQ(states[0].ids(), whole.ids()) << "set " << set;
+    EXPECT_EQ(states[0].decimals(), whole.decimals());
+    EXPECT_EQ(states[0].places(), whole.places());
+  }
+  EXPECT_LT(refused, 400U);
 }
 
 }  // namespace io_placement_test

@@ -326,13 +326,30 @@ class WholeInput : public BlockSource {
     const auto dimension = load_little_endian<std::uint32_t>(from_.head.data() + dimension_at);
     const auto code = load_little_endian<std::uint32_t>(from_.head.data() + grid_at);
     constexpr std::uint32_t most = 1U << 20;  // of what a damaged one may say
-    if (code == 0 || code > 16 || dimension > most) return;
+    of_state_ = {static_cast<int>(code & 255) - 1, static_cast<int>(code >> 8 & 255) - 1,
+                 static_cast<int>(code >> 16 & 255)};
+    if (code == 0 || of_state_.decimals > 15 || of_state_.places > 100 || dimension > most) return;
     if (options_.numbers == Numbers::raw)
       throw Error(ErrorCode::invalid_argument, name_,
                   ": holds coordinates, not the integers of a .las; read it without --raw");
-    const double unit = std::stod("1e-" + std::to_string(code - 1));
-    placement_ = {std::vector(dimension, unit), std::vector(dimension, 0.0), ""};
-    grid_ = grid_of(placement_, options_);
+    const Grid own = grid_of_all({}, {of_state_});
+    if (own.empty()) return;  // damaged, which loading it says
+    placement_ = {std::vector(dimension, own.unit()), std::vector(dimension, 0.0), ""};
+    if (options_.numbers == Numbers::grid) grid_ = options_.grid ? *options_.grid : own;
+  }
+  /// The state's coordinates in units of the grid on which all inputs are compared.
+  void to_grid(HullState& state) const {
+    if (state.point_count() == 0 || (grid_.decimals() < 0 && state.decimals() <= 0)) return;
+    try {
+      if (grid_.decimals() >= 0) return state.to_grid(grid_.decimals());
+    } catch (const Error&) {  // said below
+    }
+    throw Error(
+        ErrorCode::bad_file, name_, ": the state is of a grid of ",
+        std::max(state.decimals(), state.places()),
+        " decimals, which does not contain all other inputs, or of these one is a pipe; read "
+        "the files that it was made from, or name all of them in each call that makes a "
+        "state (--part K/N)");
   }
   LoadedBlock load(const Source& source) const {
     LoadedBlock block;
@@ -343,7 +360,7 @@ class WholeInput : public BlockSource {
       } catch (const Error& e) {
         throw Error(e.code(), name_, ": ", e.what());
       }
-      if (!grid_.empty()) block.state->to_grid();
+      if (options_.numbers == Numbers::grid) to_grid(*block.state);
     } else {
       block.data = read_points(source, options_);
     }
@@ -468,20 +485,19 @@ Grid common_grid(const std::vector<std::string>& files, const ReadOptions& optio
   reading.read = options;
   reading.read.grid.reset();
   std::vector<Placement> placements;
-  int of_states = -1;
+  std::vector<GridOfState> states;
   for (const std::string& file : files) {
     system::FileStatus status{};
     if (system::status_of(file_of_input(file).c_str(), status) != 0 || !system::is_regular(status))
       return {};
     const std::unique_ptr<BlockSource> source = open_source(file, reading);
     if (source->placement().empty()) return {};
-    placements.push_back(source->placement());
-    const bool state = source->format() == "hullstate";
-    if (state && of_states >= 0 && of_states != source->grid().decimals()) return {};
-    if (state) of_states = source->grid().decimals();
+    if (source->format() == "hullstate")
+      states.push_back(source->of_state());
+    else
+      placements.push_back(source->placement());
   }
-  const Grid grid = common_grid(placements);
-  return of_states >= 0 && of_states != grid.decimals() ? Grid() : grid;
+  return grid_of_all(placements, states);
 }
 
 }  // namespace cullhull::inline v1

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "cullhull/point_blocks.hpp"
+#include "io/coordinates.hpp"
 #include "io/source.hpp"
 
 namespace cullhull::internal::inline io {
@@ -58,6 +59,8 @@ class BlockSource {
   const std::string& format() const { return format_; }
   /// Of the file's numbers: of a state on a grid its unit on each axis.
   const Placement& placement() const { return placement_; }
+  /// The grid of a hull state.
+  const GridOfState& of_state() const { return of_state_; }
   /// The grid whose units the blocks count in; empty for world coordinates.
   const Grid& grid() const { return grid_; }
 
@@ -67,6 +70,7 @@ class BlockSource {
 
   std::string name_, format_;
   Placement placement_;
+  GridOfState of_state_;
   Grid grid_;
 };
 
