@@ -130,7 +130,9 @@ class Job {
     result.read.placement = share_.placing.placement;
     result.read.grid = share_.placing.grid;
     result.read.any_placed = share_.placing.any;
+    result.read.columns = share_.placing.columns;
     result.raw = input.raw;
+    result.columns = input.columns;
     result.report.maps = report.common > 0 ? 1 : 0;
     result.report.reductions = 1;
     result.seconds = watch.seconds();

@@ -141,8 +141,8 @@ std::vector<std::string> InputArguments::find_files() {
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT in this format, whatever its name and content"),
-              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "geojson",
-               "wkt", "raw"});
+              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts", "ptx",
+               "node", "geojson", "wkt", "raw"});
   allow_range(*command.add_option("--dim", dimension, "Dimension of the points of raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type of raw input"), scalar_names());
@@ -151,6 +151,10 @@ void InputArguments::add_format_to(Parser& command) {
                           "Columns used as coordinates, by name (x,y,z) or by number from 0\n"
                           "(0,2,5, or 1:4 for 1 to 3)"))
       .type_name("COLUMNS");
+  allow_words(*command.add_option("--decimal", decimal,
+                                  "Decimal mark of the numbers in a text; default: a comma is one\n"
+                                  "where it can be nothing else"),
+              {",", "."});
   add_raw_option(command, raw);
   add_skip_option(command, skip_nan);
 }
@@ -218,6 +222,15 @@ void print_remark(const cullhull::Remark& remark) {
   write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
 }
 
+void remark_on_shape(const std::string& name, std::uint64_t count, std::uint32_t dimension) {
+  constexpr std::uint32_t few = 8;  // dimensions in which a simplex may be what is meant
+  if (count <= 1 || count >= dimension || dimension <= few) return;
+  print_remark({cullhull::Remark::Kind::spelling, name,
+                std::to_string(count) + " points in " + std::to_string(dimension) +
+                    " dimensions, since each row is a point; transpose the file if each column is "
+                    "one"});
+}
+
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
                                    std::uint64_t memory) {
   cullhull::ReadOptions options;
@@ -226,6 +239,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.raw_dimension = arguments.dimension;
   options.raw_scalar = scalar_type(arguments.type);
   options.columns = arguments.columns;
+  if (!arguments.decimal.empty()) options.decimal = arguments.decimal[0];
   options.weights = arguments.weights;
   options.memory_budget = memory;
   options.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;
@@ -254,6 +268,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   const bool raw_scan = arguments.raw && input.file.format().starts_with("las");
   input.placing = {placement, input.file.grid(), !placement.empty() || raw_scan, arguments.raw,
                    arguments.crs};
+  input.placing.note_columns(input.file.columns(), input.file.format(), arguments.columns);
   input.weights = input.file.weights();
   if (options.skip_nan) input.skip_nan();
   return input;
@@ -306,7 +321,11 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
   InputArguments one = arguments;
   one.path = files[0];
   one.skip_nan = arguments.skip_nan && files.size() == 1;
-  if (files.size() == 1) return open_input(one, threads, memory);
+  if (files.size() == 1) {
+    Input input = open_input(one, threads, memory);
+    remark_on_shape(input_name(one.path), input.points.count, input.points.dimension);
+    return input;
+  }
   if (!one.grid && !one.raw)
     one.grid = cullhull::common_grid(files, read_options(arguments, threads, memory));
   std::vector<Input> parts;
@@ -326,6 +345,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
     const std::vector<double>& weights = parts.back().weights;
     all.weights.insert(all.weights.end(), weights.begin(), weights.end());
   }
+  remark_on_shape(arguments.path, all.points.count, parts[0].points.dimension);
   all.placing = parts[0].placing;
   for (const Input& part : parts) all.placing.any = all.placing.any || part.placing.any;
   const std::uint32_t d = parts[0].points.dimension;

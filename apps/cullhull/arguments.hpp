@@ -24,6 +24,7 @@ struct InputArguments {
   std::uint32_t dimension = 0;
   std::string type;
   std::string columns;
+  std::string decimal;  ///< "," or "."; empty: found in the text
   std::string weights;  ///< a column beside the coordinates
   bool raw = false;     ///< the files' own numbers
   bool skip_nan = false;
@@ -108,6 +109,10 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
 /// All of these files' points in memory, one after the other.
 Input open_inputs(const InputArguments& arguments, const std::vector<std::string>& files,
                   unsigned threads, std::uint64_t memory = 0);
+
+/// A line on standard error where points are so few in so many dimensions that the file looks as if
+/// it lay on its side: the condition of the Python package.
+void remark_on_shape(const std::string& name, std::uint64_t count, std::uint32_t dimension);
 
 /// One line on standard error; the same remark about other files is not repeated.
 void print_remark(const cullhull::Remark& remark);

@@ -123,8 +123,7 @@ CertifyOutcome certify_streamed(const CertifyArguments& arguments) {
       },
       [&](std::uint64_t count) { check.skip(count); });
   outcome.certificate = check.finish();
-  outcome.placing =
-      placing_of(read, arguments.input.raw, arguments.input.skip_nan, arguments.input.crs);
+  outcome.placing = placing_of(read, arguments.input);
   outcome.extent = extent.corners(read.grid);
   outcome.seconds = watch.seconds();
   return outcome;

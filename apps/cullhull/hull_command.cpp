@@ -451,6 +451,7 @@ Input open_numbers(const HullArguments& arguments) {
   cullhull::ReadOptions read = read_options(one, run.threads, run.memory_bytes());
   read.numbers = cullhull::Numbers::file;
   Input input = open_input(one, read);
+  remark_on_shape(input_name(one.path), input.points.count, input.points.dimension);
   input.placing.grid = cullhull::common_grid({input.placing.placement});
   if (!in_place(input) || arguments.certify || arguments.engine != "native" ||
       !arguments.formats.empty())

@@ -71,9 +71,10 @@ std::string summary(const Described& input, const Scan& found) {
       points.coordinate_stride);
   for (std::uint32_t j = 0; points.count > 0 && j < points.dimension; ++j)
     text += fmt::format("axis {:<5} {} to {}\n", j, found.axes[j].least, found.axes[j].greatest);
-  text += users_lines(input.file);
+  text += users_lines(input.file) + columns_line(input.placing);
   const std::string units = units_lines(input.placing, cullhull::PointView{});
-  text += units.substr(0, units.find("extent "));
+  const std::size_t from = columns_line(input.placing).size();
+  text += units.substr(from, units.find("extent ") - from);
   text += found.not_finite == 0
               ? std::string("finite     yes\n")
               : fmt::format("finite     no: {} point{} with a NaN or an infinity, first {}{}\n",
@@ -120,8 +121,7 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
     axis.least = read.grid.to_world(axis.least);
     axis.greatest = read.grid.to_world(axis.greatest);
   }
-  return {files[0], shape, read.format,
-          false,    0,     placing_of(read, arguments.raw, arguments.skip_nan, arguments.crs)};
+  return {files[0], shape, read.format, false, 0, placing_of(read, arguments)};
 }
 
 int run(InfoArguments arguments) {

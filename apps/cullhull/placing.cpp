@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/json/json_writer.hpp"
+#include "io/source.hpp"
 #include "terminal.hpp"
 
 namespace app {
@@ -35,6 +36,24 @@ std::vector<Range> box_of(const cullhull::PointView& points) {
 
 }  // namespace
 
+void Placing::note_columns(std::vector<std::string> names, const std::string& format,
+                           const std::string& chosen) {
+  columns = std::move(names);
+  const std::string kind = format.substr(0, format.find(' '));
+  shows_columns = !chosen.empty();
+  for (const char* text : {"text", "txt", "xyz", "csv", "pts", "node"})
+    shows_columns = shows_columns || kind == text;
+}
+
+std::string columns_line(const Placing& placing) {
+  if (!placing.shows_columns || placing.columns.empty()) return "";
+  constexpr std::size_t most = 12;
+  std::string text = "columns    ";
+  for (std::size_t j = 0; j < placing.columns.size() && j < most; ++j)
+    text += (j > 0 ? ", " : "") + cullhull::internal::printable_text(placing.columns[j]);
+  return text + (placing.columns.size() > most ? ", ...\n" : "\n");
+}
+
 std::string skipped_line(const Placing& placing) {
   if (!placing.skipped) return "";
   return fmt::format("skipped    {} point{} with a NaN coordinate\n", grouped(*placing.skipped),
@@ -42,7 +61,7 @@ std::string skipped_line(const Placing& placing) {
 }
 
 std::string units_lines(const Placing& placing, const cullhull::PointView& points) {
-  std::string text = crs_line(placing) + skipped_line(placing);
+  std::string text = columns_line(placing) + crs_line(placing) + skipped_line(placing);
   if (!placing.any) return text;
   text += "units      ";
   if (placing.raw)
@@ -118,12 +137,18 @@ std::string with_placing(std::string report, const Placing& placing,
 void add_placing(Json& report, const Placing& placing, const cullhull::PointView& points) {
   if (placing.skipped) report["skipped"] = *placing.skipped;
   if (!placing.crs.empty()) report["crs"] = placing.crs;
+  if (!placing.columns.empty()) {
+    report["columns"] = Json::array();
+    for (const std::string& name : placing.columns)
+      report["columns"].push_back(cullhull::internal::printable_text(name));
+  }
   if (placing.any) report["placement"] = placing_json(placing, points);
 }
 
 std::string with_placing(std::string report, const Placing& placing,
                          const cullhull::PointView& points) {
-  if (!placing.any && !placing.skipped && placing.crs.empty()) return report;
+  if (!placing.any && !placing.skipped && placing.crs.empty() && placing.columns.empty())
+    return report;
   Json json = Json::parse(report);
   add_placing(json, placing, points);
   return cullhull::internal::json_text(json);

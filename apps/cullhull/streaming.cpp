@@ -28,6 +28,7 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   std::string text = fmt::format("{} {} {} {} {} {} {}{}\n", input.raw, input.format,
                                  input.dimension, input.type, input.columns, stream.first_id,
                                  stream.global_ids, input.skip_nan ? " skip-nan" : "");
+  if (!input.decimal.empty()) text += "decimal " + input.decimal + "\n";
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
@@ -167,16 +168,24 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     };
   }
   Streamed result;
-  result.raw = input.raw;
-  result.skip_nan = input.skip_nan;
+  result.input = input;
   cancellable([&] {
     result.read = cullhull::visit_blocks(files, visitor, blocks);
     result.state = hull.state();
   });
   result.read.format = users_format(files[0], result.read.format);
+  remark_on_shape(input.path.empty() ? files[0] : input_name(input.path),
+                  result.state.point_count(), result.state.dimension());
   result.report = hull.report();
   result.seconds = watch.seconds();
   return result;
+}
+
+Placing placing_of(const cullhull::BlockSummary& read, const InputArguments& input) {
+  Placing placing{read.placement, read.grid, read.any_placed, input.raw, input.crs};
+  placing.note_columns(read.columns, read.format, input.columns);
+  if (input.skip_nan) placing.skipped = read.end.skipped;
+  return placing;
 }
 
 void write_partial(const StreamArguments& stream, const cullhull::HullState& state,
@@ -205,6 +214,8 @@ cullhull::BlockSummary stream_blocks(
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
   summary.format = users_format(files[0], summary.format);
+  remark_on_shape(input.path.empty() ? files[0] : input_name(input.path), summary.end.points,
+                  summary.dimension);
   return summary;
 }
 

@@ -45,25 +45,17 @@ struct StreamArguments {
               const std::string& why_not) const;
 };
 
-/// Of points that were read in blocks.
-inline Placing placing_of(const cullhull::BlockSummary& read, bool raw, bool skip_nan,
-                          const std::string& crs) {
-  Placing placing{read.placement, read.grid, read.any_placed, raw, crs};
-  if (skip_nan) placing.skipped = read.end.skipped;
-  return placing;
-}
+/// What the coordinates of inputs that were read in blocks are.
+Placing placing_of(const cullhull::BlockSummary& read, const InputArguments& input);
 
 struct Streamed {
   cullhull::HullState state;
   cullhull::BlockSummary read;
   cullhull::StreamReport report;
   double seconds = 0;
-  bool raw = false;   ///< as InputArguments::raw
-  std::string crs{};  ///< as InputArguments::crs
+  InputArguments input;  ///< of which they were read
 
-  bool skip_nan = false;  ///< as InputArguments::skip_nan
-
-  Placing placing() const { return placing_of(read, raw, skip_nan, crs); }
+  Placing placing() const { return placing_of(read, input); }
 };
 
 /// The state of all points of the inputs; with checkpoints and progress as requested.

@@ -151,8 +151,8 @@ TEST(CliUsage, NamesOfOtherPrograms) {
   write_file(f / "hull.ply", "ply\n");
   expect_error({"certify", p, f / "hull.ply"}, 2, "hull.ply: the hull to verify is the last word");
   write_file(f / "p.csv", "n;x;y\na;1,5;2\n");
-  expect_error({"hull", f / "p.csv", "--columns", "x,y"}, 1,
-               "p.csv:2: column 'x': '1,5' is not a number; decimal commas are not read");
+  expect_error({"hull", f / "p.csv", "--columns", "x,y", "--decimal", "."}, 1,
+               "p.csv:2: column 'x': '1,5' is not a number; --decimal , reads decimal commas");
 }
 
 TEST(CliUsage, HelpByCommand) {

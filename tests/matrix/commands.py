@@ -152,6 +152,7 @@ DRAWN = ("m", "G", "FM")
 FILES_TAKEN = "a sequence is files of points or an array (frames, n, d): "
 SEQUENCE = {
     "--columns": FILES_TAKEN + "track has no --columns",
+    "--decimal": FILES_TAKEN + "track has no --decimal",
     "--dim": FILES_TAKEN + "raw records have no frames",
     "--input-format": FILES_TAKEN + "raw records have no frames",
     "gz": FILES_TAKEN + "compressed arrays are read whole, not frame by frame",
@@ -161,6 +162,7 @@ SEQUENCE = {
 ONE_FILE = {
     "several": "TI names one file",
     "--columns": "Qhull's words know no columns",
+    "--decimal": "Qhull's words know no decimal marks",
     "--dim": "Qhull's words know no raw records",
     "--input-format": "Qhull's words know no formats",
 }

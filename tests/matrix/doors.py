@@ -219,6 +219,10 @@ def _las_columns(folder: Path, s: PointSet) -> Entry:
     return Entry([str(path)], ["--columns", "x,y"])
 
 
+def missed_nowhere(s: PointSet) -> Optional[str]:
+    return "a record of zeros has no return" if (s.points == 0).all(axis=1).any() else None
+
+
 def on_plane_grid(s: PointSet) -> Optional[str]:
     if s.dimension != 2:
         return "x and y are two columns"
@@ -272,6 +276,21 @@ DOORS = [
         _file(".csv", lambda p: files.lines(p, ";")),
         both(not_empty, not_on_a_line),
     ),
+    Door(
+        "csv-decimal-commas",
+        _file(".csv", lambda p: files.decimal_commas(p, ";")),
+        both(not_empty, not_on_a_line),
+    ),
+    Door(
+        "txt-decimal-commas",
+        _file(".txt", lambda p: files.decimal_commas(p, " "), "--decimal", ","),
+        not_empty,
+        options=frozenset(["--decimal"]),
+    ),
+    Door("json-rows", _file(".json", files.json_rows), both(not_empty, in_json)),
+    Door("pts", _file(".pts", files.pts), both(SPACE, not_empty)),
+    Door("ptx", _file(".ptx", files.ptx), both(SPACE, missed_nowhere)),
+    Door("node", _file(".node", files.node), DIMENSIONS),
     Door(
         "csv-columns",
         lambda f, s: Entry(
@@ -425,6 +444,9 @@ FORMATS = {
     "xyz": "xyz",
     "txt": "txt",
     "csv": "csv",
+    "pts": "pts",
+    "ptx": "ptx",
+    "node": "node",
     "geojson": "geojson",
     "wkt": "wkt",
     "raw": "raw",
@@ -432,6 +454,7 @@ FORMATS = {
 
 #: What the program reads and the matrix leaves to other tests.
 ELSEWHERE = {
+    ".json": "the ending of the doors geojson-features and json-rows",
     ".hullstate": "holds extreme points alone: the tests of streams compare states",
     ".h5 .nc": "needs h5py to be written: foreign_files",
     ".laz .e57 .parquet .zarr .gpkg .shp .fgb .gml .kml": "read by the Python package: its tests",

@@ -36,6 +36,35 @@ def csv_of_names(p: Any) -> bytes:
     return lines(p, ",", ",".join(names[: p.shape[1]]) + "\n")
 
 
+def json_rows(p: Any) -> bytes:
+    return json.dumps({"name": "rows", "points": p.tolist()}).encode()
+
+
+def decimal_commas(p: Any, separator: str) -> bytes:
+    return lines(p, separator).replace(b".", b",")
+
+
+def pts(p: Any) -> bytes:
+    """Leica's: the number of points, then x, y, z and an intensity."""
+    return lines(np.column_stack([p, np.full(len(p), -7.0)]), head=f"{len(p)}\n")
+
+
+def ptx(p: Any) -> bytes:
+    """Leica's: a scan of one column at the origin, in which some records have no return."""
+    head = f"1\n{len(p) + 2}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+    missed = b"0 0 0 0.5\n"
+    rows = lines(np.column_stack([p, np.full(len(p), 0.25)]))
+    return head.encode() + missed + rows + missed
+
+
+def node(p: Any) -> bytes:
+    """Triangle's and TetGen's: numbered from 1, with an attribute and a marker."""
+    rows = [
+        " ".join([str(i + 1), *(repr(float(x)) for x in row), "2.5", "0"]) for i, row in enumerate(p)
+    ]
+    return "\n".join([f"{len(p)} {p.shape[1]} 1 1", *rows, "# end", ""]).encode()
+
+
 def csv_among_others(p: Any) -> bytes:
     """An id before, a word and a number behind the coordinates."""
     names = ("x", "y", "z", "w")[: p.shape[1]]
