@@ -167,8 +167,8 @@ struct PointView {
                   "cullhull::PointView::records(points, &Point::x, 3)");
   }
 
-  /// A matrix of Eigen's converts, too. The points are its columns if the number of rows alone is
-  /// known at compile time (Matrix3Xd), else its rows (MatrixX3d, MatrixXd).
+  /// Eigen's matrices, too. Their rows are the points: MatrixXd(3, 100) is 3 points in 100D. If the
+  /// type fixes the number of rows alone, columns are: Matrix3Xd, Matrix<double, 3, Dynamic>.
   template <PointMatrix M>
   PointView(const M& points CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: a matrix converts
       : PointView(of_matrix(points)) {}
