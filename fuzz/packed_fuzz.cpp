@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.threads = 1;
   options.memory_budget = std::uint64_t{1} << 24;
   internal::Source source{name, bytes.data(), bytes.size()};
-  internal::Buffer memory;
+  internal::RawArray<char> memory;
   try {
     internal::unwrap({name, data[0] % 5 == 4 ? "b" : ""}, source, options, memory);
     const internal::PointData points = internal::read_points(source, options);

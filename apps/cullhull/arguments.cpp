@@ -1,5 +1,6 @@
 #include "arguments.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +13,7 @@
 #include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "parallel/memory/memory.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
 
@@ -246,6 +248,7 @@ cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned thr
   options.grid = arguments.grid;
   options.skip_nan = arguments.skip_nan;
   options.remark = print_remark;
+  if (!arguments.blocks_hint.empty()) options.blocks_hint = arguments.blocks_hint.c_str();
   return options;
 }
 
@@ -330,9 +333,12 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
     one.grid = cullhull::common_grid(files, read_options(arguments, threads, memory));
   std::vector<Input> parts;
   Input all;
+  const std::uint64_t limit = cullhull::internal::resolve_budget(memory);
+  std::uint64_t held = 0;
   for (const std::string& file : files) {
     one.path = file;
-    parts.push_back(open_input(one, threads, memory));
+    parts.push_back(open_input(one, threads, limit - std::min(held, limit - 1)));
+    held += parts.back().held();
     const PointView& part = parts.back().points;
     if (all.points.count == 0) all.points.scalar = part.scalar;
     if (part.count > 0 && part.scalar != all.points.scalar) all.points.scalar = ScalarType::f64;
@@ -350,7 +356,13 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
   for (const Input& part : parts) all.placing.any = all.placing.any || part.placing.any;
   const std::uint32_t d = parts[0].points.dimension;
   const std::size_t size = cullhull::scalar_size(all.points.scalar);
-  all.gathered.resize(all.points.count * d * size);
+  const std::uint64_t bytes = all.points.count * d * size;
+  if (held + bytes > limit)
+    throw Error(ErrorCode::out_of_budget, arguments.path, ": ", grouped(all.points.count),
+                " points need ", (held + bytes) >> 20, " MiB in memory, the memory budget is ",
+                cullhull::internal::size_text(limit), arguments.blocks_hint.empty() ? "" : "; ",
+                arguments.blocks_hint);
+  all.gathered.resize(bytes);
   std::byte* out = all.gathered.data();
   for (const Input& part : parts)
     for (std::uint64_t i = 0; i < part.points.count; ++i)
@@ -396,9 +408,9 @@ void RunArguments::add_memory_to(Parser& command) {
   command.group("Limits");
   needs_value(
       *command.add_option("--memory", memory,
-                          "Memory limit beyond the input, e.g. 2G or 512MiB; default: half\n"
-                          "of the machine's memory. A result that needs more is refused\n"
-                          "with status 4"))
+                          "Memory limit beyond the pages of mapped input files, e.g. 2G or\n"
+                          "512MiB; default: half of the machine's memory. Piped and parsed\n"
+                          "points count. What needs more is refused with status 4"))
       .type_name("BYTES");
 }
 
@@ -443,6 +455,10 @@ cullhull::Options RunArguments::options() const {
   if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
   options.memory_budget = memory_bytes();
+  if (held > 0) {
+    const std::uint64_t limit = cullhull::internal::resolve_budget(options.memory_budget);
+    options.memory_budget = limit - std::min(held, limit - 1);
+  }
   options.stop = stop_token();
   return options;
 }

@@ -31,6 +31,8 @@ struct InputArguments {
   /// Instead of the grid that the files have in common: an empty one for coordinates in the world.
   std::optional<cullhull::Grid> grid;
   std::string crs;  ///< as crs_code spells it: of --crs, else what the files state
+  /// ReadOptions::blocks_hint, for commands that can read in blocks.
+  std::string blocks_hint;
   /// The words as given, for commands that take several files. Their files are one set of points.
   std::vector<std::string> words;
 
@@ -84,6 +86,10 @@ struct Input {
   /// Puts copies in the place of points that are left out, for commands that need points of every
   /// id; the result goes through skipped.restore_copies().
   void fill_skipped();
+  /// The bytes of memory that it takes, beyond the pages of a mapped file.
+  std::uint64_t held() const {
+    return file.held_bytes() + gathered.size() + weights.size() * sizeof(double);
+  }
 
   /// Points of one file, its own numbers, take their places on its grid.
   void to_grid(const cullhull::ReadOptions& options);
@@ -103,7 +109,7 @@ std::string stated_crs(const std::vector<std::string>& files, const InputArgumen
 /// Adds `--raw`, common to all commands that read points.
 void add_raw_option(Parser& command, bool& raw);
 
-/// `memory`: limit for decompressed data; 0: that of ReadOptions.
+/// `memory`: limit for what is read from a pipe, unpacked or parsed; 0: that of ReadOptions.
 Input open_input(const InputArguments& arguments, unsigned threads = 0, std::uint64_t memory = 0);
 Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& options);
 /// All of these files' points in memory, one after the other.
@@ -128,6 +134,8 @@ struct RunArguments {
   unsigned threads = 0;
   std::string memory;
   bool quiet = false;
+  /// Bytes that points and results in memory take of the limit; the rest is for the work.
+  std::uint64_t held = 0;
 
   /// `filter`: with --cull and --backend, which `certify` does not have.
   void add_to(Parser& command, bool filter);
@@ -179,6 +187,20 @@ auto naming_file(const Source& source, const Read& read) -> decltype(read()) {
     if (e.code() != cullhull::ErrorCode::not_finite) throw;
     const std::string message = restored(source, e.what());
     throw cullhull::Error(e.code(), place_of(source, message) + ": " + message);
+  }
+}
+
+/// Calls work(); an error about the memory budget then says what else takes the limit: `held`
+/// bytes, RunArguments::held.
+template <class Work>
+void naming_held(std::uint64_t held, const Work& work) {
+  try {
+    work();
+  } catch (const cullhull::Error& e) {
+    constexpr std::uint64_t worth_naming = std::uint64_t{1} << 20;
+    if (e.code() != cullhull::ErrorCode::out_of_budget || held < worth_naming) throw;
+    throw cullhull::Error(e.code(), e.what(), ", beside ", held >> 20,
+                          " MiB of points and earlier results");
   }
 }
 }  // namespace app

@@ -156,6 +156,7 @@ int run(CertifyArguments arguments) {
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           "--skip-nan reads in blocks, which --stream off forbids");
   if (arguments.input.skip_nan) reading.stream = "on";
+  arguments.input.blocks_hint = StreamArguments::hint("");
   CertifyOutcome outcome = reading.wanted(arguments.files, arguments.run, "")
                                ? certify_streamed(arguments)
                                : certify_in_memory(arguments);

@@ -175,9 +175,10 @@ void write_survivors(const CullArguments& arguments, const cullhull::PointView& 
   });
 }
 
-int run_in_memory(const CullArguments& arguments, const FilePlan& plan) {
+int run_in_memory(CullArguments arguments, const FilePlan& plan) {
   Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                             arguments.run.memory_bytes());
+  arguments.run.held = input.held();
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -239,9 +240,11 @@ std::string needs_memory(const CullArguments& arguments) {
 int run(CullArguments arguments) {
   arguments.files = arguments.input.find_files();
   const FilePlan plan = plan_files(arguments);
-  return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
-             ? run_streamed(arguments, plan)
-             : run_in_memory(arguments, plan);
+  const std::string why_not = needs_memory(arguments);
+  if (arguments.stream.wanted(arguments.files, arguments.run, why_not))
+    return run_streamed(arguments, plan);
+  arguments.input.blocks_hint = StreamArguments::hint(why_not);
+  return run_in_memory(std::move(arguments), plan);
 }
 
 }  // namespace

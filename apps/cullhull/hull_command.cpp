@@ -268,9 +268,10 @@ std::vector<double> placed_rows(const Input& input, const std::vector<std::uint6
   return rows;
 }
 
-int run_vertices_only(const HullArguments& arguments, const FilePlan& plan) {
+int run_vertices_only(HullArguments arguments, const FilePlan& plan) {
   const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
                                   arguments.run.memory_bytes());
+  arguments.run.held = input.held();
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   Extreme found = find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.kept(), options);
@@ -311,7 +312,11 @@ std::string needs_memory(const HullArguments& arguments) {
   if (arguments.engine != "native") return "--engine " + arguments.engine;
   if (arguments.run.cull != "auto") return "--cull " + arguments.run.cull;
   if (arguments.run.backend == "cuda") return "--backend cuda";
-  return lists_all_points(arguments);
+  if (const std::string lists = lists_all_points(arguments); !lists.empty()) return lists;
+  // The points are read twice, or stay in memory.
+  if (const std::string pipe = first_pipe(arguments.files); arguments.certify && !pipe.empty())
+    return "--certify of " + input_name(pipe);
+  return "";
 }
 
 /// A row for each vertex.
@@ -469,9 +474,10 @@ std::vector<double> placed_vertices(const Input& input, const Hull& hull) {
   return rows;
 }
 
-int run_in_memory(const HullArguments& arguments, const FilePlan& plan) {
-  if (!arguments.only.empty()) return run_vertices_only(arguments, plan);
+int run_in_memory(HullArguments arguments, const FilePlan& plan) {
+  if (!arguments.only.empty()) return run_vertices_only(std::move(arguments), plan);
   Input input = open_numbers(arguments);
+  arguments.run.held = input.held();
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
@@ -542,9 +548,11 @@ int run(HullArguments arguments) {
   if (arguments.input.skip_nan && !lists.empty())
     throw Error(ErrorCode::invalid_argument, "--skip-nan: ", lists, " lists every point");
   if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
-  return arguments.stream.wanted(arguments.files, arguments.run, needs_memory(arguments))
-             ? run_streamed(arguments, plan)
-             : run_in_memory(arguments, plan);
+  const std::string why_not = needs_memory(arguments);
+  if (arguments.stream.wanted(arguments.files, arguments.run, why_not))
+    return run_streamed(arguments, plan);
+  arguments.input.blocks_hint = StreamArguments::hint(why_not);
+  return run_in_memory(std::move(arguments), plan);
 }
 
 }  // namespace

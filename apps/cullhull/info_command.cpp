@@ -131,6 +131,7 @@ int run(InfoArguments arguments) {
   plan.writes_json(arguments.json);
   Scan found;
   const bool streamed = arguments.stream.wanted(files, RunArguments{}, "");
+  arguments.input.blocks_hint = StreamArguments::hint("");
   const Described input = streamed ? describe_streamed(arguments.input, files, found)
                                    : describe(arguments.input, files, found);
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(input, found));

@@ -54,12 +54,14 @@ auto repeat(const RunArguments& arguments, unsigned times, const Compute& comput
   TerminalProgress progress(arguments.quiet);
   options.progress = progress.callback();
   cancellable([&] {
-    for (unsigned k = 0; k < times; ++k) {
-      done.result = {};  // one result in memory at a time
-      const Stopwatch watch;
-      done.result = compute(options);
-      done.seconds.push_back(watch.seconds());
-    }
+    naming_held(arguments.held, [&] {
+      for (unsigned k = 0; k < times; ++k) {
+        done.result = {};  // one result in memory at a time
+        const Stopwatch watch;
+        done.result = compute(options);
+        done.seconds.push_back(watch.seconds());
+      }
+    });
   });
   return done;
 }

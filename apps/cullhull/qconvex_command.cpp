@@ -133,14 +133,15 @@ Texts texts_of(const Request& request, const cullhull::PointView& points,
   return texts;
 }
 
-int run(const QconvexArguments& arguments) {
+int run(QconvexArguments arguments) {
   const Request request = read_words(arguments.words);
   FilePlan plan;
   plan.reads(request.input);
   if (request.output != "-") plan.writes_any("TO", request.output);
   InputArguments from;
   from.path = request.input;
-  Input input = open_input(from, arguments.run.threads);
+  Input input = open_input(from, arguments.run.threads, arguments.run.memory_bytes());
+  arguments.run.held = input.held();
   auto found = repeat(arguments.run, 1, [&](const cullhull::Options& options) {
     return naming_file(input.places, [&] { return cullhull::convex_hull(input.points, options); });
   });

@@ -9,6 +9,7 @@
 #include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "measure.hpp"
+#include "parallel/memory/memory.hpp"
 #include "signals.hpp"
 #include "system.hpp"
 #include "terminal.hpp"
@@ -52,6 +53,12 @@ cullhull::BlockOptions block_options(const InputArguments& input, const RunArgum
                                      const cullhull::Options& options) {
   cullhull::BlockOptions blocks;
   blocks.read = read_options(input, run.threads, run.memory_bytes());
+  // A block for each reading thread, together at most an eighth of the limit.
+  const std::uint64_t limit = cullhull::internal::resolve_budget(run.memory_bytes());
+  constexpr std::uint64_t least = std::uint64_t{1} << 16;
+  blocks.readers = threads_used(run.threads) + 1;
+  blocks.block_bytes =
+      std::clamp(limit / 8 / blocks.readers, least, std::max(least, blocks.block_bytes));
   blocks.read.stop = options.stop;
   return blocks;
 }
@@ -63,8 +70,8 @@ void StreamArguments::add_to(Parser& command, bool states) {
   allow_words(
       *command.add_option("--stream", stream,
                           "Read in blocks, so that memory does not grow with the number of\n"
-                          "points; auto (default): several inputs, compressed inputs, and\n"
-                          "inputs larger than half of the memory limit"),
+                          "points; auto (default): several inputs, compressed inputs, pipes\n"
+                          "of more than 2 MiB, and files larger than half of the memory limit"),
       {"auto", "on", "off"});
   if (!states) return;
   needs_value(*command.add_option("--partial", partial,
@@ -118,6 +125,19 @@ bool StreamArguments::wanted(const std::vector<std::string>& files, const RunArg
   if (!what.empty()) return true;
   if (stream == "off" || !why_not.empty()) return false;
   return files.size() > 1 || cullhull::worth_streaming(files, run.options());
+}
+
+std::string StreamArguments::hint(const std::string& why_not) {
+  return why_not.empty() ? "--stream on reads it in blocks"
+                         : "without " + why_not + " it is read in blocks";
+}
+
+std::string first_pipe(const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
+    if (file == "-" || (found.exists && !found.regular && !found.folder)) return file;
+  }
+  return "";
 }
 
 Streamed stream_state(const InputArguments& input, const std::vector<std::string>& files,

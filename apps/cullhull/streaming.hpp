@@ -43,6 +43,9 @@ struct StreamArguments {
   /// options.
   bool wanted(const std::vector<std::string>& files, const RunArguments& run,
               const std::string& why_not) const;
+  /// How to have the points read in blocks where wanted() is false: for errors of those that do not
+  /// fit.
+  static std::string hint(const std::string& why_not);
 };
 
 /// What the coordinates of inputs that were read in blocks are.
@@ -72,6 +75,9 @@ cullhull::BlockSummary stream_blocks(
     const InputArguments& input, const std::vector<std::string>& files, const RunArguments& run,
     const std::function<void(const cullhull::PointView&, std::uint64_t first_id)>& points,
     const std::function<void(std::uint64_t count)>& skipped = {});
+
+/// The first of the files that can be read only once; empty if there is none.
+std::string first_pipe(const std::vector<std::string>& files);
 
 /// Where the state of all points comes from, and who certifies its hull, if not only this process.
 struct Elsewhere {

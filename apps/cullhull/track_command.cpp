@@ -368,6 +368,7 @@ int run(const TrackArguments& arguments) {
   cullhull::ReadOptions read;
   read.format = arguments.format;
   read.threads = arguments.run.threads;
+  read.memory_budget = arguments.run.memory_bytes();
   read.stop = stop_token();
   read.remark = print_remark;
   read.numbers = arguments.raw ? cullhull::Numbers::raw : cullhull::Numbers::grid;

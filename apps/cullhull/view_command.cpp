@@ -161,11 +161,15 @@ Written view_input(const ViewArguments& arguments, Input& input, const cullhull:
   return {scene.page(), computed.report};
 }
 
-Written view_points(const ViewArguments& arguments, const cullhull::Options& options) {
+Written view_points(const ViewArguments& arguments, cullhull::Options options) {
   // Writing to a pipe has nothing to clean up: a signal ends it at once.
   Input input = open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
+  RunArguments beside = arguments.run;
+  beside.held = input.held();
+  options.memory_budget = beside.options().memory_budget;
   Written written;
-  cancellable([&] { written = view_input(arguments, input, options); });
+  cancellable(
+      [&] { naming_held(beside.held, [&] { written = view_input(arguments, input, options); }); });
   return written;
 }
 
@@ -218,7 +222,8 @@ class Shown {
 /// Frames tracked one after the other; each hull is the one that `hull` gives for that frame.
 Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
                       const cullhull::Progress& progress) {
-  cullhull::ReadOptions reading = read_options(arguments.input, arguments.run.threads);
+  cullhull::ReadOptions reading =
+      read_options(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   reading.stop = options.stop;
   if (!arguments.input.raw) reading.numbers = cullhull::Numbers::world;  // for looking at
   cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);

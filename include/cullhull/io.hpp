@@ -73,9 +73,9 @@ struct ReadOptions {
   /// Called for each remark, from any thread. A function that takes std::string gets
   /// Remark::line().
   std::function<void(const Remark&)> remark;
-  /// Limit in bytes for compressed files (.gz, .zst, .npz) unpacked in memory; 0: half of the
-  /// memory that the process may use. visit_blocks reads them in blocks and needs no more than for
-  /// other files.
+  /// Limit in bytes for the memory that open_points takes: what it reads from a pipe, unpacks
+  /// (.gz, .zst, .npz) and parses, but not the pages of a mapped file. 0: half of the memory that
+  /// the process may use. visit_blocks needs memory for a few blocks alone.
   std::uint64_t memory_budget = 0;
   /// Read only part `part` (from 0) of `parts` nearly equal parts, if the format has random access:
   /// .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other files are read whole
@@ -100,6 +100,9 @@ struct ReadOptions {
   /// (said by `remark`); where a comma could be either, the text is refused. Other formats refuse
   /// ','.
   char decimal = 0;
+  /// Advice that ends the message of an out_of_budget error where visit_blocks would read the input
+  /// in blocks, for instance how a program's user asks for that. The text must outlive the call.
+  const char* blocks_hint = nullptr;
   std::uint64_t reserved[7] = {};
 };
 
@@ -150,6 +153,8 @@ class PointFile {
   /// Of a text with NaN or infinities the first such point.
   std::optional<PointLine> first_not_finite() const noexcept;
   double read_seconds() const noexcept;
+  /// The bytes of memory that the points take, beyond the pages of a mapped file.
+  std::uint64_t held_bytes() const noexcept;
 
  private:
   friend PointFile open_points(const std::string& path, const ReadOptions& options);
@@ -160,7 +165,8 @@ class PointFile {
 
 /// Opens `path` ("-": standard input; FILE.npz:NAME: an array in an archive; FILE.h5:/GROUP/NAME: a
 /// dataset of an HDF5 or NetCDF-4 file). Unpacks gzip and zstd. Throws Error{io} or
-/// Error{bad_file}, which name the file and line or byte offset.
+/// Error{bad_file}, which name the file and line or byte offset; Error{out_of_budget} before it
+/// takes more memory than ReadOptions::memory_budget.
 PointFile open_points(const std::string& path, const ReadOptions& options = {});
 
 /// The line (from 1) of a point in an uncompressed text file, for messages; empty for other formats

@@ -91,7 +91,9 @@ std::string file_of_input(const std::string& word);
 std::uint64_t input_bytes(const std::vector<std::string>& files);
 
 /// Whether the files should be read in blocks: they are larger than half of the memory budget
-/// (Options::memory_budget), or compressed, so that their size is unknown.
+/// (Options::memory_budget), or compressed, so that their size is unknown, or a pipe that delivers
+/// more than one block. Waits for the first block of a pipe, which this process's next reader of
+/// the same path receives. Options used: memory_budget, stop. Throws Error{io}, Error{cancelled}.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
 
 /// Reads the files one after the other, each once, and visits their points block by block, in

@@ -1,13 +1,18 @@
 #include "io/mapped_file.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <system_error>
 #include <utility>
 
+#include "io/blocks/block_source.hpp"
+#include "io/blocks/read_ahead.hpp"
 #include "io/system.hpp"
+#include "io/text/lines.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -54,12 +59,24 @@ std::uint64_t room() {
   return memory > 0 ? memory : std::uint64_t{1} << 32;
 }
 
+/// `source`: what came of a stream that exceeds the limit.
+[[noreturn]] void refuse_stream(Source source, std::size_t size, ReadLimit* limit) {
+  source.size = size;
+  if (limit == nullptr)
+    throw Error(ErrorCode::out_of_budget, source.name, ": more than ", size >> 20,
+                " MiB from a stream; write it to a file, which is read in place");
+  limit->set_in_blocks(comes_in_blocks(source, {}));
+  limit->refuse(size);
+}
+
 }  // namespace
 
-MappedFile::MappedFile(const std::string& path) {
+MappedFile::MappedFile(const std::string& path, const ReadOptions& options) {
   source_.name = display_name(path);
-  if (path == "-") {
-    read_stream(system::standard_input);
+  std::optional<ReadAhead> ahead = take_read_ahead(path);
+  if (ahead || path == "-") {
+    read_stream(ahead ? ahead->bytes : std::string(),
+                ahead ? ahead->file.get() : system::standard_input, options);
     return;
   }
   const int fd = system::open_to_read(path.c_str());
@@ -72,7 +89,7 @@ MappedFile::MappedFile(const std::string& path) {
       map(fd, static_cast<std::size_t>(status.st_size));
     } else {
       // Pipes, devices, and files in /proc, which have size 0 but contents.
-      read_stream(fd);
+      read_stream({}, fd, options);
       system::close_file(fd);
     }
   } catch (...) {
@@ -92,30 +109,34 @@ void MappedFile::map(int descriptor, std::size_t size) {
   slot_ = list_mapping(source_);
 }
 
-void MappedFile::read_stream(int descriptor) {
-  const std::uint64_t limit = room() / 2;
-  std::size_t capacity = std::size_t{1} << 16, size = 0;
-  stream_ = Buffer(capacity);
+// Where the array grows, page tables are moved (RawArray) and new pages take memory when they are
+// written: the bytes of the stream are all that is needed at any time.
+void MappedFile::read_stream(const std::string& ahead, int descriptor, const ReadOptions& options) {
+  ReadLimit* const limit = ReadLimit::current();
+  const std::uint64_t most = limit != nullptr ? limit->left() : room() / 2;
+  constexpr std::size_t first = std::size_t{1} << 16;
+  std::size_t size = ahead.size(), capacity = std::max(first, size);
+  stream_.reserve(capacity);
+  std::copy_n(ahead.data(), size, stream_.data());
   for (;;) {
-    if (size == capacity) {
-      if (capacity > limit / 2)
-        throw Error(ErrorCode::out_of_budget, source_.name, ": more than ", capacity >> 20,
-                    " MiB from a stream; write it to a file, which is read in place");
-      Buffer larger(2 * capacity);
-      std::memcpy(larger.data(), stream_.data(), size);
-      stream_ = std::move(larger);
-      capacity *= 2;
-    }
+    if (size > most) refuse_stream(source_, size, limit);
+    if (size == capacity) stream_.reserve(capacity *= 2);
+    do {
+      if (options.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+    } while (!system::readable_soon(descriptor));
+    constexpr std::size_t piece = std::size_t{1} << 20;  // so that a stop is noticed
     const std::ptrdiff_t got =
-        system::read_some(descriptor, stream_.data() + size, capacity - size);
+        system::read_some(descriptor, stream_.data() + size, std::min(piece, capacity - size));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) refuse(source_.name, "cannot read", errno);
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
+    source_.data = stream_.data();
   }
-  source_.data = stream_.as<const char>();
+  source_.data = stream_.data();
   source_.size = size;
   if (size == 0) fail(source_, "empty file");
+  if (limit != nullptr) limit->take(size);
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept { *this = std::move(other); }
@@ -144,15 +165,17 @@ void MappedFile::check_size() const {
     throw Error(ErrorCode::io, source_.name, ": shrank while it was being read");
 }
 
-void MappedFile::prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const {
+void MappedFile::prefault(const std::byte* from, std::uint64_t bytes,
+                          const ReadOptions& options) const {
   if (!mapped_ || source_.size > room() / 4) return;
   constexpr std::uint64_t piece = std::uint64_t{16} << 20, page = std::uint64_t{64} << 10;
   const auto before =
       static_cast<std::uint64_t>(from - reinterpret_cast<const std::byte*>(source_.data));
   const std::uint64_t first = std::min<std::uint64_t>(before, source_.size) / page * page;
   const std::uint64_t last = std::min<std::uint64_t>(before + bytes, source_.size);
-  for_each_chunk(last - first, piece, resolve_threads(threads),
+  for_each_chunk(last - first, piece, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
     // A hint: old kernels refuse it, and pages are then faulted in on access.
     system::fetch_pages(source_.data + first + begin, end - begin);
   });

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "io/source.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -14,27 +15,30 @@ class MappedFile {
  public:
   MappedFile() = default;
   /// "-" is standard input. Throws Error{io} where the system refuses, Error{bad_file} for an empty
-  /// file, Error{out_of_budget} for a stream that does not fit half of the memory.
-  explicit MappedFile(const std::string& path);
+  /// file; for a stream Error{out_of_budget} if it does not fit this thread's ReadLimit, without
+  /// one half of the memory, and Error{cancelled} if a stop is requested while it is idle.
+  explicit MappedFile(const std::string& path, const ReadOptions& options = {});
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;
   ~MappedFile();
 
   const Source& source() const noexcept { return source_; }
   bool mapped() const noexcept { return mapped_; }
+  /// The bytes of memory that a stream takes.
+  std::size_t held() const noexcept { return mapped_ ? 0 : source_.size; }
   /// Error{io} if the file has shrunk since it was opened.
   void check_size() const;
   /// Fills the page tables for the bytes of the file within [from, from + bytes), so that
   /// the first pass over the points need not. Skipped for files that would evict other data from
-  /// memory.
-  void prefault(const std::byte* from, std::uint64_t bytes, unsigned threads) const;
+  /// memory. Options used: threads, stop.
+  void prefault(const std::byte* from, std::uint64_t bytes, const ReadOptions& options) const;
 
  private:
   void map(int descriptor, std::size_t size);
-  void read_stream(int descriptor);
+  void read_stream(const std::string& ahead, int descriptor, const ReadOptions& options);
 
   Source source_;
-  Buffer stream_;
+  RawArray<char> stream_;
   int descriptor_ = -1;
   int slot_ = -1;
   bool mapped_ = false;

@@ -10,6 +10,7 @@
 
 #include "io/coordinates.hpp"
 #include "io/source.hpp"
+#include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::inline io {
@@ -181,6 +182,7 @@ void place(PointData& data, const ReadOptions& options) {
   constexpr std::uint64_t chunk = std::uint64_t{1} << 16;  // points
   for_each_chunk(from.count, chunk, resolve_threads(options.threads),
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    check_stop(options);
     for (std::uint32_t j = 0; j < d; ++j)
       for (std::uint64_t i = begin; i < end; ++i) {
         const double x = from.at(i, j);

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "io/blocks/block_source.hpp"
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
 #include "io/formats/geometry_positions.hpp"
@@ -17,12 +18,15 @@
 #include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
+#include "parallel/memory/memory.hpp"
+#include "parallel/memory/pages.hpp"
 
 namespace cullhull::inline v1 {
 
 struct PointFile::Impl {
   internal::MappedFile file;
-  internal::Buffer unpacked;  ///< decompressed contents
+  internal::RawArray<char> unpacked;  ///< decompressed contents
+  std::size_t unpacked_bytes = 0;
   internal::PointData data;
   std::vector<double> weights;
   std::vector<std::uint64_t> rows;  ///< where points were left out
@@ -31,14 +35,30 @@ struct PointFile::Impl {
   bool in_parts = false;
   bool placed = false;  ///< no longer the file's own numbers
   double seconds = 0;
+  std::uint64_t budget = 0;  ///< of the options that the file was opened with
 
-  /// What was mapped or unpacked is given back where the points are a copy then.
+  /// What was mapped, read from a pipe or unpacked is returned to the system where the points are a
+  /// copy then.
   void place(const ReadOptions& options) {
     internal::place(data, options);
     placed = !internal::stays(options.numbers) || data.placement.empty();
     if (data.in_place) return;
+    const bool held = file.held() + unpacked_bytes > 0;
     file = internal::MappedFile();
-    unpacked = {};
+    unpacked.release();
+    unpacked_bytes = 0;
+    if (held) internal::trim_pages(0);
+  }
+  /// The same after the file was opened.
+  void place_later(const ReadOptions& options) {
+    ReadOptions rest = options;
+    rest.memory_budget = std::max<std::uint64_t>(1, budget - std::min(budget, held_bytes()));
+    const internal::ReadLimit limit(file.source().name, rest);
+    place(options);
+  }
+  std::uint64_t held_bytes() const {
+    return file.held() + unpacked_bytes + data.storage.size() + data.colour_storage.size() +
+           weights.size() * sizeof(double);
   }
 
   /// Leaves out the points with a NaN, with their colours and weights. Call after place().
@@ -81,12 +101,12 @@ const Grid& PointFile::grid() const noexcept { return impl_->data.grid; }
 void PointFile::to_grid(const ReadOptions& options) {
   ReadOptions placing = options;
   placing.numbers = Numbers::grid;
-  impl_->place(placing);
+  impl_->place_later(placing);
 }
 void PointFile::to_world() {
   internal::PointData& data = impl_->data;
   if (impl_->placed && data.grid.empty()) return;
-  if (!impl_->placed) return impl_->place({});
+  if (!impl_->placed) return impl_->place_later({});
   auto* const numbers = data.storage.as<double>();
   for (std::uint64_t i = 0; i < data.view.count * data.view.dimension; ++i)
     numbers[i] = data.grid.to_world(numbers[i]);
@@ -109,6 +129,7 @@ std::optional<PointLine> PointFile::first_not_finite() const noexcept {
   return at.line > 0 ? std::optional(at) : std::nullopt;
 }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
+std::uint64_t PointFile::held_bytes() const noexcept { return impl_->held_bytes(); }
 
 }  // namespace cullhull::inline v1
 
@@ -309,6 +330,8 @@ namespace {
 /// The words of a column, which were read as keys, as numbers.
 std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
                                const std::string& column) {
+  if (ReadLimit* const limit = ReadLimit::current(); limit != nullptr)
+    limit->take(words.size() * sizeof(double));
   std::vector<double> numbers(words.size());
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string_view word = words[i];
@@ -384,13 +407,13 @@ void restrict_to(const Slice& slice, PointView& view) {
 }
 
 /// Of a view that is in place, row after row or axis after axis.
-void prefault(const MappedFile& file, const PointView& view, unsigned threads) {
+void prefault(const MappedFile& file, const PointView& view, const ReadOptions& options) {
   if (view.count == 0) return;
   const auto row = static_cast<std::uint64_t>(std::abs(view.point_stride));
   const auto step = static_cast<std::uint64_t>(std::abs(view.coordinate_stride));
   const bool axes = step > row;
   for (std::uint32_t j = 0; j < (axes ? view.dimension : 1); ++j)
-    file.prefault(view.address(0, j), view.count * std::max<std::uint64_t>(row, 1), threads);
+    file.prefault(view.address(0, j), view.count * std::max<std::uint64_t>(row, 1), options);
 }
 
 }  // namespace
@@ -402,9 +425,11 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   auto impl = std::make_unique<PointFile::Impl>();
   const internal::InputName input = internal::split_input(path);
-  impl->file = internal::MappedFile(input.file);
-  internal::Source source = impl->file.source();
   ReadOptions reading = options;
+  reading.memory_budget = impl->budget = internal::resolve_budget(options.memory_budget);
+  internal::ReadLimit limit(internal::display_name(path), reading);
+  impl->file = internal::MappedFile(input.file, reading);
+  internal::Source source = impl->file.source();
   if (!options.weights.empty()) reading.key = options.weights;
   const auto take_weights = [&] {
     if (!options.weights.empty())
@@ -413,6 +438,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   };
   if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
     impl->file = internal::MappedFile();
+    limit.set_in_blocks(true);
     impl->data = internal::read_hdf5(input.file, input.member, reading, impl->slice);
     impl->in_parts = true;
     take_weights();
@@ -421,17 +447,21 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
     return PointFile(std::move(impl));
   }
   internal::unwrap(input, source, reading, impl->unpacked);
+  const bool unpacked = impl->unpacked.data() != nullptr;
+  if (unpacked) impl->unpacked_bytes = source.size;
+  constexpr std::size_t head = std::size_t{1} << 20;
+  limit.set_in_blocks(
+      internal::comes_in_blocks({source.name, source.data, std::min(source.size, head)}, reading));
   impl->data = internal::read_points(source, reading);
   impl->file.check_size();
   take_weights();
-  const bool unpacked = impl->unpacked.data() != nullptr;
   impl->slice = {0, impl->data.view.count, impl->data.view.count};
   if (impl->data.in_place && !unpacked) {
     impl->in_parts = true;
     impl->slice = internal::Slice(impl->data.view.count, options);
     internal::restrict_to(impl->slice, impl->data.view);
     internal::restrict_to(impl->slice, impl->data.colours);
-    internal::prefault(impl->file, impl->data.view, options.threads);
+    internal::prefault(impl->file, impl->data.view, options);
   }
   if (unpacked) impl->file = internal::MappedFile();
   impl->place(options);

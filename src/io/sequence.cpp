@@ -161,7 +161,8 @@ bool open_array(const std::string& path, Impl& impl) {
     return false;
   impl.window = FileWindow(path);
   if (!impl.window.is_open()) {
-    impl.stream = MappedFile(path);
+    const ReadLimit limit(display_name(path), impl.options);
+    impl.stream = MappedFile(path, impl.options);
     const Source& all = impl.stream.source();
     if (format.empty() && (all.size < 6 || std::string_view(all.data, 6) != "\x93NUMPY"))
       fail(all, "a sequence on standard input has to be an .npy array (frames, n, d)");

@@ -3,17 +3,53 @@
 #include <algorithm>
 #include <cctype>
 #include <new>
+#include <utility>
 
 #include "parallel/byte_order.hpp"
+#include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
 
 namespace cullhull::internal::inline io {
 
+namespace {
+
+thread_local ReadLimit* limit_of_thread = nullptr;
+
+}  // namespace
+
+ReadLimit::ReadLimit(std::string name, const ReadOptions& options)
+    : name_(std::move(name)),
+      budget_(resolve_budget(options.memory_budget)),
+      left_(budget_),
+      hint_(options.blocks_hint),
+      outer_(std::exchange(limit_of_thread, this)) {}
+ReadLimit::~ReadLimit() { limit_of_thread = outer_; }
+ReadLimit* ReadLimit::current() noexcept { return limit_of_thread; }
+
+void ReadLimit::take(std::uint64_t bytes) {
+  if (bytes > left_) refuse(budget_ - left_ + bytes);
+  left_ -= bytes;
+}
+
+void ReadLimit::refuse(std::uint64_t bytes) const {
+  const bool advise = in_blocks_ && hint_ != nullptr;
+  throw Error(ErrorCode::out_of_budget, name_, ": its points need more than ", bytes >> 20,
+              " MiB, the memory budget is ", size_text(budget_), advise ? "; " : "",
+              advise ? hint_ : "");
+}
+
 Buffer::Buffer(std::size_t size) {
   constexpr std::size_t huge = std::size_t{2} << 20;
   const std::align_val_t alignment{size >= 4 * huge ? huge : alignof(std::max_align_t)};
-  data_ = {static_cast<std::byte*>(::operator new(size, alignment)), Free{alignment}};
+  ReadLimit* const limit = ReadLimit::current();
+  if (limit != nullptr) limit->take(size);
+  data_ = {static_cast<std::byte*>(::operator new(size, alignment)), Free{alignment, size}};
   if (size >= 4 * huge) prefer_huge_pages(data_.get(), size);
+}
+
+void Buffer::Free::operator()(std::byte* p) const noexcept {
+  ::operator delete(p, alignment);
+  if (ReadLimit* const limit = ReadLimit::current(); limit != nullptr) limit->give_back(size);
 }
 
 PointData in_machine_order(PointData data) {

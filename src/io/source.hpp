@@ -1,6 +1,7 @@
 // Input and output of every reader: named bytes, and points in place or copied.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -22,13 +23,44 @@ struct Source {
   std::size_t size = 0;
 };
 
+/// The memory that reading one input may take. While it exists, every Buffer that this thread
+/// allocates is counted, so that no reader need know the limit.
+class ReadLimit {
+ public:
+  /// `name`: of the input. `options`: memory_budget and blocks_hint.
+  ReadLimit(std::string name, const ReadOptions& options);
+  ~ReadLimit();
+  ReadLimit(const ReadLimit&) = delete;
+  ReadLimit& operator=(const ReadLimit&) = delete;
+
+  std::uint64_t left() const noexcept { return left_; }
+  /// Counts bytes that are about to be allocated. Throws Error{out_of_budget} if they do not fit.
+  void take(std::uint64_t bytes);
+  void give_back(std::uint64_t bytes) noexcept { left_ = std::min(budget_, left_ + bytes); }
+  /// Throws the error of an input that takes more than `bytes`.
+  [[noreturn]] void refuse(std::uint64_t bytes) const;
+  /// Whether visit_blocks would read the input in blocks: its errors then say `blocks_hint`.
+  void set_in_blocks(bool in_blocks) noexcept { in_blocks_ = in_blocks; }
+
+  /// That of this thread; null if there is none.
+  static ReadLimit* current() noexcept;
+
+ private:
+  std::string name_;
+  std::uint64_t budget_, left_;
+  const char* hint_;
+  bool in_blocks_ = false;
+  ReadLimit* outer_;
+};
+
 /// Uninitialised memory, on huge pages where it is large.
 class Buffer {
  public:
   Buffer() = default;  ///< no memory: data() is null
-  /// Throws std::bad_alloc.
+  /// Throws std::bad_alloc, and Error{out_of_budget} beyond this thread's ReadLimit.
   explicit Buffer(std::size_t size);
   std::byte* data() const noexcept { return data_.get(); }
+  std::size_t size() const noexcept { return data_ == nullptr ? 0 : data_.get_deleter().size; }
   template <class T>
   T* as() const noexcept {
     return reinterpret_cast<T*>(data_.get());
@@ -37,7 +69,8 @@ class Buffer {
  private:
   struct Free {
     std::align_val_t alignment;
-    void operator()(std::byte* p) const noexcept { ::operator delete(p, alignment); }
+    std::size_t size;
+    void operator()(std::byte* p) const noexcept;
   };
   std::unique_ptr<std::byte, Free> data_;
 };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "io/blocks/byte_stream.hpp"
+#include "io/blocks/read_ahead.hpp"
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
 #include "io/hdf5/hdf5_points.hpp"
@@ -18,6 +19,7 @@
 #include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
 #include "parallel/memory/memory.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -125,6 +127,7 @@ class PipedRecords : public BlockSource {
   PipedRecords(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
       : from_(std::move(from)), layout_(std::move(layout)) {
     describe(from_.name, layout_);
+    std::string().swap(from_.head);
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
@@ -297,24 +300,22 @@ class WholeInput : public BlockSource {
   }
   void go_on_from(const BlockPosition& from) override { done_ = from.file_points > 0; }
 
-  bool next(BlockTask& task, BlockMemory& memory) override {
+  bool next(BlockTask& task, BlockMemory&) override {
     if (std::exchange(done_, true)) return false;
-    const std::uint64_t limit = resolve_budget(options_.memory_budget) / 2;
+    // As documented, a quarter of the memory: as much for the points, and the rest for the hull.
+    const std::uint64_t limit = resolve_budget(options_.memory_budget) / 4;
     std::size_t size = 0, capacity = from_.head.size() + 1;
-    char* out = memory.room(capacity);
+    bytes_.reserve(capacity);
     for (;;) {
-      size += read_pieces(*from_.stream, out + size, capacity - size, options_);
+      size += read_pieces(*from_.stream, bytes_.data() + size, capacity - size, options_);
+      if (size > limit) refuse(size);
       if (size < capacity) break;
-      if (capacity > limit)
-        throw Error(ErrorCode::out_of_budget, name_,
-                    ": this format is read whole, and it has more than ", capacity >> 20,
-                    " MiB; .npy or text come in pieces");
       capacity *= 2;
-      out = memory.room(capacity, size);
+      bytes_.reserve(capacity);
     }
     task.count.reset();
     task.taken = from_.stream->taken();
-    task.load = [this, out, size] { return load({name_, out, size}); };
+    task.load = [this, size] { return load({name_, bytes_.data(), size}); };
     return true;
   }
 
@@ -351,7 +352,15 @@ class WholeInput : public BlockSource {
         "the files that it was made from, or name all of them in each call that makes a "
         "state (--part K/N)");
   }
+  [[noreturn]] void refuse(std::uint64_t bytes) const {
+    throw Error(ErrorCode::out_of_budget, name_,
+                ": this format is read whole, and it has more than ", bytes >> 20,
+                " MiB, a quarter of the memory budget; .npy or text come in pieces");
+  }
   LoadedBlock load(const Source& source) const {
+    ReadOptions quarter = options_;
+    quarter.memory_budget = resolve_budget(options_.memory_budget) / 4;
+    const ReadLimit limit(name_, quarter);
     LoadedBlock block;
     if (options_.format == "hullstate") {
       try {
@@ -369,6 +378,7 @@ class WholeInput : public BlockSource {
 
   OpenedBytes from_;
   ReadOptions options_;
+  RawArray<char> bytes_;
   bool done_ = false;
 };
 
@@ -427,7 +437,70 @@ void choose_columns_of(RecordLayout& layout, const std::string& file,
   };
 }
 
+/// The layout of a format of records; nothing for other formats.
+std::optional<RecordLayout> layout_of(const std::string& format, const Source& head,
+                                      std::uint64_t size, const ReadOptions& options) {
+  if (format == "npy") return npy_records(head, size, options);
+  if (format == "raw") return raw_records(head, size, options);
+  if (format == "ply") return ply_records(head, size, options);
+  if (format == "pcd") return pcd_records(head, size, options);
+  if (format == "las") return las_records(head, size, options);
+  return std::nullopt;
+}
+
 }  // namespace
+
+namespace {
+
+/// The placement of a pipe's numbers, from what was read ahead; empty also where it is compressed
+/// or a state.
+Placement placement_of_pipe(const std::string& path, const BlockOptions& options) {
+  read_ahead(path, options.block_bytes, options.read.stop);
+  const std::string_view seen = seen_ahead(path);
+  const Source head{display_name(path), seen.data(), seen.size()};
+  try {
+    const auto layout =
+        layout_of(choose_format(head, options.read), head, unknown_size, options.read);
+    return layout ? layout->placement : Placement();
+  } catch (const Error&) {
+    return {};  // the reader of the points says what is wrong
+  }
+}
+
+}  // namespace
+
+namespace {
+
+/// Whether a text has one point a line; a header that cannot be read does not say otherwise.
+bool has_point_lines(const Source& head, const ReadOptions& options, const std::string& format) {
+  const std::string_view all(head.data, head.size);
+  const Source lines{head.name, head.data, all.rfind('\n') + 1};
+  try {
+    ReadOptions silent = options;  // the reader of the points says its remarks
+    silent.remark = {};
+    return find_preamble(lines, silent, format).kind != Preamble::cdd;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+}  // namespace
+
+bool comes_in_blocks(const Source& head, const ReadOptions& options, bool unknown) noexcept {
+  try {
+    const std::string_view all(head.data, head.size);
+    if (begins_archive(all)) return false;
+    if (packing_of(all.substr(0, 16), head.name, options) != Packing::none) return true;
+    const std::size_t skip = all.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+    const Source text{head.name, head.data + skip, head.size - skip};
+    const std::string format = choose_format(text, options);
+    if (const auto layout = layout_of(format, head, unknown_size, options))
+      return layout->columns == 1;
+    return is_text(format) && !is_utf16(all) && has_point_lines(text, options, format);
+  } catch (...) {
+    return unknown;
+  }
+}
 
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options) {
   OpenedBytes from = open_bytes(path, options.read);
@@ -445,17 +518,11 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   if (!from.format.empty()) read.format = from.format;
   const std::string format = choose_format({head.name, head.data + skip, head.size - skip}, read);
   check_decimal(head, format, read);
-  std::optional<RecordLayout> layout;
   // A block that was begun is finished, so that its position can be continued from: visit_blocks
   // checks for cancellation between blocks.
   ReadOptions uninterrupted = read;
   uninterrupted.stop = {};
-  if (format == "npy") layout = npy_records(head, from.size, uninterrupted);
-  if (format == "raw") layout = raw_records(head, from.size, uninterrupted);
-  if (format == "ply") layout = ply_records(head, from.size, uninterrupted);
-  if (format == "pcd") layout = pcd_records(head, from.size, uninterrupted);
-  if (format == "las") layout = las_records(head, from.size, uninterrupted);
-  if (layout) {
+  if (auto layout = layout_of(format, head, from.size, uninterrupted)) {
     if (!read.columns.empty() || !read.key.empty())
       choose_columns_of(*layout, head.name, column_names(format), read);
     place_points_of(*layout, read);
@@ -487,6 +554,11 @@ Grid common_grid(const std::vector<std::string>& files, const ReadOptions& optio
   std::vector<Placement> placements;
   std::vector<GridOfState> states;
   for (const std::string& file : files) {
+    if (is_pipe(file_of_input(file))) {
+      placements.push_back(placement_of_pipe(file_of_input(file), reading));
+      if (placements.back().empty()) return {};
+      continue;
+    }
     system::FileStatus status{};
     if (system::status_of(file_of_input(file).c_str(), status) != 0 || !system::is_regular(status))
       return {};

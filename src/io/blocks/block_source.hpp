@@ -77,4 +77,9 @@ class BlockSource {
 /// Opens an input and finds its format.
 std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOptions& options);
 
+/// Whether open_source would divide an input that begins with these bytes into blocks; false if its
+/// format has to be in memory as a whole. `unknown`: the answer for formats that the bytes do not
+/// show, as those of raw numbers.
+bool comes_in_blocks(const Source& head, const ReadOptions& options, bool unknown = false) noexcept;
+
 }  // namespace cullhull::internal::inline io

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <system_error>
 
 #include "cullhull/error.hpp"
+#include "io/blocks/read_ahead.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
@@ -39,6 +41,8 @@ class FileBytes : public ByteStream {
     return have;
   }
   std::uint64_t taken() const override { return taken_; }
+  /// Counts bytes that another reader took before.
+  void count_taken(std::uint64_t bytes) { taken_ += bytes; }
 
  private:
   /// A pipe may be idle for long: checks now and then whether to stop.
@@ -65,6 +69,10 @@ class WithHead : public ByteStream {
     const std::size_t first = std::min(size, head_.size() - at_);
     std::memcpy(out, head_.data() + at_, first);
     at_ += first;
+    if (at_ > 0 && at_ == head_.size()) {  // its memory may be a large part of the limit
+      std::string().swap(head_);
+      at_ = 0;
+    }
     return first < size ? first + rest_->read(out + first, size - first) : first;
   }
   std::uint64_t taken() const override { return rest_->taken(); }
@@ -148,15 +156,23 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   OpenedBytes opened;
   opened.name = display_name(path);
   opened.size = unknown_size;
-  Descriptor file(path == "-" ? system::standard_input : system::open_to_read(path.c_str()));
+  std::optional<ReadAhead> ahead = take_read_ahead(path);
+  Descriptor file =
+      ahead ? std::move(ahead->file)
+            : Descriptor(path == "-" ? system::standard_input : system::open_to_read(path.c_str()));
   if (file.get() < 0) refuse(opened.name, "cannot open", errno);
   system::FileStatus status{};
   if (system::status_of(file.get(), status) != 0) refuse(opened.name, "cannot read", errno);
   if (system::is_folder(status)) refuse(opened.name, "cannot read", EISDIR);
   const bool regular = system::is_regular(status);
   auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
-  opened.head.resize(head_bytes);
-  opened.head.resize(bytes->read(opened.head.data(), head_bytes));
+  if (ahead) {
+    opened.head = std::move(ahead->bytes);
+    bytes->count_taken(opened.head.size());
+  } else {
+    opened.head.resize(head_bytes);
+    opened.head.resize(bytes->read(opened.head.data(), head_bytes));
+  }
   if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
   // Files in /proc have size 0, and standard input may be a file that others read, too.
   if (path != "-" && regular && status.st_size > 0) {

@@ -4,6 +4,8 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "io/blocks/block_source.hpp"
+#include "io/blocks/read_ahead.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/source.hpp"
@@ -66,7 +68,19 @@ std::uint64_t input_bytes(const std::vector<std::string>& files) {
 
 bool worth_streaming(const std::vector<std::string>& files, const Options& options) {
   if (std::any_of(files.begin(), files.end(), internal::named_as_packed)) return true;
-  return input_bytes(files) > internal::resolve_budget(options.memory_budget) / 2;
+  const std::uint64_t half = internal::resolve_budget(options.memory_budget) / 2;
+  const std::uint64_t block = std::min(BlockOptions().block_bytes, half + 1);
+  for (const std::string& file : files) {
+    const std::string path = file_of_input(file);
+    if (!internal::is_pipe(path)) continue;
+    const bool beyond = internal::read_ahead(path, block, options.stop);
+    const std::string_view seen = internal::seen_ahead(path);
+    // What is read whole has more room without blocks; what is compressed has an unknown size.
+    const bool packed = internal::packing_of(seen, "", {}) != internal::Packing::none;
+    if (packed || (beyond && internal::comes_in_blocks({path, seen.data(), seen.size()}, {}, true)))
+      return true;
+  }
+  return input_bytes(files) > half;
 }
 
 }  // namespace cullhull::inline v1

@@ -243,7 +243,7 @@ void write_las_records(const std::string& path, const std::string& las,
   const MappedFile file(input.file);
   Source source = file.source();
   ReadOptions options;
-  Buffer unpacked;
+  RawArray<char> unpacked;
   unwrap(input, source, options, unpacked);
   OutputFile out(path);
   write_records(out, source, ids);

@@ -7,6 +7,7 @@
 
 #include "cullhull/placement.hpp"
 #include "io/columns.hpp"
+#include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull::internal::inline io {
@@ -102,11 +103,14 @@ void gather(PointData& data, const Columns& all, const char* records, std::size_
   const auto d = static_cast<std::uint32_t>(columns.size());
   Buffer room(std::max<std::uint64_t>(1, from.count * d * sizeof(double)));
   auto* out = room.as<double>();
-  for (std::uint64_t i = 0; i < from.count; ++i)
+  constexpr std::uint64_t between_checks = std::uint64_t{1} << 16;
+  for (std::uint64_t i = 0; i < from.count; ++i) {
+    if (i % between_checks == 0) check_stop(options);
     for (const std::uint32_t c : columns) {
       const double x = Columns::is_axis(c) ? from.at(i, c) : all.field(c).of(records + i * record);
       *out++ = in_world && Columns::is_axis(c) ? axes.at(c, x) : x;
     }
+  }
   data.placement = {};
   if (!timed && !axes.empty()) data.placement.unit = axes.unit;
   for (const std::uint32_t c : columns) {

@@ -9,7 +9,6 @@
 #include "io/records.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
-#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal::inline io {
 namespace {
@@ -335,9 +334,6 @@ PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOp
   if (packed > source.size - body - 8 || size > lzf_most_growth * packed)
     fail_at_byte(source, body, packed, " packed bytes of ", size, " do not fit the ",
                  source.size - body - 8, " that follow");
-  if (size > resolve_budget(options.memory_budget))
-    throw Error(ErrorCode::out_of_budget, source.name, ": unpacks to ", size >> 20,
-                " MiB, which does not fit");
   Buffer unpacked(size);
   if (!unpack_lzf(h.body + 8, packed, unpacked.as<char>(), size))
     fail_at_byte(source, body + 8, "the packed points are corrupt");

@@ -121,11 +121,11 @@ Polygons read_rings(const std::string& path, bool lines) {
   const MappedFile file(path);
   Source source = file.source();
   const std::string_view bytes(source.data, source.size);
-  Buffer unpacked;
+  RawArray<char> unpacked;
   if (const Packing packing = packing_of(bytes, source.name, {}); packing != Packing::none) {
     unpacked =
         read_all(*unpack(packing, stream_of(bytes), source.name), source.name, {}, source.size);
-    source.data = unpacked.as<char>();
+    source.data = unpacked.data();
   }
   Polygons polygons = internal::read_polygons(source, lines);
   file.check_size();

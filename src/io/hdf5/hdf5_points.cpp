@@ -11,7 +11,6 @@
 #include "io/columns.hpp"
 #include "io/hdf5/library.hpp"
 #include "io/records.hpp"
-#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -393,10 +392,7 @@ PointData read_hdf5(const std::string& file, const std::string& datasets,
   const Hdf5Points points(file, datasets);
   slice = Slice(points.count(), options);
   std::uint64_t bytes = 0;
-  if (!multiply(slice.count, points.record_bytes(), bytes) ||
-      bytes > resolve_budget(options.memory_budget))
-    throw Error(ErrorCode::out_of_budget, points.name(), ": ", slice.count, " points of ",
-                points.record_bytes(), " bytes do not fit; --stream on reads them in blocks");
+  if (!multiply(slice.count, points.record_bytes(), bytes)) throw std::bad_alloc();
   Buffer memory(std::max<std::uint64_t>(bytes, 1));
   PointData data = points.read(slice.first, slice.count, memory.as<char>());
   data.storage = std::move(memory);

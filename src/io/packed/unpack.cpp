@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
+#include "io/blocks/block_source.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/memory/memory.hpp"
 
@@ -278,30 +280,33 @@ std::size_t read_pieces(ByteStream& from, char* out, std::size_t size, const Rea
   return got;
 }
 
-Buffer read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
-                std::size_t& size) {
-  const std::uint64_t limit = resolve_budget(options.memory_budget);
-  std::size_t capacity = std::min<std::uint64_t>(std::uint64_t{1} << 20, limit);
-  Buffer buffer(capacity);
+// Where the array grows, page tables are moved instead of bytes copied (RawArray).
+RawArray<char> read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
+                        std::size_t& size) {
+  ReadLimit* const outer = ReadLimit::current();
+  std::optional<ReadLimit> own;
+  if (outer == nullptr) own.emplace(name, options);
+  ReadLimit& limit = outer != nullptr ? *outer : *own;
+  const std::uint64_t most = limit.left();
+  std::size_t capacity = std::size_t{1} << 20;
+  RawArray<char> bytes;
   size = 0;
-  for (;;) {
-    size += read_pieces(from, buffer.as<char>() + size, capacity - size, options);
-    if (size < capacity) return buffer;
-    // While it grows, two buffers exist.
-    if (capacity > limit / 3)
-      throw Error(ErrorCode::out_of_budget, name, ": unpacks to more than ", capacity >> 20,
-                  " MiB, which does not fit; --stream on reads it in blocks");
-    Buffer larger(2 * capacity);
-    std::memcpy(larger.data(), buffer.data(), size);
-    buffer = std::move(larger);
-    capacity *= 2;
-  }
+  do {
+    bytes.reserve(capacity);
+    size += read_pieces(from, bytes.data() + size, capacity - size, options);
+    if (size > most) {
+      limit.set_in_blocks(comes_in_blocks({unpacked_name(name), bytes.data(), size}, options));
+      limit.refuse(size);
+    }
+  } while (size == capacity && (capacity *= 2) > 0);
+  limit.take(size);
+  return bytes;
 }
 
 namespace {
 
 void unwrap_member(const std::string& member, const ReadOptions& options, Source& source,
-                   Buffer& memory) {
+                   RawArray<char>& memory) {
   const std::string_view bytes(source.data, source.size);
   const ReadAt read = [bytes](char* out, std::size_t size, std::uint64_t offset) {
     if (size > 0) std::memcpy(out, bytes.data() + offset, size);
@@ -314,7 +319,7 @@ void unwrap_member(const std::string& member, const ReadOptions& options, Source
   const auto stream =
       inflate_member(stream_of({source.data, source.size}), found.size, found.crc, source.name);
   memory = read_all(*stream, source.name, options, source.size);
-  source.data = memory.as<const char>();
+  source.data = memory.data();
 }
 
 }  // namespace
@@ -325,7 +330,7 @@ bool is_archive(const std::string& file, std::string_view head, const ReadOption
   return options.format.empty() && !raw && begins_archive(head);
 }
 
-void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer& memory) {
+void unwrap(const InputName& input, Source& source, ReadOptions& options, RawArray<char>& memory) {
   const std::string_view head(source.data, std::min<std::size_t>(source.size, 16));
   if (is_archive(input.file, head, options)) {
     options.format = "npy";
@@ -335,7 +340,7 @@ void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer
   if (packing == Packing::none) return;
   const auto stream = unpack(packing, stream_of({source.data, source.size}), source.name);
   memory = read_all(*stream, source.name, options, source.size);
-  source.data = memory.as<const char>();
+  source.data = memory.data();
 }
 
 }  // namespace cullhull::internal::inline io

@@ -9,6 +9,7 @@
 #include "io/blocks/byte_stream.hpp"
 #include "io/packed/archive.hpp"
 #include "io/source.hpp"
+#include "parallel/memory/raw_array.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -40,9 +41,10 @@ std::unique_ptr<ByteStream> stream_of(std::string_view bytes);
 /// As ByteStream::read, in pieces, before each of which options.stop is checked.
 std::size_t read_pieces(ByteStream& from, char* out, std::size_t size, const ReadOptions& options);
 
-/// The whole stream, within options.memory_budget. Throws Error{out_of_budget}, Error{cancelled}.
-Buffer read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
-                std::size_t& size);
+/// The whole stream, within this thread's ReadLimit, else within options.memory_budget. Throws
+/// Error{out_of_budget}, Error{cancelled}.
+RawArray<char> read_all(ByteStream& from, const std::string& name, const ReadOptions& options,
+                        std::size_t& size);
 
 // Files within files: the array in an archive, the contents of a compressed file.
 
@@ -52,6 +54,6 @@ bool is_archive(const std::string& file, std::string_view head, const ReadOption
 /// Replaces `source`, the bytes of the file `input.file`, by the contents, and sets `options` to
 /// read those. Decompressed bytes are stored in `memory`; else `source` is a part of what it was.
 /// Throws Error{bad_file}, Error{out_of_budget}, Error{invalid_argument}.
-void unwrap(const InputName& input, Source& source, ReadOptions& options, Buffer& memory);
+void unwrap(const InputName& input, Source& source, ReadOptions& options, RawArray<char>& memory);
 
 }  // namespace cullhull::internal::inline io

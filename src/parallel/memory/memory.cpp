@@ -87,14 +87,10 @@ std::uint64_t resolve_budget(std::uint64_t requested) {
   return memory == 0 ? std::uint64_t{4} << 30 : memory / 2;
 }
 
-namespace {
-
 std::string size_text(std::uint64_t bytes) {
   return bytes < (std::uint64_t{1} << 20) ? std::to_string(bytes) + " bytes"
                                           : std::to_string(bytes >> 20) + " MiB";
 }
-
-}  // namespace
 
 void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what) {
   if (bytes <= budget) return;

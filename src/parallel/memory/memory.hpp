@@ -14,6 +14,9 @@ std::uint64_t resolve_budget(std::uint64_t requested);
 /// plural noun that begins the message.
 void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what);
 
+/// "200 MiB", or "5000 bytes" below one MiB.
+std::string size_text(std::uint64_t bytes);
+
 /// The bytes that this process may use: the machine's memory, the limit of the process's address
 /// space or the limit of its control groups (for instance a container's), whichever is least. 0 if
 /// the system does not report its memory. Determined once.
