@@ -112,15 +112,40 @@ void load(const State& state, const char* name, EvenArray<T>& list) {
   list = EvenArray<T>::of_step(count, step);
 }
 
+/// Runs the caller's signal handlers once in 65,536 steps of a loop, so that Ctrl-C ends it.
+class SignalSteps {
+ public:
+  void next() {
+    if (++steps_ % (1U << 16) == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
+  }
+
+ private:
+  std::uint32_t steps_ = 0;
+};
+
+/// Whether all items of a list are as `holds` says.
+template <class List, class Holds>
+bool all_hold(const List& list, const Holds& holds) {
+  SignalSteps steps;
+  return std::all_of(list.begin(), list.end(), [&](auto v) {
+    steps.next();
+    return holds(v);
+  });
+}
+
 /// Offsets ascend from 0 to the number of items.
 template <class Offsets>
 void check_offsets(const Offsets& offsets, std::size_t items, const char* name) {
   require(offsets.size() > 0 && offsets[0] == 0 && offsets[offsets.size() - 1] == items, name);
-  for (std::size_t i = 1; i < offsets.size(); ++i) require(offsets[i - 1] <= offsets[i], name);
+  SignalSteps steps;
+  for (std::size_t i = 1; i < offsets.size(); ++i) {
+    steps.next();
+    require(offsets[i - 1] <= offsets[i], name);
+  }
 }
 template <class List>
 void check_below(const List& list, std::uint64_t bound, const char* name) {
-  require(std::all_of(list.begin(), list.end(), [bound](auto v) { return v < bound; }), name);
+  require(all_hold(list, [bound](auto v) { return v < bound; }), name);
 }
 
 ScalarType scalar_named(const std::string& name) {
@@ -269,13 +294,17 @@ void check(const Hull& h, const std::vector<double>& vertex_rows) {
   check_below(h.simplex_neighbours, h.simplex_count(), "simplex_neighbours");
   check_below(h.simplex_facets, facets, "simplex_facets");
   std::vector<std::uint64_t> ids = h.vertices;
-  std::sort(ids.begin(), ids.end());
+  SignalSteps steps;
+  std::sort(ids.begin(), ids.end(), [&](std::uint64_t a, std::uint64_t b) {
+    steps.next();
+    return a < b;
+  });
   require(std::adjacent_find(ids.begin(), ids.end()) == ids.end(), "vertices");
   const auto is_vertex = [&](std::uint64_t id) {
     return std::binary_search(ids.begin(), ids.end(), id);
   };
-  require(std::all_of(h.simplices.begin(), h.simplices.end(), is_vertex), "simplices");
-  require(std::all_of(h.facets.items.begin(), h.facets.items.end(), is_vertex), "facet_vertices");
+  require(all_hold(h.simplices, is_vertex), "simplices");
+  require(all_hold(h.facets.items, is_vertex), "facet_vertices");
 }
 
 std::unique_ptr<Solid> solid_of_state(const State& state) {
@@ -432,8 +461,9 @@ void check(const Triangulation& t) {
   require(t.point_count < cullhull::no_cell && cells < cullhull::no_cell, "points");
   check_below(t.axes, t.dimension, "axes");
   check_below(t.cells, t.point_count, "cells");
-  for (const std::uint32_t n : t.neighbours)
-    require(n < cells || n == cullhull::no_cell, "neighbours");
+  require(
+      all_hold(t.neighbours, [&](std::uint32_t n) { return n < cells || n == cullhull::no_cell; }),
+      "neighbours");
   check_below(t.cell_groups, cells, "cell_groups");
   check_below(t.hull_facets, t.point_count, "hull_facets");
   check_below(t.hull_cells, cells, "hull_cells");

@@ -149,6 +149,39 @@ def test_ctrl_c_interrupts():
     assert out == "interrupted\n3\n" and child.returncode == 0
 
 
+class Alarm(Exception):
+    pass
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends a signal")
+@pytest.mark.parametrize("kind", ["hull", "triangulation"])
+def test_unpickling_hears_a_signal(kind):
+    """Its loops run signal handlers. Between the native call and extend() Python runs none."""
+    from cullhull import _core
+
+    points = cullhull.generate("sphere", 300_000, 3)
+    if kind == "hull":
+        make, (state, _) = _core.solid_of_state, cullhull.convex_hull(points).__reduce__()[1]
+    else:
+        make, (state, _) = _core.cells_of_state, cullhull.delaunay(points).__reduce__()[1]
+
+    def ring(*_):
+        raise Alarm
+
+    before = signal.signal(signal.SIGALRM, ring)
+    made = []
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.005)
+        with pytest.raises(Alarm):
+            made.extend(map(make, [state]))
+            time.sleep(10)  # should the call have ended before the signal
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert made == []
+
+
+
 def test_points_in_the_making_hear_a_signal():
     def handler(number, frame):
         raise Refused

@@ -11,6 +11,7 @@
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/memory/pages.hpp"
+#include "parallel/threads/checked_steps.hpp"
 
 namespace cullhull::internal::inline diagrams {
 namespace {
@@ -57,8 +58,12 @@ class EdgeOrder {
     return m;
   }
 
-  void sort(std::vector<MeasuredEdge>& edges) const {
-    std::sort(edges.begin(), edges.end(), rounded_less);
+  void sort(std::vector<MeasuredEdge>& edges, const Run& run) const {
+    CheckedSteps steps(run);
+    std::sort(edges.begin(), edges.end(), [&](const MeasuredEdge& a, const MeasuredEdge& b) {
+      steps.next();
+      return rounded_less(a, b);
+    });
     for (std::size_t begin = 0; begin < edges.size();) {
       std::size_t end = begin + 1;
       bool exact = edges[begin].exact;
@@ -69,12 +74,18 @@ class EdgeOrder {
       if (!exact && end - begin > 1)
         std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin),
                   edges.begin() + static_cast<std::ptrdiff_t>(end),
-                  [&](const MeasuredEdge& a, const MeasuredEdge& b) { return less(a, b); });
+                  [&](const MeasuredEdge& a, const MeasuredEdge& b) {
+          steps.next(exact_step);
+          return less(a, b);
+        });
       begin = end;
     }
   }
 
  private:
+  /// An exact comparison takes as long as many steps.
+  static constexpr std::uint32_t exact_step = 64;
+
   static bool rounded_less(const MeasuredEdge& a, const MeasuredEdge& b) {
     if (a.size.high != b.size.high) return a.size.high < b.size.high;
     return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
@@ -197,23 +208,30 @@ class LuneSearch {
 std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
   const EdgeOrder order(p, t.dimension);
   std::vector<MeasuredEdge> edges;
+  CheckedSteps steps(run);
   if (t.corners() > 1) {
-    EdgeCells(t, run).each_edge(
-        0, t.point_count, [&](const EdgeCells::Star& e) { edges.push_back(order.measure(e)); });
+    EdgeCells(t, run).each_edge(0, t.point_count, [&](const EdgeCells::Star& e) {
+      steps.next();
+      edges.push_back(order.measure(e));
+    });
   }
   run.report("sort", 0.3);
-  order.sort(edges);
+  order.sort(edges, run);
   run.check();
   DisjointSets joined(t.point_count);
   joined.clear(0, t.point_count);
   std::vector<Edge> tree;
   for (const DuplicatePoint& twin : t.duplicates) tree.push_back({twin.representative, twin.id});
   for (const MeasuredEdge& m : edges) {
+    steps.next();
     if (joined.root(m.edge.low) == joined.root(m.edge.high)) continue;
     joined.join(m.edge.low, m.edge.high);
     tree.push_back(m.edge);
   }
-  std::sort(tree.begin(), tree.end());
+  std::sort(tree.begin(), tree.end(), [&](const Edge& a, const Edge& b) {
+    steps.next();
+    return a < b;
+  });
   return tree;
 }
 
