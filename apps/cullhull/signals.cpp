@@ -77,6 +77,21 @@ void end_on_fault(int signal, siginfo_t* info, void*) {
 }
 #endif
 
+#if !defined(_WIN32)
+// The reader of the results has ended, as head does: so does this program, without a message and
+// with the signal's own status. A closed standard error is no reason to end.
+void end_quietly(int) {
+  if (writing_stderr()) return;
+  cullhull::remove_unfinished_files();
+  std::signal(SIGPIPE, SIG_DFL);
+  sigset_t pipe;
+  sigemptyset(&pipe);
+  sigaddset(&pipe, SIGPIPE);
+  pthread_sigmask(SIG_UNBLOCK, &pipe, nullptr);
+  (void)std::raise(SIGPIPE);
+}
+#endif
+
 // An exception that left a thread of some library, mostly for lack of memory or threads, and so did
 // not reach main. Any other cause of terminate keeps its default effect, a core dump.
 void end_on_exception() {
@@ -121,9 +136,10 @@ void install_signals() {
   source();
   SetConsoleCtrlHandler(on_control, TRUE);
 #else
-  // Writing to a closed pipe or beyond a file size limit then fails, and is reported as an error.
-  std::signal(SIGPIPE, SIG_IGN);
+  // Writing beyond a file size limit then fails, and is reported as an error.
   std::signal(SIGXFSZ, SIG_IGN);
+  // Where SIGPIPE is ignored, as under trap '' PIPE, writing to a closed pipe fails, too.
+  if (!ignored(SIGPIPE)) std::signal(SIGPIPE, end_quietly);
   struct sigaction fault = {};
   fault.sa_sigaction = end_on_fault;
   fault.sa_flags = SA_SIGINFO;

@@ -31,6 +31,17 @@ int write_all(int fd, std::string_view text) {
   return 0;
 }
 
+thread_local volatile bool stderr_in_use = false;
+
+/// The same to standard error, whose reader may have ended.
+int write_all_stderr(std::string_view text) {
+  const bool before = stderr_in_use;
+  stderr_in_use = true;
+  const int error = write_all(system::standard_error, text);
+  stderr_in_use = before;
+  return error;
+}
+
 /// How far the program's one line of complaint is: complain()'s, or end_with_line()'s.
 enum LineState : int { silent, writing, written, ending, ended };
 std::atomic<int> line_state{silent};
@@ -111,9 +122,9 @@ void write_stdout(std::string_view text) {
                           "cannot write to standard output: " + reason(error));
 }
 
-void write_stderr(std::string_view text) {
-  (void)write_all(system::standard_error, in_users_names(text));
-}
+bool writing_stderr() noexcept { return stderr_in_use; }
+
+void write_stderr(std::string_view text) { (void)write_all_stderr(in_users_names(text)); }
 
 void complain(std::string_view message) {
   const std::string line = "cullhull: " + printable(in_users_names(message)) + '\n';
@@ -122,7 +133,7 @@ void complain(std::string_view message) {
   do {
     if (state >= ending) return;
   } while (!line_state.compare_exchange_weak(state, writing));
-  (void)write_all(system::standard_error, line);
+  (void)write_all_stderr(line);
   line_state = written;
 }
 
@@ -137,7 +148,7 @@ void end_with_line(int status, const char* first, const char* second) noexcept {
       for (; *part != 0 && length < sizeof line - 1; ++part)
         line[length++] = is_control(*part, 0) ? '?' : *part;
     line[length++] = '\n';
-    (void)write_all(system::standard_error, {line, length});
+    (void)write_all_stderr({line, length});
     line_state = ended;
   }
   while (line_state != written && line_state != ended) system::wait_10_ms();
@@ -153,7 +164,7 @@ TerminalProgress::TerminalProgress(bool quiet, std::string counted, double total
       active_(!quiet && system::is_terminal(system::standard_error)) {}
 
 TerminalProgress::~TerminalProgress() {
-  if (shown_) (void)write_all(system::standard_error, "\r\x1b[K");
+  if (shown_) (void)write_all_stderr("\r\x1b[K");
 }
 
 cullhull::Progress TerminalProgress::callback() {
@@ -182,7 +193,7 @@ void TerminalProgress::show_bytes(double bytes) {
   std::string text = fmt::format("\r\x1b[K{:<10} {}", phase_, amount(bytes, "read"));
   const double seconds = static_cast<double>(now - phase_began_) / 1000;
   if (seconds >= 0.2) text += "  " + amount(bytes / seconds, "read") + "/s";
-  (void)write_all(system::standard_error, text);
+  (void)write_all_stderr(text);
 }
 
 // At the beginning of a phase the rate is not yet known.
@@ -204,9 +215,8 @@ void TerminalProgress::show(const char* phase, double share) {
   if (!begin(phase, now, again)) return;
   constexpr int width = 24;
   const auto full = static_cast<int>(share * width);
-  (void)write_all(system::standard_error,
-                  fmt::format("\r\x1b[K{:<10} [{:#<{}}{:.<{}}] {:3.0f} %{}", phase, "", full, "",
-                              width - full, 100 * share, rest(share, now)));
+  (void)write_all_stderr(fmt::format("\r\x1b[K{:<10} [{:#<{}}{:.<{}}] {:3.0f} %{}", phase, "", full,
+                                     "", width - full, 100 * share, rest(share, now)));
 }
 
 }  // namespace app

@@ -18,6 +18,9 @@ void keep_standard_streams();
 /// Writes all of `text` or throws Error{io} (closed pipe, full disk).
 void write_stdout(std::string_view text);
 
+/// Whether this thread is writing to standard error. Async-signal-safe.
+bool writing_stderr() noexcept;
+
 /// Writes requested text to standard error; a failure there cannot be reported.
 void write_stderr(std::string_view text);
 
