@@ -13,6 +13,7 @@
 #include "converted.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_blocks.hpp"
+#include "outputs.hpp"
 #include "parallel/memory/memory.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
@@ -132,8 +133,31 @@ std::vector<std::string> InputArguments::files() const {
   return cullhull::input_files(words, options);
 }
 
+void InputArguments::check_states(const std::vector<std::string>& files) const {
+  const bool any_points = std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    return ending_of(file) != ".hullstate";
+  });
+  if (any_points) return;
+  for (const auto& [option, given] : {std::pair{"--columns", !columns.empty()},
+                                      {"--dim", dimension != 0},
+                                      {"--type", !type.empty()},
+                                      {"--decimal", !decimal.empty()},
+                                      {"--input-format", !format.empty()}})
+    if (given)
+      throw Error(ErrorCode::invalid_argument, option,
+                  " describes files of points, but every input is a .hullstate, which says itself "
+                  "what it holds");
+}
+
+void InputArguments::check_raw(const std::string& as) const {
+  if ((dimension == 0 && type.empty()) || as.starts_with("raw")) return;
+  throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ", path,
+              " was read as ", as);
+}
+
 std::vector<std::string> InputArguments::find_files() {
   std::vector<std::string> found = files();
+  check_states(found);
   path = found.size() == 1 ? found[0] : std::to_string(found.size()) + " inputs";
   check_crs(crs);
   if (crs.empty()) crs = stated_crs(found, *this);
@@ -214,14 +238,17 @@ void add_raw_option(Parser& command, bool& raw) {
   command.add_flag("--raw", raw, "Use the whole numbers of a .las, without its scale and offset");
 }
 
+bool columns_can_be_chosen = true;
+
 void print_remark(const cullhull::Remark& remark) {
-  const bool columns = remark.kind == cullhull::Remark::Kind::columns;
-  if (columns && is_converted(remark.file)) return;  // whose columns are of our making
+  const bool of_columns = remark.kind == cullhull::Remark::Kind::columns;
+  if (of_columns && is_converted(remark.file)) return;  // whose columns are of our making
   static std::mutex mutex;
   static std::set<std::string> told;  // once, however many tiles have the same remark
   const std::lock_guard lock(mutex);
   if (!told.insert(remark.message).second) return;
-  write_stderr("cullhull: " + remark.line() + (columns ? "; --columns takes others\n" : "\n"));
+  write_stderr("cullhull: " + remark.line() +
+               (of_columns && columns_can_be_chosen ? "; --columns takes others\n" : "\n"));
 }
 
 void remark_on_shape(const std::string& name, std::uint64_t count, std::uint32_t dimension) {
@@ -261,10 +288,7 @@ Input open_input(const InputArguments& arguments, const cullhull::ReadOptions& o
   cullhull::ReadOptions all = options;
   all.skip_nan = false;  // here, as points are written by their ids in the file
   input.file = cullhull::open_points(arguments.path, all);
-  if ((arguments.dimension != 0 || !arguments.type.empty()) &&
-      input.file.format().rfind("raw", 0) != 0)
-    throw Error(ErrorCode::invalid_argument, "--dim and --type describe raw input, but ",
-                arguments.path, " was read as ", input.file.format());
+  arguments.check_raw(input.file.format());
   input.points = input.file.points();
   input.places.parts = {{input_name(arguments.path), 0, input.file.first_not_finite()}};
   const cullhull::Placement& placement = input.file.placement();

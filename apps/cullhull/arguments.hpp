@@ -43,6 +43,12 @@ struct InputArguments {
   std::vector<std::string> files() const;
   /// The same; sets `path` to the name that messages use for all of them, and `crs`.
   std::vector<std::string> find_files();
+  /// Refuses options that describe files of points where every file is a .hullstate:
+  /// Error{invalid_argument}.
+  void check_states(const std::vector<std::string>& files) const;
+  /// Refuses --dim and --type for what was read in another format than raw:
+  /// Error{invalid_argument}.
+  void check_raw(const std::string& format) const;
 
  private:
   void add_format_to(Parser& command);
@@ -119,6 +125,8 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
 /// A line on standard error where points are so few in so many dimensions that the file looks as if
 /// it lay on its side: the condition of the Python package.
 void remark_on_shape(const std::string& name, std::uint64_t count, std::uint32_t dimension);
+/// Whether the command has --columns, which remarks may then name.
+extern bool columns_can_be_chosen;
 
 /// One line on standard error; the same remark about other files is not repeated.
 void print_remark(const cullhull::Remark& remark);

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "arguments.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/version.hpp"
 #include "endings.hpp"
 #include "licenses.hpp"
@@ -43,6 +46,17 @@ std::optional<int> show_topic(const Program& program, const std::vector<std::str
   return bad_usage;
 }
 
+/// An error then advises only what the command takes.
+int run_command(const Parser& command, const Command& work) {
+  const std::vector<std::string> options = command.option_names();
+  columns_can_be_chosen = std::find(options.begin(), options.end(), "--columns") != options.end();
+  try {
+    return work();
+  } catch (const cullhull::Error& e) {
+    throw cullhull::Error(e.code(), without_foreign_options(e.what(), command));
+  }
+}
+
 int run(const Program& program, const std::vector<std::string>& given) {
   Parser parser(program.name, program.description);
   parser.set_version(CULLHULL_VERSION);
@@ -76,7 +90,7 @@ int run(const Program& program, const std::vector<std::string>& given) {
     return bad_usage;
   }
   for (const auto& [command, work] : commands)
-    if (command->parsed()) return work();
+    if (command->parsed()) return run_command(*command, work);
   return bad_usage;
 }
 

@@ -191,6 +191,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   result.input = input;
   cancellable([&] {
     result.read = cullhull::visit_blocks(files, visitor, blocks);
+    input.check_raw(result.read.format);
     result.state = hull.state();
   });
   result.read.format = users_format(files[0], result.read.format);
@@ -233,6 +234,7 @@ cullhull::BlockSummary stream_blocks(
   if (skipped) visitor.skipped = [&](std::uint64_t, std::uint64_t count) { skipped(count); };
   cullhull::BlockSummary summary;
   cancellable([&] { summary = cullhull::visit_blocks(files, visitor, blocks); });
+  input.check_raw(summary.format);
   summary.format = users_format(files[0], summary.format);
   remark_on_shape(input.path.empty() ? files[0] : input_name(input.path), summary.end.points,
                   summary.dimension);

@@ -165,6 +165,32 @@ std::string unexpected_words(const std::vector<std::string>& words, const Parser
   return "unexpected words:" + list;
 }
 
+std::string without_foreign_options(const std::string& message, const Parser& command) {
+  const std::vector<std::string> known = command.option_names();
+  const auto names_foreign = [&](std::string_view clause) {
+    for (std::size_t at = 0; (at = clause.find("--", at)) != std::string_view::npos;) {
+      const std::size_t end = clause.find_first_not_of("abcdefghijklmnopqrstuvwxyz-", at);
+      const std::string_view option = clause.substr(at, end - at);
+      const bool alone = at == 0 || clause[at - 1] == ' ' || clause[at - 1] == '(';
+      if (alone && option.size() > 2 &&
+          std::find(known.begin(), known.end(), option) == known.end())
+        return true;
+      at += option.size();
+    }
+    return false;
+  };
+  // The first part says what is wrong; the others are advice.
+  std::string kept;
+  for (std::size_t begin = 0; begin < message.size();) {
+    const std::size_t end =
+        std::min({message.size(), message.find("; ", begin + 1), message.find(", or ", begin + 1)});
+    const std::string clause = message.substr(begin, end - begin);
+    if (begin == 0 || !names_foreign(clause)) kept += clause;
+    begin = end;
+  }
+  return kept;
+}
+
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments) {
   constexpr std::size_t most = 200, head = 120, tail = 60;
   const auto cut = [&](const std::string& text) {

@@ -36,6 +36,10 @@ std::string unknown_topic(const std::string& word, const std::vector<std::string
 /// are the whole command line.
 std::string unexpected_words(const std::vector<std::string>& words, const Parser& command);
 
+/// `message` without the advice (a part behind ";" or ", or") to use an option that the command
+/// lacks: readers and engines, which serve all commands, name the options that most of them have.
+std::string without_foreign_options(const std::string& message, const Parser& command);
+
 /// `message` with every argument longer than some 200 characters shortened in the middle.
 std::string with_arguments_cut(std::string message, const std::vector<std::string>& arguments);
 

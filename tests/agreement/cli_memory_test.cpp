@@ -1,0 +1,244 @@
+// The program's memory limit with pipes: what is read in blocks, what is refused, and what the
+// refusal advises; and messages that name only options of the command.
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "agreement/run_app.hpp"
+#include "cullhull/generate.hpp"
+#include "cullhull/io.hpp"
+
+namespace cullhull {
+namespace cli_memory_test {
+
+using namespace testing;
+
+/// Made points in a format of points; 4.8 MB as .npy, more than one block.
+std::string points_in(const Folder& f, const std::string& ending, const std::string& count) {
+  const std::string path = f / (count + ending);
+  const Ran made = run_app({"generate", "ball", "-n", count, "-d", "3", "-q", "-o", path});
+  EXPECT_EQ(made.status, 0) << made.err;
+  return path;
+}
+
+std::string method_of(const std::vector<std::string>& arguments, const std::string& input) {
+  const Ran ran = run_app(arguments, input);
+  EXPECT_EQ(ran.status, 0) << ran.err;
+  return nlohmann::json::parse(ran.out)["cull"]["method"];
+}
+
+bool names(const Ran& ran, const std::string& words) {
+  return ran.err.find(words) != std::string::npos;
+}
+
+TEST(CliMemory, AutoReadsAPipeInBlocksBeyondTheFirst) {
+  const Folder f;
+  const std::string many = points_in(f, ".npy", "200k"), few = points_in(f, ".npy", "1k");
+  EXPECT_EQ(method_of({"hull", "-", "--json"}, many), "stream");
+  EXPECT_EQ(method_of({"cull", "-", "--json"}, many), "stream");
+  EXPECT_NE(method_of({"hull", "-", "--json"}, few), "stream");
+  EXPECT_NE(method_of({"hull", "-", "--json", "--stream", "off"}, many), "stream");
+  EXPECT_NE(method_of({"hull", "-", "--json", "--certify"}, many), "stream");
+  EXPECT_EQ(method_of({"hull", "-", "--json", "--stream", "on"}, few), "stream");
+}
+
+TEST(CliMemory, APipeGivesTheBytesOfItsFile) {
+  const Folder f;
+  for (const std::string& ending : {".npy", ".ply", ".csv", ".xyz", ".raw", ".obj", ".wkt"})
+    for (const std::string& count : {"1", "7", "1k", "200k"}) {
+      if (ending == ".wkt" && count == "1") continue;  // a point in three dimensions is no mesh
+      std::vector<std::string> options;
+      if (ending == ".raw") options = {"--dim", "3", "--type", "f64"};
+      if (ending == ".wkt" || ending == ".csv") options = {"--input-format", ending.substr(1)};
+      const std::string path = points_in(f, ending, count);
+      std::vector<std::string> words{"hull", path, "-q", "-o", f / "file.json"};
+      words.insert(words.end(), options.begin(), options.end());
+      const Ran of_file = run_app(words);
+      words[1] = "-";
+      words[4] = f / "pipe.json";
+      const Ran of_pipe = run_app(words, path);
+      ASSERT_EQ(of_file.status, 0) << path << ": " << of_file.err;
+      ASSERT_EQ(of_pipe.status, 0) << path << ": " << of_pipe.err;
+      EXPECT_EQ(read_file(f / "pipe.json"), read_file(f / "file.json")) << path;
+    }
+}
+
+TEST(CliMemory, ACompressedPipeIsReadInBlocks) {
+  const Folder f;
+  const std::string few = points_in(f, ".npy", "1k"), packed = f / "packed";
+  ASSERT_EQ(std::system(("gzip -c " + few + " > " + packed).c_str()), 0);
+  EXPECT_EQ(method_of({"hull", "-", "--json"}, packed), "stream");
+  EXPECT_EQ(run_app({"delaunay", "-", "-q"}, packed).status, 0);
+}
+
+TEST(CliMemory, APipeThatEndsWithinAPoint) {
+  const Folder f;
+  for (const std::string& count : {"7", "200k"}) {
+    std::string bytes = read_file(points_in(f, ".npy", count));
+    bytes.resize(bytes.size() - 5);
+    write_file(f / "cut", bytes);
+    for (const char* command : {"hull", "cull", "info", "delaunay"}) {
+      const Ran ran = run_app({command, "-"}, f / "cut");
+      EXPECT_EQ(ran.status, 1) << command << ran.err;
+      EXPECT_TRUE(ran.err.starts_with("cullhull: standard input: ")) << ran.err;
+      EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+    }
+  }
+}
+
+TEST(CliMemory, RefusalsNameStreamOnWhereItHelps) {
+  const Folder f;
+  const std::string csv = points_in(f, ".csv", "200k"), obj = points_in(f, ".obj", "200k"),
+                    npy = points_in(f, ".npy", "200k");
+  const auto refused = [](const std::vector<std::string>& words, const std::string& input) {
+    const Ran ran = run_app(words, input);
+    EXPECT_EQ(ran.status, 4) << words[0] << ran.err;
+    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+    return ran;
+  };
+  for (const char* command : {"hull", "cull"}) {
+    EXPECT_TRUE(names(refused({command, "-", "--stream", "off", "--memory", "2M"}, npy),
+                      "--stream on reads it in blocks"));
+    EXPECT_TRUE(names(refused({command, csv, "--stream", "off", "--memory", "2M"}, csv),
+                      "--stream on reads it in blocks"));
+    EXPECT_TRUE(names(refused({command, "-", "--cull", "gauge", "--memory", "2M"}, npy),
+                      "without --cull gauge it is read in blocks"));
+    EXPECT_FALSE(
+        names(refused({command, obj, "--stream", "off", "--memory", "2M"}, obj), "--stream"));
+  }
+  EXPECT_TRUE(names(refused({"hull", "-", "--certify", "--memory", "2M"}, npy),
+                    "without --certify of standard input it is read in blocks"));
+  for (const char* command : {"delaunay", "voronoi", "alpha"})
+    for (const std::string& input : {npy, csv, obj})
+      EXPECT_FALSE(names(refused({command, "-", "--memory", "2M"}, input), "blocks")) << input;
+  EXPECT_FALSE(names(refused({"qconvex", "s", "--memory", "2M"}, npy), "blocks"));
+  EXPECT_FALSE(names(refused({"view", "-", "-o", f / "v.html", "--memory", "2M"}, npy), "blocks"));
+}
+
+TEST(CliMemory, SeveralInputsWithAPipe) {
+  const Folder f;
+  const std::string npy = points_in(f, ".npy", "200k"), few = points_in(f, ".npy", "1k");
+  const Ran together = run_app({"delaunay", few, "-", "--memory", "2M"}, npy);
+  EXPECT_EQ(together.status, 4) << together.err;
+  EXPECT_EQ(method_of({"hull", few, "-", "--json", "--memory", "8M"}, npy), "stream");
+  const Ran twice = run_app({"hull", "-", "-"}, npy);
+  EXPECT_EQ(twice.status, 2) << twice.err;
+}
+
+TEST(CliMemory, DiagramsAreRefusedBeforeTheWork) {
+  const Folder f;
+  const std::string plane = f / "plane.npy";
+  ASSERT_EQ(run_app({"generate", "disk", "-n", "100k", "-d", "2", "-q", "-o", plane}).status, 0);
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"delaunay", plane, "--memory", "10M"},
+           {"voronoi", plane, "--memory", "25M"},
+           {"voronoi", plane, "--box=-1,-1,1,1", "--memory", "50M"},
+           {"alpha", plane, "--memory", "10M"}}) {
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 4) << words[0] << ran.err;
+    EXPECT_TRUE(names(ran, "cells of the triangulation need about ")) << ran.err;
+    EXPECT_TRUE(names(ran, "--memory ")) << ran.err;
+  }
+}
+
+// ------------------------------------------------------------------- closed pipes, full disks
+
+TEST(CliPipe, AClosedPipeEndsQuietly) {
+  const Folder f;
+  const std::string points = points_in(f, ".npy", "200k");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"hull", points, "--format", "o"}, {"hull", points, "-o", "-"}, {"--help"}}) {
+    int ends[2];
+    ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    ::close(ends[0]);  // as head does when it has seen enough
+    const int err = ::open((f / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
+    const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+    const auto before = ::signal(SIGPIPE, SIG_DFL);  // which the program inherits
+    const int status = wait_for(start_app(words, null, ends[1], err));
+    ::signal(SIGPIPE, before);
+    for (const int fd : {ends[1], err, null}) ::close(fd);
+    EXPECT_EQ(status, 1000 + SIGPIPE) << words[0];
+    EXPECT_EQ(read_file(f / "err"), "") << words[0];
+  }
+}
+
+TEST(CliPipe, AClosedStandardErrorIsNoReasonToEnd) {
+  const Folder f;
+  int ends[2];
+  ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+  ::close(ends[0]);
+  const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  EXPECT_EQ(wait_for(start_app({"hull", f / "absent.npy"}, null, null, ends[1])), 1);
+  for (const int fd : {ends[1], null}) ::close(fd);
+}
+
+TEST(CliPipe, AFullDiskIsOneLine) {
+  const Folder f;
+  const std::string points = points_in(f, ".npy", "1k");
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"hull", points, "--format", "o"},
+                                             {"hull", points, "-o", "-"},
+                                             {"hull", points, "-q", "-o", "/dev/full"}}) {
+    const Ran ran = run_app(words, "/dev/null", "/dev/full");
+    EXPECT_EQ(ran.status, 1) << ran.err;
+    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
+    EXPECT_TRUE(names(ran, "No space left")) << ran.err;
+  }
+}
+
+// ----------------------------------------------------------------- options that mean nothing
+
+TEST(CliStates, OptionsOfPointsAreRefusedForStatesAlone) {
+  const Folder f;
+  const std::string points = points_in(f, ".npy", "1k"), state = f / "a.hullstate";
+  ASSERT_EQ(run_app({"hull", points, "-q", "--partial", state}).status, 0);
+  for (const char* command : {"hull", "cull"})
+    for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
+             {"--columns", "q"}, {"--dim", "7"}, {"--type", "f32"}, {"--input-format", "csv"}}) {
+      const Ran ran = run_app({command, state, option[0], option[1]});
+      EXPECT_EQ(ran.status, 2) << command << option[0] << ran.err;
+      EXPECT_TRUE(names(ran, option[0])) << ran.err;
+    }
+  EXPECT_EQ(run_app({"hull", state}).status, 0);
+  EXPECT_EQ(run_app({"hull", state, points, "--columns", "0:3"}).status, 0);
+}
+
+TEST(CliStates, DimAndTypeAreOfRawInputInBlocksToo) {
+  const Folder f;
+  const std::string csv = points_in(f, ".csv", "1k");
+  for (const char* stream : {"on", "off"}) {
+    const Ran ran = run_app({"hull", csv, "--dim", "3", "--stream", stream});
+    EXPECT_EQ(ran.status, 2) << ran.err;
+    EXPECT_TRUE(names(ran, "--dim and --type describe raw input")) << ran.err;
+  }
+}
+
+// ----------------------------------------------------------- advice that the command can follow
+
+TEST(CliAdvice, MessagesNameOnlyOptionsOfTheCommand) {
+  const Folder f;
+  write_file(f / "mixed.geojson",
+             R"({"type":"MultiPoint","coordinates":[[0,0,1],[1,0],[0,1,2],[1,1]]})");
+  std::string las(227 + 20, '\0');
+  las.replace(0, 4, "LASF");
+  las[24] = 1;
+  las[25] = 2;
+  las[94] = static_cast<char>(227);
+  las[96] = static_cast<char>(227);
+  las[105] = 20;
+  las[107] = 1;
+  write_file(f / "unusable.las", las);  // its scales are 0
+  EXPECT_TRUE(names(run_app({"hull", f / "unusable.las"}), "--raw"));
+  EXPECT_TRUE(names(run_app({"hull", f / "mixed.geojson"}), "--columns"));
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"qconvex", "TI", f / "unusable.las"},
+                                             {"qconvex", "TI", f / "mixed.geojson"},
+                                             {"track", f / "mixed.geojson"}}) {
+    const Ran ran = run_app(words);
+    EXPECT_EQ(ran.status, 1) << ran.err;
+    EXPECT_FALSE(names(ran, "--")) << ran.err;
+    EXPECT_TRUE(names(ran, words.back())) << ran.err;
+  }
+}
+
+}  // namespace cli_memory_test
+}  // namespace cullhull
