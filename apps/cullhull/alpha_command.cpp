@@ -15,6 +15,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_io.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "group_hulls.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
@@ -131,8 +132,7 @@ std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
 }
 
 /// Lengths of `out` are on the grid that the points are on.
-void find_shape(const AlphaArguments& a, const Input& input, const cullhull::Grid& grid,
-                Outcome& out) {
+void find_shape(AlphaArguments a, const Input& input, const cullhull::Grid& grid, Outcome& out) {
   const PointView& points = input.points;
   const Stopwatch watch;
   out.triangulation =
@@ -141,6 +141,7 @@ void find_shape(const AlphaArguments& a, const Input& input, const cullhull::Gri
         return naming_file(input.places, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;
+  a.run.held += cullhull::internal::held_bytes(t);
   out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
   if (a.edge_length >= 0) out.edge_length = grid.to_grid(a.edge_length);
   out.shape =
@@ -221,6 +222,7 @@ int run(AlphaArguments a) {
   input.fill_skipped();
   for (const std::string& path : a.outputs)
     cullhull::check_alpha_shape_format(path, input.points.dimension);
+  a.run.held = input.held();
   Outcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;

@@ -21,6 +21,8 @@
 #include "cullhull/triangulation.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "cullhull/voronoi.hpp"
+#include "delaunay/memory_needs.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "io/formats/crs.hpp"
 #include "kept_columns.hpp"
 #include "measure.hpp"
@@ -338,18 +340,64 @@ void triangulate_with_edges(const DualArguments& a, const Input& input, DualOutc
   out.triangulation = std::move(found.triangulation);
 }
 
-void triangulate(const DualArguments& a, const Input& input, DualOutcome& out) {
+/// Whether an output holds clipped cells: all but the JSON of the diagram.
+bool writes_cells(const DualArguments& a) {
+  return !a.measures.empty() ||
+         std::any_of(a.outputs.begin(), a.outputs.end(), [](const std::string& path) {
+           return path != "-" && ending_of(path) != ".json";
+         });
+}
+
+bool wants_cells(const DualArguments& a) {
+  return writes_cells(a) || !a.clip.empty() || !a.box.empty();
+}
+
+/// How many times as much memory the diagram needs, with the triangulation that it is made of, as
+/// the triangulation needs by itself.
+double share_of_diagram(const DualArguments& a, std::uint32_t d) {
+  using namespace cullhull::internal;
+  // Cells for each point, as points that fill a region have them; beyond 3D what counts by the
+  // point is negligible.
+  const std::uint64_t n = 1, cells = d <= 2 ? d : d == 3 ? 7 : 32;
+  const std::uint64_t held = cells * 8 * (d + 1);
+  std::uint64_t most = held + voronoi_bytes(n, cells, d, d);
+  // The diagram holds about half of what it needed to be made.
+  if (wants_cells(a))
+    most = std::max(most,
+                    held + voronoi_bytes(n, cells, d, d) / 2 + clip_bytes(n, cells, d, true, true));
+  const std::uint64_t alone = n * bytes_per_point(d) + cells * bytes_per_cell(d);
+  return std::max(1.0, static_cast<double>(most) / static_cast<double>(alone));
+}
+
+/// Of what is left of the limit, `share` times as much as the triangulation may need is kept for
+/// the diagram, so that it is refused before any work.
+Triangulation within_share(const DualArguments& a, double share, const Input& input,
+                           const std::vector<double>& weights) {
+  const auto make = [&](cullhull::Options options) {
+    const std::uint64_t budget = cullhull::internal::resolve_budget(options.memory_budget);
+    options.memory_budget =
+        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(double(budget) / share));
+    cullhull::TriangulationOptions o{options};
+    o.furthest_site = a.furthest;
+    return naming_file(input.places, [&] {
+      return weights.empty() ? cullhull::delaunay(input.points, o)
+                             : cullhull::regular_triangulation(input.points, weights, o);
+    });
+  };
+  if (share == 1) return repeat(a.run, 1, make).result;
+  try {
+    return repeat(a.run, 1, make).result;
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::out_of_budget) throw;
+    throw Error(e.code(), e.what(), "; the rest of the limit is for the diagram");
+  }
+}
+
+void triangulate(const DualArguments& a, bool dual, const Input& input, DualOutcome& out) {
   if (!a.edges.empty()) return triangulate_with_edges(a, input, out);
   const PointView& points = input.points;
-  out.triangulation = repeat(a.run, 1, [&](const cullhull::Options& options) {
-                        cullhull::TriangulationOptions o{options};
-                        o.furthest_site = a.furthest;
-                        return naming_file(input.places, [&] {
-                          return out.weights.empty()
-                                     ? cullhull::delaunay(points, o)
-                                     : cullhull::regular_triangulation(points, out.weights, o);
-                        });
-                      }).result;
+  out.triangulation =
+      within_share(a, dual ? share_of_diagram(a, points.dimension) : 1.0, input, out.weights);
   if (!a.certify) return;
   out.certificate = out.weights.empty() ? cullhull::certify(points, out.triangulation)
                                         : cullhull::certify(points, out.weights, out.triangulation);
@@ -376,24 +424,14 @@ std::string_view size_name(std::uint32_t dimension) {
   return names[dimension < std::size(names) ? dimension : 0];
 }
 
-/// Whether an output holds clipped cells: all but the JSON of the diagram.
-bool writes_cells(const DualArguments& a) {
-  return !a.measures.empty() ||
-         std::any_of(a.outputs.begin(), a.outputs.end(), [](const std::string& path) {
-           return path != "-" && ending_of(path) != ".json";
-         });
-}
-
-bool wants_cells(const DualArguments& a) {
-  return writes_cells(a) || !a.clip.empty() || !a.box.empty();
-}
-
-void find_dual(const DualArguments& a, const PointView& points, const cullhull::Grid& grid,
+void find_dual(DualArguments a, const PointView& points, const cullhull::Grid& grid,
                DualOutcome& out) {
   const Stopwatch watch;
+  a.run.held += cullhull::internal::held_bytes(out.triangulation);
   out.voronoi = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::voronoi(points, out.triangulation, out.weights, options);
                 }).result;
+  a.run.held += cullhull::internal::held_bytes(*out.voronoi);
   if (wants_cells(a) && !a.clip.empty()) {
     const cullhull::Polygons region = read_region(a, grid);
     const auto clip = [&](const cullhull::Options& options) {
@@ -410,7 +448,7 @@ void find_dual(const DualArguments& a, const PointView& points, const cullhull::
     const Box box = box_of(a, points, grid);
     out.cells = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::clip_voronoi(points, out.triangulation, box.low, box.high,
-                                                out.weights, true, options);
+                                                out.weights, true, options, &*out.voronoi);
                 }).result;
   }
   out.dual_seconds = watch.seconds();
@@ -575,6 +613,7 @@ int run(DualArguments a, bool dual) {
                 fmt::format("--clip needs 2D points, but these are {}D; --columns x,y leaves the "
                             "height out",
                             input.points.dimension));
+  a.run.held = input.held();
   DualOutcome out;
   out.read_seconds = input.file.read_seconds() + warm_pages(input.points);
   const cullhull::Grid grid = input.placing.grid;
@@ -585,7 +624,7 @@ int run(DualArguments a, bool dual) {
                                : read_numbers(a, "--height", a.heights, input.points.count);
   input.skipped.copy_numbers(out.weights);
   input.skipped.copy_numbers(out.heights);
-  triangulate(a, input, out);
+  triangulate(a, dual, input, out);
   input.skipped.restore_copies(out.triangulation);
   drop_long(a, input, out);
   if (dual) find_dual(a, input.points, grid, out);

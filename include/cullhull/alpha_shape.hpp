@@ -29,9 +29,10 @@ struct AlphaShape {
 };
 
 /// The alpha shape of `points`, from their triangulation by delaunay(). `alpha` >= 0; infinity
-/// keeps all cells. Time O(cells k^3). Options used: threads, stop. Errors: invalid_argument if the
-/// points are not those of the triangulation, if it is a furthest-site triangulation, and if alpha
-/// is negative or NaN. Source: docs/exactness.md, "Voronoi diagrams".
+/// keeps all cells. Time O(cells k^3). Options used: threads, memory_budget, stop. Errors:
+/// out_of_budget; invalid_argument if the points are not those of the triangulation, if it is a
+/// furthest-site triangulation, and if alpha is negative or NaN. Source: docs/exactness.md,
+/// "Voronoi diagrams".
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const RunOptions& options = {});
 
@@ -55,8 +56,9 @@ double critical_alpha(const PointView& points, const Triangulation& triangulatio
 /// result is connected, has no holes and contains every point. Lengths are compared exactly; of
 /// equal edges the one with the lowest ids is removed first. `length` >= 0; infinity gives the
 /// convex hull. Collinear points (k < 2) keep all cells. Time O(cells log cells). Options used:
-/// stop. Errors: invalid_argument for k > 2, a length that is negative or NaN, points that are not
-/// those of the triangulation, hidden points, and furthest-site triangulations.
+/// memory_budget, stop. Errors: out_of_budget; invalid_argument for k > 2, a length that is
+/// negative or NaN, points that are not those of the triangulation, hidden points, and
+/// furthest-site triangulations.
 AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
                         const RunOptions& options = {});
 

@@ -509,6 +509,10 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   if (points.dimension != 2)
     refuse("constrained triangulations are of points in the plane, not in dimension ",
            points.dimension);
+  // Two cells a point; measured with 100,000 and 400,000 points of a disk.
+  constexpr std::uint64_t bytes_per_point = 280;
+  require_budget(resolve_budget(o.memory_budget), points.count * bytes_per_point,
+                 "the cells of the constrained triangulation");
   ConstrainedTriangulation out;
   Prepared prepared;
   out.triangulation = triangulate(points, TriangulationOptions{o}, prepared);
@@ -519,7 +523,6 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   }
   const Call call(o);
   const Run& run = call.run;
-  require_budget(run.budget, points.count * 140, "the cells of the constrained triangulation");
   force_all(prepared.points, constraints, run, out);
   if (o.inside_only) keep_inside(out);
   Triangulation& t = out.triangulation;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "delaunay/memory_needs.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/raw_array.hpp"
@@ -24,6 +25,7 @@ inline constexpr std::uint32_t infinite = 0xffffffff;
 template <unsigned K>
 class CellStore {
  public:
+  /// `budget`: bytes for the cells and for all that is made of them (bytes_per_cell).
   CellStore(unsigned k, std::uint64_t budget)
       : k_(k), shift_(static_cast<unsigned>(std::bit_width(k))), budget_(budget) {}
 
@@ -110,7 +112,7 @@ class CellStore {
   /// Prepares for several threads, which take unused cells from count() on. Allocates `capacity`
   /// cells, or as many as the budget and limit() allow. Marks live cells 0 and unused cells dead.
   void share(std::uint64_t capacity) {
-    const std::uint64_t most = std::min({capacity, limit(), budget_ / cell_bytes()});
+    const std::uint64_t most = std::min({capacity, limit(), affordable()});
     if (most > capacity_) reserve(most);
     for (std::uint32_t c = 0; c < count_; ++c)
       if (!dead(c)) marks_[c] = 0;
@@ -133,7 +135,7 @@ class CellStore {
   /// Sets the number of cells to `count`, all of them live. New cells are uninitialised.
   void resize(std::uint32_t count) {
     expected_ = 0;
-    require_budget(budget_, count * cell_bytes(), "the cells of the triangulation");
+    require_cells(count);
     data_.reserve(std::size_t{count} * 2 * corners());
     marks_.reserve(count);
     capacity_ = count_ = count;
@@ -152,21 +154,26 @@ class CellStore {
  private:
   unsigned shift() const { return K ? static_cast<unsigned>(std::bit_width(K)) : shift_; }
 
-  /// Bytes of one cell: vertices, neighbours and a mark.
-  std::uint64_t cell_bytes() const { return (2 * corners() + 1) * sizeof(std::uint32_t); }
+  /// The number of cells that the budget allows.
+  std::uint64_t affordable() const { return budget_ / bytes_per_cell(corners() - 1); }
+  void require_cells(std::uint64_t cells) const {
+    require_budget(budget_, cells * bytes_per_cell(corners() - 1),
+                   "the cells of the triangulation");
+  }
 
   void grow() {
     const unsigned cells_a_point = corners() == 2 ? 1 : corners() == 3 ? 2 : 7;
     const std::uint64_t wanted =
         capacity_ == 0 ? std::uint64_t{expected_} * cells_a_point + 64 : capacity_ + capacity_ / 2;
-    const std::uint64_t most = std::min(wanted, limit());
-    if (most == capacity_)
+    if (capacity_ == limit())
       throw Error(ErrorCode::out_of_budget,
                   "the triangulation has too many cells for their numbers");
+    // Unused cells take no memory, but more cells than the budget allows must not be used.
+    const std::uint64_t most = std::min({wanted, limit(), affordable()});
+    if (most <= capacity_) require_cells(capacity_ + 1);
     reserve(most);
   }
   void reserve(std::uint64_t cells) {
-    require_budget(budget_, cells * cell_bytes(), "the cells of the triangulation");
     data_.reserve(cells * 2 * corners());
     marks_.reserve(cells);
     capacity_ = cells;

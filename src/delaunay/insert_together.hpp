@@ -32,8 +32,11 @@ class InsertTogether {
   /// inserted before. A round takes at most as many new points as have been inserted, because its
   /// cells are allocated before it begins. Points that a lane could not insert, because another
   /// lane held a cell or no cells remained, are retried in the next round. One thread inserts the
-  /// last of them.
-  void insert(std::vector<std::uint32_t> places, std::uint32_t done) {
+  /// last of them. Calls after_round(the number of points inserted), which may throw.
+  template <class AfterRound = void (*)(std::uint32_t)>
+  void insert(
+      std::vector<std::uint32_t> places, std::uint32_t done,
+      const AfterRound& after_round = [](std::uint32_t) {}) {
     std::vector<std::uint32_t> left;
     std::size_t next = 0;
     while (next < places.size() || left.size() > few) {
@@ -45,6 +48,7 @@ class InsertTogether {
       if (next == end && left.size() == before) break;  // no progress: finish serially
       done += static_cast<std::uint32_t>(end - begin - left.size());
       next = end;
+      after_round(done);
       run_.report("triangulate", double(done) / s_.count);
     }
     alone_.restart();

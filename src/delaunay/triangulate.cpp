@@ -11,6 +11,7 @@
 #include "delaunay/cell_insertion.hpp"
 #include "delaunay/few_in_plane.hpp"
 #include "delaunay/insert_together.hpp"
+#include "delaunay/memory_needs.hpp"
 #include "delaunay/parts.hpp"
 #include "delaunay/plane_insertion.hpp"
 #include "delaunay/redundant.hpp"
@@ -30,14 +31,47 @@ void check_arguments(const PointView& points) {
                 "a triangulation takes fewer than 4294967295 points, not ", points.count);
 }
 
-/// Throws out_of_budget if the memory that is certainly needed exceeds the budget: the coordinates
-/// twice, the order of insertion and, in 2D, two cells per point and the memory to write them.
+/// Throws out_of_budget if the memory that is needed before any cell is made exceeds the budget:
+/// the coordinates twice and the order of insertion.
 void check_budget(const PointView& points, const Run& run) {
   const std::uint64_t n = points.count, d = points.dimension;
-  std::uint64_t bytes = n * (16 * d + 24);
-  if (d == 2) bytes += 2 * n * 60;
-  require_budget(run.budget, bytes, "the cells of the triangulation");
+  require_budget(run.budget, n * (16 * d + 24), "the coordinates and the order of the points");
 }
+
+/// Throws out_of_budget if that many cells are expected to exceed run.budget, which is for cells.
+void check_cells(double cells, const LiftedPoints& s, const Run& run) {
+  const double bytes = cells * static_cast<double>(bytes_per_cell(s.base));
+  if (bytes <= static_cast<double>(run.budget)) return;
+  const std::uint64_t beside = s.count * bytes_per_point(s.width);
+  require_budget(
+      run.budget + beside, static_cast<std::uint64_t>(bytes) + beside,
+      "about " + std::to_string(static_cast<std::uint64_t>(cells)) + " cells of the triangulation");
+}
+
+/// In the plane the number of cells is known. In more dimensions it is estimated when the first
+/// points have been inserted, which are a random sample, and again when there are four times as
+/// many. Beyond a line, cells a point grow with the number of points, or stay as many.
+class CellEstimate {
+ public:
+  CellEstimate(const LiftedPoints& s, const Run& run) : s_(s), run_(run) {
+    if (s.base <= 2 && !s.may_hide) check_cells(double(s.base) * s.count, s, run);
+  }
+  /// `inserted`: the number of points so far.
+  template <class Store>
+  void update(const Store& store, std::size_t inserted) {
+    if (inserted < next_) return;
+    next_ = 4 * inserted;
+    if (s_.base <= 2 || s_.may_hide) return;
+    // The sample's cells at the hull are a larger part than those of all points.
+    constexpr double margin = 0.9;
+    check_cells(margin * store.living() * (double(s_.count) / double(inserted)), s_, run_);
+  }
+
+ private:
+  const LiftedPoints& s_;
+  const Run& run_;
+  std::size_t next_ = 1000;
+};
 
 /// The number of points that one thread inserts before others join; in a smaller triangulation the
 /// threads would contend for the same cells. A third to three times these numbers gain the same
@@ -62,15 +96,18 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
     if (std::find(p.simplex.begin(), p.simplex.end(), i) == p.simplex.end()) places.push_back(i);
   std::size_t next = 0;
   const std::size_t alone = alone_first<K, Insertion>(p.points, run);
+  CellEstimate estimate(p.points, run);
   for (; next < std::min(alone, places.size()); ++next) {
     engine.insert(places[next]);
+    estimate.update(engine.store(), next + 1);
     if (next % 65536 == 65535) run.report("triangulate", double(next) / p.points.count);
   }
   if constexpr (!std::is_same_v<Insertion, PlaneInsertion>) {
     if (next < places.size()) {
       InsertTogether<K> together(p.points, run, engine);
       places.erase(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(next));
-      together.insert(std::move(places), static_cast<std::uint32_t>(next));
+      together.insert(std::move(places), static_cast<std::uint32_t>(next),
+                      [&](std::uint32_t done) { estimate.update(engine.store(), done); });
       totals.counts.add(together.counts());
     }
   }
@@ -96,6 +133,7 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   run.report("triangulate", 0);
   InsertionTotals totals;
   std::unique_ptr<CellStore<K>> cells;
+  if (K == 2) (void)CellEstimate(p.points, run);  // before the parts
   if constexpr (K == 2) {
     if (const unsigned levels = part_levels(p.points, run); levels > 0)
       cells = triangulate_in_parts(p.points, levels, totals, run);
@@ -111,6 +149,7 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   statistics.insert_seconds = seconds_since(start);
   start = Clock::now();
   run.report("write", 0);
+  if (run.options.memory_budget != 0) trim_pages(run.budget / 8);  // of the planes
   write_cells(p.points, *cells, out, run);
   statistics.write_seconds = seconds_since(start);
 }
@@ -145,7 +184,10 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
     write_single(p, out);
     return out;
   }
-  with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, run); });
+  // The points' own memory is taken already; the rest of the budget is for the cells.
+  const std::uint64_t held = p.points.count * bytes_per_point(points.dimension);
+  const Run for_cells = run.with_budget(run.budget - std::min(held, run.budget - 1));
+  with_dimension<1, 6, 0>(p.points.base, [&](auto k) { insert_and_write<k()>(p, out, for_cells); });
   start = Clock::now();
   if (!weights.empty()) redundant = redundant_vertices(p.points, out, run);
   if (p.points.may_hide) out.hidden = hidden_points(out);
@@ -160,6 +202,7 @@ Triangulation triangulate_lifted(const PointView& points, std::span<const double
   const Run& run = call.run;
   const auto start = Clock::now();
   run.check();
+  if (o.memory_budget != 0) trim_pages(run.budget / 8);
   check_budget(points, run);
   std::vector<std::uint32_t> redundant, left_out;
   Triangulation out =
@@ -171,7 +214,8 @@ Triangulation triangulate_lifted(const PointView& points, std::span<const double
     left_out.resize(redundant.size() + out.hidden.size());
     std::merge(redundant.begin(), redundant.end(), out.hidden.begin(), out.hidden.end(),
                left_out.begin());
-    p = {};  // its memory is not needed meanwhile
+    p = {};  // the memory of both is not needed meanwhile
+    out = {};
     out = triangulate_without(points, weights, o.furthest_site, left_out, run, p, redundant);
   }
   out.statistics.threads = run.threads;

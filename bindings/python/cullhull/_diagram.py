@@ -58,7 +58,6 @@ def voronoi(
     >>> found.vertices.tolist(), found.ridge_points.tolist()
     ([[1.0, 1.0]], [[0, 1], [0, 3], [1, 2], [2, 3]])
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
     found = as_triangulation(points)
     if found is not None:
         if weights is not None or furthest_site:
@@ -72,6 +71,10 @@ def voronoi(
             memory_budget=memory_budget,
             progress=progress,
         )
+        if memory_budget is not None:  # the triangulation takes a part of it
+            held = found.cells.nbytes + found.neighbours.nbytes
+            memory_budget = max(1, memory_budget - held)
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
     return VoronoiDiagram._of(found, _core.voronoi(found._cells, chosen))
 
 

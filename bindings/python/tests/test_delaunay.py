@@ -513,3 +513,13 @@ def test_cells_out_of_range_are_refused(cell):
     with pytest.raises(cullhull.InvalidArgument, match=f"there is no cell {cell} of 2"):
         found.barycentric(asked[0], cell)
     assert np.isnan(found.barycentric(asked, [0, -1])[1]).all()
+
+
+def test_the_budget_of_a_diagram_holds_for_its_triangulation_too():
+    points = cullhull.generate("disk", 20_000, 2)
+    budget = 5_500_000
+    found = cullhull.delaunay(points, memory_budget=budget)
+    assert cullhull.voronoi(found, memory_budget=budget).vertices.shape[1] == 2
+    with pytest.raises(cullhull.OutOfBudget):
+        cullhull.voronoi(points, memory_budget=budget)
+    assert len(cullhull.voronoi(points, memory_budget=2 * budget).vertices) == found.cell_count

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "exact/insphere/circumcentres.hpp"
 #include "parallel/disjoint_sets.hpp"
@@ -102,6 +103,7 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
   require_delaunay(t);
   const Call call(options);
   const Run& run = call.run;
+  begin_step(run, shape_bytes(t.point_count, t.size(), t.dimension), "the cells of the shape");
   const DualPoints p(points, t, {}, run);
   AlphaShape out;
   if (t.corners() == 0) return out;
@@ -124,6 +126,7 @@ Array<double> alpha_radii(const PointView& points, const Triangulation& triangul
   require_delaunay(t);
   const Call call(options);
   const Run& run = call.run;
+  begin_step(run, shape_bytes(t.point_count, t.size(), t.dimension), "the cells of the shape");
   const DualPoints p(points, t, {}, run);
   Array<double> radii(t.size());
   const unsigned k = t.corners() == 0 ? 0 : t.corners() - 1;

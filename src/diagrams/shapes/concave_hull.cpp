@@ -11,6 +11,7 @@
 #include "cullhull/error.hpp"
 #include "delaunay/write_triangulation.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/index.hpp"
 
@@ -138,6 +139,7 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
   require_plane(t);
   const Call call(options);
   const Run& run = call.run;
+  begin_step(run, shape_bytes(t.point_count, t.size(), t.dimension), "the cells of the shape");
   const DualPoints p(points, t, {}, run);
   Array<std::uint8_t> kept(t.size());
   std::fill(kept.begin(), kept.end(), std::uint8_t{1});
@@ -259,6 +261,7 @@ double concave_length(const PointView& points, const Triangulation& triangulatio
   require_plane(t);
   const Call call(options);
   const Run& run = call.run;
+  begin_step(run, shape_bytes(t.point_count, t.size(), t.dimension), "the cells of the shape");
   const DualPoints p(points, t, {}, run);
   if (ratio == 1) return INFINITY;
   if (t.corners() < 3) return 0;

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/voronoi.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "diagrams/voronoi/cell_chain.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
 #include "diagrams/voronoi/clip_region.hpp"
@@ -478,11 +479,8 @@ template <unsigned D>
 ClippedCells clip(const PointView& points, const Triangulation& t, const Region<D>& region,
                   std::span<const double> weights, bool shapes, const Voronoi* diagram,
                   const Run& run) {
-  require_budget(run.budget,
-                 t.point_count * 8 * (D + 4) + t.cells.size() * 8 * D +
-                     t.cells.size() * (D == 3 ? 50 : 40) +
-                     (shapes ? t.point_count * (D == 3 ? 2000 : 200) : 0),
-                 "the cells of the diagram");
+  begin_step(run, clip_bytes(t.point_count, t.size(), D, shapes, diagram != nullptr),
+             "the clipped cells of the diagram");
   ClippedCells out;
   out.dimension = t.dimension;
   out.point_count = t.point_count;

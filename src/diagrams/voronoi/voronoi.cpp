@@ -10,6 +10,7 @@
 
 #include "cullhull/error.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/memory_needs.hpp"
 #include "exact/insphere/circumcentre.hpp"
 #include "exact/insphere/circumcentres.hpp"
 #include "geometry/gather.hpp"
@@ -201,10 +202,8 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   const Run& run = call.run;
   const Triangulation& t = triangulation;
   const std::uint64_t k = t.corners() == 0 ? 0 : t.corners() - 1;
-  require_budget(run.budget,
-                 t.point_count * 8 * (t.dimension + 3) +
-                     t.size() * (8 * t.dimension + 12 * (k + 1) + 6 * k * (k + 1)),
-                 "the cells of the Voronoi diagram");
+  begin_step(run, voronoi_bytes(t.point_count, t.size(), t.dimension, static_cast<unsigned>(k)),
+             "the cells of the Voronoi diagram");
   Voronoi out;
   out.dimension = t.dimension;
   out.point_count = t.point_count;
