@@ -10,6 +10,7 @@
 
 #include "exact/determinants/determinant_sign.hpp"
 #include "exact/determinants/minors.hpp"
+#include "exact/determinants/modular.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/difference_products.hpp"
 #include "exact/orientation/orientation.hpp"
@@ -289,7 +290,7 @@ void LocalFrame::find_simplex(const Array<double>& scaled) {
   simplex_ = {first};
   std::vector<double> basis;  // orthonormal directions, row-major
   const std::vector<std::uint32_t> sample = draw_sample(count_);
-  while (simplex_.size() - 1 < varying) {
+  while (simplex_.size() - 1 < varying && simplex_.size() < count_) {
     run_.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
     std::uint32_t next = farthest(scaled, basis, rank, &sample);
@@ -350,7 +351,8 @@ bool LocalFrame::independent(std::uint32_t candidate) {
   for (const std::uint32_t v : simplex_) p.push_back(raw_.data() + std::size_t{v} * dimension_);
   p.push_back(raw_.data() + std::size_t{candidate} * dimension_);
   const auto n = static_cast<unsigned>(p.size());
-  return surely_independent(dimension_, p.data(), n - 1) ||
+  // In many dimensions an exact rank takes less time than a plane.
+  return (n <= ranks_by_primes && surely_independent(dimension_, p.data(), n - 1)) ||
          affine_rank_exact(dimension_, p.data(), n) == n - 1;
 }
 

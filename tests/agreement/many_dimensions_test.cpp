@@ -18,6 +18,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/point_view.hpp"
 #include "hull/engine.hpp"
+#include "result/measures/simplex_measures.hpp"
 
 namespace cullhull {
 namespace many_dimensions_test {
@@ -263,6 +264,153 @@ TEST(ManyDimensions, ManyFacetsWithTheBitsOfAnotherEngine) {
           << d << "D, " << threads << " threads";
     }
   }
+}
+
+/// What the measures of a simplex are: with the edges from point 0 as the rows of E and G = E E',
+/// the volume's square is det G / (k!)^2, and the facet beyond point i has a plane along the row i
+/// of G^-1 E.
+struct SimplexReference {
+  explicit SimplexReference(const Points& p) {
+    const std::size_t k = p.size() - 1, d = p[0].size();
+    Matrix m(k, std::vector<mpq_class>(2 * k));
+    std::vector<std::vector<mpq_class>> edges(k, std::vector<mpq_class>(d));
+    for (std::size_t i = 0; i < k; ++i)
+      for (std::size_t c = 0; c < d; ++c) edges[i][c] = mpq_class(p[i + 1][c]) - mpq_class(p[0][c]);
+    for (std::size_t i = 0; i < k; ++i) {
+      m[i][k + i] = 1;
+      for (std::size_t j = 0; j < k; ++j)
+        for (std::size_t c = 0; c < d; ++c) m[i][j] += edges[i][c] * edges[j][c];
+    }
+    Matrix gram = m;
+    squared_volume = 1;
+    for (std::size_t r = 0; r < k; ++r) {  // G is positive definite: no pivot is zero
+      squared_volume *= gram[r][r];
+      for (std::size_t i = r + 1; i < k; ++i) {
+        const mpq_class factor = gram[i][r] / gram[r][r];
+        for (std::size_t j = r; j < k; ++j) gram[i][j] -= factor * gram[r][j];
+      }
+    }
+    reduce(m);
+    gradients.assign(k + 1, std::vector<mpq_class>(d));
+    for (std::size_t i = 0; i < k; ++i)
+      for (std::size_t c = 0; c < d; ++c) {
+        for (std::size_t j = 0; j < k; ++j) gradients[i + 1][c] += m[i][k + j] * edges[j][c];
+        gradients[0][c] -= gradients[i + 1][c];
+      }
+  }
+  mpq_class squared_volume;
+  std::vector<std::vector<mpq_class>> gradients;
+};
+
+void expect_simplex(const Points& points, const Hull& h) {
+  const std::size_t k = points.size() - 1, d = points[0].size();
+  ASSERT_EQ(h.affine_dimension, static_cast<int>(k));
+  ASSERT_EQ(h.facet_count(), k + 1);
+  const SimplexReference reference(points);
+  mpf_class volume = sqrt(mpf_class(reference.squared_volume, 2048)), area(0, 2048),
+            factorial(1, 2048);
+  for (std::size_t i = 2; i < k; ++i) factorial *= static_cast<unsigned long>(i);
+  for (std::size_t f = 0; f <= k; ++f) {
+    const auto facet = h.facets[f];
+    std::size_t apex = 0;
+    while (std::find(facet.begin(), facet.end(), apex) != facet.end()) ++apex;
+    mpq_class square = 0;
+    for (const mpq_class& g : reference.gradients[apex]) square += g * g;
+    const mpf_class length = sqrt(mpf_class(square, 2048));
+    area += volume * length;
+    double offset = 0, size = 0;
+    for (std::size_t c = 0; c < d; ++c) {
+      const double n = h.facet_planes[f * (d + 1) + c];
+      const double exact =
+          mpf_class(-mpf_class(reference.gradients[apex][c], 2048) / length).get_d();
+      EXPECT_NEAR(n, exact, std::abs(exact) * 0x1p-52) << k << " " << f << " " << c;
+      offset -= n * points[facet[0]][c];
+      size += std::abs(n * points[facet[0]][c]);
+    }
+    EXPECT_NEAR(h.facet_planes[f * (d + 1) + d], offset, size * 1e-14);
+  }
+  const double exact_area = mpf_class(area / factorial).get_d(),
+               exact_volume =
+                   mpf_class(volume / (factorial * static_cast<unsigned long>(k))).get_d();
+  EXPECT_NEAR(h.area / exact_area, 1, 0x1p-51) << k;
+  EXPECT_NEAR(h.volume / exact_volume, 1, 0x1p-51) << k;
+  for (std::size_t c = 0; c < d; ++c) {
+    mpq_class mean = 0;
+    for (const auto& p : points) mean += mpq_class(p[c]);
+    mean /= static_cast<unsigned long>(k + 1);
+    EXPECT_NEAR(h.centroid[c], mean.get_d(), std::abs(mean.get_d()) * 0x1p-52);
+  }
+}
+
+Points simplex_of(std::mt19937_64& random, std::size_t count, std::size_t d, int kind) {
+  Points points(count, std::vector<double>(d));
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t c = 0; c < d; ++c) {
+      double& x = points[i][c];
+      x = std::ldexp(static_cast<double>(random() >> 11), -53);
+      if (kind == 1) x = std::ldexp(x, static_cast<int>(c % 40) - 20);  // columns of a table
+      if (kind == 2) x = i == c ? 1 : 0;                                // a standard simplex
+      if (kind == 3) x = 1e5 + std::round(x * 100) / 100;
+      if (kind == 4) x = std::ldexp(x, static_cast<int>(i * 7 % 90) - 45);
+    }
+  return points;
+}
+
+/// The arithmetic for large simplices, on those that rationals can follow.
+TEST(ManyDimensions, MeasuresOfSimplicesAreThoseOfRationals) {
+  std::mt19937_64 random(3);
+  for (const std::size_t k : {1U, 2U, 5U, 9U, 14U})
+    for (const std::size_t more : {0U, 1U, 3U})
+      for (int kind = 0; kind < 5; ++kind) {
+        const std::size_t d = k + more;
+        const Points points = simplex_of(random, k + 1, d, kind);
+        if (kind == 2 && more == 0) continue;
+        std::vector<double> rows;
+        for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+        const PointView view =
+            PointView::row_major(rows.data(), k + 1, static_cast<std::uint32_t>(d));
+        Hull h;
+        h.dimension = static_cast<std::uint32_t>(d);
+        h.affine_dimension = static_cast<int>(k);
+        std::vector<std::uint64_t> ids;
+        std::vector<std::uint32_t> index;
+        Array<std::uint64_t> facets;
+        for (std::uint32_t f = 0; f <= k; ++f) {
+          ids.push_back(f);
+          for (std::uint32_t v = 0; v <= k; ++v)
+            if (v != f) {
+              index.push_back(v);
+              facets.push_back(v);
+            }
+        }
+        using Corners = SharedArray<std::uint64_t>;
+        h.facets = Lists<std::uint64_t, Corners>::of_length(k, Corners(std::move(facets)));
+        const Options options;
+        const internal::Run run(options);
+        internal::measure_simplex(
+            internal::make_unscaled_frame(view, ids, static_cast<unsigned>(k)), index, run, h);
+        expect_simplex(points, h);
+      }
+}
+
+/// Tables of as many rows as columns: a simplex. The certificate takes seconds in 51D.
+TEST(ManyDimensions, SimplicesOfFiftyToAHundredDimensions) {
+  std::mt19937_64 random(5);
+  for (const std::size_t d : {51U, 60U, 100U})
+    for (int kind = 0; kind < (d == 60 ? 5 : 1); ++kind) {
+      const Points points = simplex_of(random, d, d, kind);
+      std::vector<double> rows;
+      for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+      const PointView view = PointView::row_major(rows.data(), d, static_cast<std::uint32_t>(d));
+      const Hull h = convex_hull(view);
+      EXPECT_EQ(h.affine_dimension, static_cast<int>(d) - 1);
+      EXPECT_EQ(h.facet_count(), d);
+      EXPECT_GT(h.volume, 0);
+      EXPECT_LT(h.statistics.hull_seconds, 20);  // a loaded machine; alone it takes 0.3
+      if (d > 51) continue;
+      const Certificate proof = certify(view, h);
+      EXPECT_TRUE(proof.valid) << kind << ": " << proof.reason;
+    }
 }
 
 }  // namespace many_dimensions_test

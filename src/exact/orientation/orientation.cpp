@@ -12,6 +12,7 @@
 
 #include "exact/determinants/determinant_sign.hpp"
 #include "exact/determinants/minors.hpp"
+#include "exact/determinants/modular.hpp"
 #include "exact/numbers/double_double.hpp"
 #include "exact/planes/exact_plane.hpp"
 #include "exact/points/integer_points.hpp"
@@ -129,7 +130,13 @@ bool narrow_plane(const Differences& a, double* normal) {
 }  // namespace
 
 Sign orientation_exact(unsigned d, const double* const* p) {
-  return determinant_sign(Differences(d, p, d));
+  const Differences rows(d, p, d);
+  if (d < signs_by_primes) return determinant_sign(rows);
+  BigNumbers& m = kept_numbers(std::size_t{d} * d + 1);
+  for (unsigned i = 0; i < d; ++i)
+    for (unsigned j = 0; j < d; ++j)
+      rows.big(i, j, m[std::size_t{i} * d + j], m[std::size_t{d} * d]);
+  return determinant_sign_by_primes(m, d);
 }
 
 namespace {
@@ -176,8 +183,26 @@ Sign orientation_from_centroid_exact(unsigned d, const double* const* p,
 
 namespace {
 
+/// The same where a determinant takes less time than the cofactors, which serve many points.
+Sign eliminated_once(unsigned d, const double* const* p, Rung* rung) {
+  thread_local EliminatedPlane plane;
+  if (rung != nullptr) *rung = Rung::filter;
+  if (plane.set(d, p)) {
+    bool known = false;
+    Sign sign = plane.side(p[d], known);
+    if (known) return sign;
+    if (plane.refine()) {
+      sign = plane.refined_side(p[d], known);
+      if (known) return sign;
+    }
+  }
+  if (rung != nullptr) *rung = Rung::exact;
+  return orientation_exact(d, p);
+}
+
 /// Computes the sign by rung 2 with elimination, then by rung 3 with cofactors.
 Sign eliminated(unsigned d, const double* const* p, Rung* rung) {
+  if (d >= signs_by_primes) return eliminated_once(d, p, rung);
   thread_local OrientedPlane plane;
   plane.set(d, p);
   return plane.side(p[d], rung);
@@ -207,6 +232,7 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
   const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };
   for (unsigned i = 0; i < rows; ++i)
     for (unsigned j = 0; j < d; ++j) a.big(i, j, at(i, j), t);
+  if (std::min(rows, d) >= ranks_by_primes) return rank_by_primes(m, rows, d, columns);
   // Columns from left to right: the pivots are those of the row echelon form, which depend on the
   // flat alone, not on the points that span it.
   unsigned rank = 0;

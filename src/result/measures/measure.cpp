@@ -13,6 +13,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/orthogonal_parts.hpp"
+#include "result/measures/simplex_measures.hpp"
 #include "result/measures/simplex_normals.hpp"
 #include "result/measures/totals.hpp"
 
@@ -455,6 +456,8 @@ void measure(const PointView& points, const std::vector<std::uint64_t>& vertices
   const auto k = static_cast<unsigned>(hull.affine_dimension);
   hull.facet_planes.clear();
   hull.centroid.clear();
+  if (k > measured_as_sum && vertices.size() == k + 1)
+    return measure_simplex(make_unscaled_frame(points, vertices, k), vertex_index, run, hull);
   const Frame frame = make_frame(points, vertices, axes, k, run);
   if (k == 1)
     measure_segment(frame, vertex_index, hull);

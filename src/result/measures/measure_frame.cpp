@@ -206,6 +206,17 @@ const double* Frame::raw_at(std::uint32_t v) const {
   return raw_->rows.data() + std::size_t{v} * dimension;
 }
 
+Frame make_unscaled_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
+                          unsigned k) {
+  Frame f;
+  f.dimension = points.dimension;
+  f.k = k;
+  f.points = &points;
+  f.vertices = &vertices;
+  f.scaled.resize(vertices.size() * points.dimension);  // raw_at() has as many numbers
+  return f;
+}
+
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, const Run& run) {
   Frame f;

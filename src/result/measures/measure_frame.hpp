@@ -54,4 +54,8 @@ struct Frame {
 Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                  const unsigned* axes, unsigned k, const Run& run);
 
+/// A frame of which only raw_at() and the sizes may be used.
+Frame make_unscaled_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
+                          unsigned k);
+
 }  // namespace cullhull::internal::inline result
