@@ -94,7 +94,7 @@ int bits_on(const HullState& s, int decimals) {
   throw Error(ErrorCode::invalid_argument, "states of different grids: one is of numbers with ",
               decimals,
               " decimals, and no grid of at most 50 bits contains those of the other; compute the "
-              "states with all files named in each call (--part K/N)");
+              "hull from the files themselves");
 }
 
 /// The grid of the union, as it is of the files that the states were computed from

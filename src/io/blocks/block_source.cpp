@@ -349,8 +349,7 @@ class WholeInput : public BlockSource {
         ErrorCode::bad_file, name_, ": the state is of a grid of ",
         std::max(state.decimals(), state.places()),
         " decimals, which does not contain all other inputs, or of these one is a pipe; read "
-        "the files that it was made from, or name all of them in each call that makes a "
-        "state (--part K/N)");
+        "the files that it was made from");
   }
   [[noreturn]] void refuse(std::uint64_t bytes) const {
     throw Error(ErrorCode::out_of_budget, name_,
