@@ -31,10 +31,11 @@ def read(
     raw: bool = False,
     skip_nan: bool = False,
     return_rows: bool = False,
+    decimal: str | None = None,
 ) -> Any:
     """The points of a file.
 
-    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt and .csv, and these compressed (.gz, .zst,
+    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt, .csv, .pts, .ptx and .node, and these compressed (.gz, .zst,
     .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
     the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
@@ -53,13 +54,16 @@ def read(
     ----------
     path : str or path
     columns : names or numbers, optional; or both joined by commas
-        Which coordinates: numbers from 0, in a text also ranges of them (``"0:3"``, ``"0,2,5"``), or names where the file has some (a text's first line, x, y, z
-        of meshes and scans, Parquet). By default x, y, z where there are columns so named in either
+        Which coordinates: numbers from 0, in a text also ranges of them (``"0:3"``, ``"0,2,5"``),
+        or names where the file has some (a text's first line, x, y, z of meshes and scans,
+        Parquet). By default x, y, z where there are columns so named in either
         case, else lon and lat, longitude and latitude, or easting and northing, perhaps with a
-        height; else all but id, index, fid and columns without a name. Of GeoParquet the primary
-        column comes first: the vertices of all its geometries, as of other vector files, without
-        rows that have none. Of other Parquet, where no columns are so named, the one column of
-        geometries in WKB or of lists of numbers comes before that. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
+        height, in several languages and spellings; a text whose names are not known as coordinates
+        is refused, unless they are a series such as x0, x1, x2. Of GeoParquet the primary column
+        comes first: the vertices of all its geometries, as of other vector files, without rows that
+        have none. Of other Parquet, where no columns are so named, the one column of geometries in
+        WKB or of lists of numbers comes first, else all but id, index, fid and columns without a
+        name. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
         passed over, such as faces that are cut short.
     chunks : int, optional
         At most so many points at a time: an iterator of arrays instead of one. Text and what is
@@ -73,6 +77,9 @@ def read(
     return_rows : bool
         Also return the number in the file of each point, from 0: the ids that its points have for
         the program, and with `skip_nan` the way back from a hull's ids to the file.
+    decimal : "," or ".", optional
+        The decimal mark of the numbers in a text. By default commas are decimal marks where
+        semicolons, tabs or the columns' names leave no other meaning, which a `ShapeWarning` says.
 
     Returns
     -------
@@ -97,6 +104,9 @@ def read(
     1000
     """
     size = None if chunks is None else as_count(chunks, "chunks", least=1)
+    if decimal not in (None, ",", "."):
+        raise InvalidArgument(f"`decimal` should be ',' or '.'; it is {decimal!r}")
+    as_the_program = columns
     if isinstance(columns, str):
         columns = split_columns(columns)
     name = os.fspath(path)
@@ -114,8 +124,12 @@ def read(
     if remote and reader in (_native, _e57_scans, _vector):
         known = [e for e, of in _READERS.items() if of not in (_e57_scans, _vector)]
         raise BadFile(f"{name}: by fsspec read reads {' '.join(known)}")
-    if reader in (_native, _las):
-        pieces = reader(name, columns, size, raw)
+    if decimal == "," and reader is not _native:
+        raise InvalidArgument(f"{name}: only texts of rows have decimal commas")
+    if reader is _native:
+        pieces = _native(name, as_the_program, size, raw, decimal or "")
+    elif reader is _las:
+        pieces = _las(name, columns, size, raw)
     else:
         pieces = _said_once(reader, name, columns, size, ending)
     numbered = _numbered(pieces, name, skip_nan)
@@ -241,10 +255,14 @@ def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterat
 
 
 def _native(
-    name: str, columns: Columns, size: int | None, raw: bool = False
+    name: str, columns: Columns, size: int | None, raw: bool = False, decimal: str = ""
 ) -> Iterator[npt.NDArray[Any]]:
-    wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
-    array, remarks, scale, offset = _core.read_points(name, wanted, raw, size is not None)
+    if isinstance(columns, str):
+        items = re.findall(r'\s*("(?:[^"]|"")*"|[^,]*?)\s*(?:,|$)', columns)
+        wanted = ",".join(item for item in items if item)
+    else:
+        wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
+    array, remarks, scale, offset = _core.read_points(name, wanted, raw, size is not None, decimal)
     for line in remarks:
         warn(line, ShapeWarning)
     if size is None or raw or not scale:

@@ -73,13 +73,15 @@ nb::object points_of(nb::handle file) {
 /// for a caller who makes coordinates of them.
 std::pair<PointFile, std::vector<std::string>> open_file(const std::string& path,
                                                          const std::string& columns, bool raw,
-                                                         bool in_place) {
+                                                         bool in_place,
+                                                         const std::string& decimal) {
   PointFile file;
   std::vector<std::string> remarks;
   std::mutex mutex;
   run(nullptr, Length::long_, [&](const cullhull::Options& options) {
     cullhull::ReadOptions read;
     read.columns = columns;
+    if (!decimal.empty()) read.decimal = decimal[0];
     read.numbers = raw        ? cullhull::Numbers::raw
                    : in_place ? cullhull::Numbers::file
                               : cullhull::Numbers::world;
@@ -100,13 +102,14 @@ void bind_files(nb::module_& m) {
       .def_prop_ro("format", &PointFile::format);
   m.def(
       "read_points",
-      [](const std::string& path, const std::string& columns, bool raw, bool in_place) {
-    auto [file, remarks] = open_file(path, columns, raw, in_place);
+      [](const std::string& path, const std::string& columns, bool raw, bool in_place,
+         const std::string& decimal) {
+    auto [file, remarks] = open_file(path, columns, raw, in_place, decimal);
     cullhull::Placement placement = file.placement();
     return std::tuple(points_of(nb::cast(std::move(file))), std::move(remarks),
                       std::move(placement.scale), std::move(placement.offset));
       },
-      nb::arg("path"), nb::arg("columns"), nb::arg("raw"), nb::arg("in_place"),
+      nb::arg("path"), nb::arg("columns"), nb::arg("raw"), nb::arg("in_place"), nb::arg("decimal"),
       "The points, remarks for the user, and the scale and offset of the file's numbers.");
   m.def(
       "input_files",

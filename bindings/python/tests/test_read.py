@@ -375,6 +375,54 @@ def test_csv_columns_that_number_the_points(tmp_path):
     assert said == f"{path}: lon and lat of 3 columns are taken as coordinates"
 
 
+def test_csv_with_decimal_commas(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("x\ty\n1,5\t2,5\n3,5\t4,5\n")
+    points, said = said_while_reading(path)
+    assert points.tolist() == [[1.5, 2.5], [3.5, 4.5]]
+    assert said == f"{path}: commas are read as decimal marks; --decimal . refuses them"
+    path.write_text("1,5 2,5\n3,5 4,5\n")
+    with pytest.raises(cullhull.BadFile, match="in Python decimal=\",\""):
+        cullhull.read(path)
+    assert cullhull.read(path, decimal=",").tolist() == [[1.5, 2.5], [3.5, 4.5]]
+    assert next(cullhull.read(path, decimal=",", chunks=1)).tolist() == [[1.5, 2.5]]
+    with pytest.raises(cullhull.BadFile):
+        cullhull.read(path, decimal=".")
+    with pytest.raises(cullhull.InvalidArgument, match="`decimal` should be"):
+        cullhull.read(path, decimal=";")
+    np.save(tmp_path / "a.npy", np.zeros((2, 2)))
+    with pytest.raises(cullhull.InvalidArgument, match="decimal commas"):
+        cullhull.read(tmp_path / "a.npy", decimal=",")
+
+
+def test_csv_whose_names_say_nothing(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("mass,L\u00e4nge,name\n1,2,a\n3,4,b\n", encoding="utf-8")
+    with pytest.raises(cullhull.BadFile, match="'mass', 'L\u00e4nge', 'name'; .* 0,1 .in Python columns="):
+        cullhull.read(path)
+    for columns in ("mass,L\u00e4nge", "0,1", "0:2", [0, 1], ["mass", "L\u00e4nge"]):
+        assert cullhull.read(path, columns=columns).tolist() == [[1, 2], [3, 4]]
+
+
+@pytest.mark.parametrize(
+    "name, text, rows",
+    [
+        ("a.pts", "2\n1 2 3\n4 5 6\n", [[1, 2, 3], [4, 5, 6]]),
+        ("a.node", "2 2 0 1\n1 1 2 0\n2 3 4 0\n", [[1, 2], [3, 4]]),
+        ("a.json", "[[1, 2], [3, 4]]", [[1, 2], [3, 4]]),
+        (
+            "a.ptx",
+            "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n1 1 1 1\n1 2 3 0.5\n",
+            [[2, 3, 4]],
+        ),
+    ],
+)
+def test_texts_of_other_programs(tmp_path, name, text, rows):
+    path = tmp_path / name
+    path.write_text(text)
+    assert cullhull.read(path).tolist() == rows
+
+
 @pytest.mark.parametrize(
     "name, text, said",
     [
