@@ -132,7 +132,7 @@ def _convert(word: str, folder: _Folder, columns: list[str] | None, asked: list[
         _unpack(path, target)
         return str(target)
     if ending in _vectors.ENDINGS:
-        about = _vectors.describe(word)
+        about = _vectors.describe(word, all_layers="info" in sys.argv[1:2])
         crs = about.pop("crs")
         fields = _named(asked, [f["name"] for f in about["fields"]], word)
         target = folder.place(word, ".csv" if fields else ".ply", **about)
@@ -160,16 +160,19 @@ def _convert(word: str, folder: _Folder, columns: list[str] | None, asked: list[
 
 
 def _named(asked: list[str], names: list[str], word: str) -> list[str]:
-    """Those of the file's fields that are asked for, in any case where it is clear."""
+    """Those of the file's fields that are asked for, in any case where it is clear. x, y and z are
+    coordinates."""
     found: list[str] = []
     for name in asked:
+        if name.lower() in ("x", "y", "z") and name not in names:
+            continue
         same = [n for n in names if n == name] or [n for n in names if n.lower() == name.lower()]
         if len(same) != 1:
             raise ValueError(
                 f"{word}: no field {name!r}; there are {', '.join(map(repr, names)) or 'none'}"
             )
         if same[0].lower() in ("x", "y", "z"):
-            raise ValueError(f"{word}: field {same[0]!r} has the name of a coordinate")
+            raise ValueError(f"{word}: field {same[0]!r} has the name of a coordinate; rename it")
         found += [n for n in same if n not in found]
     return found
 
@@ -233,7 +236,7 @@ def _convert_options(words: list[str], folder: _Folder) -> tuple[list[str], set[
             _write_crs(target, _parquet.crs_of(value))
         else:
             _vectors.write_shapes(target, value)
-            _write_crs(target, _vectors.crs_of(value))
+            _write_crs(target, _vectors.describe(value)["crs"])
         words[i] = _replaced(words[i], value, str(target))
     return words, places
 

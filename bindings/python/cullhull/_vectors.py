@@ -247,18 +247,16 @@ def add(parts: list[Rows], data: bytes, at: int) -> int:
 # ------------------------------------------------------------------------ fields, systems, results
 
 
-def describe(word: str) -> dict[str, Any]:
-    """`format`, `crs` (as the file has it: EPSG:N, or a WKT; or None), `fields` of the layer that is
-    read, and `layers`, for ``info``."""
+def describe(word: str, *, all_layers: bool = False) -> dict[str, Any]:
+    """`format`, `crs` (as the file has it: EPSG:N, or a WKT; or None) and `fields` of the layer that
+    is read; with `all_layers` also `layers`, whose features may have to be counted."""
     path, layer = split_layer(word)
     pyogrio = _pyogrio(path)
     try:
-        read = _chosen(pyogrio, path, layer)
-        layers, info = [], None
-        for name, kind in pyogrio.list_layers(path):
+        info = pyogrio.read_info(path, layer=_chosen(pyogrio, path, layer))
+        layers = []
+        for name, kind in pyogrio.list_layers(path) if all_layers else ():
             about = pyogrio.read_info(path, layer=name, force_feature_count=True)
-            if name == read:
-                info = about
             layers.append(
                 {"name": str(name), "features": int(about["features"]), "geometry": kind or "none"}
             )
@@ -266,34 +264,16 @@ def describe(word: str) -> dict[str, Any]:
         raise
     except Exception as error:
         raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
-    assert info is not None
     fields = [
         {"name": str(name), "type": _TYPES.get(str(kind).split("[")[0], str(kind))}
         for name, kind in zip(info["fields"], info["dtypes"])
     ]
-    return {"format": info["driver"], "crs": info["crs"], "layers": layers, "fields": fields}
+    found = {"format": info["driver"], "crs": info["crs"], "fields": fields}
+    return {**found, "layers": layers} if all_layers else found
 
 
 #: pyogrio's names of types that a reader would not know.
 _TYPES = {"object": "text", "datetime64": "time"}
-
-
-def crs_of(word: str) -> str | None:
-    """The layer's coordinate reference system as the file has it: EPSG:N, or a WKT."""
-    path, layer = split_layer(word)
-    pyogrio = _pyogrio(path)
-    try:
-        found = pyogrio.read_info(path, layer=_chosen(pyogrio, path, layer))["crs"]
-    except (Error, ImportError):
-        raise
-    except Exception as error:
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
-    return None if found is None else str(found)
-
-
-def field_names(word: str) -> list[str]:
-    """Of the layer that is read."""
-    return [field["name"] for field in describe(word)["fields"]]
 
 
 def write_table(target: Path, word: str, fields: list[str]) -> None:

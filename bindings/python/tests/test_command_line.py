@@ -145,7 +145,7 @@ def test_geometries_in_wkb():
     def vertices(*shapes):
         parts = []
         for shape in shapes:
-            assert _vectors._add(parts, shape, 0) == len(shape)
+            assert _vectors.add(parts, shape, 0) == len(shape)
         return _vectors._together(parts, "f").tolist()
 
     ring = [[0, 0], [4, 0], [4, 3], [0, 0]]

@@ -171,6 +171,24 @@ def test_survivors_keep_their_fields(office, tmp_path):
     assert json.loads(weighted.read_text())["vertices"] == power.vertices.tolist()
 
 
+def test_heights_of_geometries_are_columns(tmp_path):
+    solid = np.column_stack([SITES, SITES[:, 0] % 7])
+    table = geopandas.GeoDataFrame({"n": np.arange(60)}, geometry=geopandas.points_from_xy(*solid.T))
+    table.to_file(tmp_path / "a.gpkg")
+    np.save(tmp_path / "a.npy", solid)
+    ran("delaunay", tmp_path / "a.npy", "--columns", "0,1", "--height", "2", "-o", tmp_path / "a.ply")
+    for height in (("--height", "z"), ("--height=Z",)):
+        ran("delaunay", tmp_path / "a.gpkg", "--columns", "x,y", *height, "-o", tmp_path / "b.ply")
+        assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+    ran("voronoi", tmp_path / "a.gpkg", "--columns", "x,y", "--keep", "z,n", "-o", tmp_path / "c.gpkg")
+    cells = geopandas.read_file(tmp_path / "c.gpkg")
+    assert cells["z"].tolist() == solid[:, 2].tolist() and cells["n"].tolist() == list(range(60))
+    table.assign(z=1).to_file(tmp_path / "b.gpkg")
+    done = run("delaunay", tmp_path / "b.gpkg", "--columns", "x,y", "--height", "z")
+    assert done.returncode == 1
+    assert done.stderr.endswith("b.gpkg: field 'z' has the name of a coordinate; rename it\n")
+
+
 def test_info_describes_the_users_file(office, tmp_path):
     folder, _ = office
     said = ran("info", folder / "wells.gpkg")
