@@ -68,12 +68,23 @@ void fill(std::string& out, std::string_view head, std::string_view text, std::s
   add_line(out, line);
 }
 
+std::size_t longest_word(std::string_view text) {
+  std::size_t longest = 0;
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    longest = std::max(longest, columns_of(word));
+  }
+  return longest;
+}
+
 /// A term and its text, or a paragraph, joined from the lines it had.
 void add_block(std::string& out, std::string_view head, std::string_view text, std::size_t column,
                std::size_t width) {
   const std::size_t indent = indent_of(head);
-  if (indent == head.size() || column + 24 <= width) return fill(out, head, text, column, width);
-  // A text that would be a narrow ribbon begins below its term.
+  if (indent == head.size() || column + std::max<std::size_t>(24, longest_word(text)) <= width)
+    return fill(out, head, text, column, width);
+  // A text that would be a narrow ribbon, or leave it, begins below its term.
   fill(out, head.substr(0, indent), head.substr(indent), indent + 4, width);
   fill(out, std::string(indent + 4, ' '), text, indent + 4, width);
 }
