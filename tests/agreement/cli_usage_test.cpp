@@ -347,13 +347,14 @@ struct BadRow {
   const char* row;
   std::string message;
 };
-const BadRow bad_rows[] = {{"b,nan,1", ": point 2, coordinate 0 is NaN; remove or repair"},
-                           {"b,1,-inf", ": point 2, coordinate 1 is infinite; remove or repair"},
-                           {"b,1e999,1", ": column 'x': '1e999' exceeds the range of doubles"},
-                           {"b,1,1,1", ": 4 columns where there are 3"},
-                           {"b,1", ": 2 columns where there are 3"},
-                           {"b,1,", ": column 'y' is empty"},
-                           {"b,1,one", ": column 'y': 'one' is not a number"}};
+const BadRow bad_rows[] = {
+    {"b,nan,1", ": point 2, coordinate 0 is NaN; --skip-nan leaves such points out"},
+    {"b,1,-inf", ": point 2, coordinate 1 is infinite; remove or repair"},
+    {"b,1e999,1", ": column 'x': '1e999' exceeds the range of doubles"},
+    {"b,1,1,1", ": 4 columns where there are 3"},
+    {"b,1", ": 2 columns where there are 3"},
+    {"b,1,", ": column 'y' is empty"},
+    {"b,1,one", ": column 'y': 'one' is not a number"}};
 
 TEST(CliUsage, BadRowsAreNamedByTheirLineInEveryWayOfReading) {
   const Folder f;
