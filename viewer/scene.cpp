@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
@@ -46,6 +47,12 @@ ShapeLimits shape_limits(int k, std::uint64_t bytes, std::uint64_t row_bytes) {
   constexpr std::uint64_t least = 64;
   if (k <= 3) return {std::max(least, bytes * 6 / 10 / (row_bytes + shape_bytes(k))), 0};
   return {std::max(least, bytes * 3 / 10 / row_bytes), std::max(least, bytes * 3 / 10 / 8)};
+}
+
+bool has_nan(const PointView& points, std::uint64_t id) {
+  for (std::uint32_t j = 0; j < points.dimension; ++j)
+    if (std::isnan(points.at(id, j))) return true;
+  return false;
 }
 
 bool contains(const std::vector<std::uint64_t>& sorted, std::uint64_t id) {
@@ -112,12 +119,12 @@ Scene::Rows Scene::choose_rows(const SceneFrame& frame, std::uint64_t row_bytes,
   std::sort(vertices.begin(), vertices.end());
   const Survivors& survivors = *frame.survivors;
   rows.all_survivors = survivors.size(n) - vertices.size();
-  rows.all_points = n - survivors.size(n);
+  rows.all_points = n - survivors.size(n) - frame.skipped;
 
   // The same ids in every frame, so that a viewer can follow points. Each is drawn by its role in
   // this frame: vertex, survivor or discarded point.
   for (const std::uint64_t id : fair_sample(n, std::min(most_points, room / 2 + 1))) {
-    if (contains(vertices, id)) continue;
+    if (contains(vertices, id) || (frame.skipped > 0 && has_nan(frame.points, id))) continue;
     const bool survived = survivors.all || contains(survivors.ids, id);
     (survived ? rows.survivors : rows.points).push_back(id);
   }
@@ -153,6 +160,7 @@ void Scene::write_rows(const SceneFrame& frame, const Rows& rows, std::string& j
   else
     json += array("coordinates", "f64", coordinates);
   if (frame.colours.count > 0) write_colours(frame.colours, ids, json);
+  if (!frame.attribute_names.empty()) write_attributes(frame, ids, json);
   if (frame.triangulate != nullptr) write_cells(frame, ids, coordinates, json);
 }
 
@@ -164,6 +172,21 @@ void Scene::write_cells(const SceneFrame& frame, const std::vector<double>& ids,
   json += member("cell_corners", cells.corners);
   json += member("cell_points", cells.points);
   json += indices("cells", cells.rows, ids.size());
+}
+
+void Scene::write_attributes(const SceneFrame& frame, const std::vector<double>& ids,
+                             std::string& json) {
+  std::string list;
+  for (std::uint32_t k = 0; k < frame.attribute_names.size(); ++k) {
+    std::vector<float> values;
+    for (const double id : ids)
+      values.push_back(static_cast<float>(frame.attributes.at(static_cast<std::uint64_t>(id), k)));
+    list += fmt::format("{}{{\"name\":{},", list.empty() ? "" : ",",
+                        nlohmann::json(frame.attribute_names[k]).dump());
+    list += array("values", "f32", values);
+    list.back() = '}';  // replaces the last comma
+  }
+  json += "\"attributes\":[" + list + "],";
 }
 
 void Scene::write_colours(const PointView& colours, const std::vector<double>& ids,
@@ -196,9 +219,9 @@ void Scene::add(const SceneFrame& frame) {
   } else if (hull.dimension != dimension_) {
     throw Error(ErrorCode::invalid_argument, "frames of one page have one dimension");
   }
-  const std::uint64_t row_bytes = axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) +
-                                  (wide_ids(hull.point_count) ? 8U : 4U) +
-                                  (frame.colours.count > 0 ? 3U : 0U);
+  const std::uint64_t row_bytes =
+      axes_ * (narrow_scalar(hull.scalar) ? 4U : 8U) + (wide_ids(hull.point_count) ? 8U : 4U) +
+      (frame.colours.count > 0 ? 3U : 0U) + 4U * frame.attribute_names.size();
   if (frame.triangulate != nullptr && (dimension_ < 2 || dimension_ > 3))
     throw Error(
         ErrorCode::invalid_argument,

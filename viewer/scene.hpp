@@ -22,8 +22,13 @@ struct SceneFrame {
   std::vector<double> vertex_rows;
   /// The whole input; empty if only the hull is known.
   PointView points;
+  /// The number of points with a NaN coordinate, which are not drawn.
+  std::uint64_t skipped = 0;
   /// The points' colours (u8 red, green, blue), or empty.
   PointView colours;
+  /// Numbers of the points that are no coordinates, a column for each name, or none.
+  PointView attributes;
+  std::vector<std::string> attribute_names;
   /// Used only if there are points.
   const Survivors* survivors = nullptr;
   /// How to triangulate the points that are drawn, in 2D and 3D; null: no cells.
@@ -59,6 +64,7 @@ class Scene {
   void write_rows(const SceneFrame& frame, const Rows& rows, std::string& json);
   void write_cells(const SceneFrame& frame, const std::vector<double>& ids,
                    const std::vector<double>& coordinates, std::string& json);
+  void write_attributes(const SceneFrame& frame, const std::vector<double>& ids, std::string& json);
   void write_colours(const PointView& colours, const std::vector<double>& ids, std::string& json);
   void write_shadows(const Rows& rows, std::string& json);
 

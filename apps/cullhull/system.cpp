@@ -11,6 +11,7 @@
 #include <fcntl.h>
 #include <io.h>
 #include <psapi.h>
+#include <shellapi.h>
 
 #include <algorithm>
 #include <climits>
@@ -22,9 +23,14 @@
 #include <malloc.h>
 #endif
 #include <poll.h>
+#include <spawn.h>
 #include <sys/ioctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
+
+#include <cstdlib>
+
+extern char** environ;
 #endif
 
 namespace app::system {
@@ -50,6 +56,10 @@ void silence(int fd) {
   if (null < 0) return;
   (void)_dup2(null, fd);
   _close(null);
+}
+void open_in_browser(const std::string& path) {
+  const std::wstring wide = std::filesystem::absolute(path).wstring();
+  (void)ShellExecuteW(nullptr, L"open", wide.c_str(), nullptr, nullptr, SW_SHOWNORMAL);
 }
 void wait_10_ms() { Sleep(10); }
 void end(int status) { std::_Exit(status); }
@@ -129,6 +139,27 @@ void silence(int fd) {
   if (null < 0) return;
   (void)::dup2(null, fd);
   ::close(null);
+}
+void open_in_browser(const std::string& path) {
+#if defined(__APPLE__)
+  const char* const opener = "open";
+#else
+  const char* const opener = "xdg-open";
+  const auto set = [](const char* name) {
+    const char* const value = std::getenv(name);
+    return value != nullptr && *value != 0;
+  };
+  if (!set("DISPLAY") && !set("WAYLAND_DISPLAY")) return;
+#endif
+  posix_spawn_file_actions_t actions;
+  if (::posix_spawn_file_actions_init(&actions) != 0) return;
+  for (const int fd : {standard_input, standard_output, standard_error})
+    ::posix_spawn_file_actions_addopen(&actions, fd, "/dev/null", fd == 0 ? O_RDONLY : O_WRONLY, 0);
+  const std::string file = path.starts_with('-') ? "./" + path : path;
+  char* const words[] = {const_cast<char*>(opener), const_cast<char*>(file.c_str()), nullptr};
+  pid_t child = 0;
+  (void)::posix_spawnp(&child, opener, &actions, nullptr, words, environ);  // none: no browser
+  ::posix_spawn_file_actions_destroy(&actions);
 }
 void wait_10_ms() { ::poll(nullptr, 0, 10); }
 void end(int status) { ::_exit(status); }

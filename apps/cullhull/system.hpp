@@ -25,6 +25,9 @@ void silence(int fd);
 void wait_10_ms();                  ///< callable from a signal handler
 [[noreturn]] void end(int status);  ///< at once: no destructors, no handlers
 
+/// Asks the desktop to show a file, where there is one; does not wait for it, and says nothing.
+void open_in_browser(const std::string& path);
+
 std::size_t page_bytes();
 std::uint64_t memory_bytes();  ///< of the machine
 std::uint64_t peak_bytes();    ///< that this process has held in memory at once

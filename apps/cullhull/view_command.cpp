@@ -14,6 +14,7 @@
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
+#include "system.hpp"
 #include "terminal.hpp"
 #include "topics.hpp"
 #include "viewer/scene.hpp"
@@ -27,22 +28,30 @@ using cullhull::viewer::Scene;
 using cullhull::viewer::SceneFrame;
 
 constexpr const char* help =
-    "INPUT may also be a hull, HULL.json of 'cullhull hull -o', shown without its points; or "
-    "moving\n"
-    "points: an .npy array (frames, n, d), or a folder or quoted pattern of files with one frame\n"
-    "each, of points or of hulls ('cullhull track -o'). The page then has a slider, and shows at\n"
-    "most 120 frames, evenly spaced.\n"
+    "Several files, also of a folder or a quoted pattern, are one set, as 'cullhull hull' reads "
+    "them.\n"
+    "With --frames each is a frame of moving points; an .npy array (frames, n, d) always is. "
+    "INPUT\n"
+    "may also be a hull, HULL.json of 'cullhull hull -o', shown without its points; several are\n"
+    "frames ('cullhull track -o'). A page of frames has a slider, and shows at most 120 of them,\n"
+    "evenly spaced.\n"
+    "\n"
+    "Without -o the page is written beside the input, scan.html for scan.ply, and opened in the\n"
+    "browser where there is one (not with --no-open). A file of that name that cullhull did not\n"
+    "write is not replaced.\n"
     "\n"
     "The page is one file that needs no network. 3D points can be rotated, moved and zoomed; 2D\n"
     "points are a plot; of more dimensions three axes are chosen. It stays below 12 MB: of many\n"
     "points a random sample is drawn, with ids and exact coordinates, and the page says how many.\n"
     "\n"
     "Examples:\n"
-    "  cullhull view scan.ply -o scan.html\n"
+    "  cullhull view scan.ply                              scan.html, in the browser\n"
+    "  cullhull view tiles/ -o site.html                   all tiles of a folder, one set\n"
     "  cullhull view cloud.npy --columns 0:3 -o cloud.html --json=figures.json\n"
     "  cullhull view wells.csv --delaunay -o cells.html\n"
     "  cullhull hull big.npy -o hull.json && cullhull view hull.json -o hull.html\n"
     "  cullhull track twist.npy -o 'f-%03d.json' && cullhull view 'f-*.json' -o twist.html\n"
+    "  cullhull view scans/ --frames -o scans.html         a folder of frames\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 4 memory limit exceeded; 5 backend not\n"
     "available, or built without three.js; 130 cancelled.";
@@ -53,6 +62,13 @@ struct ViewArguments {
   std::string output;
   std::string json;
   bool cells = false;
+  bool frames = false;
+  bool no_open = false;
+  std::vector<std::string> files;  ///< the files that the input's words stand for
+
+  /// The word of the input where there is one.
+  std::string only_word() const { return input.words.size() == 1 ? input.words[0] : ""; }
+  std::string title() const;
 
   /// Of the cells of `--delaunay`; nothing without it.
   std::optional<cullhull::TriangulationOptions> triangulation(
@@ -70,7 +86,7 @@ bool is_json(const std::string& path) { return std::filesystem::path(path).exten
 
 /// JSON that is no GeoJSON: only that has a member "type".
 bool may_be_hull(const std::string& path) {
-  if (!is_json(path)) return false;
+  if (path == "-" || !is_json(path)) return false;
   std::string head(std::size_t{1} << 16, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
@@ -78,28 +94,51 @@ bool may_be_hull(const std::string& path) {
   return head.find("\"type\"") == std::string::npos;
 }
 
-/// A folder, a pattern, or an array that may have three axes.
-bool may_be_sequence(const InputArguments& input) {
-  if (input.path == "-" || input.dimension != 0 || !input.type.empty()) return false;
+std::string ViewArguments::title() const {
+  const std::string one = files.size() == 1 ? files[0] : only_word();
+  if (one.empty()) return title_of(files[0]) + " and " + std::to_string(files.size() - 1) + " more";
+  std::string path = one;
+  while (path.size() > 1 && path.back() == '/') path.pop_back();  // of a folder
+  return title_of(path);
+}
+
+/// Frames where they are asked for, or an array that may have three axes.
+bool is_sequence(const ViewArguments& arguments) {
+  const InputArguments& input = arguments.input;
+  if (arguments.frames) return true;
+  if (arguments.files.size() != 1 || arguments.files[0] == "-") return false;
+  if (input.dimension != 0 || !input.type.empty()) return false;
+  const std::string extension = std::filesystem::path(arguments.files[0]).extension().string();
+  return input.format == "npy" || (input.format.empty() && extension == ".npy");
+}
+
+/// Whether the input is hulls, and no points.
+bool are_hulls(const ViewArguments& arguments) {
+  const std::vector<std::string>& files = arguments.files;
+  return arguments.input.format.empty() && std::all_of(files.begin(), files.end(), may_be_hull);
+}
+
+/// The page beside the input: scan.html for scan.ply, tiles.html for tiles/.
+std::string page_beside(const ViewArguments& arguments) {
+  const std::string word = arguments.only_word();
+  if (word.empty() || word == "-" || word[0] == '@' ||
+      word.find_first_of("*?[") != std::string::npos)
+    throw Error(ErrorCode::invalid_argument,
+                "-o PAGE.html is needed for several inputs and for standard input");
+  std::filesystem::path path(cullhull::file_of_input(word));
+  if (!path.has_filename()) path = path.parent_path();
   std::error_code ignored;
-  return std::filesystem::is_directory(input.path, ignored) || input.format == "npy" ||
-         (!std::filesystem::exists(input.path, ignored) &&
-          input.path.find_first_of("*?[") != std::string::npos) ||
-         (input.format.empty() && std::filesystem::path(input.path).extension() == ".npy");
-}
-
-/// All files that INPUT names.
-std::vector<std::string> input_files(const InputArguments& input) {
-  if (!may_be_sequence(input)) return {input.path};
-  return cullhull::sequence_files({input.path}, read_options(input, 0));
-}
-
-/// The hull files that INPUT names; empty where it names points.
-std::vector<std::string> hull_files(const InputArguments& input) {
-  if (!input.format.empty() || input.path == "-") return {};
-  if (!may_be_sequence(input) && !is_json(input.path)) return {};
-  std::vector<std::string> files = cullhull::sequence_files({input.path}, read_options(input, 0));
-  return std::all_of(files.begin(), files.end(), may_be_hull) ? files : std::vector<std::string>();
+  if (!std::filesystem::is_directory(path, ignored))
+    while (path.has_extension()) path.replace_extension();
+  std::string page = path.string() + ".html";
+  std::ifstream file(page, std::ios::binary);
+  if (!file) return page;
+  std::string head(std::size_t{1} << 16, '\0');  // behind licences
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head.find("<meta name=\"generator\" content=\"cullhull\">") == std::string::npos)
+    throw Error(ErrorCode::invalid_argument, page,
+                ": is there and is no page of cullhull's; -o PAGE.html names another");
+  return page;
 }
 
 /// Hull and survivors of one set of points, and the run's report for --json.
@@ -111,36 +150,44 @@ struct Computed {
 
 Computed compute(Input& input, double read_seconds, const cullhull::Options& options) {
   const cullhull::PointView& points = input.points;
+  const cullhull::PointView& kept = input.kept();
   Computed result;
   const Stopwatch watch;
-  result.hull = cullhull::convex_hull(points, options);
+  result.hull = cullhull::convex_hull(kept, options);
   cullhull::JsonExtras extras;
   extras.compute_seconds_all = {watch.seconds()};
   extras.read_seconds = read_seconds;
   extras.peak_bytes = peak_bytes();
   // The hull has the number of survivors, but not which points they are.
-  if (result.hull.statistics.survivors < points.count)
-    result.survivors = cullhull::cull(points, options);
+  if (result.hull.statistics.survivors < kept.count)
+    result.survivors = cullhull::cull(kept, options);
   else
     result.survivors.all = true;
+  input.skipped.restore(result.hull);
+  input.skipped.restore(result.survivors);
   cullhull::to_world(result.hull, input.placing.grid);
   input.to_world();
-  result.report = with_placing(cullhull::hull_to_json(points, result.hull, extras, false),
-                               input.placing, points);
+  result.report =
+      with_placing(cullhull::hull_to_json(points, result.hull, extras, false), input.placing, kept);
   return result;
+}
+
+/// A frame that says how many points are not drawn.
+SceneFrame skipping(const Input& input) {
+  SceneFrame frame;
+  frame.skipped = input.skipped_points();
+  return frame;
 }
 
 void add_frame(const cullhull::PointView& points, std::uint64_t index, const cullhull::Hull& hull,
                const cullhull::Survivors& survivors, const std::string& report,
                const std::optional<cullhull::TriangulationOptions>& triangulation, Scene& scene,
-               const cullhull::PointView& colours = {}) {
-  SceneFrame frame;
+               SceneFrame frame = {}) {
   if (triangulation && points.count > 0) frame.triangulate = &*triangulation;
   frame.index = index;
   frame.hull = &hull;
   frame.vertex_rows = cullhull::viewer::vertex_rows(points, hull);
   frame.points = points;
-  frame.colours = colours;
   frame.survivors = &survivors;
   frame.report = report;
   scene.add(frame);
@@ -151,19 +198,77 @@ struct Written {
   std::string page, report;
 };
 
+/// What the records of .las files have beside coordinates, for "Colour by".
+struct LasFields {
+  Input fields;
+  std::vector<std::string> names;
+  std::vector<std::uint8_t> colours;
+};
+
+/// Columns of all points, or none where the point format has no such field.
+std::optional<Input> read_fields(const ViewArguments& arguments, const std::string& columns) {
+  InputArguments from = arguments.input;
+  from.columns = columns;
+  from.grid = cullhull::Grid();  // unchanged
+  from.skip_nan = false;
+  try {
+    return open_inputs(from, arguments.files, arguments.run.threads, arguments.run.memory_bytes());
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::invalid_argument) throw;
+    return std::nullopt;
+  }
+}
+
+LasFields read_las_fields(const ViewArguments& arguments, const Input& input) {
+  LasFields las;
+  const std::vector<std::string>& files = arguments.files;
+  if (!input.file.format().starts_with("las") ||
+      std::find(files.begin(), files.end(), "-") != files.end())
+    return las;
+  if (std::optional<Input> fields = read_fields(arguments, "classification,intensity")) {
+    las.fields = std::move(*fields);
+    las.names = {"classification", "intensity"};
+  }
+  if (const std::optional<Input> rgb = read_fields(arguments, "red,green,blue")) {
+    const cullhull::PointView& view = rgb->points;
+    double most = 0;
+    for (std::uint64_t i = 0; i < view.count; ++i)
+      for (std::uint32_t c = 0; c < 3; ++c) most = std::max(most, view.at(i, c));
+    const double scale = most > 255 ? 257 : 1;  // some writers fill the low byte alone
+    for (std::uint64_t i = 0; most > 0 && i < view.count; ++i)
+      for (std::uint32_t c = 0; c < 3; ++c)
+        las.colours.push_back(static_cast<std::uint8_t>(view.at(i, c) / scale));
+  }
+  return las;
+}
+
 Written view_input(const ViewArguments& arguments, Input& input, const cullhull::Options& options) {
-  Scene scene(title_of(arguments.input.path), 1, 1);
+  Scene scene(arguments.title(), 1, 1);
   const double read = input.file.read_seconds() + warm_pages(input.points);
+  const LasFields las = read_las_fields(arguments, input);
+  const std::uint64_t n = input.points.count;
+  cullhull::PointView colours = input.file.colours();  // of the first file
+  if (las.colours.size() == 3 * n)
+    colours = cullhull::PointView::row_major(las.colours.data(), n, 3);
+  if (colours.count != n) colours = {};
   const Computed computed =
       naming_file(input.places, [&] { return compute(input, read, options); });
+  SceneFrame extras;
+  extras.colours = colours;
+  extras.skipped = input.skipped_points();
+  if (las.fields.points.count == n) {
+    extras.attributes = las.fields.points;
+    extras.attribute_names = las.names;
+  }
   add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
-            arguments.triangulation(options), scene, input.file.colours());
+            arguments.triangulation(options), scene, std::move(extras));
   return {scene.page(), computed.report};
 }
 
 Written view_points(const ViewArguments& arguments, cullhull::Options options) {
   // Writing to a pipe has nothing to clean up: a signal ends it at once.
-  Input input = open_input(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
+  Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                            arguments.run.memory_bytes());
   RunArguments beside = arguments.run;
   beside.held = input.held();
   options.memory_budget = beside.options().memory_budget;
@@ -174,15 +279,14 @@ Written view_points(const ViewArguments& arguments, cullhull::Options options) {
 }
 
 /// A frame's figures: of its hull, and of its filter.
-std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::PointView& points,
-                           double read_seconds) {
+std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::Hull& hull,
+                           const cullhull::PointView& points, double read_seconds) {
   const cullhull::FrameReport& r = tracker.report();
   cullhull::JsonExtras extras;
   extras.compute_seconds_all = {r.compute_seconds};
   extras.read_seconds = read_seconds;
   extras.peak_bytes = peak_bytes();
-  auto report =
-      nlohmann::ordered_json::parse(cullhull::hull_to_json(points, tracker.hull(), extras, false));
+  auto report = nlohmann::ordered_json::parse(cullhull::hull_to_json(points, hull, extras, false));
   report["track"] = {{"method", r.method},
                      {"scan_survivors", r.scan_survivors},
                      {"vertices_came", r.vertices_came},
@@ -225,13 +329,14 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
   cullhull::ReadOptions reading =
       read_options(arguments.input, arguments.run.threads, arguments.run.memory_bytes());
   reading.stop = options.stop;
+  reading.skip_nan = false;                                              // frame by frame, below
   if (!arguments.input.raw) reading.numbers = cullhull::Numbers::world;  // for looking at
-  cullhull::PointSequence sequence = cullhull::open_sequence({arguments.input.path}, reading);
+  cullhull::PointSequence sequence = cullhull::open_sequence(arguments.files, reading);
   const std::uint64_t frames = sequence.frames();
   if (frames == 0)
     throw Error(ErrorCode::bad_file, arguments.input.path, ": a sequence without frames");
   Shown chosen(frames);
-  Scene scene(title_of(arguments.input.path), frames, chosen.shown());
+  Scene scene(arguments.title(), frames, chosen.shown());
   if (frames > 1) options.progress = nullptr;  // the number of frames is shown instead
   cullhull::HullTracker tracker(options);
   while (sequence.next()) {
@@ -239,20 +344,26 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     if (progress && frames > 1) progress("frames", chosen.share());
     Input input;
     input.points = sequence.points();
+    if (arguments.input.skip_nan) input.skip_nan();
+    const cullhull::PointView drawn = input.points;
     const double read = sequence.read_seconds() + warm_pages(input.points);
     if (frames == 1) {  // a single frame: not a moving set
       const Computed computed =
           naming_file(sequence.name(), [&] { return compute(input, read, options); });
       chosen.add(computed.report);
       add_frame(input.points, 0, computed.hull, computed.survivors, computed.report,
-                arguments.triangulation(options), scene);
+                arguments.triangulation(options), scene, skipping(input));
       continue;
     }
+    input.fill_skipped();
     naming_file(sequence.name(), [&] { tracker.update(input.points); });
-    const std::string report = tracked_report(tracker, input.points, read);
+    cullhull::Hull hull = tracker.hull();
+    input.skipped.restore_copies(hull);
+    const std::string report =
+        with_placing(tracked_report(tracker, hull, input.points, read), input.placing, drawn);
     chosen.add(report);
-    add_frame(input.points, sequence.index(), tracker.hull(), tracker.survivors(), report,
-              arguments.triangulation(options), scene);
+    add_frame(drawn, sequence.index(), hull, tracker.survivors(), report,
+              arguments.triangulation(options), scene, skipping(input));
   }
   return {scene.page(), chosen.report()};
 }
@@ -271,7 +382,7 @@ std::string result_figures(const cullhull::Hull& hull) {
 Written view_hulls(const ViewArguments& arguments, const std::vector<std::string>& files,
                    const cullhull::Options& options) {
   Shown chosen(files.size());
-  Scene scene(title_of(arguments.input.path), files.size(), chosen.shown());
+  Scene scene(arguments.title(), files.size(), chosen.shown());
   for (std::uint64_t i = 0; i < files.size(); ++i) {
     if (!chosen.wants(i)) continue;
     if (options.stop.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
@@ -287,10 +398,13 @@ Written view_hulls(const ViewArguments& arguments, const std::vector<std::string
   return {scene.page(), chosen.report()};
 }
 
-int run(const ViewArguments& arguments) {
+int run(ViewArguments arguments) {
   if (!cullhull::viewer::available()) Scene("", 1, 1).page();  // throws its reason, before the work
+  arguments.files = arguments.input.find_files();
+  const bool beside = arguments.output.empty();
+  if (beside) arguments.output = page_beside(arguments);
   FilePlan plan;
-  plan.reads(input_files(arguments.input));
+  plan.reads_inputs(arguments.input.words, arguments.files);
   plan.writes("-o", arguments.output, page_endings);
   plan.writes_json(arguments.json);
   cullhull::Options options = arguments.run.options();
@@ -298,22 +412,23 @@ int run(const ViewArguments& arguments) {
   {
     TerminalProgress progress(arguments.run.quiet);
     options.progress = progress.callback();
-    const std::vector<std::string> hulls = hull_files(arguments.input);
-    if (arguments.cells && !hulls.empty())
+    const bool hulls = are_hulls(arguments);
+    if (arguments.cells && hulls)
       throw Error(ErrorCode::invalid_argument, "--delaunay: ", arguments.input.path,
                   " is a hull, without its points");
-    if (hulls.empty() && !may_be_sequence(arguments.input))
+    if (!hulls && !is_sequence(arguments))
       written = view_points(arguments, options);
     else
       cancellable([&] {
-        written = !hulls.empty() ? view_hulls(arguments, hulls, options)
-                                 : view_sequence(arguments, options, options.progress);
+        written = hulls ? view_hulls(arguments, arguments.files, options)
+                        : view_sequence(arguments, options, options.progress);
       });
   }
   cullhull::write_text(arguments.output, written.page);
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, written.report);
   if (!arguments.run.quiet && !plan.uses_stdout())
     write_stdout(wrote_line(arguments.output) + wrote_line(arguments.json));
+  if (beside && !arguments.no_open) system::open_in_browser(arguments.output);
   return 0;
 }
 
@@ -323,11 +438,14 @@ Command add_view(Parser& parent) {
   auto a = std::make_shared<ViewArguments>();
   Parser& command =
       *parent.add_subcommand("view", "Show points and their hull in an interactive HTML page");
-  a->input.add_to(command);
+  a->input.add_many_to(command);
+  command.add_flag("--frames", a->frames,
+                   "Show each file as a frame of moving points, with a slider");
   command.group("Output");
-  needs_value(*command.add_option("-o,--output", a->output, "Write the page"))
-      .type_name("PAGE.html")
-      ->required();
+  needs_value(*command.add_option("-o,--output", a->output,
+                                  "Write the page (default: beside INPUT, and open it)"))
+      .type_name("PAGE.html");
+  command.add_flag("--no-open", a->no_open, "Do not open the page in a browser");
   command.add_flag("--delaunay", a->cells,
                    "Also show the cells of the Delaunay triangulation: in 2D all of\n"
                    "them, in 3D those that the clipping plane cuts");

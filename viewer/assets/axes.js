@@ -147,7 +147,12 @@ class Overlay {
       this.number(ticks.write(v), x + 8 * nx, y + 8 * ny, align, baseline);
     }
     const far = 8 + (align === "center" ? 18 : 46);
-    this.text(name, middle[0] + far * nx, middle[1] + far * ny, align, baseline, colours.ink);
+    // Inside of the picture, which is narrow on phones.
+    const wide = this.pen.measureText(name).width + 4;
+    const [before, behind] = { left: [0, wide], center: [wide / 2, wide / 2], right: [wide, 0] }[align];
+    const x = Math.max(before + 2, Math.min(this.width - behind - 2, middle[0] + far * nx));
+    const y = Math.max(16, Math.min(this.height - 16, middle[1] + far * ny));
+    this.text(name, x, y, align, baseline, colours.ink);
   }
 
   dot(x, y) {

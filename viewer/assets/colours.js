@@ -12,15 +12,27 @@ function scaleColour(t, out, at) {
   for (let c = 0; c < 3; ++c) out[at + c] = Math.round(scaleStops[i][c] * (1 - f) + scaleStops[i + 1][c] * f);
 }
 
+// The number of a row by which it is coloured: of an axis ("2") or of an attribute ("a0").
+function valueOf(scene, frame, by, row) {
+  if (by[0] !== "a") return frame.coordinates[row * scene.axes + Number(by)];
+  const attribute = (frame.attributes || [])[Number(by.slice(1))];
+  return attribute ? attribute.values[row] : 0;
+}
+function colourName(scene, by) {
+  if (by[0] !== "a") return axisName(Number(by), scene.dimension);
+  const name = scene.frames.find((f) => f.attributes).attributes[Number(by.slice(1))].name;
+  return name[0].toUpperCase() + name.slice(1).replaceAll("_", " ");
+}
+
 // The range of values that a colour scale covers: without the outermost two per cent at either end,
 // so that a bird above a landscape does not compress all other colours. If most values are low,
 // such as the ground between trees, the scale is t to a power, which gives them more of the
 // colours.
-function colourRange(scene, axis) {
+function colourRange(scene, by) {
   const values = [];
   for (const frame of scene.frames) {
     const step = Math.max(1, Math.floor((frame.ids.length * scene.frames.length) / 20000));
-    for (let row = 0; row < frame.ids.length; row += step) values.push(frame.coordinates[row * scene.axes + axis]);
+    for (let row = 0; row < frame.ids.length; row += step) values.push(valueOf(scene, frame, by, row));
   }
   values.sort((a, b) => a - b);
   const at = (share) => values[Math.min(values.length - 1, Math.floor(share * values.length))] || 0;
@@ -46,10 +58,10 @@ function rowColours(scene, frame, by, range) {
   if (by === "role") return null;
   const count = frame.ids.length - frame.vertices;
   if (by === "file") return frame.colours ? frame.colours.subarray(3 * frame.vertices) : null;
-  const axis = Number(by), span = range.high / 2 - range.low / 2 || 1;
+  const span = range.high / 2 - range.low / 2 || 1;
   const out = new Uint8Array(3 * count);
   for (let i = 0; i < count; ++i) {
-    const x = frame.coordinates[(frame.vertices + i) * scene.axes + axis];
+    const x = valueOf(scene, frame, by, frame.vertices + i);
     scaleColour(Math.max(0, (x / 2 - range.low / 2) / span) ** range.power, out, 3 * i);
   }
   return out;

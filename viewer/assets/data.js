@@ -20,7 +20,8 @@ function readScene() {
     }
   };
   for (const frame of scene.frames) {
-    unpack(frame, ["ids", "coordinates", "colours", "edges", "triangles", "facets", "cells"]);
+    unpack(frame, ["ids", "coordinates", "colours", "edges", "triangles", "facets", "cells", "measures"]);
+    for (const attribute of frame.attributes || []) unpack(attribute, ["values"]);
     for (const shadow of frame.shadows || []) unpack(shadow, ["edges", "triangles"]);
   }
   scene.ranges = axisRanges(scene);

@@ -10,6 +10,11 @@ function element(tag, attributes, ...children) {
   return node;
 }
 
+// Whether a filter left some of the points, so that the others are told apart.
+function wasFiltered(frame) {
+  return Boolean(frame.report.cull) && frame.report.cull.method !== "none";
+}
+
 // Converts {"cull": {"method": ...}} to [["cull.method", ...], ...].
 function flattened(report, prefix = "") {
   return Object.entries(report).flatMap(([key, value]) =>
@@ -33,19 +38,20 @@ const figureNames = {
   threads: "Threads", backend: "Backend", version: "cullhull",
   "track.method": "Tracking", "track.scan_survivors": "Left by the scan", "track.scan_seconds": "Scanning",
   "track.vertices_came": "Vertices that came", "track.vertices_went": "Vertices that went",
+  skipped: "Points with NaN, skipped", "placement.numbers": "Coordinates", "placement.grid": "Grid of the coordinates",
+  "placement.scale": "Scale of the file", "placement.offset": "Offset of the file", "placement.unit": "Unit", "placement.extent": "Extent",
   "track.facets_came": "Facets that came", "track.facets_went": "Facets that went",
 };
-const resultFigures = new Set(["points.count", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "length", "perimeter", "area", "volume", "centroid", "cull.survivors",
+const resultFigures = new Set(["points.count", "skipped", "points.dimension", "points.scalar", "affine_dimension", "vertex_count", "facet_count", "simplex_count", "length", "perimeter", "area", "volume", "centroid", "cull.survivors",
   "track.vertices_came", "track.vertices_went", "track.facets_came", "track.facets_went"]);
 
-// At most six digits; groups of three before the point.
+// At most six digits, or all before the point and one behind it; groups of three before the point.
 function numberText(value) {
   const size = Math.abs(value);
   const short = Number(size.toPrecision(6));
-  if (short >= 1e15 || (short < 1e-4 && short > 0)) return value.toExponential(Math.min(5, digitsOf(value) - 1)).replace("e+", "e").replaceAll("-", "−");
-  const [unit, name] = short >= 1e9 ? [1e9, " G"] : short >= 1e6 ? [1e6, " M"] : [1, ""];
-  const [whole, rest] = String(Number((size / unit).toPrecision(6))).split(".");
-  return (value < 0 ? "−" : "") + whole.replace(/\B(?=(\d{3})+$)/g, ",") + (rest ? "." + rest : "") + name;
+  if (short >= 1e12 || (short < 1e-4 && short > 0)) return value.toExponential(Math.min(5, digitsOf(value) - 1)).replace("e+", "e").replaceAll("-", "−");
+  const [whole, rest] = String(short >= 1e5 ? Number(size.toFixed(1)) : short).split(".");
+  return (value < 0 ? "−" : "") + whole.replace(/\B(?=(\d{3})+$)/g, ",") + (rest ? "." + rest : "");
 }
 function digitsOf(value) {
   return value.toExponential().replace(/e.*|[-.]/g, "").length;
@@ -70,7 +76,11 @@ function numberCell(value, attributes = {}, lines = [numberText(value)]) {
   return cell;
 }
 
+const placedNumbers = { grid: "exact on the grid", rounded: "rounded to doubles", file: "stored numbers, without scale and offset" };
+
 function figureText(key, value) {
+  if (key === "placement.numbers") return placedNumbers[value] || value;
+  if (key === "placement.extent") return value.map(([low, high]) => `${numberText(low)} to ${numberText(high)}`).join("; ");
   if (value === null) return "not asked";
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (Array.isArray(value)) return value.map((v) => figureText(key, v)).join(", ");
@@ -96,6 +106,8 @@ function showFigures(report) {
   const rows = { result: [], run: [] };
   for (const [key, value] of flattened(report)) {
     if (Array.isArray(value) && value.length === 0) continue;
+    if (value === null && key.startsWith("placement.")) continue;  // the file does not say
+    if (key === "cull.survivors" && report.cull.method === "none") continue;  // nothing was filtered
     if (key === "schema" || key === "kind") continue;  // about the report, not the hull
     const number = typeof value === "number" || key === "centroid";
     const lines = key === "centroid" ? value.map((v) => figureText(key, v)) : [figureText(key, value)];
@@ -130,7 +142,7 @@ function notesOf(scene, frame) {
   const notes = [], r = frame.report;
   const list = [];
   if (!frame.simplified) list.push(part(frame.vertices, frame.all_vertices, "vertex", "vertices"));
-  if (frame.all_survivors > 0) list.push(part(frame.survivors, frame.all_survivors, "other survivor"));
+  if (frame.all_survivors > 0) list.push(part(frame.survivors, frame.all_survivors, wasFiltered(frame) ? "other survivor" : "other point"));
   if (frame.all_points > 0) list.push(part(frame.points, frame.all_points, "dropped point"));
   if (frame.simplified)
     notes.push(`The hull is too large for this page. Drawn is the hull of ${grouped.format(frame.vertices)} of its ${grouped.format(frame.all_vertices)} vertices, a fair sample.`);
@@ -160,7 +172,8 @@ function showNotes(scene, frame) {
 }
 
 function rowKind(frame, row) {
-  return row < frame.vertices ? "Vertex" : row < frame.vertices + frame.survivors ? "Survivor" : "Dropped point";
+  if (frame.point_name) return row < frame.vertices ? frame.vertex_name : frame.point_name;
+  return row < frame.vertices ? "Vertex" : row < frame.vertices + frame.survivors ? (wasFiltered(frame) ? "Survivor" : "Point") : "Dropped point";
 }
 
 function tableOf(rows) {
@@ -176,6 +189,8 @@ function showPickedRow(scene, frame, row) {
   const rows = [];
   for (let axis = 0; axis < scene.axes; ++axis)
     rows.push([axisName(axis, scene.dimension), element("td", { class: "number" }, String(frame.coordinates[row * scene.axes + axis]))]);
+  if (frame.measures && row >= frame.vertices)  // of a diagram: the cell of the site
+    rows.push([scene.dimension === 2 ? "Area of the cell" : "Volume of the cell", numberCell(frame.measures[frame.ids[row]])]);
   document.getElementById("picked").replaceChildren(element("strong", {}, `${rowKind(frame, row)} ${frame.ids[row]}`), tableOf(rows));
 }
 // `facet`: a result of facetFigures (tools.js).

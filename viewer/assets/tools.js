@@ -28,6 +28,19 @@ function triangleAt(positions, triangles, sight, clip) {
   return best;
 }
 
+// The triangle of a plot that a place is in: its number, or null.
+function flatTriangleAt(positions, triangles, [x, y]) {
+  for (let t = 0; t < triangles.length / 3; ++t) {
+    const corners = [0, 1, 2].map((k) => 3 * triangles[3 * t + k]);
+    const turns = corners.map((a, k) => {
+      const b = corners[(k + 1) % 3];
+      return (positions[b] - positions[a]) * (y - positions[a + 1]) - (positions[b + 1] - positions[a + 1]) * (x - positions[a]);
+    });
+    if (turns.every((turn) => turn >= 0) || turns.every((turn) => turn <= 0)) return t;
+  }
+  return null;
+}
+
 // Area, outward unit normal, offset and corners of a facet of a 3D hull, from the exact
 // coordinates. Computed in doubles relative to the first corner: accurate to about 12 digits.
 function facetFigures(scene, frame, facet) {

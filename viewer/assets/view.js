@@ -118,13 +118,13 @@ class Viewer {
     const byAxis = this.colourBy !== "role" && this.colourBy !== "file";
     if (byAxis) {
       this.ranges = this.ranges || {};
-      this.ranges[this.colourBy] = this.ranges[this.colourBy] || colourRange(this.scene, Number(this.colourBy));
+      this.ranges[this.colourBy] = this.ranges[this.colourBy] || colourRange(this.scene, this.colourBy);
     }
     const range = byAxis ? this.ranges[this.colourBy] : null;
     this.stage.tint(rowColours(this.scene, this.frame, this.colourBy, range), this.frame.survivors);
     document.getElementById("legend").hidden = !byAxis;
     if (byAxis) {
-      const name = axisName(Number(this.colourBy), this.scene.dimension);
+      const name = colourName(this.scene, this.colourBy);
       document.querySelector("#legend i").style.background = scaleGradient(range);
       document.getElementById("legend-low").textContent = `${name} ${numberText(Number(range.low.toPrecision(4)))}`;
       document.getElementById("legend-high").textContent = numberText(Number(range.high.toPrecision(4)));
@@ -166,12 +166,24 @@ class Viewer {
   }
   // Handles a click: it picks a vertex, else the facet in front, else any point.
   click(x, y, radius) {
+    if (this.frame.measures && !this.measure.on) return this.pick(this.siteAt(x, y));
     const vertex = this.rowAt(x, y, radius, ["vertices"]);
     const hit = vertex === null ? this.surfaceAt(x, y) : null;
     const row = vertex !== null || hit ? vertex : this.rowAt(x, y, radius, ["survivors", "points"]);
     if (this.measure.on) this.measure.add(this.endOf(row, hit));
     else if (hit && this.hasFacets) this.pickFacet(this.shape.facets[hit.triangle]);
     else this.pick(row);
+  }
+  // Of a diagram: the row of the site whose cell is there, or null.
+  siteAt(x, y) {
+    const { frame } = this;
+    let triangle = null;
+    if (this.flat) triangle = flatTriangleAt(this.stage.hull, frame.triangles, this.rig.toPicture(x, y));
+    else {
+      const hit = this.surfaceAt(x, y);
+      if (hit) triangle = hit.triangle;
+    }
+    return triangle === null ? null : frame.vertices + frame.ids[frame.triangles[3 * triangle]];
   }
   surfaceAt(x, y) {
     if (this.flat || !this.on.faces || this.scene.axes > 3) return null;
@@ -243,8 +255,8 @@ class Viewer {
     const high = this.scene.frames.some((f) => f.affine_dimension > 3);
     const shadowed = high && this.scene.frames.some((f) => f.shadows);
     const toggles = [
-      ["points", "Dropped", "P", "points", "", any("points")],
-      ["survivors", "Survivors", "S", "survivors", "", any("survivors")],
+      ["points", "Dropped", "P", "points", "", any("points")],  // none where nothing was filtered
+      ["survivors", this.scene.frames.some((f) => f.point_name) ? "Sites" : this.scene.frames.some(wasFiltered) ? "Survivors" : "Points", "S", "survivors", "", any("survivors")],
       ["vertices", "Vertices", "V", "vertices", "", any("vertices")],
       ["faces", this.flat ? "Area" : "Faces", "F", "hull", "area", high || any("triangles")],
       ["edges", high ? "Outline" : "Edges", "E", "edges", "stroke", any("edges")],
@@ -279,10 +291,13 @@ class Viewer {
       document.getElementById(id === "colour-by" ? "colour-choice" : "proportions-choice").hidden = options.length < 2;
     };
     const dots = this.scene.frames.some((f) => f.survivors + f.points > 0);
-    const by = dots ? [["role", "Kept or dropped"]] : [];
+    const by = dots ? [["role", this.scene.frames.some(wasFiltered) ? "Kept or dropped" : "One colour"]] : [];
     if (dots && this.scene.frames.some((f) => f.colours)) by.push(["file", "Colours of the file"]);
     for (let axis = 0; dots && axis < this.scene.axes; ++axis)
       by.push([String(axis), axis === 2 && this.scene.dimension === 3 ? "Height (z)" : axisName(axis, this.scene.dimension)]);
+    const attributed = this.scene.frames.find((f) => f.attributes);
+    for (let k = 0; dots && attributed && k < attributed.attributes.length; ++k)
+      by.push(["a" + k, colourName(this.scene, "a" + k)]);
     choice("colour-by", by, this.colourBy, (value) => {
       this.colourBy = value;
       this.tint();

@@ -448,12 +448,12 @@ class ClippedCells(Exported, Native):
         )
 
     def _page(self) -> str:
-        from ._pages import page_of_surface
+        from ._pages import Sites, page_of_surface
 
         surface = self._surface()
-        return page_of_surface(
-            surface, self.mesh().faces if surface.points.shape[1] == 2 else None, self._table()
-        )
+        edges = self.mesh().faces if surface.points.shape[1] == 2 else None
+        sites = Sites(self.points, self.measures)
+        return page_of_surface(surface, edges, self._table(), sites)
 
     def __len__(self) -> int:
         return len(self.measures)

@@ -7,7 +7,7 @@ import html as markup
 import json
 import os
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,14 +58,25 @@ def page_of_hull(hull: _core.Solid, points: Any) -> str:
         return _made([source])
 
 
+class Sites(NamedTuple):
+    """Of a diagram: its points, and the measure of the cell of each."""
+
+    points: npt.NDArray[Any]
+    measures: npt.NDArray[np.float64]
+
+
 def page_of_surface(
-    surface: Surface, edges: npt.NDArray[np.int64] | None, table: Table
+    surface: Surface,
+    edges: npt.NDArray[np.int64] | None,
+    table: Table,
+    sites: Sites | None = None,
 ) -> str:
-    """Of polygons, with their edges unless others are given."""
+    """Of polygons, with their edges unless others are given; of the cells of sites, where the
+    numbers of the corners are those of the sites."""
     if edges is None:
         edges = _edges(surface)
     points, ids, _, triangles, pieces, _ = surface
-    return _page(points, ids, edges, triangles, table, facets=pieces)
+    return _page(points, ids, edges, triangles, table, facets=pieces, sites=sites)
 
 
 def page_of_cells(volume: Volume, boundary: npt.NDArray[np.int64], table: Table) -> str:
@@ -108,9 +119,14 @@ def _page(
     *,
     facets: npt.NDArray[Any],
     cells: npt.NDArray[Any] | None = None,
+    sites: Sites | None = None,
 ) -> str:
     count, dimension = points.shape
     held = _Bytes()
+    corners = count
+    if sites is not None:  # rows behind those of the corners
+        points = np.concatenate([points, np.asarray(sites.points, dtype=np.float64)])
+        ids = np.concatenate([ids, np.arange(len(sites.points))])
     frame: dict[str, Any] = {
         "index": 0,
         "affine_dimension": dimension,
@@ -136,6 +152,13 @@ def _page(
             "rows": list(table.rows),
         },
     }
+    if sites is not None:
+        given = len(sites.points)
+        frame.update(survivors=given, all_survivors=given)
+        frame.update(point_name="Site", vertex_name="Corner of cell")
+        frame["measures"] = held.add(sites.measures, "f64")
+        frame["notes"] = [f"All {given:,} sites and {corners:,} corners of their cells."]
+        frame["report"]["points"]["count"] = given
     if cells is not None:
         frame["cell_corners"], frame["cell_points"] = 4, count
         frame["cells"] = held.add(cells, "u32")

@@ -177,3 +177,24 @@ def test_a_surface_of_many_facets_is_opaque_and_lit():
     assert np.allclose(hull.plot(facecolor="red").collections[0].get_facecolor()[0, :3], [1, 0, 0])
     few = cullhull.convex_hull(cullhull.generate("sphere", 20, 3)).plot().collections[0]
     assert few.get_alpha() == 0.4
+
+
+def scene_of(path):
+    text = path.read_text()
+    begin = text.index(">", text.index('id="scene"')) + 1
+    return json.loads(text[begin : text.index("</script>", begin)])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_pages_of_diagrams_have_their_sites(tmp_path, dimension):
+    points = np.random.default_rng(5).random((30, dimension))
+    cells = cullhull.voronoi(points).clip(points.min(axis=0), points.max(axis=0))
+    try:
+        cells.view(tmp_path / "cells.html", show=False)
+    except cullhull.BackendUnavailable:
+        pytest.skip("built without three.js")
+    (frame,) = scene_of(tmp_path / "cells.html")["frames"]
+    assert frame["survivors"] == 30 and frame["point_name"] == "Site"
+    assert frame["measures"][1] == 30
+    assert frame["ids"][1] == frame["vertices"] + 30
+    assert frame["report"]["points"]["count"] == 30
