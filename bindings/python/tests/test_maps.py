@@ -2,8 +2,10 @@
 GeoPandas and GDAL read with their coordinate reference system, fields and areas."""
 
 import json
+import re
 import struct
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -362,6 +364,17 @@ def test_cells_as_a_table_of_geopandas():
     solid = cullhull.voronoi(np.random.default_rng(1).normal(size=(9, 3))).clip([-1] * 3, [1] * 3)
     with pytest.raises(cullhull.InvalidArgument):
         solid.to_geopandas()
+
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "maps.md"
+
+
+@pytest.mark.skipif(not PAGE.exists(), reason="only in the repository")
+def test_the_pages_sample_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    code = re.findall(r"^```python\n(.*?)^```$", PAGE.read_text(), re.M | re.S)
+    assert len(code) == 1
+    exec(code[0], {})  # it asserts what it says
 
 
 # ------------------------------------------------------------------------------ GeoParquet
