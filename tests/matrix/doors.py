@@ -219,6 +219,10 @@ def _las_columns(folder: Path, s: PointSet) -> Entry:
     return Entry([str(path)], ["--columns", "x,y"])
 
 
+def finite(s: PointSet) -> Optional[str]:
+    return None if s.finite else "a remark comes before the error"
+
+
 def missed_nowhere(s: PointSet) -> Optional[str]:
     return "a record of zeros has no return" if (s.points == 0).all(axis=1).any() else None
 
@@ -279,7 +283,7 @@ DOORS = [
     Door(
         "csv-decimal-commas",
         _file(".csv", lambda p: files.decimal_commas(p, ";")),
-        both(not_empty, not_on_a_line),
+        both(not_empty, not_on_a_line, finite),
     ),
     Door(
         "txt-decimal-commas",
@@ -288,8 +292,8 @@ DOORS = [
         options=frozenset(["--decimal"]),
     ),
     Door("json-rows", _file(".json", files.json_rows), both(not_empty, in_json)),
-    Door("pts", _file(".pts", files.pts), both(SPACE, not_empty)),
-    Door("ptx", _file(".ptx", files.ptx), both(SPACE, missed_nowhere)),
+    Door("pts", _file(".pts", files.pts), both(SPACE, not_empty, finite)),
+    Door("ptx", _file(".ptx", files.ptx), both(SPACE, missed_nowhere, finite)),
     Door("node", _file(".node", files.node), DIMENSIONS),
     Door(
         "csv-columns",

@@ -51,7 +51,8 @@ def pts(p: Any) -> bytes:
 
 def ptx(p: Any) -> bytes:
     """Leica's: a scan of one column at the origin, in which some records have no return."""
-    head = f"1\n{len(p) + 2}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+    axes = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    head = f"1\n{len(p) + 2}\n{axes}1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
     missed = b"0 0 0 0.5\n"
     rows = lines(np.column_stack([p, np.full(len(p), 0.25)]))
     return head.encode() + missed + rows + missed

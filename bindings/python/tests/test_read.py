@@ -398,7 +398,8 @@ def test_csv_with_decimal_commas(tmp_path):
 def test_csv_whose_names_say_nothing(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("mass,L\u00e4nge,name\n1,2,a\n3,4,b\n", encoding="utf-8")
-    with pytest.raises(cullhull.BadFile, match="'mass', 'L\u00e4nge', 'name'; .* 0,1 .in Python columns="):
+    way = "'mass', 'L\u00e4nge', 'name'; .* 0,1 .in Python columns="
+    with pytest.raises(cullhull.BadFile, match=way):
         cullhull.read(path)
     for columns in ("mass,L\u00e4nge", "0,1", "0:2", [0, 1], ["mass", "L\u00e4nge"]):
         assert cullhull.read(path, columns=columns).tolist() == [[1, 2], [3, 4]]
