@@ -301,6 +301,58 @@ TEST(CertifyNumbers, MeasuresOfManyDimensions) {
   }
 }
 
+/// Beyond eight dimensions measures are held to what is lost, not to what elimination may lose at
+/// worst, and right ones pass, of thin hulls as well.
+TEST(CertifyNumbers, MeasuresBeyondEightDimensionsAreTight) {
+  for (const unsigned d : {9U, 11U})
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      std::vector<PointSet> sets{random_set("sphere", d + 4, d, seed),
+                                 random_set("cube", d + 4, d, seed),
+                                 flat(d + 2, d, d + 4, 1000, seed)};
+      for (const int bits : {-8, -20, -34}) {  // thinner and thinner, and askew
+        PointSet s = random_set("cube", d + 4, d, seed);
+        for (std::size_t i = 0; i < s.coordinates.size(); i += d)
+          s.coordinates[i] = std::ldexp(s.coordinates[i], bits);
+        turn_axes(s, 0, 1, 0.7);
+        turn_axes(s, 0, d - 1, 0.4);
+        sets.push_back(s);
+      }
+      for (const PointSet& s : sets) {
+        const Hull good = convex_hull(view_of(s));
+        ASSERT_EQ(reason(s, good), "") << s.name;
+        for (const double off : {1e-6, -1e-9}) {
+          if (&s == &sets[2] && off != 1e-6) continue;  // the library sees a projection of it
+          Hull bad = good;
+          bad.volume *= 1 + off;
+          EXPECT_EQ(reason(s, bad).find("the volume"), 0U) << s.name << " " << off;
+          bad = good;
+          bad.area *= 1 + off;
+          EXPECT_EQ(reason(s, bad).find("the area"), 0U) << s.name << " " << off;
+        }
+      }
+    }
+}
+
+/// Facets of the curve of powers are so thin that their normals need long numbers; that takes
+/// about as long as the hull, which needs them as well.
+TEST(CertifyNumbers, ThinFacetsTakeAboutAsLongAsTheHull) {
+  PointSet s = named("curve of powers", 8);
+  for (int i = 1; i <= 22; ++i) {
+    std::vector<double> p;
+    for (int power = 1; power <= 8; ++power) p.push_back(std::pow(i, power));
+    s.add(p);
+  }
+  const auto seconds = [](const auto& body) {
+    const std::clock_t before = std::clock();
+    body();
+    return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  };
+  Hull hull;
+  const double of_hull = seconds([&] { hull = convex_hull(view_of(s)); });
+  const double of_proof = seconds([&] { EXPECT_EQ(reason(s, hull), ""); });
+  EXPECT_LT(of_proof, 3 * of_hull + 0.2);
+}
+
 /// Axes whose proportions make every facet a needle: the exact normals take no more than integers
 /// of a column each.
 TEST(CertifyNumbers, AxesOfAnyProportionsTakeNoLonger) {

@@ -172,6 +172,11 @@ class SlowNumbers {
     const double k = k_;
     return 0x1p-13 * (k_ > 8 ? std::sqrt(std::tgamma(k + 1) / std::pow(k, k)) : 1);
   }
+  /// For k > 8: of a share of the sums, relative to itself and in units of 2^-53.
+  double loss(double share) const {
+    return std::max((k_ == d_ ? 16.0 : 256.0) * k_, 4.0 * (d_ + 4)) *
+           std::max(1.0, 0x1p13 * careful() / std::max(share, careful()));
+  }
   double alpha() const {
     const double r = k_ - 1.0, roundings = this->roundings();
     if (k_ == 1) return 0;
@@ -261,6 +266,12 @@ class SlowNumbers {
     for (unsigned j = 2; j < k_; ++j) factorial *= j;
     for (unsigned c = 0; c < d_; ++c)
       sums_.centroid.emplace_back(big(origin[c]) + moment[c] / (sums_.volume * (k_ + 1)));
+    if (k_ > 8) {
+      if (k_ == d_ && in_doubles_ > sums_.volume * 0x1p-41)
+        sums_.area_bound = sums_.volume_bound = 0;
+      sums_.area_bound += sums_.area * 0x1p-40;
+      sums_.volume_bound += sums_.volume * 0x1p-40;
+    }
     sums_.area /= factorial;
     sums_.area_bound /= factorial;
     sums_.volume /= factorial * k_;
@@ -289,8 +300,16 @@ class SlowNumbers {
     }
     sums_.area += f.measure;
     sums_.volume += volume;
-    sums_.area_bound += unit * (alpha() * spread * thin * f.lengths + beta() * f.measure);
-    sums_.volume_bound += unit * (alpha() * lost * thin * f.lengths + beta() * kept * f.measure);
+    if (k_ > 8) {
+      mpq_class most;
+      for (const mpq_class& x : reach) most = std::max(most, mpq_class(abs(x)));
+      in_doubles_ += unit * big(most) * f.measure;
+      sums_.area_bound += unit * loss(f.share) * f.measure;
+      sums_.volume_bound += unit * loss(f.share) * kept * f.measure;
+    } else {
+      sums_.area_bound += unit * (alpha() * spread * thin * f.lengths + beta() * f.measure);
+      sums_.volume_bound += unit * (alpha() * lost * thin * f.lengths + beta() * kept * f.measure);
+    }
     for (unsigned c = 0; c < d_; ++c) {
       mpq_class sum;
       for (unsigned j = 0; j < k_; ++j) sum += at(v[j])[c] - origin[c];
@@ -306,6 +325,7 @@ class SlowNumbers {
   bool wild_ = false, summed_ = false;
   std::map<std::uint64_t, Plane> planes_;
   Sums sums_;
+  mpf_class in_doubles_ = mpf_class(0, bits);  ///< by which the library chooses its arithmetic
 };
 
 }  // namespace cullhull::testing_support

@@ -186,7 +186,10 @@ CheckedFacets::CheckedFacets(const Subject& s)
   beta_ = 2 * d_ + 48;
   // Where random edges are far from orthogonal (k > 8), the library uses doubles down to smaller
   // shares.
-  for (unsigned i = 1; k_ > 8 && i <= k_; ++i) careful_share_ *= std::sqrt(i / k);
+  for (unsigned i = 1; k_ > 8 && i <= k_; ++i) usual_share_ *= std::sqrt(i / k);
+  careful_share_ *= usual_share_;
+  // Four times the check's own d + 4 roundings of a height, and more in the projection of a flat.
+  loss_ = std::max((k_ == d_ ? 16 : 256) * k, 4.0 * (d_ + 4));
   // docs/exactness.md, "Numbers": the greatest permanents of simplices computed in doubles.
   double spread = std::pow(k, -(k - 1) / 2);
   for (unsigned i = 2; i <= k_; ++i) spread *= i;
@@ -228,6 +231,11 @@ double CheckedFacets::normal_bound(const FacetTerms& t, std::uint32_t simplex, u
 double CheckedFacets::offset_underflow() const {
   const double least = std::numeric_limits<double>::denorm_min();
   return wild_ ? least : least * 4 * d_ * std::max(largest_, 1.0) + least;
+}
+
+bool CheckedFacets::is_corner(std::uint32_t simplex, std::uint32_t v) const {
+  const std::uint32_t* const corners = s_.simplex(simplex);
+  return std::find(corners, corners + k_, v) != corners + k_;
 }
 
 /// Whether the edge is so long that its products do not underflow and its scaling was exact.
@@ -291,7 +299,7 @@ bool CheckedFacets::orthogonally(std::uint32_t i, FacetTerms& out) const {
   // Orthonormal to 2^-100 / share of the simplex: at least 60 bits remain.
   if (!(o.measure.high > 0x1p-36 * o.lengths.high)) return false;
   for (const std::uint32_t b : s_.basis)
-    if (in_range(v[0], b)) o.offer_apex(at(v[0]), at(b));
+    if (in_range(v[0], b) && !is_corner(i, b)) o.offer_apex(at(v[0]), at(b));
   if (o.outward.empty() || !(o.upright.high > 0x1p-24)) return false;
   out.normal.resize(d_);
   out.spread.clear();
@@ -490,11 +498,15 @@ WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) 
   }
   for (unsigned j = 1; j < k_; ++j) {
     mpf_class square(0, bits);
+    std::vector<mpf_class> edge;
     for (unsigned c = 0; c < k_; ++c) {
-      const mpf_class step = mpf_class(corners[j][c], bits) - mpf_class(corners[0][c], bits);
-      square += step * step;
+      edge.push_back(mpf_class(corners[j][c], bits) - mpf_class(corners[0][c], bits));
+      square += edge[c] * edge[c];
     }
-    w.lengths *= sqrt(square);
+    const mpf_class length = sqrt(square);
+    w.lengths *= length;
+    for (const mpf_class& step : edge)
+      w.unit_edges.push_back(length > 0 ? mpf_class(step / length).get_d() : 0);
   }
   return w;
 }
@@ -505,8 +517,14 @@ WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   std::vector<const double*> scratch(k_ + 1);
   const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
   const double* const origin = level ? nullptr : row(0);
-  if (WideTerms w; k_ == d_ && k_ >= 2 && k_ <= 8 && wide_cofactors(i, origin, w)) return w;
-  if (k_ == d_ && k_ > 8) return exact_cofactors(i, origin);
+  if (k_ == d_ && k_ >= 2) {
+    // Short integers take a tenth of the time of floats of 256 bits, long ones several times it.
+    constexpr mp_bitcnt_t short_integers = 256;
+    if (WideTerms w;
+        k_ <= 8 && wide_bits(i) > 2 * k_ * short_integers && wide_cofactors(i, origin, w))
+      return w;
+    return exact_cofactors(i, origin);
+  }
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
   // Flats of frames whose axes differ extremely are tested by a bound for each component; the
@@ -518,7 +536,8 @@ WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
     for (unsigned j = 1; j < k_ && whole; ++j) whole = o.add_edge(row(v[0]), row(v[j]));
     if (!whole && last) fault("simplex ", i, " is degenerate");
     if (!whole) continue;
-    for (const std::uint32_t b : s_.basis) o.offer_apex(row(v[0]), row(b));
+    for (const std::uint32_t b : s_.basis)
+      if (!is_corner(i, b)) o.offer_apex(row(v[0]), row(b));
     if (o.outward.empty() && last) fault("the plane of simplex ", i, " holds all vertices");
     if (!last && !o.trusted(bits)) continue;
     mpf_class height(0, last ? enough : bits);

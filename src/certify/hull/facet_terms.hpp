@@ -4,6 +4,7 @@
 
 #include <gmpxx.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -69,6 +70,12 @@ class CheckedFacets {
   double relative_bound() const { return relative_; }
   double alpha() const { return alpha_; }  ///< per unit of `spread`, else of `lengths`
   double beta() const { return beta_; }    ///< per unit of the normal itself
+  /// For k > 8: the greatest relative error of a simplex's measure, and of its height over the
+  /// distance, in units of 2^-53. Edges in random directions have a share of about `usual_share`; a
+  /// smaller share magnifies rounding by as much.
+  double loss(const FacetTerms& t) const {
+    return loss_ * std::max(1.0, usual_share_ / std::max(t.share, careful_share_));
+  }
 
   static constexpr double unit = 0x1p-53;
   /// The library computes planes and measures of simplices with a smaller share with more bits than
@@ -88,6 +95,7 @@ class CheckedFacets {
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
   bool in_range(std::uint32_t from, std::uint32_t to) const;
+  bool is_corner(std::uint32_t simplex, std::uint32_t v) const;
 
   const Subject& s_;
   const unsigned d_, k_;
@@ -98,6 +106,7 @@ class CheckedFacets {
   std::vector<double> scaled_;
   std::vector<std::uint8_t> constant_;  ///< axes orthogonal to the flat
   double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13, relative_ = 0.25;
+  double usual_share_ = 1, loss_ = 0;
 };
 
 }  // namespace cullhull::internal::certify

@@ -134,15 +134,22 @@ struct Sums {
   Sum volume, area;
   std::vector<Sum> moment;
   Bound volume_bound, area_bound;
+  Bound in_doubles;  ///< what the library compares with the volume, to choose its arithmetic
 
   Sums(unsigned d, const Sum& zero, const Bound& none)
-      : volume(zero), area(zero), moment(d, zero), volume_bound(none), area_bound(none) {}
+      : volume(zero),
+        area(zero),
+        moment(d, zero),
+        volume_bound(none),
+        area_bound(none),
+        in_doubles(none) {}
   void add(const Sums& o) {
     volume = volume + o.volume;
     area = area + o.area;
     for (std::size_t c = 0; c < moment.size(); ++c) moment[c] = moment[c] + o.moment[c];
     volume_bound += o.volume_bound;
     area_bound += o.area_bound;
+    in_doubles += o.in_doubles;
   }
 };
 using QuickSums = Sums<DoubleDouble, double>;
@@ -169,9 +176,13 @@ class MeasureCheck {
   /// underflow the sums lost nothing, even if terms of single simplices did.
   bool settled(const QuickSums& q) const {
     return q.volume.high > 0x1p-500 && q.area.high > 0x1p-500 && q.volume.high < 0x1p900 &&
-           q.volume_bound <= f_.relative_bound() * q.volume.high &&
-           q.area_bound <= f_.relative_bound() * q.area.high;
+           q.volume_bound <= tight() * q.volume.high && q.area_bound <= tight() * q.area.high;
   }
+  /// The relative bound above which sums are computed exactly.
+  double tight() const { return many() ? 0x1p-38 : f_.relative_bound(); }
+  /// Beyond eight dimensions volume and area are bounded by what is lost in facets as thin as these
+  /// are.
+  bool many() const { return k_ > 8; }
   bool single() const { return h_.facets.size() == s_.simplex_count(); }
 
   /// Error bounds of the measure of a simplex's parallelotope and of its product with the height;
@@ -179,6 +190,7 @@ class MeasureCheck {
   /// passed separately, because their quotient may be outside the range of doubles.
   template <class Number>
   Number area_bound(const FacetTerms& t, const Number& lengths, const Number& measure) const {
+    if (many()) return unit * f_.loss(t) * measure;
     const double spread = f_.by_component() ? t.spread_length : 1;
     return unit * (f_.alpha() * spread * thin(t) * lengths + f_.beta() * measure);
   }
@@ -195,8 +207,19 @@ class MeasureCheck {
     } else {
       for (unsigned c = 0; c < d_; ++c) kept += reach[c] * reach[c];
       lost = kept = sqrt(kept);
+      if (many()) return unit * f_.loss(t) * kept * measure;
     }
     return unit * (f_.alpha() * thin(t) * lost * lengths + f_.beta() * kept * measure);
+  }
+  /// The share of a simplex of the sum by which the library chooses its arithmetic.
+  template <class Number>
+  Number in_doubles(const std::vector<Number>& reach, const Number& zero,
+                    const Number& measure) const {
+    using std::abs;
+    Number most = zero;
+    for (const Number& r : reach)
+      if (abs(r) > most) most = abs(r);
+    return unit * most * measure;
   }
   double thin(const FacetTerms& t) const {
     return std::min(1.0, t.share / f_.careful_share()) + 0x1p-48;
@@ -233,6 +256,7 @@ class MeasureCheck {
     out.volume = out.volume + DoubleDouble(volume);
     out.area_bound += area_bound(t, t.lengths, area);
     out.volume_bound += volume_bound(t, t.normal, reach, 0.0, t.lengths, area);
+    if (many()) out.in_doubles += in_doubles(reach, 0.0, area);
     for (unsigned c = 0; c < d_; ++c) {
       double sum = 0;
       for (unsigned j = 0; j < k_; ++j) sum += f_.at(v[j])[c] - o[c];
@@ -250,6 +274,7 @@ class MeasureCheck {
     for (unsigned c = 0; c < d_; ++c) w.moment[c] = widened(q.moment[c]);
     w.volume_bound = q.volume_bound;
     w.area_bound = q.area_bound;
+    w.in_doubles = q.in_doubles;
     return w;
   }
 
@@ -287,6 +312,7 @@ class MeasureCheck {
     out.volume += volume;
     out.area_bound += area_bound(t, w.lengths, w.measure);
     out.volume_bound += volume_bound(t, w.normal, reach, mpf_class(0, bits), w.lengths, w.measure);
+    if (many()) out.in_doubles += in_doubles(reach, mpf_class(0, bits), w.measure);
     for (unsigned c = 0; c < d_; ++c) {
       mpf_class sum(0, bits);
       for (unsigned j = 0; j < k_; ++j) sum += mpf_class(at(v[j])[c], bits) - mpf_class(o[c], bits);
@@ -294,8 +320,20 @@ class MeasureCheck {
     }
   }
 
+  /// Beyond eight dimensions: 2^-40 of the values, and what sums in doubles lose. The library
+  /// computes with more bits where `in_doubles` is above 2^-42 of the volume; in flats it sees a
+  /// projection, so that this sum is not known here.
+  void tighten(WideSums& t) const {
+    if (k_ == d_ && t.in_doubles > t.volume * 0x1p-41) t.volume_bound = t.area_bound = 0;
+    t.volume_bound = std::min(mpf_class(t.volume_bound + t.volume * 0x1p-40),
+                              mpf_class(t.volume * f_.relative_bound()));
+    t.area_bound = std::min(mpf_class(t.area_bound + t.area * 0x1p-40),
+                            mpf_class(t.area * f_.relative_bound()));
+  }
+
   /// Compares the hull's measures with `t`, whose unit of length is 2^exponent.
-  void compare(const WideSums& t, long exponent) const {
+  void compare(WideSums t, long exponent) const {
+    if (many()) tighten(t);
     mpf_class factorial(1, 256);
     for (unsigned i = 2; i < k_; ++i) factorial *= i;
     const long k = k_;
