@@ -85,7 +85,7 @@ TEST(InsertTogether, KeepsTheBudget) {
   Options options;
   options.threads = 2;
   const std::uint64_t cells = 3000 * 7 + 64;  // what one thread has room for
-  options.memory_budget = cells * 9 * sizeof(std::uint32_t);
+  options.memory_budget = cells * bytes_per_cell(3);
   const internal::Run run(options);
   const Set p = prepared(s, run);
   CellInsertion<3> engine(p.points.points, run);
