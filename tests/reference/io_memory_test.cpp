@@ -48,6 +48,16 @@ TEST(IoMemory, ParsedPointsMustFitTheBudget) {
   EXPECT_EQ(refusal(folder.write("a.obj", obj), options).find("blocks"), std::string::npos);
 }
 
+TEST(IoMemory, ARemarkIsMadeOnce) {
+  const testing::TemporaryFolder folder;
+  const std::string path = folder.write("a.csv", "id,a,b\n0,1,2\n1,3,4\n2,4,4\n");
+  int remarks = 0;
+  ReadOptions options;
+  options.remark = [&](const Remark&) { ++remarks; };
+  (void)open_points(path, options);
+  EXPECT_EQ(remarks, 1);
+}
+
 TEST(IoMemory, MappedPointsTakeNone) {
   const testing::TemporaryFolder folder;
   const std::string path = folder.write("a.npy", "");

@@ -485,8 +485,10 @@ bool has_point_lines(const Source& head, const ReadOptions& options, const std::
 
 }  // namespace
 
-bool comes_in_blocks(const Source& head, const ReadOptions& options, bool unknown) noexcept {
+bool comes_in_blocks(const Source& head, const ReadOptions& given, bool unknown) noexcept {
   try {
+    ReadOptions options = given;
+    options.remark = nullptr;  // the reader of the points has them
     const std::string_view all(head.data, head.size);
     if (begins_archive(all)) return false;
     if (packing_of(all.substr(0, 16), head.name, options) != Packing::none) return true;
