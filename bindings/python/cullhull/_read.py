@@ -106,7 +106,6 @@ def read(
     size = None if chunks is None else as_count(chunks, "chunks", least=1)
     if decimal not in (None, ",", "."):
         raise InvalidArgument(f"`decimal` should be ',' or '.'; it is {decimal!r}")
-    as_the_program = columns
     if isinstance(columns, str):
         columns = split_columns(columns)
     name = os.fspath(path)
@@ -127,7 +126,7 @@ def read(
     if decimal == "," and reader is not _native:
         raise InvalidArgument(f"{name}: only texts of rows have decimal commas")
     if reader is _native:
-        pieces = _native(name, as_the_program, size, raw, decimal or "")
+        pieces = _native(name, columns, size, raw, decimal or "")
     elif reader is _las:
         pieces = _las(name, columns, size, raw)
     else:
@@ -254,14 +253,17 @@ def _slices(array: Any, columns: Columns, size: int | None, name: str) -> Iterat
         yield block if columns is None else block[:, taken]
 
 
+def _native_column(column: Any) -> str:
+    """As the library takes it: a name in quotes, a number, a range without one of its ends."""
+    if not isinstance(column, str):
+        return str(int(column))
+    return column if re.fullmatch("[0-9]+:|:[0-9]+", column) else f'"{column}"'
+
+
 def _native(
     name: str, columns: Columns, size: int | None, raw: bool = False, decimal: str = ""
 ) -> Iterator[npt.NDArray[Any]]:
-    if isinstance(columns, str):
-        items = re.findall(r'\s*("(?:[^"]|"")*"|[^,]*?)\s*(?:,|$)', columns)
-        wanted = ",".join(item for item in items if item)
-    else:
-        wanted = ",".join(f'"{c}"' if isinstance(c, str) else str(int(c)) for c in columns or ())
+    wanted = ",".join(map(_native_column, columns or ()))
     array, remarks, scale, offset = _core.read_points(name, wanted, raw, size is not None, decimal)
     for line in remarks:
         warn(line, ShapeWarning)

@@ -510,9 +510,10 @@ def test_columns_as_one_word(tmp_path):
     (tmp_path / "named.csv").write_text('0,"a, b",y\n1,2,3\n4,5,6\n')
     assert cullhull.read(tmp_path / "named.csv", columns='"0",y').tolist() == [[1, 3], [4, 6]]
     assert cullhull.read(tmp_path / "named.csv", columns='"a, b",0').tolist() == [[2, 1], [5, 4]]
-    with pytest.raises(ValueError, match="0:3"):  # the way that the message shows
-        cullhull.read(tmp_path / "a.npy", columns="0-3")
-    assert cullhull.read(tmp_path / "a.npy", columns="0:3").shape == (300, 3)
+    with pytest.raises(ValueError, match="a range such as 0:3 or a list such as 0,2,5"):
+        cullhull.read(tmp_path / "a.txt", columns="0-3")
+    for text, width in (("0:3", 3), ("0,2,5", 3), ("5:", 2), (":4", 4)):
+        assert cullhull.read(tmp_path / "a.txt", columns=text).shape == (300, width)
 
 
 @pytest.mark.parametrize("name", ["a.npy", "a.laz", "a.las", "a.csv", "a.h5:/p"])
