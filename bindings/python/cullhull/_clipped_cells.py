@@ -435,7 +435,7 @@ class ClippedCells(Exported, Native):
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     cells.save(os.path.join(folder, "cells.off"), polygons=True)
         ...     print(open(os.path.join(folder, "cells.off")).readlines()[1].strip())
-        11 3 11
+        13 3 13
         """
         require_polygons(os.fspath(path), format, polygons)
         save_map(

@@ -134,9 +134,9 @@ def test_mesh_of_a_batch_of_unlike_hulls():
 def test_points_and_equations_of_a_hull(points):
     hull = cullhull.convex_hull(points)
     theirs = cullhull.ConvexHull(points)
-    assert np.array_equal(hull.points[hull.simplices], points[hull.simplices])
-    rest = np.setdiff1d(np.arange(len(points)), hull.vertices)
-    assert np.isnan(hull.points[rest]).all() and hull.points.shape == points.shape
+    rows = hull.vertex_index[hull.simplices]
+    assert np.array_equal(hull.points[rows], points[hull.simplices])
+    assert hull.points.shape == (len(hull.vertices), points.shape[1])
     assert np.array_equal(hull.equations, theirs.equations)
 
 
