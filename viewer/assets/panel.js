@@ -181,7 +181,8 @@ function tableOf(rows) {
   return element("div", { class: rows.length > 8 ? "many" : "" }, element("table", {}, element("tbody", {}, ...lines)));
 }
 
-function showNothingPicked(facets) {
+function showNothingPicked(facets, diagram) {
+  if (diagram) return document.getElementById("picked").replaceChildren(element("span", { class: "soft" }, "Click a cell to read its site."));
   document.getElementById("picked").replaceChildren(element("span", { class: "soft" },
     `Click a vertex${facets ? " or a facet" : ""} to read it; with faces off, any point.`));
 }

@@ -137,9 +137,13 @@ class Viewer {
     this.space.place(this.frame.coordinates, row, out, 0);
     return out;
   }
+  // Of a diagram sites are picked, whose rows are behind the corners of their cells.
+  get firstPicked() {
+    return this.frame.measures ? this.frame.vertices : 0;
+  }
   pickedRow() {
     if (this.picked === null) return null;
-    const row = this.frame.ids.indexOf(this.picked);
+    const row = this.frame.ids.indexOf(this.picked, this.firstPicked);
     return row < 0 ? null : row;
   }
   pick(row) {
@@ -162,7 +166,7 @@ class Viewer {
     const row = this.pickedRow();
     if (this.facet) showPickedFacet(this.scene, this.facet);
     else if (row !== null) showPickedRow(this.scene, this.frame, row);
-    else showNothingPicked(this.hasFacets);
+    else showNothingPicked(this.hasFacets, Boolean(this.frame.measures));
   }
   // Handles a click: it picks a vertex, else the facet in front, else any point.
   click(x, y, radius) {
@@ -221,10 +225,10 @@ class Viewer {
     return null;
   }
   step(by) {
-    const count = this.frame.vertices;
+    const first = this.firstPicked, count = this.frame.measures ? this.frame.survivors : this.frame.vertices;
     if (count === 0) return;
-    const row = this.pickedRow();
-    this.pick(row === null || row >= count ? (by > 0 ? 0 : count - 1) : (row + by + count) % count);
+    const row = this.pickedRow(), at = row === null ? count : row - first;
+    this.pick(first + (at >= count ? (by > 0 ? 0 : count - 1) : (at + by + count) % count));
   }
   stepFacet(by) {
     if (!this.hasFacets) return;
