@@ -202,7 +202,6 @@ int run_in_memory(CullArguments arguments, const FilePlan& plan) {
 int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
-  streamed.crs = arguments.input.crs;
   cullhull::HullState& state = streamed.state;
   for (const std::string& path : {arguments.output, arguments.points})
     check_dimension(path, state.dimension());

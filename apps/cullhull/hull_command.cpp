@@ -407,7 +407,7 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
       arguments.elsewhere != nullptr
           ? arguments.elsewhere->state(arguments.input, arguments.files, arguments.run)
           : stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
-  streamed.crs = arguments.input.crs;
+  streamed.input = arguments.input;
   cullhull::HullState& state = streamed.state;
   const cullhull::Grid& grid = streamed.read.grid;
   const bool speaks = !arguments.run.quiet && !plan.uses_stdout();

@@ -157,7 +157,12 @@ struct TrackOutcome {
   void place(bool raw, const cullhull::PointSequence& sequence, const cullhull::PointView& view,
              const Hull& h) {
     if (sequence.placement().empty()) return;
-    if (!placing.any) placing = {sequence.placement(), sequence.grid(), true, raw, placing.skipped};
+    if (!placing.any) {
+      placing.placement = sequence.placement();
+      placing.grid = sequence.grid();
+      placing.any = true;
+      placing.raw = raw;
+    }
     std::vector<double> rows;
     for (const std::uint64_t v : h.vertices)
       for (std::uint32_t j = 0; j < view.dimension; ++j) rows.push_back(view.at(v, j));

@@ -61,7 +61,9 @@ struct ReadOptions {
   /// Empty: of a text with names of columns those whose names are known coordinates (x, y, z, lon,
   /// lat, easting, ... docs/formats.md); names of which none is known are refused. Without names
   /// all columns. A text's names are those in its first line, else in a comment before the points;
-  /// mesh and scan formats have x, y, z. Other columns of a text may hold anything.
+  /// mesh and scan formats have x, y, z, and by name the other fields of their records (.las, .ply,
+  /// .pcd, a structured .npy) or the properties of GeoJSON's features. Other columns of a text may
+  /// hold anything.
   std::string columns;
   /// A column that holds a weight for each point (PointFile::weights), named as in `columns`. It is
   /// a coordinate only if `columns` names it, too. For open_points only, and not together with
