@@ -469,12 +469,14 @@ ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
   chosen.columns = find_columns(options.columns.empty() ? ":" : options.columns, file, names, axes);
   const std::uint32_t key = find_key(options, file, names, axes, chosen.columns);
   chosen.keyed = !options.key.empty();
+  chosen.labels = column_labels(chosen.columns, names);
   if (chosen.keyed) chosen.columns.push_back(key);
   return chosen;
 }
 
-PointData with_keys(PointData data, bool keyed) {
+PointData with_keys(PointData data, bool keyed, std::vector<std::string> labels) {
   data.chosen = true;
+  data.columns = std::move(labels);
   if (!keyed) return data;
   --data.view.dimension;
   PointView keys = data.view;  // the column behind the last one

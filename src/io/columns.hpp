@@ -57,13 +57,15 @@ std::uint32_t find_key(const ReadOptions& options, const std::string& file,
 struct ChosenFields {
   std::vector<std::uint32_t> columns;  ///< the coordinates, and behind them the key
   bool keyed = false;                  ///< whether the last one is the key
+  std::vector<std::string> labels;     ///< of the coordinates: PointFile::columns()
 };
 
 /// The axes, or what `options` ask for; numbers and ranges are of axes, other fields have names.
 ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
                            const std::vector<std::string>& names, std::uint32_t axes);
-/// Points of chosen fields: their last column becomes their keys, as decimals, if it is the key.
-PointData with_keys(PointData data, bool keyed);
+/// Points of chosen fields, with the labels of their columns; their last column becomes their keys,
+/// as decimals, if it is the key.
+PointData with_keys(PointData data, bool keyed, std::vector<std::string> labels);
 
 /// Restricts the view to the columns that `options` ask for, unless the reader has chosen them: by
 /// strides where possible, else by a copy. Keys, where asked for, are numbers as decimals. Of

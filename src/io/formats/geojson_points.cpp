@@ -1,6 +1,6 @@
 // Points of GeoJSON (RFC 7946), also of a sequence of texts (RFC 8142, newline-delimited): the
-// positions of all its geometries, and properties of features as columns. And of JSON that is a list
-// of rows of numbers, or an object whose member "points" is one.
+// positions of all its geometries, and properties of features as columns. And of JSON that is a
+// list of rows of numbers, or an object whose member "points" is one.
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
@@ -115,6 +115,7 @@ class PropertyColumns {
       add_keys(data, key, names, axes);
     }
     gather(data, chosen.columns, names, axes, source);
+    data.columns = chosen.labels;
     data.chosen = true;
     return data;
   }
@@ -140,7 +141,7 @@ class PropertyColumns {
       PointData column;
       column.view = data.view;
       column.view.dimension = key + 1;
-      data.keys = with_keys(std::move(column), true).keys;
+      data.keys = with_keys(std::move(column), true, {}).keys;
       return;
     }
     const std::size_t number = number_asked(names[key]);

@@ -354,6 +354,7 @@ struct StructuredArray {
   std::uint64_t data_offset = 0, count = 0, record = 0;
   std::vector<NumberField> fields;  ///< the coordinates, and behind them the key
   bool keyed = false;
+  std::vector<std::string> labels;  ///< of the coordinates
 };
 
 /// Points of the fields x, y and z, longitude and latitude, ... or of those that options name.
@@ -361,7 +362,7 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
                                  const ReadOptions& options) {
   if (h.shape.size() != 1)
     fail(head, "structured array of ", h.shape.size(), " axes; points need one");
-  StructuredArray a{h.data_offset, h.shape[0], h.record, {}, false};
+  StructuredArray a{h.data_offset, h.shape[0], h.record, {}, false, {}};
   Dtype record;
   record.size = h.record;
   check_extent(head, h, record, file_size);
@@ -372,7 +373,7 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
       numbers.push_back({f.name, parse_dtype(head, f.descr), f.offset});
       names.push_back(f.name);
     }
-  std::vector<std::uint32_t> axes = find_known_columns(names).columns;
+  std::vector<std::uint32_t> axes = find_known_columns(names);
   if (axes.empty() && options.columns.empty()) {
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + quoted_text(name);
@@ -393,6 +394,7 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
       choose_fields(options, head.name, ordered_names, static_cast<std::uint32_t>(axes.size()));
   for (const std::uint32_t c : chosen.columns) a.fields.push_back(ordered[c]);
   a.keyed = chosen.keyed;
+  a.labels = chosen.labels;
   return a;
 }
 
@@ -437,7 +439,7 @@ PointData points_of_structured(const Source& records, const StructuredArray& a, 
                  count,
                  static_cast<std::ptrdiff_t>(a.record),
                  d > 1 ? apart(1) : 0};
-    return with_keys(std::move(data), a.keyed);
+    return with_keys(std::move(data), a.keyed, a.labels);
   }
   data.storage = Buffer(std::max<std::uint64_t>(1, count * d * sizeof(double)));
   double* const out = data.storage.as<double>();
@@ -458,7 +460,7 @@ PointData points_of_structured(const Source& records, const StructuredArray& a, 
     fail({records.name, nullptr, 0}, "field ", quoted_text(a.fields[bad % d].name), " of point ",
          first + bad / d, " is a 64-bit integer that no double equals");
   data.view = PointView::row_major(out, count, d);
-  return with_keys(std::move(data), a.keyed);
+  return with_keys(std::move(data), a.keyed, a.labels);
 }
 
 PointArray parse_points(const Source& head, Header&& header, std::uint64_t file_size) {

@@ -30,6 +30,7 @@ struct PcdHeader {
   std::uint32_t dimension = 0;
   std::vector<std::size_t> chosen;  ///< indices of the fields that are read: of the coordinates
   bool keyed = false;               ///< and, where the last one is the key, of that
+  std::vector<std::string> labels;  ///< of the coordinates, where columns were chosen
   const char* body = nullptr;
   std::uint64_t lines = 0;
 
@@ -204,6 +205,7 @@ class PcdHeaderParser {
     for (const std::uint32_t c : chosen.columns) h_.chosen.push_back(fields[c]);
     h_.dimension = static_cast<std::uint32_t>(h_.chosen.size());
     h_.keyed = chosen.keyed;
+    h_.labels = chosen.labels;
   }
 
   const Source& source_;
@@ -385,12 +387,13 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
 
 PointData read_pcd(const Source& source, const ReadOptions& options) {
   const PcdHeader h = PcdHeaderParser(source, options).parse();
-  if (h.body_kind == Body::ascii) return with_keys(read_ascii(source, h, options), h.keyed);
+  if (h.body_kind == Body::ascii)
+    return with_keys(read_ascii(source, h, options), h.keyed, h.labels);
   if (h.body_kind == Body::compressed)
-    return with_keys(read_compressed(source, h, options), h.keyed);
+    return with_keys(read_compressed(source, h, options), h.keyed, h.labels);
   check_room(source, h, source.size, options);
   return with_keys(points_of_records({source.name, h.body, source.size}, h, h.points, 0, options),
-                   h.keyed);
+                   h.keyed, h.labels);
 }
 
 std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
@@ -405,7 +408,8 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
   layout.record_bytes = header->record;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
-    return with_keys(points_of_records(records, *header, count, first, options), header->keyed);
+    return with_keys(points_of_records(records, *header, count, first, options), header->keyed,
+                     header->labels);
   };
   return layout;
 }

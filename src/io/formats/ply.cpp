@@ -45,6 +45,7 @@ struct PlyHeader {
   std::uint32_t dimension = 0;
   std::vector<std::size_t> chosen;   ///< indices of the properties that are read: of the
   bool keyed = false;                ///< coordinates, and, where the last one is the key, of that
+  std::vector<std::string> labels;   ///< of the coordinates, where columns were chosen
   std::array<std::size_t, 3> rgb{};  ///< likewise, of bytes
   bool coloured = false;
 };
@@ -200,6 +201,7 @@ class PlyHeaderParser {
     for (const std::uint32_t c : chosen.columns) header_.chosen.push_back(properties[c]);
     header_.dimension = static_cast<std::uint32_t>(header_.chosen.size());
     header_.keyed = chosen.keyed;
+    header_.labels = chosen.labels;
   }
   /// Colours are optional: fields other than three bytes are ignored.
   void find_colours(const Element& vertex) {
@@ -489,8 +491,8 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
 PointData read_ply(const Source& source, const ReadOptions& options) {
   const PlyHeader header = PlyHeaderParser(source, options).parse();
   if (header.encoding == Encoding::ascii)
-    return with_keys(read_ascii(source, header, options), header.keyed);
-  return with_keys(PlyBinary(source, header, options).read(), header.keyed);
+    return with_keys(read_ascii(source, header, options), header.keyed, header.labels);
+  return with_keys(PlyBinary(source, header, options).read(), header.keyed, header.labels);
 }
 
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
@@ -510,7 +512,7 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t, std::uint64_t count) {
     return with_keys(vertices_of_records(records.data, count, *header, swap, options),
-                     header->keyed);
+                     header->keyed, header->labels);
   };
   return layout;
 }
