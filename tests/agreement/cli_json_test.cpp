@@ -281,8 +281,9 @@ TEST(CliJson, TheSchemaIsStrict) {
   for (const auto& [key, value] : good.items()) {
     json bad = good;
     bad.erase(key);
-    if (key != "columns")  // which points of a .hullstate do not have
+    if (key != "columns") {  // which points of a .hullstate do not have
       EXPECT_NE(schema().fault(bad, "info_report"), "") << key;
+    }
     bad[key] = json::object({{"no", "such"}});
     EXPECT_NE(schema().fault(bad, "info_report"), "") << key;
   }

@@ -247,7 +247,9 @@ TEST(CliMaps, KeptColumnsGoToCellsAndSurvivors) {
       {"cull", f / "p.csv", f / "m.csv", "--columns", "x,y", "--keep", "2", "-o", f / "m.geojson"});
   for (const json& point : json::parse(read_file(f / "m.geojson"))["features"]) {
     const auto id = point["properties"]["id"].get<int>();
-    if (id >= 5) EXPECT_EQ(point["properties"]["column 2"], "k" + std::to_string(id - 5));
+    if (id >= 5) {
+      EXPECT_EQ(point["properties"]["column 2"], "k" + std::to_string(id - 5));
+    }
   }
 }
 

@@ -43,8 +43,8 @@ TEST(CliMemory, AutoReadsAPipeInBlocksBeyondTheFirst) {
 
 TEST(CliMemory, APipeGivesTheBytesOfItsFile) {
   const Folder f;
-  for (const std::string& ending : {".npy", ".ply", ".csv", ".xyz", ".raw", ".obj", ".wkt"})
-    for (const std::string& count : {"1", "7", "1k", "200k"}) {
+  for (const std::string ending : {".npy", ".ply", ".csv", ".xyz", ".raw", ".obj", ".wkt"})
+    for (const std::string count : {"1", "7", "1k", "200k"}) {
       if (ending == ".wkt" && count == "1") continue;  // a point in three dimensions is no mesh
       std::vector<std::string> options;
       if (ending == ".raw") options = {"--dim", "3", "--type", "f64"};
@@ -72,7 +72,7 @@ TEST(CliMemory, ACompressedPipeIsReadInBlocks) {
 
 TEST(CliMemory, APipeThatEndsWithinAPoint) {
   const Folder f;
-  for (const std::string& count : {"7", "200k"}) {
+  for (const std::string count : {"7", "200k"}) {
     std::string bytes = read_file(points_in(f, ".npy", count));
     bytes.resize(bytes.size() - 5);
     write_file(f / "cut", bytes);

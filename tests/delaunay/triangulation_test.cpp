@@ -95,7 +95,7 @@ TEST(Triangulation, FurthestSiteOfEqualPointsOfDifferentWeights) {
   const Triangulation t = triangulate(named, o);
   EXPECT_EQ(t.duplicates, (std::vector<DuplicatePoint>{{3, 1}}));
   std::vector<LiftedSet> sets{named};
-  for (std::uint64_t seed = 0; seed < 60; ++seed)
+  for (unsigned seed = 0; seed < 60; ++seed)
     sets.push_back(with_weights(drawn_grid(1 + seed % 3, 9, 2, 1, 0, seed), 2, seed, true));
   for (const LiftedSet& s : sets) {
     for (const bool furthest : {false, true}) {

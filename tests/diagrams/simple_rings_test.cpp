@@ -180,10 +180,10 @@ void check(const Case& c, const ClippedCells& cells) {
             b{cells.vertices[2 * w], cells.vertices[2 * w + 1]};
         const std::uint32_t other = cells.neighbours[v];
         const auto across = owner.find({b, a});
-        if (across == owner.end())
+        if (across == owner.end()) {
           EXPECT_TRUE(on_boundary(c, a) && on_boundary(c, b))
               << c.name << ": only cell " << i << " has the edge at " << a[0] << " " << a[1];
-        else if (other != across->second)
+        } else if (other != across->second) {
           // A cell, a part of one or a gap in the region that is too thin to be seen lies between.
           EXPECT_TRUE(other == no_point ? on_boundary(c, a) && on_boundary(c, b)
                                         : !c.box || cells.polygon_offsets[other] ==
@@ -191,6 +191,7 @@ void check(const Case& c, const ClippedCells& cells) {
               << c.name << ": cell " << across->second << ", not " << other
               << ", is beyond the edge"
               << " of cell " << i << " at " << a[0] << " " << a[1];
+        }
       }
 }
 

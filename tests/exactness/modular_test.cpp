@@ -62,7 +62,9 @@ void expect_as_slowly(const Integers& m, const char* what) {
   ASSERT_EQ(rank, pivots.size()) << what;
   found.resize(rank);
   EXPECT_EQ(found, pivots) << what;
-  if (m.rows == m.columns) EXPECT_EQ(determinant_sign_by_primes(numbers, m.rows), sign) << what;
+  if (m.rows == m.columns) {
+    EXPECT_EQ(determinant_sign_by_primes(numbers, m.rows), sign) << what;
+  }
 }
 
 Integers random_integers(std::mt19937_64& random, unsigned rows, unsigned columns, unsigned bits) {

@@ -1,7 +1,9 @@
 // The memory that reading takes: its limit, what an opened file holds, and cancellation between
 // pieces of work. Pipes whose beginning was read ahead.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstring>
 #include <fstream>

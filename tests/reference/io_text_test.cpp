@@ -236,9 +236,21 @@ TEST(Text, LettersInMessagesStay) {
     return message.substr(5, message.find(" is not") - 5);
   };
   EXPECT_EQ(named("\xC3\xA4\xE6\xBC\xA2"), "'\xC3\xA4\xE6\xBC\xA2'");
-  EXPECT_EQ(named("a\xE4z\x01\x7F"), "'a?z??'");        // not UTF-8, controls
-  EXPECT_EQ(named("\xE2\x80\xAE\xC2\x85"), "'?????'");  // turns the line; a control
-  EXPECT_EQ(named("\xC0\xAF\xED\xA0\x80"), "'?????'");  // overlong; a surrogate
+  EXPECT_EQ(named("a\xE4z\x01\x7F"),
+            "'a?z?"
+            "?'");  // not UTF-8, controls
+  EXPECT_EQ(named("\xE2\x80\xAE\xC2\x85"),
+            "'?"
+            "?"
+            "?"
+            "?"
+            "?'");  // turns the line; a control
+  EXPECT_EQ(named("\xC0\xAF\xED\xA0\x80"),
+            "'?"
+            "?"
+            "?"
+            "?"
+            "?'");  // overlong; a surrogate
   EXPECT_EQ(named(std::string(39, 'a') + "\xC3\xA4"
                                          "b"),
             "'" + std::string(39, 'a') + "...'");
