@@ -8,9 +8,10 @@
 namespace cullhull::testing {
 namespace io_write_test {
 
-std::string written(const Example& e, const std::string& name, const std::string& format = "") {
+std::string written(const Example& e, const std::string& name, const std::string& format = "",
+                    Faces faces = Faces::by_format) {
   const TemporaryFolder folder;
-  write_hull(folder.file(name), e.view(), e.hull, format);
+  write_hull(folder.file(name), e.view(), e.hull, format, faces);
   EXPECT_EQ(folder.entries(), 1U);
   return slurp(folder.file(name));
 }
@@ -24,19 +25,25 @@ Rows corners() {
 }
 
 TEST(Mesh, OffAndObjHoldTheHullsVerticesOnly) {
-  EXPECT_EQ(written(cube(), "a.off"),
+  const auto polygons = [](const Example& e, const char* name) {
+    return written(e, name, "", Faces::polygons);
+  };
+  EXPECT_EQ(polygons(cube(), "a.off"),
             "OFF\n8 6 12\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"
             "4 0 1 5 4\n4 0 2 3 1\n4 0 4 6 2\n4 1 3 7 5\n4 2 6 7 3\n4 4 5 7 6\n");
-  EXPECT_EQ(written(cube(), "a.obj"),
+  EXPECT_EQ(polygons(cube(), "a.obj"),
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
             "f 1 2 6 5\nf 1 3 4 2\nf 1 5 7 3\nf 2 4 8 6\nf 3 7 8 4\nf 5 6 8 7\n");
-  EXPECT_EQ(written(square(), "a.off"), "OFF\n4 1 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+  EXPECT_EQ(polygons(square(), "a.off"), "OFF\n4 1 4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n");
+  EXPECT_EQ(written(square(), "a.off"),
+            "OFF\n4 2 5\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
+  EXPECT_EQ(written(square(), "a.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
 }
 
 TEST(Mesh, EveryFormatReadsBack) {
   for (const char* format : {"ply", "off", "obj"})
     EXPECT_EQ(rows_of(parse(written(cube(), "a", format), format).view), corners()) << format;
-  const std::string ply = written(cube(), "a.ply");
+  const std::string ply = written(cube(), "a.ply", "", Faces::polygons);
   EXPECT_EQ(parse(ply, "").in_place, lies_ready);
   EXPECT_EQ(ply.substr(ply.size() - 17), bytes_of(std::uint8_t{4}, 4, 5, 7, 6));
 }
@@ -86,7 +93,7 @@ TEST(Mesh, LongPolygonsHaveAWiderCount) {
     e.coordinates.push_back(std::sin(static_cast<double>(i)));
     h.vertices.push_back(i);
   }
-  const std::string ply = written(e, "a.ply");
+  const std::string ply = written(e, "a.ply", "", Faces::polygons);
   EXPECT_NE(ply.find("property list uint int vertex_indices"), std::string::npos);
   EXPECT_EQ(ply.substr(ply.size() - 4 * 301, 4), bytes_of(300));
   EXPECT_EQ(parse(ply, "ply").view.count, 300U);
