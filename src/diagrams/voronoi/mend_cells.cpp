@@ -14,8 +14,9 @@ namespace {
 
 struct PointHash {
   std::size_t operator()(const RingPoint& x) const {
-    const auto mixed = std::bit_cast<std::uint64_t>(x[0]) * 0x9e3779b97f4a7c15U +
-                       std::bit_cast<std::uint64_t>(x[1]);
+    // With + 0.0, as the two zeros are equal.
+    const auto mixed = std::bit_cast<std::uint64_t>(x[0] + 0.0) * 0x9e3779b97f4a7c15U +
+                       std::bit_cast<std::uint64_t>(x[1] + 0.0);
     return static_cast<std::size_t>((mixed ^ mixed >> 32) * 0xd6e8feb86659fd93U);
   }
 };
