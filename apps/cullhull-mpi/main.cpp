@@ -131,8 +131,7 @@ class Job {
     result.read.grid = share_.placing.grid;
     result.read.any_placed = share_.placing.any;
     result.read.columns = share_.placing.columns;
-    result.raw = input.raw;
-    result.columns = input.columns;
+    result.input = input;
     result.report.maps = report.common > 0 ? 1 : 0;
     result.report.reductions = 1;
     result.seconds = watch.seconds();
