@@ -24,7 +24,8 @@ HOST = "https://github.com/cullhull/cullhull"
 TOP = ["README", "HACKING", "CHANGELOG", "CONTRIBUTING", "SECURITY"]
 ALONE = ("Simplified", "Lists", "NearestFacets", "Rays")  # what they inherit is a tuple's or a sequence's
 TOPICS = root / "apps" / "cullhull" / "topics.cpp"
-COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex"]
+COMMANDS = ["hull", "cull", "track", "delaunay", "voronoi", "alpha", "certify", "generate", "info", "view", "qconvex",
+            "completion", "man"]
 
 
 def pages():
