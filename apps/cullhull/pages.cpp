@@ -114,7 +114,8 @@ void add_options(std::string& out, const std::vector<OptionText>& options) {
     std::string names;
     for (const std::string& name : option.names)
       names += (names.empty() ? "" : ", ") + ("\\fB" + roff(name) + "\\fR");
-    if (!option.value.empty()) names += " " + roff(option.value);
+    // A line may end behind each bar: "npy|ply|..." is longer than one.
+    if (!option.value.empty()) names += " " + replaced(roff(option.value), "|", "|\\:");
     out += ".TP\n" + names + "\n" + roff(in_one_line(option.about)) + "\n";
   }
 }

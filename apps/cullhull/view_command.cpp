@@ -1,5 +1,6 @@
 // cullhull view: points and their hull as one HTML page.
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -84,14 +85,17 @@ std::string title_of(const std::string& path) {
 
 bool is_json(const std::string& path) { return std::filesystem::path(path).extension() == ".json"; }
 
-/// JSON that is no GeoJSON: only that has a member "type".
+/// JSON that is neither GeoJSON, which alone has a member "type", nor rows of points: a hull's
+/// member "points" is an object.
 bool may_be_hull(const std::string& path) {
   if (path == "-" || !is_json(path)) return false;
   std::string head(std::size_t{1} << 16, '\0');
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(file.gcount()));
-  return head.find("\"type\"") == std::string::npos;
+  std::erase_if(head, [](unsigned char c) { return std::isspace(c) != 0; });
+  return head.find("\"type\":") == std::string::npos && !head.starts_with('[') &&
+         head.find("\"points\":[") == std::string::npos;
 }
 
 std::string ViewArguments::title() const {

@@ -222,7 +222,7 @@ class Hdf5(Files):
         path = self.folder / "a.h5"
         with h5py.File(path, "w") as file:
             file.create_dataset("p", shape=(10**9, 3), dtype="f8", chunks=(10**6, 3))
-        self.assertIn("do not fit", error_of("hull", f"{path}:p", "--memory", "1GiB", "--stream", "off"))
+        self.assertIn("need more than", error_of("hull", f"{path}:p", "--memory", "1GiB", "--stream", "off"))
 
     def sparse(self, file, name, **layout):
         """A dataset (5000, 3) that libhdf5 never fills, so that reading leaves gaps."""
@@ -418,7 +418,7 @@ class Ranks(Files):
         if b"built without libhdf5" in run("hull", f"{path}:p").stderr:
             self.skipTest("the program was built without libhdf5")
         options = ("--memory", "100MB", "-o", out)
-        self.assertIn(b"do not fit", self.hull_on(1, f"{path}:p", *options).stderr)
+        self.assertIn(b"need more than", self.hull_on(1, f"{path}:p", *options).stderr)
         done = self.hull_on(4, f"{path}:p", *options)
         self.assertEqual(done.returncode, 0, done.stderr.decode())
         self.check(f"{path}:p")

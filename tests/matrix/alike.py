@@ -41,6 +41,7 @@ def comparable(output: Output, data: bytes) -> bytes:
     if output.alike == "page":
         data = re.sub(rb"<title>.*?</title>", b"", data)
         data = re.sub(rb'"(scalar|threads|backend)": ?"?\w+"?', b"", data)
+        data = re.sub(rb',\s*"columns": ?\[[^\]]*\]', b"", data)
         data = re.sub(rb'"(cull|hull)": ?\{[^}]*\}', b"", data)
         return re.sub(rb'"\w*(seconds|seconds_all|bytes)": ?\[?[\d.e+-]*\]?', b"", data)
     return data

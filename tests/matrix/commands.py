@@ -223,7 +223,7 @@ ROWS = (
             (False, _s(".xyz", texts.points_txt), _s(".txt", texts.points_txt)),
             (False, _s(".csv", texts.ids_csv), _s(".xyz", texts.points_txt)),
             (False, _s(".txt", texts.ids_txt), _s(".ply", texts.ply, mesh)),
-            (False, _s(".geojson", texts.geojson, PLANE), _s(".geojson", texts.geojson, PLANE)),
+            (False, _s(".geojson", texts.geojson, mesh), _s(".geojson", texts.geojson, mesh)),
         )
     ),
     Row("cull --partial", ("cull", "-q"), (STATE,), ways=IN_BLOCKS, doors="main"),

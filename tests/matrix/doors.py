@@ -365,7 +365,7 @@ DOORS = [
     Door("pipe-npy", _pipe(files.npy), always),
     Door("pipe-txt", _pipe(files.lines), not_empty),
     Door("pipe-ply", _pipe(files.ply), DIMENSIONS),
-    Door("pipe-gz", _pipe(lambda p: gzip.compress(files.npy(p))), always),
+    Door("pipe-gz", _pipe(lambda p: gzip.compress(files.npy(p))), always, blocks=True),
     Door(
         "pipe-raw",
         _pipe(lambda p: p.tobytes(), "--input-format", "raw", "--dim", "{d}", "--type", "f64"),

@@ -354,7 +354,9 @@ class Program:
         if want:
             if left:
                 return ran, f"refused, but {left[0].name} was written"
-            if len(ran.err.splitlines()) != 1 or not _POINT.search(ran.err):
+            # A remark on the columns of a text may stand before the error.
+            errors = [e for e in ran.err.splitlines() if " taken as coordinates" not in e]
+            if len(errors) != 1 or not _POINT.search(errors[0]):
                 return ran, f"says {ran.err[:200]!r}, which names no point"
             return ran, None
         for output in asked:
