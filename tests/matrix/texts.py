@@ -178,7 +178,8 @@ def geojson(data: bytes) -> Any:
     _need(parsed["type"] in ("Feature", "FeatureCollection"), "neither feature nor collection")
     features = parsed["features"] if parsed["type"] == "FeatureCollection" else [parsed]
     corners = [c for f in features for ring in _rings(f["geometry"]) for c in ring]
-    return np.array(corners, float).reshape(-1, 2)
+    # Polygons are of the plane; points of space have heights.
+    return np.array(corners, float).reshape(-1, len(corners[0]) if corners else 2)
 
 
 def wkt(data: bytes) -> Any:
