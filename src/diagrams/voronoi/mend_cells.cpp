@@ -64,12 +64,13 @@ class CellMender {
 
   /// The edges of a cell that is changed, or about to be.
   CellChain& chain(std::uint32_t cell) {
-    const auto [place, is_new] = chains_.try_emplace(cell);
-    if (is_new)
+    const auto found = chains_.try_emplace(cell);
+    CellChain& edges = found.first->second;
+    if (found.second)
       each_edge(cell, [&](const RingPoint& from, const RingPoint& to, std::uint64_t row) {
-        place->second.push_back({from, to, cells_.neighbours[row]});
+        edges.push_back({from, to, cells_.neighbours[row]});
       });
-    return place->second;
+    return edges;
   }
 
   /// Lists for each corner that the given cells have or had all cells with that corner.
