@@ -1,6 +1,5 @@
 // write_group_shapes: alpha shapes and concave hulls of groups of points, a record for each.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -14,7 +13,6 @@
 #include "io/groups/group_files.hpp"
 #include "io/json/json_writer.hpp"
 #include "io/write/mesh.hpp"
-#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal::inline io {
 
@@ -310,31 +308,21 @@ GroupReport write_group_shapes(const std::vector<std::string>& files, const std:
                                const GroupShape& shape, const BlockOptions& reading,
                                const Options& options, const MapExtras& extras) {
   using namespace internal;
-  using Clock = std::chrono::steady_clock;
   const bool by_edges = shape.edge_length >= 0 || shape.ratio >= 0;
   if ((shape.alpha >= 0 ? 1 : 0) + (shape.edge_length >= 0 ? 1 : 0) + (shape.ratio >= 0 ? 1 : 0) >
       1)
     throw Error(ErrorCode::invalid_argument, "alpha, edge_length and ratio exclude one another");
   const std::string format = checked_format(path, "");
-  const Clock::time_point start = Clock::now();
-  CollectedPoints collected(resolve_budget(options.memory_budget));
-  const BlockSummary read = collected.read(files, reading);
-  const SortedGroups sorted = collected.sort();
-  GroupReport report;
-  report.points = read.end.points;
-  report.skipped = read.end.skipped;
-  report.groups = sorted.keys.order.size();
-  report.dimension = read.dimension;
-  const Clock::time_point sorted_at = Clock::now();
-  report.read_seconds = std::chrono::duration<double>(sorted_at - start).count();
-  std::string text;
-  ShapeRecords records(format, name_of_key(reading.read.key), by_edges ? "edge_length" : "alpha",
-                       {report.points, report.dimension, read.scalar}, text, extras);
-  OutputFile out(path);
-  write_shapes(collected, sorted, shape, records, text, read.grid, options, out);
-  out.commit();
-  report.hull_seconds = std::chrono::duration<double>(Clock::now() - sorted_at).count();
-  return report;
+  return write_sorted_groups(
+      files, reading, options,
+      [&](const auto& collected, const auto& sorted, const auto& read, const auto& report) {
+    std::string text;
+    ShapeRecords records(format, name_of_key(reading.read.key), by_edges ? "edge_length" : "alpha",
+                         {report.points, report.dimension, read.scalar}, text, extras);
+    OutputFile out(path);
+    write_shapes(collected, sorted, shape, records, text, read.grid, options, out);
+    out.commit();
+      });
 }
 
 }  // namespace cullhull::inline v1

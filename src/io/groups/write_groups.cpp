@@ -1,6 +1,5 @@
 // write_group_hulls: points sorted by group, hulls in slices, a record for each; and of a batch.
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 #include <span>
 #include <string>
@@ -236,27 +235,17 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
                               const BlockOptions& reading, const Options& options,
                               const MapExtras& extras) {
   using namespace internal;
-  using Clock = std::chrono::steady_clock;
   const std::string format = checked_format(path, "");
-  const Clock::time_point start = Clock::now();
-  CollectedPoints collected(resolve_budget(options.memory_budget));
-  const BlockSummary read = collected.read(files, reading);
-  const SortedGroups sorted = collected.sort();
-  GroupReport report;
-  report.points = read.end.points;
-  report.skipped = read.end.skipped;
-  report.groups = sorted.keys.order.size();
-  report.dimension = read.dimension;
-  const Clock::time_point sorted_at = Clock::now();
-  report.read_seconds = std::chrono::duration<double>(sorted_at - start).count();
-  std::string text;
-  GroupRecords records(format, name_of_key(reading.read.key),
-                       {report.points, report.dimension, read.scalar}, text, extras);
-  OutputFile out(path);
-  write_slices(collected, sorted, records, text, read.grid, options, out);
-  out.commit();
-  report.hull_seconds = std::chrono::duration<double>(Clock::now() - sorted_at).count();
-  return report;
+  return write_sorted_groups(
+      files, reading, options,
+      [&](const auto& collected, const auto& sorted, const auto& read, const auto& report) {
+    std::string text;
+    GroupRecords records(format, name_of_key(reading.read.key),
+                         {report.points, report.dimension, read.scalar}, text, extras);
+    OutputFile out(path);
+    write_slices(collected, sorted, records, text, read.grid, options, out);
+    out.commit();
+      });
 }
 
 void write_group_hulls(const std::string& path, const HullBatch& hulls,
