@@ -20,7 +20,7 @@ UNITS = {"s": 1, "ms": 1e3, "us": 1e6, "ns": 1e9, "G": 1e-9, "M": 1e-6, "T": 1e-
 NUMBER = r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?|\d*\.\d+|\d+)"
 # What must have a source: a number before a unit of time, a rate, or a ratio.
 FIGURE = re.compile(
-    rf"(?<![\w.,]){NUMBER} ?(?:ms|µs|ns|s|[GT]B/s|[GM] (?:points|sets)/s|×)(?![\w/])")
+    rf"(?<![\w.,]){NUMBER} ?(?:ms|µs|ns|s|[GT]B/s|[GM] (?:points|sets)/s|×|%)(?![\w/])")
 # A column of such numbers has the unit in its head.
 UNIT_IN_HEAD = re.compile(r",? (?:ms|µs|ns|s)(?![\w])|×")
 # Columns of what others report, what was predicted, and limits that a script sets.
@@ -34,8 +34,9 @@ class Lines:
         self.path = path
         text = (ROOT / path).read_text()
         if path.endswith(".json"):  # a report of cullhull-bench
+            self.report = json.loads(text)
             self.lines = [dict(row, part=figure["id"], workload=row["name"])
-                          for figure in json.loads(text)["figures"] for row in figure["rows"]]
+                          for figure in self.report["figures"] for row in figure["rows"]]
         else:
             self.lines = [json.loads(line) for line in text.splitlines() if line]
 
@@ -57,6 +58,27 @@ class Lines:
     def __call__(self, part, workload=None, **keys):
         wanted = f"{part!r} {workload or ''} {keys or ''}"
         return self.only(self.all(part, workload, **keys), wanted)
+
+    # Of reports of cullhull-bench, which list lost workloads in a figure "lost" as well.
+
+    def time(self, workload, series, part=None):
+        """The seconds of a series, such as "Qhull"; `part`: the figure, needed where several have it."""
+        found = [line for line in self.lines if line["workload"] == workload
+                 and (line["part"] == part if part else line["part"] != "lost")]
+        return self.only(found, f"{workload} {part or ''}")["values"][series]
+
+    def ratios(self, best):
+        """Of all workloads: the least time of the other programs over that of the series `best`."""
+        for line in self.lines:
+            values = line["values"]
+            if line["part"] != "lost":
+                yield min(v for k, v in values.items() if v and "cullhull" not in k) / values[best]
+
+    def mean(self, series, sequence):
+        """Over the frames of a sequence but the first."""
+        found = [line["values"][series] for line in self.lines
+                 if re.fullmatch(rf"{sequence}, frame [1-9]\d*", line["workload"])]
+        return sum(found) / len(found)
 
     def only(self, found, wanted):
         if len(found) != 1:
@@ -131,7 +153,7 @@ def to_check(page):
 
 
 def read_passages():
-    """A list of (page, passages)."""
+    """A list of (page, passages, whether every figure of the page needs one)."""
     names, pages = {}, []
     entry, first = [], 0
 
@@ -143,8 +165,8 @@ def read_passages():
     for number, line in enumerate((ROOT / "docs" / "figures.txt").read_text().splitlines(), 1):
         if line.startswith("#") or not line.strip():
             finish()
-        elif line.startswith("page "):
-            pages.append((line[5:].strip(), []))
+        elif match := re.fullmatch(r"page (\S+)( partly)?", line):
+            pages.append((match[1], [], not match[2]))
         elif match := re.fullmatch(r"(\w+) = (bench/results/\S+)", line):
             names[match[1]] = Lines(match[2])
         else:
@@ -154,7 +176,7 @@ def read_passages():
     return pages
 
 
-def check(name, passages, write):
+def check(name, passages, whole, write):
     path = ROOT / name
     page = path.read_text()
     faults = []
@@ -178,7 +200,7 @@ def check(name, passages, write):
         path.write_text(page)
     for passage in passages:
         page = passage.pattern.sub(lambda match: re.sub(r"\d", " ", match[0]), page)
-    rest = to_check(page)
+    rest = to_check(page) if whole else ""
     for match in FIGURE.finditer(rest):
         line = rest.count("\n", 0, match.start()) + 1
         shown = match[0].removesuffix("×")
@@ -190,8 +212,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write the stored figures")
     arguments = parser.parse_args()
-    faults = [fault for name, passages in read_passages()
-              for fault in check(name, passages, arguments.write)]
+    faults = [fault for name, passages, whole in read_passages()
+              for fault in check(name, passages, whole, arguments.write)]
     print("\n".join(faults) if faults else "figures.py: every figure is that of its stored line")
     sys.exit(1 if faults else 0)
 
