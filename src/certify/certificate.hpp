@@ -130,7 +130,8 @@ class Cones;
 void check_interior(Subject& s, Cones& cones);  // a point beneath all; sets centre, cones
 std::uint64_t check_ridges(const Subject& s,    // pairing, orientation, convexity; counts
                            const Cones& cones);
-void check_covering(Subject& s, Cones& cones);  // a ray that meets exactly one simplex
+void check_covering(Subject& s, Cones& cones);         // a ray that meets exactly one simplex
+std::uint64_t check_single_simplex(const Subject& s);  // these three, of k + 1 vertices; counts
 void check_facets(Subject& s);  // merged facets, extreme vertices, triangulation; sets members
 
 /// Checks all input points, block by block, against data that are prepared once. Thread safe.

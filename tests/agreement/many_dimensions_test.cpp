@@ -393,7 +393,7 @@ TEST(ManyDimensions, MeasuresOfSimplicesAreThoseOfRationals) {
       }
 }
 
-/// Tables of as many rows as columns: a simplex. The certificate takes seconds in 51D.
+/// Tables of as many rows as columns: a simplex.
 TEST(ManyDimensions, SimplicesOfFiftyToAHundredDimensions) {
   std::mt19937_64 random(5);
   for (const std::size_t d : {51U, 60U, 100U})
@@ -407,10 +407,57 @@ TEST(ManyDimensions, SimplicesOfFiftyToAHundredDimensions) {
       EXPECT_EQ(h.facet_count(), d);
       EXPECT_GT(h.volume, 0);
       EXPECT_LT(h.statistics.hull_seconds, 20);  // a loaded machine; alone it takes 0.3
-      if (d > 51) continue;
+      if (d > 60) continue;
       const Certificate proof = certify(view, h);
       EXPECT_TRUE(proof.valid) << kind << ": " << proof.reason;
+      EXPECT_EQ(proof.ridges_checked, d * (d - 1) / 2);
     }
+}
+
+/// Of a simplex every fault of its lists is seen, though no side is compared but one.
+TEST(ManyDimensions, FaultsOfSimplicesAreSeen) {
+  std::mt19937_64 random(7);
+  for (const std::size_t k : {2U, 3U, 4U, 9U, 14U}) {
+    const Points points = simplex_of(random, k + 1, k, 0);
+    std::vector<double> rows;
+    for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+    const PointView view = PointView::row_major(rows.data(), k + 1, static_cast<std::uint32_t>(k));
+    const Hull right = convex_hull(view);
+    ASSERT_TRUE(certify(view, right).valid);
+    const auto refused = [&](const char* what, const auto& spoil) {
+      Hull h = right;
+      Array<std::uint64_t> simplices(h.simplices.begin(), h.simplices.end());
+      spoil(h, simplices.data(), h.simplex_neighbours.data());
+      h.simplices = SharedArray<std::uint64_t>(std::move(simplices));
+      EXPECT_FALSE(certify(view, h).valid) << k << "D: " << what;
+    };
+    const auto turn = [&](auto* simplices, auto* neighbours, std::size_t f) {
+      std::swap(simplices[f * k + k - 2], simplices[f * k + k - 1]);
+      std::swap(neighbours[f * k + k - 2], neighbours[f * k + k - 1]);
+    };
+    refused("turned inside out", [&](Hull&, auto* simplices, auto* neighbours) {
+      for (std::size_t f = 0; f <= k; ++f) turn(simplices, neighbours, f);
+    });
+    for (const std::size_t f : {std::size_t{0}, k / 2, k}) {
+      refused("one simplex turned",
+              [&](Hull&, auto* simplices, auto* neighbours) { turn(simplices, neighbours, f); });
+      refused("neighbours exchanged", [&](Hull&, auto*, auto* neighbours) {
+        std::swap(neighbours[f * k], neighbours[f * k + k - 1]);
+      });
+      refused("its own neighbour", [&](Hull&, auto*, auto* neighbours) {
+        neighbours[f * k] = static_cast<std::uint32_t>(f);
+      });
+      refused("two simplices of a facet", [&](Hull& h, auto*, auto*) {
+        Array<std::uint32_t> facets(k + 1);
+        for (std::uint32_t g = 0; g <= k; ++g) facets[g] = h.simplex_facets[g];
+        facets[f] = facets[f == 0];
+        h.simplex_facets = EvenArray<std::uint32_t>(std::move(facets));
+      });
+    }
+    refused("a vertex twice", [&](Hull&, auto* simplices, auto*) { simplices[0] = simplices[1]; });
+    refused("another plane", [&](Hull& h, auto*, auto*) { h.facet_planes[0] += 1e-3; });
+    refused("another volume", [&](Hull& h, auto*, auto*) { h.volume *= 1 + 1e-6; });
+  }
 }
 
 }  // namespace many_dimensions_test

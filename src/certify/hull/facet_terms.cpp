@@ -204,6 +204,8 @@ CheckedFacets::CheckedFacets(const Subject& s)
       beta_ *= flat_stretch;
     }
   }
+  if (k_ > 8 && s.ids.size() == k_ + std::size_t{1})
+    for (mp_bitcnt_t bits = wild_ ? 8192 : 512; !find_simplex_terms(bits);) bits *= 2;
 }
 
 double CheckedFacets::normal_bound(const FacetTerms& t, std::uint32_t simplex, unsigned c) const {
@@ -513,6 +515,7 @@ WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) 
 
 WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
+  if (is_simplex()) return simplex_terms_[i];
   const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
   std::vector<const double*> scratch(k_ + 1);
   const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
@@ -570,7 +573,7 @@ void CheckedFacets::rounded_terms(const WideTerms& w, FacetTerms& out) const {
 }
 
 void CheckedFacets::terms(std::uint32_t simplex, FacetTerms& out) const {
-  if (!quickly(simplex, out)) return rounded_terms(wide_terms(simplex), out);
+  if (is_simplex() || !quickly(simplex, out)) return rounded_terms(wide_terms(simplex), out);
   out.spread_length = length(out.spread.data(), static_cast<unsigned>(out.spread.size()));
 }
 

@@ -48,6 +48,8 @@ class CheckedFacets {
   int exponent() const { return exponent_; }
   /// Whether the axes' extents differ so much that doubles in a common unit underflow on some axis.
   bool wild() const { return wild_; }
+  /// Whether the hull is a simplex of so many dimensions that its terms are found together.
+  bool is_simplex() const { return !simplex_terms_.empty(); }
   /// The greatest change of an offset by underflow: 0 if axes differ so much that the library
   /// computes planes exactly.
   double offset_underflow() const;
@@ -83,6 +85,8 @@ class CheckedFacets {
   double careful_share() const { return careful_share_; }
 
  private:
+  /// False if more bits are needed.
+  bool find_simplex_terms(mp_bitcnt_t bits);
   template <unsigned K, class Real>
   bool by_cofactors(std::uint32_t simplex, FacetTerms& out) const;
   bool quickly(std::uint32_t simplex, FacetTerms& out) const;
@@ -107,6 +111,7 @@ class CheckedFacets {
   std::vector<std::uint8_t> constant_;  ///< axes orthogonal to the flat
   double alpha_ = 0, beta_ = 0, careful_share_ = 0x1p-13, relative_ = 0.25;
   double usual_share_ = 1, loss_ = 0;
+  std::vector<WideTerms> simplex_terms_;
 };
 
 }  // namespace cullhull::internal::certify

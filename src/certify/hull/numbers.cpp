@@ -171,7 +171,7 @@ class MeasureCheck {
   }
 
  private:
-  bool quick() const { return k_ > 1 && !f_.wild(); }
+  bool quick() const { return k_ > 1 && !f_.wild() && !f_.is_simplex(); }
   /// Whether the bounds added up with the sums are tighter than relative_bound(). Far from
   /// underflow the sums lost nothing, even if terms of single simplices did.
   bool settled(const QuickSums& q) const {
@@ -279,8 +279,8 @@ class MeasureCheck {
   }
 
   WideSums wide_sums() const {
-    constexpr std::uint64_t chunk = 256;  // GMP: microseconds per facet
-    constexpr mp_bitcnt_t bits = 4608;    // holds sums of products of doubles
+    const std::uint64_t chunk = many() ? 4 : 256;  // GMP: microseconds per facet, or milliseconds
+    constexpr mp_bitcnt_t bits = 4608;             // holds sums of products of doubles
     const WideSums none(d_, mpf_class(0, bits), mpf_class(0, 256));
     std::vector<WideSums> parts((s_.simplex_count() + chunk - 1) / chunk, none);
     check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {

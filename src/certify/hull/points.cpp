@@ -265,6 +265,8 @@ class VertexCache {
 }  // namespace
 
 class PointCheck::Scan {
+  static constexpr std::uint32_t none = 0xFFFFFFFFU;
+
  public:
   Scan(const Subject& s, const Cones& cones)
       : s_(s),
@@ -329,8 +331,10 @@ class PointCheck::Scan {
         if (!all) load_points(points, at, 1, x, d, 1);
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
-        if (is_vertex) meet_vertex(static_cast<std::size_t>(vertex - s_.ids.begin()), x);
-        check_point<K>(i, x, is_vertex, on_axes.data(), f, scratch.data(), cache);
+        const auto v = static_cast<std::uint32_t>(vertex - s_.ids.begin());
+        if (is_vertex) meet_vertex(v, x);
+        check_flat<K>(i, x, is_vertex ? v : none);
+        if (!is_vertex) check_point<K>(i, x, on_axes.data(), f, scratch.data(), cache);
       }
     }
   }
@@ -344,15 +348,22 @@ class PointCheck::Scan {
     s_.vertices_met.fetch_add(1, std::memory_order_relaxed);
   }
 
+  /// `vertex`: of the hull, or none.
   template <unsigned K>
-  void check_point(std::uint64_t i, const double* x, bool is_vertex, double* on_axes,
-                   std::uint32_t& f, const double** scratch, VertexCache& cache) const {
-    const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
+  void check_flat(std::uint64_t i, const double* x, std::uint32_t vertex) const {
+    const unsigned k = K ? K : s_.k;
     check_finite(i, x);
-    if (k < d && !flat_.contains(x))
+    if (k == s_.hull.dimension) return;
+    const bool spans = std::find(s_.basis.begin(), s_.basis.end(), vertex) != s_.basis.end();
+    if (!spans && !flat_.contains(x))
       fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
             " is too low");
-    if (is_vertex) return;
+  }
+
+  template <unsigned K>
+  void check_point(std::uint64_t i, const double* x, double* on_axes, std::uint32_t& f,
+                   const double** scratch, VertexCache& cache) const {
+    const unsigned d = s_.hull.dimension, k = K ? K : s_.k;
     if (k < d) {
       for (unsigned j = 0; j < k; ++j) on_axes[j] = x[s_.axes[j]];
       x = on_axes;

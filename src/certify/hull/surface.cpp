@@ -374,6 +374,7 @@ void check_flat(Subject& s) {
   s.axes.resize(d + std::size_t{1});
   rows.push_back(nullptr);
   for (std::uint32_t v = 0; v < s.ids.size() && s.basis.empty(); ++v) {
+    if (std::find(s.simplex(0), s.simplex(0) + k, v) != s.simplex(0) + k) continue;
     rows[k] = full(v);
     if (affine_rank_exact(d, rows.data(), k + 1, s.axes.data()) != k) continue;
     s.basis.assign(s.simplex(0), s.simplex(0) + k);
@@ -438,6 +439,39 @@ void check_covering(Subject& s, Cones& cones) {
         fault("a ray meets simplices ", target, " and ", f, ": the surface covers itself");
     }
   });
+}
+
+/// The facets of k + 1 vertices of rank k are the sets that lack one of them, and the sides on
+/// which the others lie follow from one sign by permutations: in many dimensions signs take
+/// milliseconds.
+std::uint64_t check_single_simplex(const Subject& s) {
+  const unsigned k = s.k;
+  std::vector<const double*> scratch(k + 1);
+  std::vector<std::uint32_t> order(k + 1);  // of facet f: its vertices, then the one it lacks
+  std::vector<std::uint32_t> lacks(k + 1), facet_without(k + 1, k + 1);
+  bool outward = false;
+  for (std::uint32_t f = 0; f <= k; ++f) {
+    std::copy_n(s.simplex(f), k, order.begin());
+    std::uint32_t sum = k * (k + 1) / 2;
+    for (unsigned j = 0; j < k; ++j) sum -= order[j];
+    order[k] = lacks[f] = sum;  // ids of a simplex differ, as check_shape saw
+    if (facet_without[sum] != k + 1)
+      fault("simplices ", facet_without[sum], " and ", f, " are equal");
+    facet_without[sum] = f;
+    unsigned inversions = 0;
+    for (unsigned j = 1; j <= k; ++j)
+      for (unsigned c = 0; c < j; ++c) inversions += order[c] > order[j];
+    const bool odd = inversions % 2 != 0;
+    if (f == 0) outward = odd == (s.side(0, s.row(sum), scratch.data()) == Sign::negative);
+    if (odd != outward) fault("the vertices are not beneath simplex ", f);
+  }
+  for (std::uint32_t f = 0; f <= k; ++f)
+    for (unsigned j = 0; j < k; ++j)
+      if (s.neighbour(f, j) != facet_without[s.simplex(f)[j]])
+        fault("simplices ", f, " and ", s.neighbour(f, j), " do not share a ridge as neighbours");
+  if (s.hull.facets.size() != std::uint64_t{k} + 1)
+    fault("the facets of a simplex are ", k + 1, ", not ", s.hull.facets.size());
+  return std::uint64_t{k} * (k + 1) / 2;
 }
 
 }  // namespace cullhull::internal::certify
