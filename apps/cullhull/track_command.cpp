@@ -156,6 +156,7 @@ struct TrackOutcome {
   /// The placement of a frame whose `view` is in world coordinates.
   void place(bool raw, const cullhull::PointSequence& sequence, const cullhull::PointView& view,
              const Hull& h) {
+    if (placing.columns.empty()) placing.note_columns(sequence.columns(), sequence.format(), "");
     if (sequence.placement().empty()) return;
     if (!placing.any) {
       placing.placement = sequence.placement();
@@ -351,7 +352,7 @@ std::string summary(const cullhull::PointSequence& sequence, const TrackOutcome&
   if (sequence.frames() == 0) return "frames     0\n";
   std::string text =
       fmt::format("frames     {}, {}\n", grouped(sequence.frames()), sequence.format());
-  text += skipped_line(o.placing);
+  text += columns_line(o.placing) + skipped_line(o.placing);
   if (o.done > 0) {
     text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
                         cullhull::scalar_name(o.scalar));

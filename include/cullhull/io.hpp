@@ -198,6 +198,8 @@ class PointSequence {
   const Grid& grid() const noexcept;  ///< as PointFile::grid(), the same for all frames
   /// As PointFile::placement(), of the current frame; empty before next() and for arrays.
   const Placement& placement() const noexcept;
+  /// As PointFile::columns(), of the current frame; empty before next().
+  const std::vector<std::string>& columns() const noexcept;
   double read_seconds() const noexcept;  ///< for the current frame
 
  private:

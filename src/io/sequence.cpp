@@ -9,6 +9,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
 
@@ -30,6 +31,7 @@ struct PointSequence::Impl {
   PointFile file;
   Grid grid;
   Placement placement;
+  std::vector<std::string> columns;
 
   std::uint64_t frames() const { return files.empty() ? array.frames : files.size(); }
 
@@ -40,6 +42,7 @@ struct PointSequence::Impl {
     name = internal::display_name(files[index]);
     format = file.format();
     placement = file.placement();
+    columns = file.columns();
   }
 
   void read_array(std::uint64_t index) {
@@ -57,6 +60,7 @@ struct PointSequence::Impl {
     internal::choose_columns(data, bytes.name, {}, options);
     view = data.view;
     format = data.format;
+    columns = data.columns.empty() ? internal::all_columns(format, view.dimension) : data.columns;
   }
 };
 
@@ -241,6 +245,7 @@ const std::string& PointSequence::name() const noexcept { return impl_->name; }
 const std::string& PointSequence::format() const noexcept { return impl_->format; }
 const Grid& PointSequence::grid() const noexcept { return impl_->grid; }
 const Placement& PointSequence::placement() const noexcept { return impl_->placement; }
+const std::vector<std::string>& PointSequence::columns() const noexcept { return impl_->columns; }
 double PointSequence::read_seconds() const noexcept { return impl_->seconds; }
 
 bool PointSequence::next() {
