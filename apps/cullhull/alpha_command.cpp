@@ -17,6 +17,7 @@
 #include "cullhull/triangulation_io.hpp"
 #include "diagrams/memory_needs.hpp"
 #include "group_hulls.hpp"
+#include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "terminal.hpp"
@@ -70,6 +71,7 @@ struct AlphaArguments {
   std::vector<std::string> outputs;
   std::string alpha, json;  ///< alpha: a number or a word; empty: the default, or by edges
   std::string by;           ///< the column of the groups' keys
+  std::string keep;         ///< columns beside the points
   double edge_length = -1, ratio = -1;  ///< negative: not given
   std::vector<std::string> files;       ///< that the words of the input stand for
 
@@ -206,7 +208,7 @@ int run_by(const AlphaArguments& a, FilePlan& plan) {
       .alpha = given_alpha(a.alpha),
       .edge_length = a.edge_length,
       .ratio = a.ratio};
-  return run_group_shapes(a.input, a.files, a.by, a.outputs[0], shape, a.run);
+  return run_group_shapes(a.input, a.files, a.by, a.keep, a.outputs[0], shape, a.run);
 }
 
 int run(AlphaArguments a) {
@@ -215,6 +217,7 @@ int run(AlphaArguments a) {
   a.files = a.input.find_files();
   FilePlan plan;
   plan.reads_inputs(a.input.words, a.files);
+  check_keep(a.keep, a.files, maps_among(a.outputs), {".geojson"});
   if (!a.by.empty()) return run_by(a, plan);
   for (const std::string& path : a.outputs) plan.writes("-o", path, {OutputKind::triangulation});
   plan.writes_json(a.json);
@@ -232,9 +235,11 @@ int run(AlphaArguments a) {
   out.measures = cullhull::shape_measures(input.points, out.triangulation, out.shape);
   out.alpha = grid.to_world(out.alpha);
   if (out.edge_length) out.edge_length = grid.to_world(*out.edge_length);
+  const cullhull::MapExtras extras{input.placing.crs,
+                                   kept_columns(a.keep, a.input, a.files, a.run)};
   for (const std::string& path : a.outputs)
     cullhull::write_alpha_shape(path, input.points, out.triangulation, out.shape, out.alpha, "",
-                                {input.placing.crs, {}});
+                                extras);
   if (!a.json.empty()) cullhull::write_text(a.json, report(input, out));
   if (!a.run.quiet && !plan.uses_stdout()) write_stdout(summary(a, input, out));
   return 0;
@@ -259,6 +264,7 @@ Command add_alpha(Parser& parent) {
                                   "Compute one shape per group: the points with the same value in\n"
                                   "COLUMN (name or number); -o .geojson (2D), .csv or .json"))
       .type_name("COLUMN");
+  add_keep_option(command, a->keep, "what the points of a shape have in common, to .geojson");
   command.group("Shape");
   needs_value(*command.add_option("--alpha", a->alpha,
                                   "Largest circumradius of a cell: a number, one-region (default)\n"

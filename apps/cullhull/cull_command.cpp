@@ -86,12 +86,6 @@ std::string wrote_lines(const CullArguments& arguments) {
          wrote_line(arguments.stream.partial);
 }
 
-/// -o takes ids or points, by the extension of the name.
-bool holds_points(const std::string& path) {
-  const std::string ending = ending_of(path);
-  return ending == ".ply" || ending == ".xyz" || ending == ".las" || ending == ".geojson";
-}
-
 /// Compressed or not.
 bool has_las_name(const std::string& path) {
   const std::string ending = ending_of(path);
@@ -113,7 +107,8 @@ void check_kept(const CullArguments& arguments) {
   std::vector<std::string> outputs;
   for (const std::string& path : {arguments.output, arguments.points})
     if (!path.empty() && (path == arguments.points || holds_points(path))) outputs.push_back(path);
-  check_keep(arguments.keep, arguments.files, outputs, {".geojson", ".csv"});
+  check_keep(arguments.keep, arguments.files, outputs, {".geojson", ".csv"},
+             arguments.stream.first_id);
 }
 
 FilePlan plan_files(const CullArguments& arguments) {
@@ -128,15 +123,6 @@ FilePlan plan_files(const CullArguments& arguments) {
        {std::pair{"-o", arguments.output}, {"--points", arguments.points}})
     if (ending_of(path) == ".las") check_one_las(arguments, option + (" " + path));
   return plan;
-}
-
-void check_dimension(const std::string& path, std::uint32_t dimension) {
-  const std::string ending = ending_of(path);
-  if ((ending == ".ply" || ending == ".geojson") && dimension != 2 && dimension != 3)
-    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
-                          fmt::format("{}: {} holds points of dimension 2 or 3, not {}; write "
-                                      ".npy or .csv",
-                                      path, ending, dimension));
 }
 
 /// The system, and the columns that --keep names.
@@ -180,7 +166,7 @@ int run_in_memory(CullArguments arguments, const FilePlan& plan) {
                             arguments.run.memory_bytes());
   arguments.run.held = input.held();
   for (const std::string& path : {arguments.output, arguments.points})
-    check_dimension(path, input.points.dimension);
+    check_points_dimension(path, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   CullOutcome outcome =
       repeat(arguments.run, arguments.repeat, [&](const cullhull::Options& options) {
@@ -204,7 +190,7 @@ int run_streamed(const CullArguments& arguments, const FilePlan& plan) {
       stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
   cullhull::HullState& state = streamed.state;
   for (const std::string& path : {arguments.output, arguments.points})
-    check_dimension(path, state.dimension());
+    check_points_dimension(path, state.dimension());
   cullhull::to_world(state, streamed.read.grid);
   write_partial(arguments.stream, state, {});
   const cullhull::MapExtras extras = extras_of(arguments);

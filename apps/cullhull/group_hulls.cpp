@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
@@ -46,19 +47,22 @@ int write_groups(const InputArguments& input, const std::vector<std::string>& fi
 }  // namespace
 
 int run_groups(const InputArguments& input, const std::vector<std::string>& files,
-               const std::string& key, const std::string& output, const RunArguments& run) {
+               const std::string& key, const std::string& keep, const std::string& output,
+               const RunArguments& run) {
   return write_groups(input, files, key, output, run, "hulls",
                       [&](const auto& reading, const auto& options) {
-    return cullhull::write_group_hulls(files, output, reading, options, {input.crs, {}});
+    return cullhull::write_group_hulls(files, output, reading, options,
+                                       {input.crs, kept_columns(keep, input, files, run)});
   });
 }
 
 int run_group_shapes(const InputArguments& input, const std::vector<std::string>& files,
-                     const std::string& key, const std::string& output,
+                     const std::string& key, const std::string& keep, const std::string& output,
                      const cullhull::GroupShape& shape, const RunArguments& run) {
   return write_groups(input, files, key, output, run, "shapes",
                       [&](const auto& reading, const auto& options) {
-    return cullhull::write_group_shapes(files, output, shape, reading, options, {input.crs, {}});
+    return cullhull::write_group_shapes(files, output, shape, reading, options,
+                                        {input.crs, kept_columns(keep, input, files, run)});
   });
 }
 

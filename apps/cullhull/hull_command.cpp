@@ -13,6 +13,7 @@
 #include "cullhull/io.hpp"
 #include "grid_hull.hpp"
 #include "group_hulls.hpp"
+#include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
 #include "streaming.hpp"
@@ -35,7 +36,8 @@ constexpr const char* hull_footer =
     "  .json                 complete result: vertices, facets, planes, neighbours, simplices,\n"
     "                        measures; also written by -o - on standard output\n"
     "  .txt                  coordinates of the vertices\n"
-    "  --vertices writes .npy (int64), .csv or .txt, in ascending order.\n"
+    "  --vertices writes ids (.npy, int64, .csv or .txt), in ascending order, or points (.ply,\n"
+    "  .xyz or .geojson).\n"
     "  --format takes the words of qconvex: Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo\n"
     "  Fs FS Ft Fv FV (docs/formats.md): Fx extreme points, i facets, n normals, o OFF, ...\n"
     "An input file is never overwritten. Options change how the result is computed, never the\n"
@@ -58,7 +60,7 @@ struct HullArguments {
   InputArguments input;
   RunArguments run;
   std::vector<std::string> outputs;
-  std::string vertices;
+  std::string vertices, keep;
   std::string json;
   std::vector<std::string> formats;  ///< words, several of which may be in one string
   std::string engine = "native";
@@ -95,7 +97,10 @@ FilePlan plan_files(const HullArguments& arguments) {
   plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
     plan.writes("-o", path, {arguments.by.empty() ? OutputKind::hull : OutputKind::group_hulls});
-  plan.writes("--vertices", arguments.vertices, {OutputKind::ids});
+  plan.writes("--vertices", arguments.vertices, {OutputKind::ids, OutputKind::points});
+  std::vector<std::string> maps = maps_among(arguments.outputs);
+  if (holds_points(arguments.vertices)) maps.push_back(arguments.vertices);
+  check_keep(arguments.keep, arguments.files, maps, {".geojson"}, arguments.stream.first_id);
   plan.writes_json(arguments.json);
   arguments.stream.plan(plan);
   if (!arguments.formats.empty()) plan.prints("--format");
@@ -188,18 +193,38 @@ std::string wrote_lines(const HullArguments& arguments) {
          wrote_line(arguments.stream.partial);
 }
 
+/// The system, and the columns that --keep names.
+cullhull::MapExtras extras_of(const HullArguments& arguments, const std::string& crs) {
+  return {crs, kept_columns(arguments.keep, arguments.input, arguments.files, arguments.run)};
+}
+
+/// `ids`: ascending.
+void write_vertices(const HullArguments& arguments, const cullhull::PointView& points,
+                    const std::vector<std::uint64_t>& ids, const cullhull::MapExtras& extras) {
+  if (holds_points(arguments.vertices))
+    cullhull::write_points(arguments.vertices, points, ids, "", extras);
+  else if (!arguments.vertices.empty())
+    cullhull::write_ids(arguments.vertices, ids);
+}
+void write_vertices(const HullArguments& arguments, const cullhull::HullState& state,
+                    const std::vector<std::uint64_t>& ids, const cullhull::MapExtras& extras) {
+  if (holds_points(arguments.vertices))
+    cullhull::write_points(arguments.vertices, state, "", extras);
+  else if (!arguments.vertices.empty())
+    cullhull::write_ids(arguments.vertices, ids);
+}
+
 /// `points`: all points, or their state.
 template <class Points>
 void write_results(const HullArguments& arguments, const Points& points, const Placing& placing,
                    const cullhull::PointView& extreme, const Hull& hull,
                    const cullhull::JsonExtras& extras) {
+  const cullhull::MapExtras beside = extras_of(arguments, placing.crs);
   for (const std::string& path : arguments.outputs)
-    cullhull::write_hull(path, points, hull, "", arguments.faces.faces(), {placing.crs, {}});
-  if (!arguments.vertices.empty()) {
-    std::vector<std::uint64_t> ids = hull.vertices;
-    std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
-    cullhull::write_ids(arguments.vertices, ids);
-  }
+    cullhull::write_hull(path, points, hull, "", arguments.faces.faces(), beside);
+  std::vector<std::uint64_t> ids = hull.vertices;
+  std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
+  write_vertices(arguments, points, ids, beside);
   if (!arguments.json.empty())
     cullhull::write_text(
         arguments.json,
@@ -269,9 +294,10 @@ std::vector<double> placed_rows(const Input& input, const std::vector<std::uint6
 }
 
 int run_vertices_only(HullArguments arguments, const FilePlan& plan) {
-  const Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
-                                  arguments.run.memory_bytes());
+  Input input = open_inputs(arguments.input, arguments.files, arguments.run.threads,
+                            arguments.run.memory_bytes());
   arguments.run.held = input.held();
+  check_points_dimension(arguments.vertices, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   Extreme found = find_repeatedly(arguments, input.places, [&](const cullhull::Options& options) {
     return cullhull::extreme_points(input.kept(), options);
@@ -281,7 +307,8 @@ int run_vertices_only(HullArguments arguments, const FilePlan& plan) {
   const std::vector<double> rows = placed_rows(input, extreme.ids);
   const cullhull::PointView placed =
       cullhull::PointView::row_major(rows.data(), extreme.ids.size(), input.points.dimension);
-  if (!arguments.vertices.empty()) cullhull::write_ids(arguments.vertices, extreme.ids);
+  if (holds_points(arguments.vertices)) input.to_world();
+  write_vertices(arguments, input.points, extreme.ids, extras_of(arguments, input.placing.crs));
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
                          with_placing(extreme_json(input.points, found, read_seconds, peak_bytes()),
@@ -417,9 +444,11 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
                           arguments.vertices.empty() && arguments.json.empty() &&
                           arguments.formats.empty() && !arguments.certify;
   if (only_vertices || only_state) {
-    if (!arguments.vertices.empty()) cullhull::write_ids(arguments.vertices, state.ids());
+    check_points_dimension(arguments.vertices, state.dimension());
     if (!arguments.json.empty())
       cullhull::write_text(arguments.json, extreme_json_of(arguments, streamed));
+    cullhull::to_world(state, grid);
+    write_vertices(arguments, state, state.ids(), extras_of(arguments, streamed.placing().crs));
     if (speaks)
       write_stdout(state_lines(arguments, streamed) + skipped_line(streamed.placing()) +
                    fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
@@ -427,6 +456,7 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
     return 0;
   }
   for (const std::string& path : arguments.outputs) check_hull_dimension(path, state.dimension());
+  check_points_dimension(arguments.vertices, state.dimension());
   Hull hull = hull_of_state(arguments, streamed);
   std::optional<Certificate> certificate;
   if (arguments.certify) certificate = certify_streamed(arguments, streamed, hull);
@@ -480,6 +510,7 @@ int run_in_memory(HullArguments arguments, const FilePlan& plan) {
   arguments.run.held = input.held();
   for (const std::string& path : arguments.outputs)
     check_hull_dimension(path, input.points.dimension);
+  check_points_dimension(arguments.vertices, input.points.dimension);
   const double read_seconds = input.file.read_seconds() + warm_pages(input.points);
   HullOutcome outcome = compute(arguments, input);
   const std::uint64_t peak = peak_bytes();
@@ -492,7 +523,8 @@ int run_in_memory(HullArguments arguments, const FilePlan& plan) {
     const std::uint32_t d = input.points.dimension;
     extreme = cullhull::PointView::row_major(vertices.data(), vertices.size() / d, d);
   }
-  const bool moves = !in_place(input) || !arguments.outputs.empty();
+  const bool moves =
+      !in_place(input) || !arguments.outputs.empty() || holds_points(arguments.vertices);
   if (moves) input.to_world();
   if (vertices.empty()) extreme = input.kept();
   write_results(arguments, input.points, input.placing, extreme, outcome.result,
@@ -540,8 +572,8 @@ int run(HullArguments arguments) {
   const FilePlan plan = plan_files(arguments);
   if (!arguments.by.empty() && arguments.elsewhere == nullptr) {
     check_groups(arguments);
-    return run_groups(arguments.input, arguments.files, arguments.by, arguments.outputs[0],
-                      arguments.run);
+    return run_groups(arguments.input, arguments.files, arguments.by, arguments.keep,
+                      arguments.outputs[0], arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
   const std::string lists = lists_all_points(arguments);
@@ -571,8 +603,10 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                                   "-o for more files"))
       .allow_extra_args(false)
       ->type_name("FILE");
-  needs_value(*command.add_option("--vertices", a->vertices, "Write the ids of the extreme points"))
-      .type_name("IDS.npy|.csv|.txt");
+  needs_value(*command.add_option("--vertices", a->vertices,
+                                  "Write the extreme points: ids (.npy .csv .txt) or points (.ply\n"
+                                  ".xyz .geojson)"))
+      .type_name("FILE");
   add_json_option(command, a->json, "Report counts, times and measures");
   needs_value(*command.add_option("--format", a->formats,
                                   "Print the hull as qconvex does. Quote several words:\n"
@@ -584,6 +618,9 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                                   "Compute one hull per group: the points with the same value in\n"
                                   "COLUMN (name or number); -o .geojson (2D), .csv or .json"))
       .type_name("COLUMN");
+  add_keep_option(command, a->keep,
+                  "of each point of --vertices,\n"
+                  "and what the points of a hull have in common, to .geojson");
   a->faces.add_to(command, "merged facets");
   allow_words(
       *command.add_option("--only", a->only,

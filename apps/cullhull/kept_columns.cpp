@@ -11,6 +11,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io/groups/collected.hpp"
 #include "outputs.hpp"
+#include "parallel/memory/memory.hpp"
 #include "signals.hpp"
 
 namespace app {
@@ -46,6 +47,11 @@ std::string name_of(const std::string& item) {
   return name;
 }
 
+void require_memory(const RunArguments& run, std::uint64_t bytes) {
+  const std::uint64_t budget = run.options().memory_budget;
+  if (budget > 0) cullhull::internal::require_budget(budget, bytes, "the columns of --keep");
+}
+
 }  // namespace
 
 void add_keep_option(Parser& command, std::string& keep, const std::string& where) {
@@ -58,8 +64,12 @@ void add_keep_option(Parser& command, std::string& keep, const std::string& wher
 }
 
 void check_keep(const std::string& keep, const std::vector<std::string>& files,
-                const std::vector<std::string>& outputs, const std::vector<std::string>& endings) {
+                const std::vector<std::string>& outputs, const std::vector<std::string>& endings,
+                std::uint64_t first_id) {
   if (keep.empty()) return;
+  if (first_id > 0)
+    throw Error(ErrorCode::invalid_argument,
+                fmt::format("--keep {}: --first-id and --keep exclude one another", keep));
   for (const std::string& path : outputs)
     if (std::find(endings.begin(), endings.end(), ending_of(path)) == endings.end())
       throw Error(ErrorCode::invalid_argument,
@@ -76,16 +86,25 @@ void check_keep(const std::string& keep, const std::vector<std::string>& files,
                               input_name(file)));
 }
 
+std::vector<std::string> maps_among(const std::vector<std::string>& outputs) {
+  std::vector<std::string> maps;
+  for (const std::string& path : outputs)
+    if (ending_of(path) == ".geojson") maps.push_back(path);
+  return maps;
+}
+
 std::vector<cullhull::PointColumn> kept_columns(const std::string& keep,
                                                 const InputArguments& input,
                                                 const std::vector<std::string>& files,
                                                 const RunArguments& run) {
   std::vector<cullhull::PointColumn> columns;
   if (keep.empty()) return columns;
+  std::uint64_t bytes = 0;
   for (const std::string& name : items_of(keep)) {
     cullhull::BlockOptions reading;
     reading.read = read_options(input, run.threads, run.memory_bytes());
-    reading.read.remark = {};  // told when the points were read
+    reading.read.remark = {};       // told when the points were read
+    reading.read.skip_nan = false;  // values are found by the points' ids in the file
     reading.read.key = name;
     reading.read.stop = stop_token();
     std::mutex mutex;
@@ -94,6 +113,8 @@ std::vector<cullhull::PointColumn> kept_columns(const std::string& keep,
     visitor.keyed =
         [&](const cullhull::PointView&, std::uint64_t first, const cullhull::PointKeys& keys) {
       const std::lock_guard lock(mutex);
+      bytes += 2 * (keys.text.size() + 8 * keys.size());  // in blocks, then in one piece
+      require_memory(run, bytes);
       blocks[first] = keys;
     };
     cancellable([&] { (void)cullhull::visit_blocks(files, visitor, reading); });
@@ -108,6 +129,7 @@ std::vector<cullhull::PointColumn> kept_columns(const std::string& keep,
       }
       keys = {};
     }
+    bytes -= (column.values.text.size() + 8 * column.values.size());
     columns.push_back(std::move(column));
   }
   return columns;

@@ -52,6 +52,20 @@ std::string must_end_in(const Endings& endings) {
   return text;
 }
 
+bool holds_points(const std::string& path) {
+  const std::string ending = ending_of(path);
+  return ending == ".ply" || ending == ".xyz" || ending == ".las" || ending == ".geojson";
+}
+
+void check_points_dimension(const std::string& path, std::uint32_t dimension) {
+  const std::string ending = ending_of(path);
+  if ((ending == ".ply" || ending == ".geojson") && dimension != 2 && dimension != 3)
+    throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
+                          fmt::format("{}: {} holds points of dimension 2 or 3, not {}; write "
+                                      ".npy or .csv",
+                                      path, ending, dimension));
+}
+
 std::string ending_of(const std::string& path) {
   std::string ending = std::filesystem::path(path).extension().string();
   for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

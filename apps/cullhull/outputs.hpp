@@ -124,6 +124,12 @@ void check_hull_dimension(const std::string& path, std::uint32_t dimension);
 /// The extensions of pages.
 inline const Endings page_endings{".html", ".htm"};
 
+/// Whether an output that takes ids or points takes points, by the extension of its name.
+bool holds_points(const std::string& path);
+
+/// Refuses, before the work, a file that cannot hold points of this dimension.
+void check_points_dimension(const std::string& path, std::uint32_t dimension);
+
 /// The extension of a name in small letters, with its dot.
 std::string ending_of(const std::string& path);
 

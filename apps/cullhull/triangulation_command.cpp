@@ -531,15 +531,15 @@ std::string summary(const DualArguments& a, const Input& input, const DualOutcom
 
 void write_results(const DualArguments& a, const Input& input, const DualOutcome& out) {
   const PointView& points = input.points;
+  const cullhull::MapExtras extras{input.placing.crs,
+                                   kept_columns(a.keep, a.input, a.files, a.run)};
   for (const std::string& path : a.outputs) {
     if (!out.voronoi)
-      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights,
-                                    {input.placing.crs, {}});
+      cullhull::write_triangulation(path, points, out.triangulation, "", out.heights, extras);
     else if (ending_of(path) == ".json" || path == "-")
       cullhull::write_voronoi(path, *out.voronoi);
     else
-      cullhull::write_cells(path, *out.cells, "", a.faces.faces(),
-                            {input.placing.crs, kept_columns(a.keep, a.input, a.files, a.run)});
+      cullhull::write_cells(path, *out.cells, "", a.faces.faces(), extras);
   }
   if (!a.measures.empty()) {
     const std::uint64_t n = out.cells->measures.size();
@@ -594,7 +594,7 @@ int run(DualArguments a, bool dual) {
       plan.writes("-o", path, {OutputKind::voronoi, OutputKind::cells});
     else
       plan.writes("-o", path, {OutputKind::triangulation});
-  check_keep(a.keep, a.files, a.outputs, {".geojson"});
+  check_keep(a.keep, a.files, maps_among(a.outputs), {".geojson"});
   plan.writes("--measures", a.measures, {OutputKind::ids});
   plan.writes_json(a.json);
   if (!a.formats.empty()) plan.prints("--format");
@@ -686,6 +686,8 @@ Command add_delaunay(Parser& parent) {
                                   "Heights of 2D points, kept in meshes, .vtk and .json: a column\n"
                                   "of INPUT, or a file with one number per point"))
       .type_name("COLUMN|FILE");
+  command.group("Output");
+  add_keep_option(command, a->keep, "what a triangle's points have in common, to .geojson");
   command.group("Kind of result");
   allow_real_range(
       *command

@@ -280,7 +280,10 @@ struct MapExtras {
   /// The coordinate reference system, as crs_code spells it: the member `crs` of .geojson, as GDAL
   /// writes it; for WGS 84 there is none (RFC 7946). Empty: unknown.
   std::string crs;
-  std::vector<PointColumn> columns;  ///< where a writer says that it takes some
+  /// For .geojson. What belongs to a single point gets its value; a triangle, hull or shape the
+  /// value that its points have in common (of a shape without groups: all points), null where they
+  /// differ.
+  std::vector<PointColumn> columns;
 };
 
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson

@@ -253,6 +253,129 @@ TEST(CliMaps, KeptColumnsGoToCellsAndSurvivors) {
   }
 }
 
+/// The properties of all features.
+std::vector<json> properties_in(const std::string& path) {
+  std::vector<json> all;
+  const json document = json::parse(read_file(path));
+  for (const json& feature : document.value("features", json::array({document})))
+    all.push_back(feature["properties"]);
+  return all;
+}
+
+TEST(CliMaps, ShapesKeepWhatTheirPointsHaveInCommon) {
+  const Folder f;
+  write_file(f / "p.csv",
+             "x,y,region,land,name,n\n0,0,b,DE,u,1\n4,0,b,DE,v,1\n0,4,b,DE,w,1\n"
+             "9,0,a,FR,r,2\n9,9,a,FR,s,\n12,3,a,,t,2\n9,1,c,FR,q,7\n");
+  const std::string out = f / "o.geojson";
+  for (const char* command : {"hull", "alpha"}) {
+    expect_success({command, f / "p.csv", "--by", "region", "--keep", "land,n,name", "-o", out});
+    std::vector<json> groups = properties_in(out);
+    ASSERT_EQ(groups.size(), 3U);
+    const auto kept = [&](std::size_t i) {
+      return json({groups[i]["region"], groups[i]["land"], groups[i]["n"], groups[i]["name"]});
+    };
+    EXPECT_EQ(kept(0), json({"a", nullptr, nullptr, nullptr})) << command;
+    EXPECT_EQ(kept(1), json({"b", "DE", 1, nullptr})) << command;
+    EXPECT_EQ(kept(2), json({"c", "FR", 7, "q"})) << command;
+    // Of the whole set.
+    write_file(f / "one.csv", "x,y,land,n\n0,0,DE,1\n4,0,DE,2\n0,4,DE,1\n");
+    expect_success({command, f / "one.csv", "--keep", "land,n", "-o", out, "-o", f / "o.ply"});
+    EXPECT_EQ(properties_in(out)[0]["land"], "DE") << command;
+    EXPECT_EQ(properties_in(out)[0]["n"], nullptr) << command;
+  }
+  expect_success({"delaunay", f / "p.csv", "--keep", "region", "-o", out});
+  const std::vector<json> triangles = properties_in(out);
+  EXPECT_EQ(triangles[0]["region"], "b");
+  EXPECT_EQ(std::count_if(triangles.begin(), triangles.end(),
+                          [](const json& t) { return t["region"].is_null(); }),
+            static_cast<std::ptrdiff_t>(triangles.size()) - 1);
+}
+
+TEST(CliMaps, VerticesAreWrittenAsPointsWithColumns) {
+  const Folder f;
+  write_file(f / "p.csv", "name,x,y\na,nan,1\nb,0,0\nc,1,1\nd,4,0\ne,0,4\nf,0,0\n");
+  const std::string out = f / "v.geojson";
+  for (const std::vector<std::string>& how :
+       std::vector<std::vector<std::string>>{{},
+                                             {"--stream", "on"},
+                                             {"--only", "vertices"},
+                                             {"--only", "vertices", "--stream", "on"}}) {
+    std::vector<std::string> words{"hull",       f / "p.csv", "--columns", "x,y",
+                                   "--skip-nan", "--keep",    "name",      "--vertices",
+                                   out,          "--crs",     "EPSG:25832"};
+    words.insert(words.end(), how.begin(), how.end());
+    expect_success(words);
+    EXPECT_EQ(properties_in(out), (std::vector<json>{{{"id", 1}, {"name", "b"}},
+                                                     {{"id", 3}, {"name", "d"}},
+                                                     {{"id", 4}, {"name", "e"}}}));
+    EXPECT_EQ(crs_in(out), "urn:ogc:def:crs:EPSG::25832");
+  }
+  // Of points on a grid, in the world.
+  write_file(f / "g.las", bench::las_bytes({0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10},
+                                           {{0.1, 0.1, 0.1}, {500000, 0, 0}, {}}));
+  for (const char* stream : {"on", "off"}) {
+    expect_success({"hull", f / "g.las", "--vertices", out, "--stream", stream});
+    const json second = json::parse(read_file(out))["features"][1];
+    EXPECT_EQ(second["geometry"]["coordinates"], json({500001, 0, 0})) << stream;
+  }
+  const Ran refused =
+      run_app({"hull", f / "p.csv", "--columns", "x,y", "--skip-nan", "--vertices", f / "v.las"});
+  EXPECT_EQ(refused.status, 2) << refused.err;
+}
+
+/// Values are found by the points' ids in the file, whatever is left out.
+TEST(CliMaps, KeptColumnsOfPointsBesideSkippedOnes) {
+  const Folder f;
+  std::string rows = "name,x,y,g\n";
+  for (int i = 0; i < 60; ++i)
+    rows += "n" + std::to_string(i) + (i % 3 == 0 ? ",nan,1," : ",") +
+            (i % 3 == 0 ? "" : std::to_string(i % 7) + "," + std::to_string(i * i % 11) + ",") +
+            "g" + std::to_string(i / 10) + "\n";
+  write_file(f / "p.csv", rows);
+  const std::string out = f / "o.geojson";
+  for (const std::vector<std::string>& how :
+       {std::vector<std::string>{"cull", "--stream", "on"}, {"cull"}, {"voronoi"}}) {
+    std::vector<std::string> words{how[0],   f / "p.csv", "--columns", "x,y", "--skip-nan",
+                                   "--keep", "name",      "-o",        out};
+    words.insert(words.end(), how.begin() + 1, how.end());
+    expect_success(words);
+    for (const json& p : properties_in(out)) {
+      const int id = p.contains("id") ? p["id"].get<int>() : p["point"].get<int>();
+      EXPECT_EQ(p["name"], "n" + std::to_string(id)) << how[0];
+    }
+  }
+  expect_success({"hull", f / "p.csv", "--columns", "x,y", "--skip-nan", "--by", "g", "--keep",
+                  "g,name", "-o", out});
+  for (const json& p : properties_in(out)) EXPECT_EQ(p["name"], nullptr);
+}
+
+TEST(CliMaps, KeptColumnsDoNotReplaceTheResultsOwn) {
+  const Folder f;
+  write_file(f / "p.csv", "id,x,y,region,point,area\n7,0,0,a,1,5\n8,4,0,a,1,5\n9,0,4,a,1,5\n");
+  const std::string out = f / "o.geojson";
+  const auto first = [&](std::vector<std::string> words, const std::string& keep) {
+    words.insert(words.end(), {f / "p.csv", "--columns", "x,y", "--keep", keep, "-o", out});
+    expect_success(words);
+    return properties_in(out)[0];
+  };
+  EXPECT_EQ(first({"cull"}, "id"), json({{"id", 0}, {"kept_id", 7}}));
+  EXPECT_EQ(first({"voronoi"}, "point,id"), json({{"point", 0}, {"kept_point", 1}, {"id", 7}}));
+  EXPECT_EQ(first({"hull"}, "area")["area"], 8);
+  EXPECT_EQ(first({"hull"}, "area")["kept_area"], 5);
+  EXPECT_EQ(first({"alpha"}, "region")["kept_region"], "a");
+  EXPECT_EQ(first({"hull", "--by", "region"}, "region,id")["region"], "a");
+}
+
+TEST(CliMaps, TrackNamesItsColumns) {
+  const Folder f;
+  write_file(f / "a1.csv", "lat,lon\n50,8\n51,8\n50,9\n");
+  write_file(f / "a2.csv", "lat,lon\n50,8\n51,8\n50,10\n");
+  const Ran ran = expect_success({"track", f / "a*.csv", "--json=" + (f / "r.json")});
+  EXPECT_NE(ran.out.find("columns    lon, lat\n"), std::string::npos) << ran.out;
+  EXPECT_EQ(json::parse(read_file(f / "r.json"))["columns"], json({"lon", "lat"}));
+}
+
 TEST(CliMaps, KeepSaysWhatItCannotDo) {
   const Folder f;
   write_file(f / "p.csv", table);
@@ -262,11 +385,14 @@ TEST(CliMaps, KeepSaysWhatItCannotDo) {
     EXPECT_EQ(ran.status, status) << ran.err;
     EXPECT_NE(ran.err.find(why), std::string::npos) << ran.err;
   };
-  refused({"voronoi", "-o", f / "o.wkt"}, 2, "holds no columns; .geojson does");
+  refused({"voronoi", "-o", f / "o.wkt"}, 2, "needs an output that ends in .geojson");
   refused({"voronoi"}, 2, "needs an output that ends in .geojson");
   refused({"cull", "-o", f / "ids.csv"}, 2, "needs an output that ends in .geojson or .csv");
   refused({"cull", "-o", f / "o.ply"}, 2, "holds no columns; .geojson and .csv do");
-  refused({"hull", "-o", f / "o.geojson"}, 2, "--keep");
+  refused({"hull", "-o", f / "o.ply"}, 2, "needs an output that ends in .geojson");
+  refused({"hull", "-o", f / "o.geojson", "--vertices", f / "v.ply"}, 2, "holds no columns");
+  refused({"hull", "-o", f / "o.geojson", "--stream", "on", "--first-id", "7"}, 2, "--first-id");
+  refused({"cull", "-o", f / "o.geojson", "--memory", "40"}, 4, "memory");
   EXPECT_EQ(f.entries(), 1U);
   const Ran unknown =
       run_app({"voronoi", f / "p.csv", "--keep", "depth", "-o", f / "o.geojson", "-q"});

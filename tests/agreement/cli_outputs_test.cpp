@@ -61,9 +61,9 @@ TEST(CliOutputs, IdsAsTheNameSays) {
     EXPECT_EQ(csv.substr(0, 3), "id\n") << command[0];
     EXPECT_EQ(lines_of(csv.substr(3)), ids) << command[0];
   }
-  for (const char* name : {"v.ply", "v.json", "v.xyz", "v", "v."})
+  for (const char* name : {"v.obj", "v.json", "v.las", "v", "v."})
     expect_refused(f, {"hull", f / "p.npy", "--vertices", f / name},
-                   "must end in .npy, .csv or .txt");
+                   "must end in .npy, .ply, .geojson, .csv, .xyz or .txt");
 }
 
 TEST(CliOutputs, CullWritesPoints) {

@@ -120,8 +120,8 @@ TEST(CliUsage, HelpFitsTheTerminal) {
   };
   // The text of an option stays in its column, and its lines are filled.
   const std::string narrow = shown(80);
-  EXPECT_NE(narrow.find("\n  --vertices IDS.npy|.csv|.txt\n                              "
-                        "Write the ids of the extreme points\n"),
+  EXPECT_NE(narrow.find("\n  --format WORDS              Print the hull as qconvex does. Quote "
+                        "several\n                              words: --format 'Fx n'\n"),
             std::string::npos)
       << narrow;
   ::setenv("COLUMNS", "50", 1);  // as exported, it is taken before the window's

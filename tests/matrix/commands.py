@@ -143,6 +143,14 @@ IDS = (
     Output("--vertices .csv", ("--vertices", "{}"), ".csv", texts.ids_csv),
     Output("--vertices .txt", ("--vertices", "{}"), ".txt", texts.ids_txt),
 )
+VERTICES = tuple(
+    Output(f"--vertices {e}", ("--vertices", "{}"), e, read, reason, alike)
+    for e, read, reason, alike in (
+        (".ply", texts.ply, mesh, "scalar"),
+        (".xyz", texts.points_txt, always, "bytes"),
+        (".geojson", texts.geojson, mesh, "bytes"),
+    )
+)
 STATE = Output("--partial .npz", ("--partial", "{}"), ".npz", texts.archive, alike="values")
 
 #: Texts as qconvex prints them; those that draw need a hull that spans its space.
@@ -190,6 +198,7 @@ ROWS = (
         tuple(_format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS),
         ways={"--stream": "--format o prints all points, which are never in memory together"},
     ),
+    Row("hull --vertices", ("hull", "-q"), VERTICES, doors="main"),
     Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[-1:], doors="main"),
     Row("hull --polygons", ("hull", "-q", "--polygons"), HULL_MESHES[:3], doors="main"),
     Row(

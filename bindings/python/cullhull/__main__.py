@@ -24,7 +24,7 @@ _CANCELLED = 130
 _CONVERTED = (".laz", ".parquet", ".e57", *_vectors.ENDINGS)
 #: Options by what their values are: files that are written, files of polygons or lines, a column or a
 #: file of numbers, columns.
-_OUTPUTS = ("-o", "--output")
+_OUTPUTS = ("-o", "--output", "--vertices", "--points")
 _SHAPES = ("--clip", "--edges")
 _NUMBERS = ("--weights", "--height")
 _COLUMNS = ("--by", "--keep")

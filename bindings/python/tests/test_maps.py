@@ -158,6 +158,25 @@ def test_a_hull_for_each_value_of_a_field(office, tmp_path, ending):
     )
 
 
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("source", ["wells.gpkg", "wells.geojson"])
+def test_hulls_and_vertices_keep_fields(office, tmp_path, ending, source):
+    folder, _ = office
+    table, out = wells(), tmp_path / f"hulls{ending}"
+    ran("hull", folder / source, "--by", "region", "--keep", "region,owner", "-o", out)
+    hulls = read(out).set_index("region")
+    (kept,) = (name for name in hulls if name.startswith("kept_regi"))  # ten letters in a .shp
+    assert hulls[kept].tolist() == hulls.index.tolist() and len(hulls) == 2
+    assert hulls["owner"].isna().all(), "their wells have many owners"
+    corners = tmp_path / f"corners{ending}"
+    ran("hull", folder / source, "--vertices", corners, "--keep", "region,depth")
+    kept = geopandas.read_file(corners)
+    assert kept.crs == CRS and kept["id"].tolist() == sorted(cullhull.convex_hull(SITES).vertices)
+    for row in kept.itertuples():
+        assert row.region == table["region"][row.id] and row.depth == table["depth"][row.id]
+        assert row.geometry.equals(table.geometry[row.id])
+
+
 def test_survivors_keep_their_fields(office, tmp_path):
     folder, _ = office
     out = tmp_path / "s.gpkg"

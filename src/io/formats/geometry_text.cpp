@@ -130,9 +130,14 @@ void append_wkt(std::string& out, const PlanePolygons& polygons) {
   out += ")";
 }
 
-void append_property(std::string& out, const PointColumn& column, std::uint64_t point) {
+std::string name_beside(const std::string& column, std::initializer_list<std::string_view> own) {
+  return std::find(own.begin(), own.end(), column) == own.end() ? column : "kept_" + column;
+}
+
+void append_property(std::string& out, const PointColumn& column, std::uint64_t point,
+                     std::initializer_list<std::string_view> own) {
   out += ", ";
-  append_json_string(out, column.name);
+  append_json_string(out, name_beside(column.name, own));
   out += ": ";
   const std::string_view value = column.values[point];
   if (value.empty())
@@ -143,8 +148,18 @@ void append_property(std::string& out, const PointColumn& column, std::uint64_t 
     append_json_string(out, value);
 }
 
+MapExtras columns_in_common(const MapExtras& extras, std::uint64_t count) {
+  std::vector<std::string_view> values;
+  for (const PointColumn& column : extras.columns)
+    values.push_back(
+        value_in_common(column, column.values.size(), [](std::uint64_t i) { return i; }));
+  return columns_of_shapes(extras, count, [&](const PointColumn& column, std::uint64_t) {
+    return values[static_cast<std::size_t>(&column - extras.columns.data())];
+  });
+}
+
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
-                          const std::string& crs) {
+                          const MapExtras& extras) {
   if (hull.dimension != 2)
     throw Error(ErrorCode::invalid_argument, ".", format, " holds hulls of 2D points, not ",
                 hull.dimension, "D; meshes hold 3D, .json any");
@@ -156,13 +171,15 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
     append_wkt(out, boundary);
     return out + '\n';
   }
-  out = "{\"type\": \"Feature\", " + crs_member(crs) + "\"properties\": {\"points\": ";
+  out = "{\"type\": \"Feature\", " + crs_member(extras.crs) + "\"properties\": {\"points\": ";
   append_number(out, hull.point_count);
   const PlaneMeasures m = measures_of(hull);
   for (const auto& [name, value] : {std::pair{"perimeter", m.perimeter}, {"area", m.area}}) {
     out += std::string(", \"") + name + "\": ";
     append_json_number(out, value);
   }
+  for (const PointColumn& column : columns_in_common(extras, 1).columns)
+    append_property(out, column, 0, {"points", "perimeter", "area"});
   out += "}, \"geometry\": ";
   append_geojson(out, boundary);
   return out + "}\n";

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "cullhull/io.hpp"
@@ -33,13 +35,42 @@ using PlanePolygons = std::vector<PlaneRings>;
 void append_geojson(std::string& out, const PlanePolygons& polygons);
 void append_wkt(std::string& out, const PlanePolygons& polygons);
 
-/// The whole file for one hull: a Feature with its measures, or one line. `crs`: as in MapExtras.
+/// The whole file for one hull: a Feature with its measures, or one line.
 /// Error{invalid_argument} unless the points are 2D.
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
-                          const std::string& crs);
+                          const MapExtras& extras);
 
-/// Adds a kept value to properties: a JSON number unchanged, null for an empty one, else a string.
-void append_property(std::string& out, const PointColumn& column, std::uint64_t point);
+/// The name of a column beside the result's `own` members: "kept_id" where "id" is one of them.
+std::string name_beside(const std::string& column, std::initializer_list<std::string_view> own);
+
+/// Adds a kept value to properties, of which `own` are there: a JSON number unchanged, null for an
+/// empty one, else a string.
+void append_property(std::string& out, const PointColumn& column, std::uint64_t point,
+                     std::initializer_list<std::string_view> own);
+
+/// The value that `count` points have in common, id(i) of each; empty, as a missing one, where they
+/// differ.
+template <class Id>
+std::string_view value_in_common(const PointColumn& column, std::uint64_t count, const Id& id) {
+  const std::string_view value = count > 0 ? column.values[id(0)] : std::string_view();
+  for (std::uint64_t i = 1; i < count; ++i)
+    if (column.values[id(i)] != value) return {};
+  return value;
+}
+
+/// The columns of `count` shapes; value(column, i): of shape i.
+template <class Value>
+MapExtras columns_of_shapes(const MapExtras& extras, std::uint64_t count, const Value& value) {
+  MapExtras out{extras.crs, {}};
+  for (const PointColumn& column : extras.columns) {
+    out.columns.push_back({column.name, {}, column.numeric});
+    for (std::uint64_t i = 0; i < count; ++i) out.columns.back().values.add(value(column, i));
+  }
+  return out;
+}
+
+/// What all points of a set have in common, for each of its `count` shapes.
+MapExtras columns_in_common(const MapExtras& extras, std::uint64_t count);
 
 /// Writes a collection of polygons, each with its number under `name` and in GeoJSON the values of
 /// `extras`; rings(i): those of polygon i.
@@ -58,7 +89,8 @@ void write_map(const std::string& path, const std::string& f, std::uint64_t coun
     if (i > 0) out.add(geojson ? "," : ", ");
     if (geojson) {
       out.add("\n{\"type\": \"Feature\", \"properties\": {\"").add(name).add("\": ").number(i);
-      for (const PointColumn& column : extras.columns) append_property(out.text(), column, i);
+      for (const PointColumn& column : extras.columns)
+        append_property(out.text(), column, i, {name});
       out.add("}, \"geometry\": ");
       append_geojson(out.text(), rings(i));
       out.add("}");

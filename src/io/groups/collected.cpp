@@ -98,8 +98,29 @@ KeyOrder::KeyOrder(const PointKeys& keys) : order(keys.size()) {
   });
 }
 
-SortedGroups CollectedPoints::sort() {
-  SortedGroups sorted{.dimension = dimension_, .keys = KeyOrder(words()), .coordinates = {}};
+/// `order`: the numbers of the groups, as they are listed.
+PointColumn CollectedPoints::in_common(const PointColumn& column,
+                                       const std::vector<std::uint32_t>& order) const {
+  std::vector<std::string_view> values(order.size());
+  std::vector<bool> seen(order.size()), differ(order.size());
+  for (const Block& block : blocks_)
+    for (std::uint64_t i = 0; i < block.count; ++i) {
+      const std::uint32_t g = block.groups[i];
+      const std::string_view value = column.values[block.first_id + i];
+      if (!seen[g]) values[g] = value;
+      seen[g] = true;
+      differ[g] = differ[g] || values[g] != value;
+    }
+  PointColumn out{column.name, {}, column.numeric};
+  for (const std::uint32_t g : order) out.values.add(differ[g] ? std::string_view() : values[g]);
+  return out;
+}
+
+SortedGroups CollectedPoints::sort(const std::vector<PointColumn>& columns) {
+  SortedGroups sorted{
+      .dimension = dimension_, .keys = KeyOrder(words()), .coordinates = {}, .columns = {}};
+  for (const PointColumn& column : columns)
+    sorted.columns.push_back(in_common(column, sorted.keys.order));
   std::vector<std::uint32_t> rank(words_.size());
   for (std::uint32_t i = 0; i < rank.size(); ++i) rank[sorted.keys.order[i]] = i;
   std::sort(blocks_.begin(), blocks_.end(),

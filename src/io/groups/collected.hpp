@@ -43,7 +43,8 @@ struct SortedGroups {
   std::uint32_t dimension = 0;
   std::vector<std::uint64_t> offsets{0};  ///< of each group's points
   KeyOrder keys;
-  Buffer coordinates;  ///< rows of doubles
+  Buffer coordinates;                ///< rows of doubles
+  std::vector<PointColumn> columns;  ///< the values that the points of a group have in common
 };
 
 class CollectedPoints {
@@ -54,8 +55,8 @@ class CollectedPoints {
   /// Adds the points of all files with their keys. Throws Error{invalid_argument} where the options
   /// name no column of keys.
   BlockSummary read(const std::vector<std::string>& files, const BlockOptions& reading);
-  /// Sorts and hands over all points.
-  SortedGroups sort();
+  /// Sorts and hands over all points. `columns`: values of the points, by their ids.
+  SortedGroups sort(const std::vector<PointColumn>& columns);
   const PointKeys& words() const { return words_.words(); }
 
  private:
@@ -64,6 +65,8 @@ class CollectedPoints {
     std::vector<std::uint32_t> groups;
     std::vector<double> rows;
   };
+
+  PointColumn in_common(const PointColumn& column, const std::vector<std::uint32_t>& order) const;
 
   std::uint64_t budget_, bytes_ = 0;
   std::uint32_t dimension_ = 0;

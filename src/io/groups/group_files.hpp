@@ -25,15 +25,17 @@ std::string checked_format(const std::string& path, const std::string& format);
 /// The key's name in the output: its own, or "column" and its number.
 std::string name_of_key(const std::string& key);
 
-/// Reads and sorts all points; write(collected, sorted, read, report) then writes the file.
+/// Reads and sorts all points, and their columns; write(collected, sorted, read, report) then
+/// writes the file.
 template <class Write>
 GroupReport write_sorted_groups(const std::vector<std::string>& files, const BlockOptions& reading,
-                                const Options& options, const Write& write) {
+                                const Options& options, const std::vector<PointColumn>& columns,
+                                const Write& write) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   CollectedPoints collected(resolve_budget(options.memory_budget));
   const BlockSummary read = collected.read(files, reading);
-  const SortedGroups sorted = collected.sort();
+  const SortedGroups sorted = collected.sort(columns);
   GroupReport report;
   report.points = read.end.points;
   report.skipped = read.end.skipped;

@@ -54,6 +54,8 @@ struct GroupOfShape {
   AlphaShape shape;
   double limit = 0;  ///< alpha, or the length of edges
   ShapeMeasures measures;
+  std::size_t number = 0;                     ///< among all groups
+  std::span<const PointColumn> columns = {};  ///< of which the group has the value `number`
 };
 
 /// The shape of points on a grid; `alpha` and `edge_length` are on it, and so is the limit.
@@ -172,6 +174,9 @@ class ShapeRecords {
     append_json_number(text_, perimeter);
     text_ += ", \"area\": ";
     append_json_number(text_, area);
+    for (const PointColumn& column : group.columns)
+      append_property(text_, column, group.number,
+                      {key_name_, "points", limit_name_, "perimeter", "area"});
     text_ += "}, \"geometry\": ";
     append_geojson(text_, polygons_of(group));
     text_ += '}';
@@ -283,7 +288,9 @@ void write_shapes(const CollectedPoints& collected, const SortedGroups& sorted,
                        .points = {},
                        .triangulation = {},
                        .shape = {},
-                       .measures = {}};
+                       .measures = {},
+                       .number = i,
+                       .columns = sorted.columns};
     find_shape(PointView::row_major(rows, count, d), shape, own, group);
     std::vector<double> world(rows, rows + count * d);
     to_world(world, grid);
@@ -314,7 +321,7 @@ GroupReport write_group_shapes(const std::vector<std::string>& files, const std:
     throw Error(ErrorCode::invalid_argument, "alpha, edge_length and ratio exclude one another");
   const std::string format = checked_format(path, "");
   return write_sorted_groups(
-      files, reading, options,
+      files, reading, options, extras.columns,
       [&](const auto& collected, const auto& sorted, const auto& read, const auto& report) {
     std::string text;
     ShapeRecords records(format, name_of_key(reading.read.key), by_edges ? "edge_length" : "alpha",

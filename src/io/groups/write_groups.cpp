@@ -29,6 +29,8 @@ struct GroupHull {
   std::size_t set = 0;
   const double* corners = nullptr;
   const Grid& grid;
+  std::size_t number = 0;                     ///< among all groups
+  std::span<const PointColumn> columns = {};  ///< of which the group has the value `number`
 
   std::span<const std::uint64_t> vertices() const { return batch.vertices[set]; }
   std::uint64_t points() const { return batch.point_counts[set]; }
@@ -113,6 +115,8 @@ class GroupRecords {
     append_json_number(out, hull.perimeter());
     out += ", \"area\": ";
     append_json_number(out, hull.within());
+    for (const PointColumn& column : hull.columns)
+      append_property(out, column, hull.number, {key_name_, "points", "perimeter", "area"});
     out += "}, \"geometry\": ";
     append_geojson(out, hull.boundary());
     out += '}';
@@ -216,7 +220,7 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
     for (std::size_t i = begin; i < end; ++i) {
       const std::size_t set = i - begin;
       records.add({collected.words()[sorted.keys.order[i]], sorted.keys.numeric, batch, set,
-                   corners.data() + batch.vertices.offsets[set] * d, grid});
+                   corners.data() + batch.vertices.offsets[set] * d, grid, i, sorted.columns});
       write_if_long(text, out);
     }
     if (options.progress)
@@ -237,7 +241,7 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
   using namespace internal;
   const std::string format = checked_format(path, "");
   return write_sorted_groups(
-      files, reading, options,
+      files, reading, options, extras.columns,
       [&](const auto& collected, const auto& sorted, const auto& read, const auto& report) {
     std::string text;
     GroupRecords records(format, name_of_key(reading.read.key),

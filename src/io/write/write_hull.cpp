@@ -50,7 +50,7 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
     write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
     out.commit();
   } else if (is_map(f)) {
-    write_text(path, geometry_file(points, hull, f, extras.crs));
+    write_text(path, geometry_file(points, hull, f, extras));
   } else if (f == "txt") {
     // As `p`, with words after the dimension, so that no reader takes a 1D header for a point.
     std::string text = hull_to_qhull_text(of, hull, "p");

@@ -88,7 +88,7 @@ void write_geojson_points(OutputFile& out, const Coordinates& points,
     line = i > 0 ? ",\n" : "\n";
     line += "{\"type\": \"Feature\", \"properties\": {\"id\": ";
     append_json_number(line, ids[i]);
-    for (const PointColumn& column : extras.columns) append_property(line, column, ids[i]);
+    for (const PointColumn& column : extras.columns) append_property(line, column, ids[i], {"id"});
     line += "}, \"geometry\": {\"type\": \"Point\", \"coordinates\": [";
     for (std::uint32_t j = 0; j < points.dimension; ++j) {
       if (j > 0) line += ", ";
@@ -160,7 +160,8 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
     if (f == "csv") {
       std::string names = axis_names(points.dimension);
       names.pop_back();
-      for (const PointColumn& column : extras.columns) append_csv_value(names += ',', column.name);
+      for (const PointColumn& column : extras.columns)
+        append_csv_value(names += ',', name_beside(column.name, {"x", "y", "z"}));
       out.write(names += '\n');
     }
     write_text_points(out, points, ids, f == "csv" ? ',' : ' ', extras.columns);

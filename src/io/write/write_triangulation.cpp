@@ -249,8 +249,12 @@ void write_triangulation(const std::string& path, const PointView& points, const
   if (t.dimension != 2) refuse(f, "triangles of 2D points", t.dimension);
   const bool triangles = t.affine_dimension == 2;  // else there are none
   if (!is_map(f)) return write_mesh(path, f, triangles ? mesh_of(places, t) : HullMesh());
-  const MapExtras of_cells{extras.crs, {}};
-  write_map(path, f, triangles ? t.size() : 0, "cell", of_cells, [&](std::uint64_t c) {
+  const std::uint64_t count = triangles ? t.size() : 0;
+  const MapExtras of_cells =
+      columns_of_shapes(extras, count, [&](const PointColumn& column, std::uint64_t c) {
+        return value_in_common(column, 3, [&](std::uint64_t i) { return t.cell(c)[i]; });
+      });
+  write_map(path, f, count, "cell", of_cells, [&](std::uint64_t c) {
     PlaneRings corners(1);
     for (const std::uint32_t v : t.cell(c))
       for (std::uint32_t j = 0; j < 2; ++j) corners[0].push_back(points.at(v, j));
