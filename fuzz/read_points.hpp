@@ -16,11 +16,11 @@
 
 namespace cullhull::fuzz {
 
-/// Refusals are Error{bad_file} with one printable line, or Error{invalid_argument} where columns
-/// are asked for that are not there; anything else ends the fuzzer.
-inline void check_refusal(const Error& error, bool columns = false) {
+/// Refusals are Error{bad_file} with one printable line, or, where columns or a decimal mark are
+/// asked for that the file does not have, Error{invalid_argument}; anything else ends the fuzzer.
+inline void check_refusal(const Error& error, bool asked = false) {
   if (error.code() != ErrorCode::bad_file &&
-      !(columns && error.code() == ErrorCode::invalid_argument))
+      !(asked && error.code() == ErrorCode::invalid_argument))
     std::abort();
   if (internal::printable_text(error.what()) != error.what()) std::abort();
 }
@@ -77,7 +77,7 @@ inline void read_once(const std::uint8_t* data, std::size_t size, ReadOptions op
     touch_all(view);
     if (!options.key.empty() && points.keys.size() != view.count) std::abort();
   } catch (const Error& error) {
-    check_refusal(error, !options.columns.empty() || !options.key.empty());
+    check_refusal(error, !options.columns.empty() || !options.key.empty() || options.decimal != 0);
   }
 }
 

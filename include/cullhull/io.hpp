@@ -139,7 +139,7 @@ class PointFile {
   void to_world();
   const std::string& format() const noexcept;  ///< "npy", "ply (binary little-endian)", ...
   /// The columns that are the coordinates, in order: their names, or their numbers from 0 where
-  /// they have none. ReadOptions::columns selects others.
+  /// they have none. ReadOptions::columns selects others. Empty: more than 65,536.
   std::vector<std::string> columns() const;
   bool mapped() const noexcept;  ///< true if the file is read in place
   /// True if points() is the part that ReadOptions::part selects; false: all points.
