@@ -176,6 +176,12 @@ PointFile open_points(const std::string& path, const ReadOptions& options = {});
 /// Takes as long as reading the file.
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
+/// The columns of a table that are coordinates by their names, in order, as open_points takes them
+/// from a text: known names (docs/formats.md), else, with `series`, a single column or a series such
+/// as a b c or dim_0 dim_1, beside which columns may number the points. Empty: the names do not say.
+std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& names,
+                                              bool series = true);
+
 /// Moving points, frame by frame: an array (frames, n, d) in an .npy file, of which one frame at a
 /// time is mapped (so a sequence may exceed memory), or one file of points per frame.
 class PointSequence {

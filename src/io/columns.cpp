@@ -525,3 +525,18 @@ void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
 }
 
 }  // namespace cullhull::internal::inline io
+
+namespace cullhull::inline v1 {
+
+std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& names, bool series) {
+  using namespace internal;
+  std::vector<std::uint32_t> columns = find_known_columns(names);
+  if (!columns.empty() || !series) return columns;
+  const std::vector<std::uint32_t> numbering = find_numbering(names);
+  for (std::uint32_t j = 0; j < names.size(); ++j)
+    if (!std::binary_search(numbering.begin(), numbering.end(), j)) columns.push_back(j);
+  if (columns.size() != 1 && !are_series(column_labels(columns, names))) columns.clear();
+  return columns;
+}
+
+}  // namespace cullhull::inline v1

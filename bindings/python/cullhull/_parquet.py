@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from . import _vectors
+from . import _core, _vectors
 from ._columns import side_by_side
 from ._errors import BadFile, InvalidArgument, ShapeWarning, warn
 from ._extras import needed
@@ -22,17 +22,8 @@ from ._extras import needed
 Columns = Union[Sequence[str], Sequence[int], None]
 Rows = npt.NDArray[Any]
 
-_HEIGHTS = ("z", "height", "elevation", "altitude")
-#: Coordinates by their names, in the order of src/io/columns.cpp.
-_KNOWN = (
-    ("x", "y", ("z",)),
-    ("lon", "lat", _HEIGHTS),
-    ("longitude", "latitude", _HEIGHTS),
-    ("easting", "northing", _HEIGHTS),
-)
-_NUMBERING = ("id", "index", "fid", "", "__index_level_0__")
-
-
+#: pandas writes an index without a name so.
+_INDEX = "__index_level_0__"
 #: GeoArrow's encodings, by the lists around a position.
 _NESTED = {"point": 0, "linestring": 1, "multipoint": 1, "polygon": 2, "multilinestring": 2,
            "multipolygon": 3}  # fmt: skip
@@ -79,7 +70,8 @@ def choose(
             )
         return Choice([primary], shapes[primary], True)
     numbers = [c for c, kind in types.items() if _is_number(kind)]
-    known = _known(numbers)
+    numbers = [c for c in numbers if c != _INDEX]
+    known = coordinates_of(numbers, series=False)
     if known:
         return Choice(known, None)
     found = list(shapes) or [
@@ -94,9 +86,14 @@ def choose(
         raise InvalidArgument(f"{name}: columns= says which holds the points: {_listed(lists)}")
     if lists:
         return Choice(lists, _rows_of_lists)
-    taken = [c for c in numbers if c.lower() not in _NUMBERING]
-    if not taken:
+    if not numbers:
         raise InvalidArgument(f"{name}: no column of numbers; there are {_described(types)}")
+    taken = coordinates_of(numbers)
+    if not taken:
+        raise InvalidArgument(
+            f"{name}: the names of the columns are not known as coordinates: {_listed(numbers)}; "
+            "columns= takes some by name or number"
+        )
     left = [c for c in types if c not in taken]
     warn(
         f"{name}: {_listed(taken)} are taken as coordinates"
@@ -208,15 +205,9 @@ def _asked_for(
     return Choice(wanted, None)
 
 
-def _known(names: list[str]) -> list[str]:
-    def one(wanted: Sequence[str]) -> list[str]:
-        return [n for n in names if n.lower() in wanted]
-
-    for first, second, third in _KNOWN:
-        x, y, z = one((first,)), one((second,)), one(third)
-        if len(x) == len(y) == 1 and len(z) <= 1:
-            return x + y + z
-    return []
+def coordinates_of(names: list[str], series: bool = True) -> list[str]:
+    """Those that are coordinates by their names, as in a text; `series`: or as `a`, `b`, `c`."""
+    return [names[j] for j in _core.coordinate_columns(names, series)]
 
 
 def _listed(names: Sequence[str], most: int = 12) -> str:

@@ -16,7 +16,7 @@ from ._arguments import as_count
 from ._columns import side_by_side
 from ._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from ._extras import needed
-from ._parquet import Taken, _known, choose, peek_of
+from ._parquet import Taken, choose, coordinates_of, peek_of
 
 Columns = Union[str, Sequence[str], Sequence[int], None]
 #: Points read at a time by a package that gives no view of all.
@@ -293,7 +293,7 @@ def _structured(
         raise BadFile(f"{name}: structured array of {array.ndim} axes; points need one")
     dtype = array.dtype
     fields = [f for f in dtype.names if dtype[f].shape == () and dtype[f].kind in "fiu"]
-    known = _known(fields)
+    known = coordinates_of(fields)
     if columns is None and not known:
         which = "; columns= says which are the coordinates"
         listed = ", ".join(map(repr, fields)) + which if fields else "none is a number"

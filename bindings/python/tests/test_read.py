@@ -103,6 +103,33 @@ def test_parquet_never_takes_all_columns_silently(tmp_path):
     assert said == f"{path}: 'a', 'b', 'c' are taken as coordinates"
 
 
+def test_parquet_columns_are_those_of_a_text_of_these_names(tmp_path):
+    """Known names in any language and order; unknown ones are refused, as in a text."""
+    for names, want in {
+        ("lat", "lng"): "10",
+        ("POINT_Y", "POINT_X", "OBJECTID"): "10",
+        ("Rechtswert", "Hochwert"): "01",
+        ("id", "X [m]", "Y [m]"): "12",
+        ("north", "east", "height"): "102",
+        ("pop", "rate"): None,
+        ("OBJECTID", "area"): "1",
+    }.items():
+        columns = {name: np.arange(4.0) ** (j + 1) for j, name in enumerate(names)}
+        path = written(tmp_path, columns)
+        text = tmp_path / "a.csv"
+        np.savetxt(text, np.column_stack(list(columns.values())), delimiter=",",
+                   header=",".join(names), comments="")  # fmt: skip
+        for file in (path, str(text)):
+            if want is None:
+                with pytest.raises(ValueError, match=r"not known as coordinates: 'pop', 'rate'"):
+                    cullhull.read(file)
+                continue
+            points, _ = said_while_reading(file)
+            assert points.tolist() == np.column_stack(
+                [columns[names[int(j)]] for j in want]
+            ).tolist(), (file, names)
+
+
 def test_parquet_never_gives_objects(tmp_path):
     import decimal
 
