@@ -269,6 +269,10 @@ void HullStream::push(const PointView& block) {
 
 void HullStream::push(const HullState& state) {
   if (state.dimension_ == 0) return;
+  if (state.decimals_ > 0)
+    throw Error(ErrorCode::invalid_argument,
+                "a stream compares the rounded coordinates of a state ", "of numbers with ",
+                int{state.decimals_}, " decimals; merge() compares such states on their grid");
   impl_->reduce_if_worth();
   NumberedPoints points = StateParts::points(state);
   const std::uint64_t end = state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);

@@ -210,6 +210,22 @@ TEST(Stream, NothingAndNextToNothing) {
   EXPECT_EQ(stream.hull().vertices, std::vector<std::uint64_t>{7});
 }
 
+TEST(Stream, StatesOfDecimalsAreForMerge) {
+  const double p[] = {1, 2, 30, 4, 5, 7};
+  HullState state(PointView::row_major(p, 3, 2));
+  HullStream stream;
+  stream.push(state);
+  state.to_world(1);
+  try {
+    stream.push(state);
+    FAIL() << "rounded coordinates were compared";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
+    EXPECT_NE(std::string(e.what()).find("merge()"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(stream.state().point_count(), 3U);
+}
+
 // Of equal points the lowest id stays, with the bits that it had: here the sign of its zero.
 TEST(Stream, EqualPointsKeepTheLowestIdAndItsBits) {
   const double early[] = {-0.0, 0, 1, 0, 0, 1}, late[] = {0.0, 0, 1, 0, 0, 1};
