@@ -62,7 +62,7 @@ void check_points_dimension(const std::string& path, std::uint32_t dimension) {
   if ((ending == ".ply" || ending == ".geojson") && dimension != 2 && dimension != 3)
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           fmt::format("{}: {} holds points of dimension 2 or 3, not {}; write "
-                                      ".npy or .csv",
+                                      ".xyz",
                                       path, ending, dimension));
 }
 

@@ -177,8 +177,9 @@ PointFile open_points(const std::string& path, const ReadOptions& options = {});
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
 /// The columns of a table that are coordinates by their names, in order, as open_points takes them
-/// from a text: known names (docs/formats.md), else, with `series`, a single column or a series such
-/// as a b c or dim_0 dim_1, beside which columns may number the points. Empty: the names do not say.
+/// from a text: known names (docs/formats.md), else, with `series`, a single column or a series
+/// such as a b c or dim_0 dim_1, beside which columns may number the points. Empty: the names do
+/// not say.
 std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& names,
                                               bool series = true);
 
@@ -286,9 +287,9 @@ struct MapExtras {
   /// The coordinate reference system, as crs_code spells it: the member `crs` of .geojson, as GDAL
   /// writes it; for WGS 84 there is none (RFC 7946). Empty: unknown.
   std::string crs;
-  /// For .geojson. What belongs to a single point gets its value; a triangle, hull or shape the
-  /// value that its points have in common (of a shape without groups: all points), null where they
-  /// differ.
+  /// For .geojson, and .csv of points. What belongs to a single point gets its value; a triangle,
+  /// hull or shape the value that its points have in common (of a shape without groups: all
+  /// points), null where they differ.
   std::vector<PointColumn> columns;
 };
 

@@ -146,9 +146,9 @@ class HullStream {
   void push(const PointView& block, std::uint64_t first_id);
   /// The same; ids continue after the highest id so far, pushed or counted by a pushed state.
   void push(const PointView& block);
-  /// Adds the points that a state represents. Throws Error{invalid_argument} for one of numbers with
-  /// decimals (HullState::decimals() > 0), whose coordinates are rounded: merge() compares those on
-  /// their grid.
+  /// Adds the points that a state represents. Throws Error{invalid_argument} for one of numbers
+  /// with decimals (HullState::decimals() > 0), whose coordinates are rounded: merge() compares
+  /// those on their grid.
   void push(const HullState& state);
   /// Counts points that are left out, such as those without a return: the `count` ids from first_id
   /// on are taken, and the state's point_count() includes them if it has other points. Errors:

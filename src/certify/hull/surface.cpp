@@ -448,13 +448,13 @@ std::uint64_t check_single_simplex(const Subject& s) {
   const unsigned k = s.k;
   std::vector<const double*> scratch(k + 1);
   std::vector<std::uint32_t> order(k + 1);  // of facet f: its vertices, then the one it lacks
-  std::vector<std::uint32_t> lacks(k + 1), facet_without(k + 1, k + 1);
+  std::vector<std::uint32_t> facet_without(k + 1, k + 1);
   bool outward = false;
   for (std::uint32_t f = 0; f <= k; ++f) {
     std::copy_n(s.simplex(f), k, order.begin());
     std::uint32_t sum = k * (k + 1) / 2;
     for (unsigned j = 0; j < k; ++j) sum -= order[j];
-    order[k] = lacks[f] = sum;  // ids of a simplex differ, as check_shape saw
+    order[k] = sum;  // ids of a simplex differ, as check_shape saw
     if (facet_without[sum] != k + 1)
       fault("simplices ", facet_without[sum], " and ", f, " are equal");
     facet_without[sum] = f;
