@@ -177,7 +177,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options = {});
 std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_t point) noexcept;
 
 /// The columns of a table that are coordinates by their names, in order, as open_points takes them
-/// from a text: known names (docs/formats.md), else, with `series`, a single column or a series
+/// from a text: known names (docs/formats.md), else, with `series`, the only column or a series
 /// such as a b c or dim_0 dim_1, beside which columns may number the points. Empty: the names do
 /// not say.
 std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& names,

@@ -535,7 +535,7 @@ std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& na
   const std::vector<std::uint32_t> numbering = find_numbering(names);
   for (std::uint32_t j = 0; j < names.size(); ++j)
     if (!std::binary_search(numbering.begin(), numbering.end(), j)) columns.push_back(j);
-  if (columns.size() != 1 && !are_series(column_labels(columns, names))) columns.clear();
+  if (names.size() > 1 && !are_series(column_labels(columns, names))) columns.clear();
   return columns;
 }
 

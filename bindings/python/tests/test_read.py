@@ -112,7 +112,8 @@ def test_parquet_columns_are_those_of_a_text_of_these_names(tmp_path):
         ("id", "X [m]", "Y [m]"): "12",
         ("north", "east", "height"): "102",
         ("pop", "rate"): None,
-        ("OBJECTID", "area"): "1",
+        ("OBJECTID", "area"): None,
+        ("value",): "0",
     }.items():
         columns = {name: np.arange(4.0) ** (j + 1) for j, name in enumerate(names)}
         path = written(tmp_path, columns)
@@ -121,7 +122,7 @@ def test_parquet_columns_are_those_of_a_text_of_these_names(tmp_path):
                    header=",".join(names), comments="")  # fmt: skip
         for file in (path, str(text)):
             if want is None:
-                with pytest.raises(ValueError, match=r"not known as coordinates: 'pop', 'rate'"):
+                with pytest.raises(ValueError, match=r"not known as coordinates: '"):
                     cullhull.read(file)
                 continue
             points, _ = said_while_reading(file)
@@ -626,10 +627,10 @@ def test_structured_arrays(tmp_path, case):
     for columns, said in (("x,X", "named twice"), ("q", "no column 'q'"), ("rgb", "no column 'rgb'")):
         with pytest.raises(cullhull.InvalidArgument, match=said):
             cullhull.read(tmp_path / "a.npy", columns=columns)
-    np.save(tmp_path / "b.npy", np.zeros(3, dtype=[("a", "f8"), ("b", "f8")]))
-    with pytest.raises(cullhull.BadFile, match="name no x and y: 'a', 'b'; columns="):
+    np.save(tmp_path / "b.npy", np.zeros(3, dtype=[("pop", "f8"), ("rate", "f8")]))
+    with pytest.raises(cullhull.BadFile, match="name no x and y: 'pop', 'rate'; columns="):
         cullhull.read(tmp_path / "b.npy")
-    assert cullhull.read(tmp_path / "b.npy", columns="b,a").shape == (3, 2)
+    assert cullhull.read(tmp_path / "b.npy", columns="rate,pop").shape == (3, 2)
 
 
 def test_an_array_of_one_axis_is_points_of_a_line(tmp_path):

@@ -38,6 +38,10 @@ LeadingIntegers leading_integers(const DataLine& line) {
   }
 }
 
+/// The largest dimension that a header may give: of no points, of which no row shows that it is so,
+/// one whose columns can be listed.
+std::uint64_t most_dimensions(std::uint64_t points) { return points > 0 ? UINT32_MAX : 65536; }
+
 /// Qhull's format: the dimension and the number of points, on one line or two, each perhaps
 /// followed by words; then the points. Without words, "3" could be a point of R^1, and "2 1" one of
 /// the plane: then the next line must have as many numbers as the dimension says.
@@ -62,7 +66,7 @@ bool find_qhull_header(const Source& source, const DataLine& first, DataLines li
   const bool fits = lines.next(point) && point.fields.list.size() == dimension;
   if (head.count == 2 ? dimension < 3 || !fits : !head.words && (dimension < 2 || !fits))
     return false;
-  if (dimension == 0 || dimension > UINT32_MAX)
+  if (dimension == 0 || dimension > most_dimensions(count))
     fail_at_line(source, first.number, "dimension ", dimension);
   return true;
 }
@@ -82,7 +86,7 @@ void read_cdd_counts(const Source& source, DataLines& lines, Preamble& preamble)
       !parse_unsigned(list[1].text, width))
     fail_at_line(source, any ? line.number : lines.number(),
                  "'begin' is followed by the number of points, the dimension + 1 and the type");
-  if (width < 2 || width > UINT32_MAX)
+  if (width < 2 || width - 1 > most_dimensions(preamble.count))
     fail_at_line(source, line.number, "dimension ", width > 0 ? width - 1 : 0);
   preamble.dimension = static_cast<std::uint32_t>(width - 1);
   preamble.lines = preamble.promised_at = line.number;
