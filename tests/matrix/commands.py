@@ -146,7 +146,7 @@ IDS = (
 VERTICES = tuple(
     Output(f"--vertices {e}", ("--vertices", "{}"), e, read, reason, alike)
     for e, read, reason, alike in (
-        (".ply", texts.ply, mesh, "scalar"),
+        (".ply", texts.ply, mesh, "values"),
         (".xyz", texts.points_txt, always, "bytes"),
         (".geojson", texts.geojson, mesh, "bytes"),
     )
@@ -198,7 +198,7 @@ ROWS = (
         tuple(_format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS),
         ways={"--stream": "--format o prints all points, which are never in memory together"},
     ),
-    Row("hull --vertices", ("hull", "-q"), VERTICES, doors="main"),
+    *(Row(f"hull {o.name}", ("hull", "-q"), (o,), doors="main") for o in VERTICES),
     Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[-1:], doors="main"),
     Row("hull --polygons", ("hull", "-q", "--polygons"), HULL_MESHES[:3], doors="main"),
     Row(
