@@ -112,11 +112,11 @@ void load(const State& state, const char* name, EvenArray<T>& list) {
   list = EvenArray<T>::of_step(count, step);
 }
 
-/// Runs the caller's signal handlers once in 65,536 steps of a loop, so that Ctrl-C ends it.
+/// Runs the caller's signal handlers once in 16,384 steps of a loop, so that Ctrl-C ends it.
 class SignalSteps {
  public:
   void next() {
-    if (++steps_ % (1U << 16) == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
+    if (++steps_ % (1U << 14) == 0 && PyErr_CheckSignals() != 0) throw nb::python_error();
   }
 
  private:
@@ -412,7 +412,9 @@ void load_statistics(const State& state, cullhull::TriangulationStatistics& s) {
 void check_links(const Triangulation& t) {
   const unsigned corners = t.corners();
   std::size_t open = 0;
+  SignalSteps steps;
   for (std::uint32_t c = 0; c < t.size(); ++c) {
+    steps.next();
     const auto own = t.cell(c), across = t.neighbours_of(c);
     for (unsigned i = 1; i < corners; ++i)
       require(std::find(own.begin(), own.begin() + i, own[i]) == own.begin() + i, "cells");
@@ -436,6 +438,7 @@ void check_links(const Triangulation& t) {
   if (corners < 2) return;
   require(t.hull_cells.size() == open, "hull_facets");
   for (std::size_t f = 0; f < t.hull_cells.size(); ++f) {
+    steps.next();
     const auto facet = t.hull_facet(f);
     const auto cell = t.cell(t.hull_cells[f]), across = t.neighbours_of(t.hull_cells[f]);
     unsigned outside = 0;

@@ -181,6 +181,35 @@ def test_unpickling_hears_a_signal(kind):
     assert made == []
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends a signal")
+def test_unpickling_of_cells_hears_a_signal_to_its_end():
+    """At several moments: while links are compared, too, which takes most of the time."""
+    from cullhull import _core
+
+    points = np.random.default_rng(3).random((100_000, 3))
+    make, (state, _) = _core.cells_of_state, cullhull.delaunay(points).__reduce__()[1]
+    start = time.perf_counter()
+    make(state)
+    whole = time.perf_counter() - start
+
+    def ring(*_):
+        raise Alarm
+
+    heard = []
+    before = signal.signal(signal.SIGALRM, ring)
+    try:
+        for moment in (0.5, 0.6, 0.7, 0.8):
+            made = []
+            signal.setitimer(signal.ITIMER_REAL, moment * whole)
+            with pytest.raises(Alarm):
+                made.extend(map(make, [state]))
+                time.sleep(60)
+            heard.append(made == [])
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert any(heard)  # of a call that was quicker than the first none
+
 
 def test_points_in_the_making_hear_a_signal():
     def handler(number, frame):
