@@ -171,7 +171,8 @@ def test_hulls_and_vertices_keep_fields(office, tmp_path, ending, source):
     corners = tmp_path / f"corners{ending}"
     ran("hull", folder / source, "--vertices", corners, "--keep", "region,depth")
     kept = geopandas.read_file(corners)
-    assert kept.crs == CRS and kept["id"].tolist() == sorted(cullhull.convex_hull(SITES).vertices)
+    assert kept.crs == CRS
+    assert sorted(kept["id"]) == sorted(cullhull.convex_hull(SITES).vertices)  # a .fgb orders them anew
     for row in kept.itertuples():
         assert row.region == table["region"][row.id] and row.depth == table["depth"][row.id]
         assert row.geometry.equals(table.geometry[row.id])

@@ -483,6 +483,14 @@ class RowFinder {
                                    (heights.empty() ? "" : ", not " + listed(heights)));
   }
 
+  /// "POINT (1 2)" and the like, in quotes or not.
+  static bool is_geometry(std::string_view cell) {
+    cell.remove_prefix(std::min(cell.find_first_not_of("\" "), cell.size()));
+    for (const char* kind : {"POINT", "LINESTRING", "POLYGON", "MULTI", "GEOMETRYCOLLECTION"})
+      if (cell.starts_with(kind)) return true;
+    return false;
+  }
+
   [[noreturn]] void refuse_names() const {
     std::string by_name, by_number;
     std::size_t chosen = 0;
@@ -496,6 +504,11 @@ class RowFinder {
       by_number += (chosen++ > 0 ? "," : "") + std::to_string(j);
     }
     if (by_name.find_first_of(" \"'\t") != std::string::npos) by_name = "\"" + by_name + "\"";
+    for (std::uint32_t j = 0; j < names_.size() && j < cells.size(); ++j)
+      if (is_geometry(cells[j]))
+        fail_at_line(source_, names_at_, "column ", quoted_text(names_[j]),
+                     " holds geometries in WKT; export their x and y as columns (GDAL: -lco "
+                     "GEOMETRY=AS_XY), or write the geometries alone into a .wkt");
     std::vector<std::uint32_t> all(names_.size());
     std::iota(all.begin(), all.end(), 0U);
     fail_at_line(source_, names_at_,
