@@ -34,9 +34,8 @@ class Lines:
         self.path = path
         text = (ROOT / path).read_text()
         if path.endswith(".json"):  # a report of cullhull-bench
-            self.report = json.loads(text)
             self.lines = [dict(row, part=figure["id"], workload=row["name"])
-                          for figure in self.report["figures"] for row in figure["rows"]]
+                          for figure in json.loads(text)["figures"] for row in figure["rows"]]
         else:
             self.lines = [json.loads(line) for line in text.splitlines() if line]
 

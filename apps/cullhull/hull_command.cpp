@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <type_traits>
 
 #include "arguments.hpp"
 #include "commands.hpp"
@@ -198,20 +199,16 @@ cullhull::MapExtras extras_of(const HullArguments& arguments, const std::string&
   return {crs, kept_columns(arguments.keep, arguments.input, arguments.files, arguments.run)};
 }
 
-/// `ids`: ascending.
-void write_vertices(const HullArguments& arguments, const cullhull::PointView& points,
+/// `points`: all points, or the state of these. `ids`: ascending.
+template <class Points>
+void write_vertices(const HullArguments& arguments, const Points& points,
                     const std::vector<std::uint64_t>& ids, const cullhull::MapExtras& extras) {
-  if (holds_points(arguments.vertices))
+  if (!holds_points(arguments.vertices))
+    cullhull::write_ids(arguments.vertices, ids);
+  else if constexpr (std::is_same_v<Points, cullhull::HullState>)
+    cullhull::write_points(arguments.vertices, points, "", extras);
+  else
     cullhull::write_points(arguments.vertices, points, ids, "", extras);
-  else if (!arguments.vertices.empty())
-    cullhull::write_ids(arguments.vertices, ids);
-}
-void write_vertices(const HullArguments& arguments, const cullhull::HullState& state,
-                    const std::vector<std::uint64_t>& ids, const cullhull::MapExtras& extras) {
-  if (holds_points(arguments.vertices))
-    cullhull::write_points(arguments.vertices, state, "", extras);
-  else if (!arguments.vertices.empty())
-    cullhull::write_ids(arguments.vertices, ids);
 }
 
 /// `points`: all points, or their state.
@@ -222,9 +219,11 @@ void write_results(const HullArguments& arguments, const Points& points, const P
   const cullhull::MapExtras beside = extras_of(arguments, placing.crs);
   for (const std::string& path : arguments.outputs)
     cullhull::write_hull(path, points, hull, "", arguments.faces.faces(), beside);
-  std::vector<std::uint64_t> ids = hull.vertices;
-  std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
-  write_vertices(arguments, points, ids, beside);
+  if (!arguments.vertices.empty()) {
+    std::vector<std::uint64_t> ids = hull.vertices;
+    std::sort(ids.begin(), ids.end());  // in 2D they are counter-clockwise
+    write_vertices(arguments, points, ids, beside);
+  }
   if (!arguments.json.empty())
     cullhull::write_text(
         arguments.json,
@@ -308,7 +307,8 @@ int run_vertices_only(HullArguments arguments, const FilePlan& plan) {
   const cullhull::PointView placed =
       cullhull::PointView::row_major(rows.data(), extreme.ids.size(), input.points.dimension);
   if (holds_points(arguments.vertices)) input.to_world();
-  write_vertices(arguments, input.points, extreme.ids, extras_of(arguments, input.placing.crs));
+  if (!arguments.vertices.empty())
+    write_vertices(arguments, input.points, extreme.ids, extras_of(arguments, input.placing.crs));
   if (!arguments.json.empty())
     cullhull::write_text(arguments.json,
                          with_placing(extreme_json(input.points, found, read_seconds, peak_bytes()),
@@ -447,8 +447,9 @@ int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
     check_points_dimension(arguments.vertices, state.dimension());
     if (!arguments.json.empty())
       cullhull::write_text(arguments.json, extreme_json_of(arguments, streamed));
-    cullhull::to_world(state, grid);
-    write_vertices(arguments, state, state.ids(), extras_of(arguments, streamed.placing().crs));
+    if (holds_points(arguments.vertices)) cullhull::to_world(state, grid);
+    if (!arguments.vertices.empty())
+      write_vertices(arguments, state, state.ids(), extras_of(arguments, streamed.placing().crs));
     if (speaks)
       write_stdout(state_lines(arguments, streamed) + skipped_line(streamed.placing()) +
                    fmt::format("seconds    {:.6f}\n", streamed.seconds) + wrote_lines(arguments));
