@@ -130,6 +130,16 @@ void append_wkt(std::string& out, const PlanePolygons& polygons) {
   out += ")";
 }
 
+void append_csv(std::string& out, std::string_view text) {
+  if (text.find_first_of("\",;\t\r\n#/ ") == std::string_view::npos) {
+    out += text;
+    return;
+  }
+  out += '"';
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  out += '"';
+}
+
 std::string name_beside(const std::string& column, std::initializer_list<std::string_view> own) {
   return std::find(own.begin(), own.end(), column) == own.end() ? column : "kept_" + column;
 }

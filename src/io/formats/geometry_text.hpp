@@ -40,6 +40,9 @@ void append_wkt(std::string& out, const PlanePolygons& polygons);
 std::string geometry_file(const Coordinates& points, const Hull& hull, const std::string& format,
                           const MapExtras& extras);
 
+/// A field of .csv, in quotes where it needs them.
+void append_csv(std::string& out, std::string_view text);
+
 /// The name of a column beside the result's `own` members: "kept_id" where "id" is one of them.
 std::string name_beside(const std::string& column, std::initializer_list<std::string_view> own);
 

@@ -13,9 +13,6 @@
 
 namespace cullhull::internal::inline io {
 
-/// A field of .csv, in quotes where it needs them.
-void append_csv(std::string& out, std::string_view text);
-
 /// Writes and clears a text of more than a megabyte.
 void write_if_long(std::string& text, OutputFile& out);
 

@@ -16,16 +16,6 @@
 
 namespace cullhull::internal::inline io {
 
-void append_csv(std::string& out, std::string_view text) {
-  if (text.find_first_of("\",;\t#/ ") == std::string_view::npos) {
-    out += text;
-    return;
-  }
-  out += '"';
-  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
-  out += '"';
-}
-
 void write_if_long(std::string& text, OutputFile& out) {
   if (text.size() <= std::size_t{1} << 20) return;
   out.write(text);

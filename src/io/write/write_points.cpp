@@ -50,17 +50,6 @@ void write_ply_points(OutputFile& out, const Coordinates& points,
   write_rows(out, points, ids);
 }
 
-/// A value of a .csv, in quotes where it needs them.
-void append_csv_value(std::string& out, std::string_view value) {
-  if (value.find_first_of("\",;\t\r\n#/ ") == std::string_view::npos) {
-    out += value;
-    return;
-  }
-  out += '"';
-  for (const char c : value) out += c == '"' ? "\"\"" : std::string(1, c);
-  out += '"';
-}
-
 /// Every number as a double: the shortest decimal of a 32-bit float would read back as another
 /// double.
 void write_text_points(OutputFile& out, const Coordinates& points,
@@ -73,8 +62,7 @@ void write_text_points(OutputFile& out, const Coordinates& points,
       if (j > 0) line += separator;
       append_number(line, points.at(id, j));
     }
-    for (const PointColumn& column : columns)
-      append_csv_value(line += separator, column.values[id]);
+    for (const PointColumn& column : columns) append_csv(line += separator, column.values[id]);
     out.write(line += '\n');
   }
 }
@@ -161,7 +149,7 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
       std::string names = axis_names(points.dimension);
       names.pop_back();
       for (const PointColumn& column : extras.columns)
-        append_csv_value(names += ',', name_beside(column.name, {"x", "y", "z"}));
+        append_csv(names += ',', name_beside(column.name, {"x", "y", "z"}));
       out.write(names += '\n');
     }
     write_text_points(out, points, ids, f == "csv" ? ',' : ' ', extras.columns);
