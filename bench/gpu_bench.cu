@@ -32,7 +32,7 @@
 
 namespace {
 
-namespace cuda = cullhull::internal::cuda;
+using namespace cullhull::internal;
 using cullhull::DevicePointView;
 using nlohmann::ordered_json;
 
@@ -103,25 +103,25 @@ __global__ void make_points(Shape shape, unsigned d, std::uint64_t n, std::uint6
 class Points {
  public:
   Points(Shape shape, unsigned d, std::uint64_t n) : d_(d), n_(n), data_(n * d, stream_.get()) {
-    make_points<<<cuda::device().multiprocessors * 16, 256, 0, stream_.get()>>>(shape, d, n, 1,
-                                                                                data_.data());
-    cuda::check(cudaGetLastError(), "making points");
-    cuda::synchronise(stream_.get(), "making points");
+    make_points<<<this_device().multiprocessors * 16, 256, 0, stream_.get()>>>(shape, d, n, 1,
+                                                                               data_.data());
+    check(cudaGetLastError(), "making points");
+    synchronise(stream_.get(), "making points");
   }
   DevicePointView view() const {
     return DevicePointView::row_major(data_.data(), n_, d_, stream_.get());
   }
   std::vector<float> rows() const {
     std::vector<float> rows(n_ * d_);
-    cuda::download(rows.data(), data_.data(), rows.size(), stream_.get());
+    download(rows.data(), data_.data(), rows.size(), stream_.get());
     return rows;
   }
 
  private:
-  cuda::Stream stream_;
+  CudaStream stream_;
   unsigned d_;
   std::uint64_t n_;
-  cuda::DeviceArray<float> data_;
+  DeviceArray<float> data_;
 };
 
 /// The times of `repeat` calls, after one that is not counted.
@@ -245,16 +245,15 @@ class Bench {
     sample.count = n;
     sample.dimension = d;
     sample.gather = [&](const std::vector<std::uint64_t>& ids) {
-      return cuda::download_points(view, ids.data(), ids.size(), run);
+      return download_points(view, ids.data(), ids.size(), run);
     };
-    const auto sampled = cullhull::internal::map_of_sample(
-        sample, cullhull::internal::Insist::yes, cuda::most_gauge_nodes(cuda::device()), run);
+    const auto sampled = cullhull::internal::map_of_sample(sample, cullhull::internal::Insist::yes,
+                                                           most_gauge_nodes(this_device()), run);
     if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
     std::uint64_t kept = n;
-    ordered_json json =
-        times_of(n, timed(settings_.repeat, [&] {
-                   kept = cuda::survivors_of_device_points(sampled.map->table(), view).count;
-                 }));
+    ordered_json json = times_of(
+        n, timed(settings_.repeat,
+                 [&] { kept = survivors_of_device_points(sampled.map->table(), view).count; }));
     json["kept"] = share(kept, n);
     add_share_of_copy(json, d);
     return json;

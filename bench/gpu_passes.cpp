@@ -47,7 +47,7 @@
 
 namespace {
 
-namespace cuda = cullhull::internal::cuda;
+using namespace cullhull::internal;
 using namespace cullhull;
 using nlohmann::ordered_json;
 
@@ -79,14 +79,14 @@ double wall(const std::function<void()>& work) {
 /// Seconds between two events of a stream around the work that `work` queues on it.
 double between_events(cudaStream_t stream, const std::function<void()>& work) {
   cudaEvent_t begin = nullptr, end = nullptr;
-  cuda::check(cudaEventCreate(&begin), "making an event");
-  cuda::check(cudaEventCreate(&end), "making an event");
-  cuda::check(cudaEventRecord(begin, stream), "recording an event");
+  check(cudaEventCreate(&begin), "making an event");
+  check(cudaEventCreate(&end), "making an event");
+  check(cudaEventRecord(begin, stream), "recording an event");
   work();
-  cuda::check(cudaEventRecord(end, stream), "recording an event");
-  cuda::check(cudaEventSynchronize(end), "waiting for an event");
+  check(cudaEventRecord(end, stream), "recording an event");
+  check(cudaEventSynchronize(end), "waiting for an event");
   float milliseconds = 0;
-  cuda::check(cudaEventElapsedTime(&milliseconds, begin, end), "reading an event");
+  check(cudaEventElapsedTime(&milliseconds, begin, end), "reading an event");
   (void)cudaEventDestroy(begin);
   (void)cudaEventDestroy(end);
   return 1e-3 * milliseconds;
@@ -130,7 +130,7 @@ class Stages {
   /// The median of each stage over the calls but the first; a stage that occurs twice in a call
   /// counts with its sum. In the order in which they end, and last their sum.
   ordered_json medians() {
-    cuda::check(cudaStreamSynchronize(stream_), "waiting for a stream");
+    check(cudaStreamSynchronize(stream_), "waiting for a stream");
     std::vector<std::string> order;
     std::map<std::string, std::vector<double>> times;
     unsigned call = 0;
@@ -141,8 +141,8 @@ class Stages {
         continue;
       }
       float milliseconds = 0;
-      cuda::check(cudaEventElapsedTime(&milliseconds, marks_[i - 1].event, marks_[i].event),
-                  "reading an event");
+      check(cudaEventElapsedTime(&milliseconds, marks_[i - 1].event, marks_[i].event),
+            "reading an event");
       std::vector<double>& of = times[name];
       if (of.empty()) order.push_back(name);
       of.resize(call);
@@ -167,11 +167,11 @@ class Stages {
   };
 
   void mark(const char* name) {
-    cuda::check(cudaStreamSynchronize(stream_), "waiting for a stream");
+    check(cudaStreamSynchronize(stream_), "waiting for a stream");
     cudaEvent_t event = nullptr;
-    cuda::check(cudaEventCreate(&event), "making an event");
+    check(cudaEventCreate(&event), "making an event");
     marks_.push_back({name, event});
-    cuda::check(cudaEventRecord(event, stream_), "recording an event");
+    check(cudaEventRecord(event, stream_), "recording an event");
   }
 
   cudaStream_t stream_;
@@ -226,19 +226,18 @@ class Passes {
     const CudaStatus status = cuda_status();
     return {{"name", status.device},           {"compute_capability", status.compute_capability},
             {"driver", status.driver_version}, {"runtime", status.runtime_version},
-            {"memory", status.memory_bytes},   {"processors", cuda::device().multiprocessors}};
+            {"memory", status.memory_bytes},   {"processors", this_device().multiprocessors}};
   }
 
   /// Bytes read plus bytes written, per second.
   ordered_json copy_rate() {
     const std::uint64_t bytes = scaled(1 << 30);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<std::byte> from(bytes, stream.get()), to(bytes, stream.get());
-    cuda::check(cudaMemsetAsync(from.data(), 1, bytes, stream.get()), "clearing");
+    const CudaStream stream;
+    const DeviceArray<std::byte> from(bytes, stream.get()), to(bytes, stream.get());
+    check(cudaMemsetAsync(from.data(), 1, bytes, stream.get()), "clearing");
     const double took = by_events(stream.get(), [&] {
-      cuda::check(
-          cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),
-          "copying");
+      check(cudaMemcpyAsync(to.data(), from.data(), bytes, cudaMemcpyDeviceToDevice, stream.get()),
+            "copying");
     });
     copy_rate_ = 2 * static_cast<double>(bytes) / took;
     return {{"bytes_per_second", copy_rate_}};
@@ -246,19 +245,17 @@ class Passes {
 
   ordered_json link() const {
     const std::uint64_t bytes = scaled(1 << 28);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<std::byte> there(bytes, stream.get());
-    const cuda::PinnedArray<std::byte> here(bytes);
+    const CudaStream stream;
+    const DeviceArray<std::byte> there(bytes, stream.get());
+    const PinnedArray<std::byte> here(bytes);
     std::fill_n(here.data(), bytes, std::byte{1});
     const double to = by_events(stream.get(), [&] {
-      cuda::check(
-          cudaMemcpyAsync(there.data(), here.data(), bytes, cudaMemcpyHostToDevice, stream.get()),
-          "copying");
+      check(cudaMemcpyAsync(there.data(), here.data(), bytes, cudaMemcpyHostToDevice, stream.get()),
+            "copying");
     });
     const double from = by_events(stream.get(), [&] {
-      cuda::check(
-          cudaMemcpyAsync(here.data(), there.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
-          "copying");
+      check(cudaMemcpyAsync(here.data(), there.data(), bytes, cudaMemcpyDeviceToHost, stream.get()),
+            "copying");
     });
     const auto b = static_cast<double>(bytes);
     return {{"to_device_bytes_per_second", b / to}, {"from_device_bytes_per_second", b / from}};
@@ -266,19 +263,19 @@ class Passes {
 
   /// `n` values on the device: the given values, repeated.
   template <class T>
-  cuda::DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
-                                cudaStream_t stream) const {
-    cuda::DeviceArray<T> all(n, stream);
+  DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
+                          cudaStream_t stream) const {
+    DeviceArray<T> all(n, stream);
     std::uint64_t have = std::min<std::uint64_t>(n, values.size());
-    cuda::upload(all.data(), values.data(), have, stream);
+    upload(all.data(), values.data(), have, stream);
     while (have < n) {
       const std::uint64_t more = std::min(have, n - have);
-      cuda::check(cudaMemcpyAsync(all.data() + have, all.data(), more * sizeof(T),
-                                  cudaMemcpyDeviceToDevice, stream),
-                  "copying");
+      check(cudaMemcpyAsync(all.data() + have, all.data(), more * sizeof(T),
+                            cudaMemcpyDeviceToDevice, stream),
+            "copying");
       have += more;
     }
-    cuda::synchronise(stream, "copying");
+    synchronise(stream, "copying");
     return all;
   }
 
@@ -292,7 +289,7 @@ class Passes {
       return internal::gather_points(view, ids.data(), ids.size(), run);
                                    }};
     auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
-                                           cuda::most_gauge_nodes(cuda::device()), run);
+                                           most_gauge_nodes(this_device()), run);
     if (sampled.map == nullptr) throw std::runtime_error("no map: " + sampled.reason);
     return std::move(sampled.map);
   }
@@ -300,10 +297,9 @@ class Passes {
   /// The ids of the points that the map does not cull, in the host's memory.
   static std::vector<std::uint64_t> survivors(const internal::GaugeMap& map,
                                               const DevicePointView& view) {
-    const cuda::DeviceIds there = cuda::survivors_of_device_points(map.table(), view);
+    const DeviceIds there = survivors_of_device_points(map.table(), view);
     std::vector<std::uint64_t> ids(there.count);
-    cuda::download(ids.data(), there.ids.data(), ids.size(),
-                   static_cast<cudaStream_t>(view.stream));
+    download(ids.data(), there.ids.data(), ids.size(), static_cast<cudaStream_t>(view.stream));
     return ids;
   }
 
@@ -322,15 +318,14 @@ class Passes {
                          std::optional<std::uint64_t> expected) const {
     const auto stream = static_cast<cudaStream_t>(view.stream);
     const internal::GaugeTable& table = map.table();
-    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream);
-    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
-    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(view.count), stream);
+    const DeviceArray<float> nodes(table.nodes.size(), stream);
+    upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
+    const DeviceArray<std::uint32_t> mask(mask_room(view.count), stream);
     const double kernel = by_events(stream, [&] {
-      cuda::check(cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream),
-                  "culling");
+      check(gauge_mask(table, nodes.data(), view, mask.data(), this_device(), stream), "culling");
     });
     std::uint64_t kept = 0;
-    const double listed = wall([&] { kept = cuda::survivors_of_device_points(table, view).count; });
+    const double listed = wall([&] { kept = survivors_of_device_points(table, view).count; });
     if (expected && kept != *expected)
       throw std::runtime_error("the pass keeps " + std::to_string(kept) + " points, not " +
                                std::to_string(*expected));
@@ -350,9 +345,9 @@ class Passes {
     const std::vector<T> rows = ball<T>(d, scaled(1e6));
     const auto map = map_of(rows, d);
     const std::uint64_t n = scaled(layout == Layout::packed && d == 3 ? 1e8 : 3e7);
-    const cuda::Stream stream;
+    const CudaStream stream;
     const bool shifted = layout == Layout::misaligned;
-    const cuda::DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
+    const DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
     // Read as columns, this memory holds other points in the same box; the pass takes as long.
     DevicePointView view =
         layout == Layout::columns
@@ -372,8 +367,8 @@ class Passes {
     const std::uint64_t n = scale_ < 1 ? scaled(1e6) + 777 : (std::uint64_t{1} << 31) + 1001;
     const std::vector<float> rows = ball<float>(3, scaled(1e6));
     const auto map = map_of(rows, 3);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
     const std::uint64_t period = rows.size() / 3;
     const auto ids =
         survivors(*map, DevicePointView::row_major(there.data(), period, 3, stream.get()));
@@ -388,25 +383,24 @@ class Passes {
     const std::uint64_t n = words * 32 - 5;
     const auto map = map_of(ball<float>(3, scaled(1e6)), 3);
     const internal::GaugeTable& table = map->table();
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream.get());
-    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream.get());
-    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(n), stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> nodes(table.nodes.size(), stream.get());
+    upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream.get());
+    const DeviceArray<std::uint32_t> mask(mask_room(n), stream.get());
     ordered_json json = {{"words", words}, {"count", n}};
     for (const bool inner : {true, false}) {
       const std::vector<float> point =
           inner ? std::vector<float>{0.1F, 0.05F, 0.02F} : std::vector<float>{2, 1, 0.5F};
-      const cuda::DeviceArray<float> there(3, stream.get());
-      cuda::upload(there.data(), point.data(), point.size(), stream.get());
+      const DeviceArray<float> there(3, stream.get());
+      upload(there.data(), point.data(), point.size(), stream.get());
       DevicePointView view = DevicePointView::row_major(there.data(), n, 3, stream.get());
       view.point_stride = 0;
-      cuda::check(cudaMemsetAsync(mask.data(), inner ? 0xFF : 0, words * sizeof(std::uint32_t),
-                                  stream.get()),
-                  "clearing");
+      check(cudaMemsetAsync(mask.data(), inner ? 0xFF : 0, words * sizeof(std::uint32_t),
+                            stream.get()),
+            "clearing");
       const double took = between_events(stream.get(), [&] {
-        cuda::check(
-            cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream.get()),
-            "culling");
+        check(gauge_mask(table, nodes.data(), view, mask.data(), this_device(), stream.get()),
+              "culling");
       });
       const std::uint64_t kept = bits_of(mask.data(), words, stream.get());
       if (kept != (inner ? 0 : n))
@@ -418,27 +412,24 @@ class Passes {
 
   /// Offsets of a mask's tiles in the list of its bits; the last one is how many there are.
   struct Offsets {
-    cuda::DeviceArray<std::uint64_t> there;
+    DeviceArray<std::uint64_t> there;
     std::uint64_t total = 0;
   };
 
   static Offsets offsets_of(const std::uint32_t* mask, std::uint64_t words, cudaStream_t stream) {
-    const std::uint64_t tiles = (words + cuda::tile_words - 1) / cuda::tile_words;
-    const cuda::DeviceArray<std::uint64_t> counts(tiles + 1, stream);
+    const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
+    const DeviceArray<std::uint64_t> counts(tiles + 1, stream);
     Offsets offsets;
-    offsets.there = cuda::DeviceArray<std::uint64_t>(tiles + 1, stream);
-    cuda::check(cudaMemsetAsync(counts.data() + tiles, 0, sizeof(std::uint64_t), stream),
-                "counting");
-    cuda::check(cuda::count_bits(mask, words, counts.data(), stream), "counting");
+    offsets.there = DeviceArray<std::uint64_t>(tiles + 1, stream);
+    check(cudaMemsetAsync(counts.data() + tiles, 0, sizeof(std::uint64_t), stream), "counting");
+    check(count_bits(mask, words, counts.data(), stream), "counting");
     std::size_t bytes = 0;
-    cuda::check(
-        cuda::sum_counts(nullptr, bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
-        "counting");
-    const cuda::DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
-    cuda::check(cuda::sum_counts(scratch.data(), bytes, counts.data(), offsets.there.data(),
-                                 tiles + 1, stream),
-                "counting");
-    cuda::download(&offsets.total, offsets.there.data() + tiles, 1, stream);
+    check(sum_counts(nullptr, bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
+          "counting");
+    const DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
+    check(sum_counts(scratch.data(), bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
+          "counting");
+    download(&offsets.total, offsets.there.data() + tiles, 1, stream);
     return offsets;
   }
 
@@ -452,8 +443,8 @@ class Passes {
   ordered_json stages() const {
     const std::uint64_t n = scaled(8e6);
     const std::vector<float> rows = ball<float>(3, n);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
     const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
     Hull hull, call;
     Stages stages(stream.get());
@@ -484,7 +475,7 @@ class Passes {
     std::uint64_t size = internal::probe_sample_size(n, 3);
     for (const bool last : {false, true}) {  // a small sample, then that of the map
       const std::vector<std::uint64_t> ids = internal::sample_ids(n, size);
-      Array<double> sample = cuda::download_points(view, ids.data(), ids.size(), run);
+      Array<double> sample = download_points(view, ids.data(), ids.size(), run);
       stages.end("sample");
       polytope = internal::inner_polytope(std::move(sample), 3, one_thread);
       stages.end("hull of sample");
@@ -493,42 +484,38 @@ class Passes {
                       ids.size());
     }
     const auto map = internal::map_of_polytope(std::move(polytope), n, internal::Insist::no,
-                                               cuda::most_gauge_nodes(cuda::device()), run);
+                                               most_gauge_nodes(this_device()), run);
     if (map == nullptr) throw std::runtime_error("no map");
     const internal::GaugeTable& table = map->table();
     stages.end("map");
-    const cuda::DeviceArray<float> nodes(table.nodes.size(), stream);
-    cuda::upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
-    const std::uint64_t words = cuda::mask_words(n);
-    const cuda::DeviceArray<std::uint32_t> mask(cuda::mask_room(n), stream);
-    cuda::check(cuda::gauge_mask(table, nodes.data(), view, mask.data(), cuda::device(), stream),
-                "culling");
+    const DeviceArray<float> nodes(table.nodes.size(), stream);
+    upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
+    const std::uint64_t words = mask_words(n);
+    const DeviceArray<std::uint32_t> mask(mask_room(n), stream);
+    check(gauge_mask(table, nodes.data(), view, mask.data(), this_device(), stream), "culling");
     stages.end("pass");
     const Offsets offsets = offsets_of(mask.data(), words, stream);
     passed = offsets.total;
-    const cuda::DeviceArray<std::uint64_t> left(passed, stream);
+    const DeviceArray<std::uint64_t> left(passed, stream);
     if (passed > 0)
-      cuda::check(cuda::list_bits(mask.data(), words, offsets.there.data(), left.data(), stream),
-                  "listing");
-    const cuda::DeviceArray<float> left_rows(passed * 3, stream);
-    cuda::check(cuda::gather_rows(view, left.data(), passed, left_rows.data(), stream),
-                "gathering points");
+      check(list_bits(mask.data(), words, offsets.there.data(), left.data(), stream), "listing");
+    const DeviceArray<float> left_rows(passed * 3, stream);
+    check(gather_rows(view, left.data(), passed, left_rows.data(), stream), "gathering points");
     const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
     stages.end("list");
-    cuda::StarHullThere found = cuda::star_hull_there(left_view, run);
-    const cuda::DeviceIds& inner = found.ids;
+    StarHullThere found = star_hull_there(left_view, run);
+    const DeviceIds& inner = found.ids;
     kept = inner.count;
     stages.end("pseudo-hull, convex");
-    const cuda::DeviceArray<std::uint64_t> ids(kept, stream);
-    cuda::check(cuda::gather_ids(left.data(), inner.ids.data(), kept, ids.data(), stream),
-                "gathering ids");
-    const cuda::DeviceArray<float> kept_rows(kept * 3, stream);
-    cuda::check(cuda::gather_rows(left_view, inner.ids.data(), kept, kept_rows.data(), stream),
-                "gathering points");
+    const DeviceArray<std::uint64_t> ids(kept, stream);
+    check(gather_ids(left.data(), inner.ids.data(), kept, ids.data(), stream), "gathering ids");
+    const DeviceArray<float> kept_rows(kept * 3, stream);
+    check(gather_rows(left_view, inner.ids.data(), kept, kept_rows.data(), stream),
+          "gathering points");
     internal::Filtered filtered;
     filtered.survivors.ids.resize(kept);
-    cuda::download(filtered.survivors.ids.data(), ids.data(), kept, stream);
-    filtered.rows = cuda::download_points(
+    download(filtered.survivors.ids.data(), ids.data(), kept, stream);
+    filtered.rows = download_points(
         DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream), nullptr, kept, run);
     filtered.triangles = std::move(found.triangles);
     stages.end("download");
@@ -556,8 +543,8 @@ class Passes {
 
   ordered_json hull_there(const std::vector<float>& rows) const {
     const std::uint64_t n = rows.size() / 3;
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
     const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
     const auto here = PointView::row_major(rows.data(), n, 3);
     Hull device, host;
@@ -565,7 +552,7 @@ class Passes {
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
     const Options options = on(Backend::cuda);
-    const cuda::StarHullThere found = cuda::star_hull_there(view, internal::Run(options));
+    const StarHullThere found = star_hull_there(view, internal::Run(options));
     return {{"count", n},
             {"star_growth_seconds", found.counts.growth_seconds},
             {"star_flip_seconds", found.counts.flip_seconds},
@@ -589,8 +576,7 @@ class Passes {
     const auto map = map_of(rows, 3);
     const Options options;
     const internal::Run run(options);
-    const double pass =
-        wall([&] { (void)cuda::survivors_of_host_points(map->table(), here, run); });
+    const double pass = wall([&] { (void)survivors_of_host_points(map->table(), here, run); });
     Hull device, host;
     const double d = wall([&] { device = convex_hull(here, on(Backend::cuda)); });
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
@@ -606,9 +592,9 @@ class Passes {
     constexpr unsigned count = 4;
     const std::uint64_t n = scaled(2e6);
     const std::vector<float> rows = ball<float>(3, n);
-    std::vector<cuda::Stream> streams(count);
-    std::vector<cuda::DeviceArray<float>> there;
-    for (const cuda::Stream& s : streams) there.push_back(repeated(rows, n * 3, s.get()));
+    std::vector<CudaStream> streams(count);
+    std::vector<DeviceArray<float>> there;
+    for (const CudaStream& s : streams) there.push_back(repeated(rows, n * 3, s.get()));
     const auto hull = [&](unsigned t) {
       Options options = on(Backend::cuda);
       options.threads = 1;
@@ -632,8 +618,8 @@ class Passes {
   ordered_json pseudo_hull() const {
     const std::uint64_t n = scaled(8e6);
     const std::vector<float> rows = ball<float>(3, n);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> there = repeated(rows, n * 3, stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
     const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
     const Options options;
     const internal::Control control(options);
@@ -651,8 +637,8 @@ class Passes {
     const std::uint64_t n = scaled(1e6);
     constexpr unsigned frames = 12;
     std::vector<float> rows = ball<float>(3, n);
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> there(n * 3, stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> there(n * 3, stream.get());
     HullTracker device(on(Backend::cuda)), host(on(Backend::cpu));
     std::vector<double> on_device, on_host;
     for (unsigned f = 0; f < frames; ++f) {
@@ -662,7 +648,7 @@ class Passes {
         p[0] = x - 0.01F * y;
         p[1] = y + 0.01F * x;
       }
-      cuda::upload(there.data(), rows.data(), rows.size(), stream.get());
+      upload(there.data(), rows.data(), rows.size(), stream.get());
       auto start = Clock::now();
       (void)device.update(DevicePointView::row_major(there.data(), n, 3, stream.get()));
       on_device.push_back(seconds_since(start));
@@ -685,28 +671,28 @@ class Passes {
     const std::vector<float> rows = ball<float>(d, sets * size);
     std::vector<std::uint64_t> offsets(sets + 1);
     for (std::uint64_t i = 0; i <= sets; ++i) offsets[i] = i * size;
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> points(rows.size(), stream.get());
-    cuda::upload(points.data(), rows.data(), rows.size(), stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> points(rows.size(), stream.get());
+    upload(points.data(), rows.data(), rows.size(), stream.get());
     const auto there = DevicePointView::row_major(points.data(), sets * size, d, stream.get());
     const auto here = PointView::row_major(rows.data(), sets * size, d);
 
-    const cuda::DeviceArray<std::uint64_t> starts(offsets.size(), stream.get());
-    cuda::upload(starts.data(), offsets.data(), offsets.size(), stream.get());
-    const cuda::DeviceArray<std::uint16_t> counts(sets, stream.get());
-    const cuda::DeviceArray<std::uint8_t> vertices(sets * size, stream.get()),
-        simplices(sets * size * cuda::simplex_room(d), stream.get());
-    const cuda::WarpSets task{starts.data(), static_cast<std::uint32_t>(sets), counts.data(),
-                              vertices.data(), simplices.data()};
+    const DeviceArray<std::uint64_t> starts(offsets.size(), stream.get());
+    upload(starts.data(), offsets.data(), offsets.size(), stream.get());
+    const DeviceArray<std::uint16_t> counts(sets, stream.get());
+    const DeviceArray<std::uint8_t> vertices(sets * size, stream.get()),
+        simplices(sets * size * simplex_room(d), stream.get());
+    const WarpSets task{starts.data(), static_cast<std::uint32_t>(sets), counts.data(),
+                        vertices.data(), simplices.data()};
     const double kernel = by_events(stream.get(), [&] {
-      cuda::check(cuda::find_set_hulls(there, task, 33, 64, stream.get()), "hulling sets");
+      check(find_set_hulls(there, task, 33, 64, stream.get()), "hulling sets");
     });
-    const cuda::DeviceArray<double> numbers(sets * (d + 2), stream.get());
-    const cuda::DeviceArray<std::int8_t> exponents(sets, stream.get());
-    const cuda::SetMeasures measures{numbers.data(), numbers.data() + sets,
-                                     numbers.data() + 2 * sets, exponents.data()};
+    const DeviceArray<double> numbers(sets * (d + 2), stream.get());
+    const DeviceArray<std::int8_t> exponents(sets, stream.get());
+    const SetMeasures measures{numbers.data(), numbers.data() + sets, numbers.data() + 2 * sets,
+                               exponents.data()};
     const double measuring = by_events(stream.get(), [&] {
-      cuda::check(cuda::measure_sets(there, task, measures, stream.get()), "measuring hulls");
+      check(measure_sets(there, task, measures, stream.get()), "measuring hulls");
     });
     HullBatch device, host;
     const double to_host =
@@ -720,7 +706,7 @@ class Passes {
     const double with_measures =
         wall([&] { measured = convex_hulls_on_device(there, offsets.data(), sets, all); });
     std::vector<double> volumes(sets);
-    cuda::download(volumes.data(), measured.volumes, sets, stream.get());
+    download(volumes.data(), measured.volumes, sets, stream.get());
     const double cpu = wall([&] { host = convex_hulls(here, offsets); });
     if (device.vertices != host.vertices || device.volumes != host.volumes ||
         left.vertex_count != host.vertices.items.size() || volumes != host.volumes)
@@ -742,9 +728,9 @@ class Passes {
     const auto some = PointView::row_major(rows.data(), std::min<std::uint64_t>(n, 100000), 3);
     const HullQuery query(some, convex_hull(some));
     for (float& v : rows) v *= 1.1F;
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> points(rows.size(), stream.get());
-    cuda::upload(points.data(), rows.data(), rows.size(), stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> points(rows.size(), stream.get());
+    upload(points.data(), rows.data(), rows.size(), stream.get());
     const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
     const auto here = PointView::row_major(rows.data(), n, 3);
     std::vector<std::uint8_t> device(n), host(n);
@@ -756,7 +742,7 @@ class Passes {
     const double left_there =
         wall([&] { query.contains_on_device(there, answers, on(Backend::cuda)); });
     std::vector<std::uint8_t> left(n);
-    cuda::download(left.data(), answers, n, stream.get());
+    download(left.data(), answers, n, stream.get());
     const double supports =
         wall([&] { query.supports(there, device_vertices.data(), on(Backend::cuda)); });
     const double cpu_supports = wall([&] { query.supports(here, host_vertices.data()); });
@@ -785,23 +771,23 @@ class Passes {
     const internal::FacetSearch search(vertices, hull, run.control);
     std::unique_ptr<internal::FacetCells> cells;
     const double build = wall([&] { cells = internal::FacetCells::build(search, vertices, run); });
-    const cuda::Stream stream;
-    const cuda::DeviceArray<float> points = repeated(rows, rows.size(), stream.get());
+    const CudaStream stream;
+    const DeviceArray<float> points = repeated(rows, rows.size(), stream.get());
     const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
-    const cuda::CellTables tables = internal::cell_tables(cells->table());
-    const cuda::CellsOnDevice cells_there(tables, stream.get());
-    const cuda::DeviceArray<std::uint8_t> sides(n, stream.get());
-    const cuda::DeviceArray<std::uint32_t> open(1 + n, stream.get());
+    const CellTables tables = internal::cell_tables(cells->table());
+    const CellsOnDevice cells_there(tables, stream.get());
+    const DeviceArray<std::uint8_t> sides(n, stream.get());
+    const DeviceArray<std::uint32_t> open(1 + n, stream.get());
     std::uint32_t left = 0;
     const double kernel = by_events(stream.get(), [&] {
-      cuda::check(cudaMemsetAsync(open.data(), 0, sizeof left, stream.get()), "clearing");
-      cuda::check(cuda::ask_sides_by_cells(there, cells_there.tables(), {1, 0}, sides.data(),
-                                           {open.data(), open.data() + 1}, stream.get()),
-                  "asking a hull");
+      check(cudaMemsetAsync(open.data(), 0, sizeof left, stream.get()), "clearing");
+      check(ask_sides_by_cells(there, cells_there.tables(), {1, 0}, sides.data(),
+                               {open.data(), open.data() + 1}, stream.get()),
+            "asking a hull");
     });
-    cuda::download(&left, open.data(), 1, stream.get());
+    download(&left, open.data(), 1, stream.get());
     std::vector<std::uint8_t> device(n), host(n);
-    cuda::download(device.data(), sides.data(), n, stream.get());
+    download(device.data(), sides.data(), n, stream.get());
     HullQuery(corners, hull).contains(PointView::row_major(rows.data(), n, 3), host.data());
     std::uint64_t different = 0;
     for (std::uint64_t i = 0; i < n; ++i) different += device[i] != host[i];

@@ -13,7 +13,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// A regularised alpha shape or a concave hull: full-dimensional cells only, without edges and
 /// faces that bound no cell.
@@ -112,5 +112,5 @@ struct CellPolygons {
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -13,15 +13,15 @@
 
 #pragma GCC visibility push(default)
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 /// Memory for any trivial type; throws std::bad_alloc. Blocks of 2 MB and more use huge pages where
 /// the system provides them.
 void* allocate_block(std::size_t bytes);
 /// `bytes`: the number passed to allocate_block.
 void free_block(void* block, std::size_t bytes) noexcept;
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Sets how much freed memory the library keeps for reuse. It keeps freed blocks, its own and those
 /// of Arrays, because the system clears new memory, which takes longer than most steps of a hull.
@@ -70,5 +70,5 @@ class ArrayAllocator {
 template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

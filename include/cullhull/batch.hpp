@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The hulls of many sets, concatenated. Every list holds what the member of the same name in Hull
 /// holds, set after set; ids count from the set's first point, facet and simplex numbers from the
@@ -53,5 +53,5 @@ HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> o
   return convex_hulls(points, std::span(offsets, static_cast<std::size_t>(set_count) + 1), options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -11,7 +11,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct Certificate {
   bool valid = false;
@@ -83,5 +83,5 @@ class CertifyStream {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

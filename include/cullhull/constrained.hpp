@@ -10,7 +10,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Only the first step, the Delaunay triangulation, uses threads.
 struct ConstrainedOptions : RunOptions {
@@ -69,5 +69,5 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

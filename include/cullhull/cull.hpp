@@ -12,7 +12,7 @@
 #include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The filter that was used in the end. `gauge_twice`: a second, finer map over what the first
 /// kept; `stream`: by HullStream, block after block.
@@ -54,5 +54,5 @@ struct Survivors {
 /// Source: docs/algorithm.md, "GaugeMap" and "PseudoHull".
 Survivors cull(const PointView& points, const Options& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -34,7 +34,7 @@
 #include "cullhull/voronoi.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// What converted options before 1.0; each struct of options has a constructor for this now.
 template <class To>
@@ -43,5 +43,5 @@ template <class To>
   return To(options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -9,7 +9,7 @@
 #include "cullhull/options.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The hulls of the sets [offsets[i], offsets[i + 1]) of points in a device's memory: the same
 /// batch, bit for bit, as convex_hulls(PointView) of the same points. `offsets`: set_count + 1
@@ -85,5 +85,5 @@ DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std:
                                        std::uint64_t set_count,
                                        const DeviceBatchOptions& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -17,7 +17,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Non-owning view of points that a device can read (device or managed memory), like PointView:
 /// coordinate j of point i is at `data + i * point_stride + j * coordinate_stride` (bytes, any
@@ -133,5 +133,5 @@ Survivors cull(const DevicePointView& points, const Options& options = {});
 Hull convex_hull(const DevicePointView& points, const Options& options = {},
                  std::vector<double>* vertex_coordinates = nullptr);
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -9,7 +9,7 @@
 #include "cullhull/version.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// What went wrong; the command line maps each code to one exit status (docs/formats.md).
 enum class ErrorCode {
@@ -61,5 +61,5 @@ class Error : public std::runtime_error {
   ErrorCode code_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

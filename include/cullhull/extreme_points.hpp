@@ -9,7 +9,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct ExtremePoints {
   /// The extreme points (of equal points the lowest id), ascending: Hull::vertices, sorted.
@@ -26,5 +26,5 @@ struct ExtremePoints {
 /// ignored. Errors as convex_hull's.
 ExtremePoints extreme_points(const PointView& points, const Options& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

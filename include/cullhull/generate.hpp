@@ -10,7 +10,7 @@
 #include "cullhull/stop_token.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct Shape {
   const char* name;
@@ -78,5 +78,5 @@ class MovingPoints {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

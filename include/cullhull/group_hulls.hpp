@@ -12,7 +12,7 @@
 #include "cullhull/point_blocks.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Summary of write_group_hulls.
 struct GroupReport {
@@ -61,5 +61,5 @@ void write_group_hulls(const std::string& path, const HullBatch& hulls,
                        const std::string& key_name = "key", const std::string& format = "",
                        const MapExtras& extras = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

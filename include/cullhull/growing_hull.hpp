@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The hull of all points added so far. It stores coordinates of the vertices only. Ids number the
 /// points in the order in which they were added.
@@ -45,5 +45,5 @@ class GrowingHull {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -9,7 +9,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// A polyhedron given by halfspaces a . x + b <= 0; row i is (a_1, ..., a_d, b).
 struct HalfspaceIntersection {
@@ -48,5 +48,5 @@ inline HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   return intersect_halfspaces(halfspaces, interior_point.of(d), options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -15,7 +15,7 @@
 #include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct Statistics {
   std::uint64_t survivors = 0;           ///< points the filter kept (before lattices are thinned)
@@ -128,5 +128,5 @@ struct Hull {
 /// Source: docs/algorithm.md; why it is exact: docs/exactness.md.
 Hull convex_hull(const PointView& points, const Options& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -12,7 +12,7 @@
 #include "cullhull/triangulation_query.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The vertices that contribute to a point's value, ascending, and their weights.
 struct NaturalNeighbours {
@@ -74,5 +74,5 @@ class Interpolator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -18,7 +18,7 @@
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// What the coordinates of a file with a Placement (.las) mean; other files' numbers are
 /// coordinates.
@@ -441,5 +441,5 @@ class NpySequenceWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

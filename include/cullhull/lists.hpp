@@ -17,7 +17,7 @@
 #include "cullhull/array.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// A read-only Array whose copies share memory. It behaves as a value: `edit` returns an array that
 /// no copy shares. Thread safe as other values are: different threads may read, edit and destroy
@@ -223,5 +223,5 @@ struct Lists {
   friend bool operator==(const Lists&, const Lists&) = default;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -6,7 +6,7 @@
 #include "cullhull/version.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Rates from which the planner decides where points are filtered. The defaults are conservative
 /// estimates for a desktop with a PCIe 3 device, not measured; `cullhull-bench machine` measures
@@ -20,5 +20,5 @@ struct MachineConstants {
   std::string date;                             ///< date of the measurement; empty: not measured
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

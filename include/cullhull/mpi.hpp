@@ -24,7 +24,7 @@
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 namespace mpi {
 
 /// Cost of a call; the same on every rank, except for `seconds`.
@@ -110,5 +110,5 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
                     const std::vector<double>& vertex_coordinates, const JobOptions& options = {});
 
 }  // namespace mpi
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

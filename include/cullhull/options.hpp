@@ -15,7 +15,7 @@
 #include "cullhull/stop_token.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 enum class Backend { automatic, cpu, cuda };
 /// The filters: docs/algorithm.md. automatic: decide from a sample whether the gauge map is
@@ -72,5 +72,5 @@ struct Options : RunOptions {
   std::uint64_t reserved_options[8] = {};
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

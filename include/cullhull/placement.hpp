@@ -11,7 +11,7 @@
 #include "cullhull/voronoi.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct ReadOptions;
 
@@ -129,5 +129,5 @@ struct CommonCrs {
 };
 CommonCrs common_crs(const std::vector<std::string>& files);
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

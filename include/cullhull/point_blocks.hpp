@@ -13,7 +13,7 @@
 #include "cullhull/stream.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// A position in the inputs: all blocks before it have been visited.
 struct BlockPosition {
@@ -112,5 +112,5 @@ BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisi
 void write_state(const std::string& path, const HullState& state);
 HullState read_state(const std::string& path);
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -21,7 +21,7 @@
 #endif
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Scalar types that are read in place. A double represents every value of each exactly.
 enum class ScalarType : std::uint8_t { f32, f64, i8, u8, i16, u16, i32, u32 };
@@ -315,5 +315,5 @@ class OnePoint {
   std::vector<double> many_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

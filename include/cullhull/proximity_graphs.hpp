@@ -9,7 +9,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Each graph is a list of edges x 2 ids, the lower one first, sorted lexicographically.
 /// `triangulation`: delaunay() of `points`, in any dimension. Lengths are compared exactly: no
@@ -42,5 +42,5 @@ Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
                                                   const Triangulation& triangulation,
                                                   const RunOptions& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -13,7 +13,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Position of a point; for a flat hull, within its flat (points off the flat are outside).
 enum class Side : std::int8_t { inside = -1, boundary = 0, outside = 1 };
@@ -138,5 +138,5 @@ class HullQuery {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

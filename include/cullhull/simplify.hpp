@@ -9,7 +9,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct Simplification {
   /// The exact, canonical hull of the kept vertices: convex_hull of them alone, with the ids,
@@ -51,5 +51,5 @@ std::vector<std::uint32_t> shared_planes(const PointView& points, const Hull& hu
 /// Qhull's own tolerance for rounding.
 double rounding_distance(const PointView& points, const Hull& hull);
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -9,10 +9,10 @@
 
 #include <stop_token>
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 using std::stop_source;
 using std::stop_token;
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 
 #else
 
@@ -21,7 +21,7 @@ using std::stop_token;
 #include <utility>
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Whether a stop was requested of the source that it came from. Copies share the state; thread
 /// safe. A default one has no source and is never stopped.
@@ -49,7 +49,7 @@ class stop_source {
   std::shared_ptr<std::atomic<bool> > state_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop
 
 #endif

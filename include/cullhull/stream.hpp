@@ -14,11 +14,11 @@
 
 #pragma GCC visibility push(default)
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 struct StateParts;
 }
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// What a set of points contributes to any hull: its extreme points, each with its global id and
 /// its exact coordinates; of equal points the one with the lowest id. Flat and empty sets have
@@ -167,5 +167,5 @@ class HullStream {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Cost of a frame, and how its hull differs from that of the frame before.
 struct FrameReport {
@@ -75,5 +75,5 @@ class HullTracker {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

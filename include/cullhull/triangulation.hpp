@@ -12,7 +12,7 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// In lists of neighbours: there is no cell across this facet, which is on the hull.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
@@ -154,5 +154,5 @@ Certificate certify(const PointView& points, const Triangulation& triangulation,
 Certificate certify(const PointView& points, std::span<const double> weights,
                     const Triangulation& triangulation, const TriangulationOptions& options = {});
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

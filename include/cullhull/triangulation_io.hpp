@@ -15,7 +15,7 @@
 #include "cullhull/voronoi.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// Writes the cells in the format of the extension of `path` or `format`: .ply .obj .off .stl .glb
 /// .vtp (triangles of 2D points), .vtk (cells of any triangulation of up to 3 dimensions), .geojson
@@ -84,5 +84,5 @@ std::string voronoi_to_qhull_text(const Voronoi& voronoi, std::string_view what)
 const std::vector<std::string>& delaunay_formats();
 const std::vector<std::string>& voronoi_formats();
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

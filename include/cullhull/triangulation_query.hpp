@@ -11,7 +11,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// A triangulation prepared for queries. Cells and nearest vertices are exact: there is no
 /// tolerance, and no order of queries, thread count or start changes an answer.
@@ -110,5 +110,5 @@ class NearestPoint {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -14,10 +14,10 @@
   (CULLHULL_VERSION_MAJOR * 10000 + CULLHULL_VERSION_MINOR * 100 + CULLHULL_VERSION_PATCH)
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// The version of the library that is linked or loaded, as CULLHULL_VERSION is that of the headers.
 const char* version() noexcept;
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

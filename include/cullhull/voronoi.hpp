@@ -13,7 +13,7 @@
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 /// In lists of vertices: the end at infinity of an unbounded edge or face.
 inline constexpr std::uint32_t at_infinity = 0xffffffff;
@@ -159,5 +159,5 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
                           bool shapes = true, const RunOptions& options = {},
                           const Voronoi* diagram = nullptr);
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 #pragma GCC visibility pop

@@ -5,7 +5,7 @@
 
 #include "batch/batch_maker.hpp"
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets) {
   if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
@@ -15,9 +15,9 @@ void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint
                   "; offsets must ascend and not exceed the ", points, " points");
 }
 
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -83,4 +83,4 @@ HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> o
   return std::move(maker).finish();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 namespace {
 
 template <class To, class Items>
@@ -276,4 +276,4 @@ HullBatch BatchMaker::finish() && {
   return std::move(all_);
 }
 
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal

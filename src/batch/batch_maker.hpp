@@ -14,7 +14,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 
 /// The fast path of a batch in the plane: sets go straight from points to the lists of the batch.
 class PlanarSets {
@@ -97,4 +97,4 @@ class BatchMaker {
 /// Throws Error{invalid_argument} unless the offsets ascend and none exceeds the number of points.
 void check_offsets(std::uint64_t points, const std::uint64_t* offsets, std::uint64_t sets);
 
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal

@@ -13,10 +13,8 @@
 #include "cuda/set_hulls.hpp"
 #include "flow/pipeline.hpp"
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 namespace {
-
-using cuda::SetsOnDevice;
 
 /// The sets of one call.
 class DeviceBatch {
@@ -39,8 +37,8 @@ class DeviceBatch {
     BatchMaker maker = made_of(sets_, points_in(0, sets_));
     std::uint64_t piece = piece_points();
     std::uint32_t count = 0;
-    bool started = false;                   // the kernels for the sets [first, first + count)
-    std::optional<cuda::FoundLists> found;  // theirs, if copying them has begun
+    bool started = false;             // the kernels for the sets [first, first + count)
+    std::optional<FoundLists> found;  // theirs, if copying them has begun
     for (std::uint64_t first = 0; first < sets_;) {
       run_.check();
       if (!started) count = sets_within(first, piece);
@@ -48,7 +46,7 @@ class DeviceBatch {
       try {
         if (!started) find(first, count, warps_);
         taken = take(first, count, found);
-      } catch (const cuda::OutOfMemory&) {
+      } catch (const OutOfMemory&) {
         started = false;
         if (count > least_sets) {
           piece = std::max<std::uint64_t>(points_in(first, first + count) / 2, 1);
@@ -88,7 +86,7 @@ class DeviceBatch {
     run_.check();
     find(0, static_cast<std::uint32_t>(sets_), warps_, wanted.planes || wanted.measures);
     const std::vector<std::uint32_t> open = there_.open_sets();
-    const cuda::SetRows rows = there_.fetch_rows(open);
+    const SetRows rows = there_.fetch_rows(open);
     BatchMaker maker = made_of(open.size(), rows.points.count);
     maker.add(
         open.size(),
@@ -153,7 +151,7 @@ class DeviceBatch {
     try {
       step();
       return true;
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       return false;
     }
   }
@@ -162,15 +160,14 @@ class DeviceBatch {
   struct Piece {
     std::uint64_t first = 0;
     std::uint32_t count = 0;
-    cuda::FoundLists found;
-    cuda::SetRows rows;                // of the open sets
+    FoundLists found;
+    SetRows rows;                      // of the open sets
     std::vector<std::uint32_t> place;  // of each set among these
   };
 
   /// Copies to the host what find() has found of the sets [first, first + count), unless that
   /// has `begun`, which is used up. Throws OutOfMemory.
-  Piece take(std::uint64_t first, std::uint32_t count,
-             std::optional<cuda::FoundLists>& begun) const {
+  Piece take(std::uint64_t first, std::uint32_t count, std::optional<FoundLists>& begun) const {
     Piece piece;
     piece.first = first;
     piece.count = count;
@@ -187,7 +184,7 @@ class DeviceBatch {
 
   /// Adds sets [begin, end) of the piece.
   void add(BatchMaker& maker, const Piece& piece, std::uint32_t begin, std::uint32_t end) const {
-    const cuda::FoundLists& found = piece.found;
+    const FoundLists& found = piece.found;
     maker.add(
         end - begin,
         [&](SetHuller& huller, std::uint64_t k, HullBatch& part) {
@@ -201,8 +198,8 @@ class DeviceBatch {
   }
 
   /// Appends set first + i, set i of those found.
-  void append(const cuda::FoundLists& found, std::uint64_t first, std::uint64_t i,
-              SetHuller& huller, HullBatch& part) const {
+  void append(const FoundLists& found, std::uint64_t first, std::uint64_t i, SetHuller& huller,
+              HullBatch& part) const {
     const std::uint64_t at = found.vertex_at[i], vertices = found.vertex_at[i + 1] - at;
     std::uint64_t ids[most_vertices];
     std::copy_n(found.vertices + at, vertices, ids);
@@ -236,9 +233,9 @@ class DeviceBatch {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,
                        std::uint64_t set_count, const Options& options,
@@ -254,4 +251,4 @@ DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std:
   return internal::DeviceBatch(points, offsets, set_count, options).to_device(options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

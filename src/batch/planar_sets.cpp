@@ -1,6 +1,6 @@
 #include "batch/batch_maker.hpp"
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 namespace {
 
 /// Appends `count` items; returns the first of them.
@@ -56,4 +56,4 @@ void PlanarSets::write(const PointView& set, const PlanarMeasures& measures, Hul
   end_list(to.simplex_facets);
 }
 
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal

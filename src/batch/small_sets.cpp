@@ -8,7 +8,7 @@
 #include "few/small_measures.hpp"
 #include "few/small_surface.hpp"
 
-namespace cullhull::internal::inline batch {
+namespace cullhull::internal {
 namespace {
 
 /// Appends `count` items, of which the caller removes those it does not need; returns the first.
@@ -130,4 +130,4 @@ bool append_simplices_3d(const FoundHull& found, HullBatch& to) {
   return measure_and_write(found.rows, points, hull, to);
 }
 
-}  // namespace cullhull::internal::inline batch
+}  // namespace cullhull::internal

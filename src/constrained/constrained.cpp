@@ -21,7 +21,7 @@
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal::inline constrained {
+namespace cullhull::internal {
 namespace {
 
 /// The constraints as pairs of ids, each duplicate point replaced by its representative.
@@ -498,9 +498,9 @@ void force_all(const LiftedPoints& points, const Constraints& constraints, const
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline constrained
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 ConstrainedTriangulation constrained_delaunay(const PointView& points,
                                               std::span<const std::uint32_t> edges,
@@ -531,4 +531,4 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
   return out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

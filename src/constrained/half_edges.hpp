@@ -9,7 +9,7 @@
 #include "cullhull/triangulation.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline constrained {
+namespace cullhull::internal {
 
 /// Edge e consists of the half-edges 2 e and 2 e + 1. A half-edge has a triangle on its left, or,
 /// on the hull, no face. The caller chooses the vertex numbers.
@@ -83,4 +83,4 @@ inline void HalfEdges::flip(std::uint32_t edge) {
   next_[h1] = g;
 }
 
-}  // namespace cullhull::internal::inline constrained
+}  // namespace cullhull::internal

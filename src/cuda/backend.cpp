@@ -8,7 +8,7 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/device_points.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 void require_cuda(int device) { (void)device_or_current(device); }
 bool cuda_started() noexcept { return started(); }
@@ -35,9 +35,9 @@ std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView&
   return survivors_of_host_points(map.table(), points, run);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 int current_cuda_device() noexcept {
   int ordinal = -1;
@@ -61,15 +61,15 @@ int chosen_cuda_device() noexcept {
 
 void wait_for_cuda_stream(void* stream) {
   internal::require_cuda();
-  internal::cuda::refuse_capture(static_cast<cudaStream_t>(stream));
-  internal::cuda::synchronise(static_cast<cudaStream_t>(stream), "waiting for the caller's stream");
+  internal::refuse_capture(static_cast<cudaStream_t>(stream));
+  internal::synchronise(static_cast<cudaStream_t>(stream), "waiting for the caller's stream");
 }
 
 CudaStatus cuda_status() {
   CudaStatus status;
   status.compiled = true;
   try {
-    const internal::cuda::Device& device = internal::cuda::device();
+    const internal::Device& device = internal::this_device();
     status.available = true;
     status.device = device.name;
     status.compute_capability = device.capability;
@@ -82,4 +82,4 @@ CudaStatus cuda_status() {
   return status;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

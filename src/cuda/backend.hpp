@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// Throws Error{backend_unavailable} with the reason unless `Backend::cuda` can be used on this
 /// device (-1: the current device).
@@ -52,4 +52,4 @@ std::uint32_t most_map_nodes(int device);
 std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
                                            const Run& run);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 class CellsOnDevice {
  public:
@@ -43,4 +43,4 @@ class CellsOnDevice {
   CellsThere tables_ = {};
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// Filters points in a device's memory, there or on the host, and copies the survivors to the host.
@@ -29,7 +29,7 @@ class DeviceFilter {
   Filtered run() {
     try {
       return cull_there_or_here();
-    } catch (const cuda::OutOfMemory& e) {
+    } catch (const OutOfMemory& e) {
       if (run_.options.backend == Backend::cuda) throw;
       return culled_on_host(e.what());  // downloading packed points needs no device memory
     }
@@ -65,7 +65,7 @@ class DeviceFilter {
     try {
       cull_there(sampled.map->table(), result);
       return result;
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       result.survivors.reason += "; its memory is nearly full";
       result.survivors.filter = UsedFilter::gauge;
       result.triangles = {};  // of points that are not the survivors now
@@ -80,7 +80,7 @@ class DeviceFilter {
     Filtered result;
     std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
+    result.rows = download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.all = ids.size() == points_.count;
     if (!result.survivors.all) result.survivors.ids = std::move(ids);
@@ -99,7 +99,7 @@ class DeviceFilter {
     if (d_ != 3 || points_.count > pseudo_hull_most_points || (!must && points_.count < worthwhile))
       return all_points(std::move(result));
     try {
-      cuda::StarHullThere found = star_hull_there(points_, run_);
+      StarHullThere found = star_hull_there(points_, run_);
       if (found.counts.end.facets == 0) return all_points(std::move(result));
       Filtered kept;
       kept.survivors.reason =
@@ -109,10 +109,10 @@ class DeviceFilter {
       kept.survivors.all = found.ids.count == points_.count;
       kept.triangles = std::move(found.triangles);
       if (kept.survivors.all) return all_points(std::move(kept));
-      const cuda::DeviceArray<std::byte> rows = rows_of(points_, found.ids);
+      const DeviceArray<std::byte> rows = rows_of(points_, found.ids);
       copy_survivors(packed(rows, found.ids.count), found.ids, kept);
       return kept;
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       if (must) throw;
       result.survivors.reason += "; its memory is nearly full";
     }
@@ -120,13 +120,11 @@ class DeviceFilter {
   }
 
   /// Copies ids and rows (`view`) to the host.
-  void copy_survivors(const DevicePointView& view, const cuda::DeviceIds& left,
-                      Filtered& result) const {
+  void copy_survivors(const DevicePointView& view, const DeviceIds& left, Filtered& result) const {
     require_room(left.count);
     std::vector<std::uint64_t> ids(left.count);
-    cuda::download(ids.data(), left.ids.data(), left.count,
-                   static_cast<cudaStream_t>(points_.stream));
-    result.rows = cuda::download_points(view, nullptr, left.count, run_);
+    download(ids.data(), left.ids.data(), left.count, static_cast<cudaStream_t>(points_.stream));
+    result.rows = download_points(view, nullptr, left.count, run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
   }
@@ -157,7 +155,7 @@ class DeviceFilter {
 
   SampledPoints sampled(const DevicePointView& points) const {
     return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
-              Array<double> rows = cuda::download_points(points, ids.data(), ids.size(), run_);
+              Array<double> rows = download_points(points, ids.data(), ids.size(), run_);
               // As for every engine, -0 becomes +0 and points that are not finite are refused.
               return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
                                    ids.size(), run_);
@@ -169,7 +167,7 @@ class DeviceFilter {
   SampledMap first_map() const {
     try {
       return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
-                           cuda::most_gauge_nodes(cuda::device()), run_,
+                           most_gauge_nodes(this_device()), run_,
                            d_ == 3         ? 1
                            : grows_later() ? 4
                                            : ~std::uint64_t{0});
@@ -211,51 +209,50 @@ class DeviceFilter {
 
   /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
   /// not worthwhile: all rows stay.
-  cuda::DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
+  DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
     if (grows_later() && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
-      cuda::StarHullThere found = star_hull_there(view, run_);
+      StarHullThere found = star_hull_there(view, run_);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
       result.triangles = std::move(found.triangles);
       return std::move(found.ids);
     }
     if (grows_later()) {
-      cuda::DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
+      DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left";
       return kept;
     }
-    const SampledMap finer = map_of_sample(finite_sample(view), Insist::late,
-                                           cuda::most_gauge_nodes(cuda::device()), run_);
+    const SampledMap finer =
+        map_of_sample(finite_sample(view), Insist::late, most_gauge_nodes(this_device()), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
     result.survivors.filter = UsedFilter::gauge_twice;
-    return cuda::survivors_of_device_points(finer.map->table(), view);
+    return survivors_of_device_points(finer.map->table(), view);
   }
 
   /// The usual case: both filters run on the device, and only the survivors of the second are
   /// copied to the host.
   void cull_there(const GaugeTable& table, Filtered& result) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
-    cuda::DeviceIds left = cuda::survivors_of_device_points(table, points_);
+    DeviceIds left = survivors_of_device_points(table, points_);
     require_room(left.count);
-    cuda::DeviceArray<std::byte> rows = rows_of(points_, left);
+    DeviceArray<std::byte> rows = rows_of(points_, left);
     DevicePointView view = packed(rows, left.count);
     run_.report("cull", 0.8);
     if (left.count >= smallest_worth_refining(d_)) {
-      const cuda::DeviceIds kept = kept_of(view, result);
+      const DeviceIds kept = kept_of(view, result);
       if (kept.ids.data() != nullptr) {
-        cuda::DeviceIds ids;
+        DeviceIds ids;
         ids.count = kept.count;
-        ids.ids = cuda::DeviceArray<std::uint64_t>(kept.count, stream);
-        cuda::check(
-            cuda::gather_ids(left.ids.data(), kept.ids.data(), kept.count, ids.ids.data(), stream),
-            "gathering ids");
-        cuda::DeviceArray<std::byte> fewer = rows_of(view, kept);
+        ids.ids = DeviceArray<std::uint64_t>(kept.count, stream);
+        check(gather_ids(left.ids.data(), kept.ids.data(), kept.count, ids.ids.data(), stream),
+              "gathering ids");
+        DeviceArray<std::byte> fewer = rows_of(view, kept);
         rows = std::move(fewer);
         left = std::move(ids);
         view = packed(rows, left.count);
@@ -279,16 +276,15 @@ class DeviceFilter {
   }
 
   /// Gathers the rows of some points on the device.
-  cuda::DeviceArray<std::byte> rows_of(const DevicePointView& points,
-                                       const cuda::DeviceIds& which) const {
+  DeviceArray<std::byte> rows_of(const DevicePointView& points, const DeviceIds& which) const {
     const auto stream = static_cast<cudaStream_t>(points_.stream);
-    cuda::DeviceArray<std::byte> rows(which.count * d_ * scalar_size(points_.scalar), stream);
-    cuda::check(cuda::gather_rows(points, which.ids.data(), which.count, rows.data(), stream),
-                "gathering points");
+    DeviceArray<std::byte> rows(which.count * d_ * scalar_size(points_.scalar), stream);
+    check(gather_rows(points, which.ids.data(), which.count, rows.data(), stream),
+          "gathering points");
     return rows;
   }
 
-  DevicePointView packed(const cuda::DeviceArray<std::byte>& rows, std::uint64_t count) const {
+  DevicePointView packed(const DeviceArray<std::byte>& rows, std::uint64_t count) const {
     DevicePointView view = points_;
     view.data = rows.data();
     view.count = count;
@@ -300,9 +296,9 @@ class DeviceFilter {
   /// The case of hardly any free device memory: the survivors of the first map are copied to the
   /// host, and the second filter runs there.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
-    std::vector<std::uint64_t> ids = cuda::survivors_by_pieces(table, points_, run_.control);
+    std::vector<std::uint64_t> ids = survivors_by_pieces(table, points_, run_.control);
     require_room(ids.size());
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
+    result.rows = download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
     result.survivors.ids = std::move(ids);
     refine_survivors(result, d_, run_);
@@ -315,13 +311,13 @@ class DeviceFilter {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   if (points.count == 0) {
-    (void)cuda::device();
+    (void)this_device();
     Filtered nothing;
     nothing.survivors.all = true;
     nothing.survivors.reason = "no points";
@@ -329,9 +325,9 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   }
   // Uses the device that holds the points, which may be the only usable one.
   const int ordinal = device_of(points);
-  (void)cuda::device(ordinal);
-  const cuda::DeviceScope scope(ordinal);
+  (void)device(ordinal);
+  const DeviceScope scope(ordinal);
   return DeviceFilter(points, run).run();
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

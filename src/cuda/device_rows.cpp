@@ -10,14 +10,14 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 int device_of_memory(const void* memory, const char* what) {
   cudaPointerAttributes attributes = {};
   const cudaError_t status = cudaPointerGetAttributes(&attributes, memory);
   if (status != cudaSuccess) {
-    (void)cuda::device();  // throws the reason if there is no device
-    cuda::check(status, "asking where the points are");
+    (void)this_device();  // throws the reason if there is no device
+    check(status, "asking where the points are");
   }
   if (attributes.type != cudaMemoryTypeDevice && attributes.type != cudaMemoryTypeManaged)
     throw Error(ErrorCode::invalid_argument, what,
@@ -49,7 +49,7 @@ Placement place_of_device_points(const DevicePointView& points, const Run& run) 
 Array<double> download_all(const DevicePointView& points, const Run& run) {
   require_budget(run.budget, points.count * points.dimension * 2 * sizeof(double),
                  std::to_string(points.count) + " points copied from the device");
-  Array<double> rows = cuda::download_points(points, nullptr, points.count, run);
+  Array<double> rows = download_points(points, nullptr, points.count, run);
   check_rows_finite(rows.data(), points.count, points.dimension, nullptr, run);
   return rows;
 }
@@ -57,21 +57,21 @@ Array<double> download_all(const DevicePointView& points, const Run& run) {
 void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
   const auto stream = static_cast<cudaStream_t>(points.stream);
   unsigned long long first = ~0ULL;
-  const cuda::DeviceArray<unsigned long long> found(1, stream);
-  cuda::upload(found.data(), &first, 1, stream);
-  cuda::check(cuda::first_not_finite(points, found.data(), stream), "looking for NaN");
-  cuda::download(&first, found.data(), 1, stream);
+  const DeviceArray<unsigned long long> found(1, stream);
+  upload(found.data(), &first, 1, stream);
+  check(first_not_finite(points, found.data(), stream), "looking for NaN");
+  download(&first, found.data(), 1, stream);
   if (first < points.count) {
     const std::uint64_t id = first;
-    const Array<double> row = cuda::download_points(points, &id, 1, run);
+    const Array<double> row = download_points(points, &id, 1, run);
     check_rows_finite(row.data(), 1, points.dimension, &id, run);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Array<double> fetch_points(const DevicePointView& points, std::span<const std::uint64_t> ids) {
   using namespace internal;
@@ -79,27 +79,27 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
     if (id >= points.count)
       throw Error(ErrorCode::invalid_argument, "there is no point ", id, " of ", points.count);
   if (ids.empty()) {
-    (void)cuda::device();
+    (void)this_device();
     return {};
   }
   if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
     throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
-  const cuda::DeviceScope scope(device_of(points));
-  return cuda::download_points(points, ids.data(), ids.size(), short_run());
+  const DeviceScope scope(device_of(points));
+  return download_points(points, ids.data(), ids.size(), short_run());
 }
 
 DeviceMemory device_memory(const DevicePointView& points, std::uint64_t bytes) {
   using namespace internal;
-  const cuda::DeviceScope scope(points.count > 0 ? device_of(points) : cuda::device().ordinal);
+  const DeviceScope scope(points.count > 0 ? device_of(points) : this_device().ordinal);
   const auto memory =
-      std::make_shared<cuda::ResultMemory>(bytes, static_cast<cudaStream_t>(points.stream));
+      std::make_shared<ResultMemory>(bytes, static_cast<cudaStream_t>(points.stream));
   return {{memory, memory->data()}, memory->device()};
 }
 
 void wait_for_cuda_device_of(const void* memory) {
   using namespace internal;
-  const cuda::DeviceScope scope(device_of_memory(memory));
-  cuda::check(cudaDeviceSynchronize(), "waiting for the device that holds the points");
+  const DeviceScope scope(device_of_memory(memory));
+  check(cudaDeviceSynchronize(), "waiting for the device that holds the points");
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

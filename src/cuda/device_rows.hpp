@@ -9,7 +9,7 @@
 #include "filter/planner.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The number of the device that holds this memory. Throws Error{invalid_argument} for host memory,
 /// whose message begins with `what`, and Error{backend_unavailable} with the reason if there is no
@@ -31,4 +31,4 @@ Array<double> download_all(const DevicePointView& points, const Run& run);
 /// Throws Error{not_finite}, which names the first point that is not finite. There must be one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// A frame of the tracker whose points are in a device's memory. Every operation runs on the device
@@ -30,11 +30,11 @@ class DeviceFrame final : public FramePoints {
         reason_("CUDA device as asked") {
     check_arguments(points);
     if (count == 0) {
-      (void)cuda::device();
+      (void)this_device();
       return;
     }
     const int ordinal = device_of(points);
-    (void)cuda::device(ordinal);
+    (void)device(ordinal);
     scope_.emplace(ordinal);
     if (run.options.cull == CullMethod::pseudo_hull) {
       copy("the pseudo-hull tracks on the CPU");
@@ -54,7 +54,7 @@ class DeviceFrame final : public FramePoints {
   }
 
   std::uint32_t most_nodes() override {
-    return here_ ? here_->most_nodes() : cuda::most_gauge_nodes(cuda::device());
+    return here_ ? here_->most_nodes() : most_gauge_nodes(this_device());
   }
 
   void scan(const GaugeMap& map, Survivors& result) override {
@@ -92,7 +92,7 @@ class DeviceFrame final : public FramePoints {
     if (here_) return here();
     try {
       return there();
-    } catch (const cuda::OutOfMemory& e) {
+    } catch (const OutOfMemory& e) {
       if (run_.options.backend == Backend::cuda) throw;
       copy(e.what());  // downloading packed points needs no device memory
     }
@@ -110,7 +110,7 @@ class DeviceFrame final : public FramePoints {
   }
 
   Array<double> gather_there(const std::vector<std::uint64_t>& ids) const {
-    const Array<double> rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
+    const Array<double> rows = download_points(points_, ids.data(), ids.size(), run_);
     try {
       return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
                            ids.size(), run_);
@@ -125,23 +125,23 @@ class DeviceFrame final : public FramePoints {
     result.backend = Backend::cuda;
     result.reason += "; " + reason_;
     try {
-      const cuda::DeviceIds left = cuda::survivors_of_device_points(map.table(), points_);
+      const DeviceIds left = survivors_of_device_points(map.table(), points_);
       require_room(left.count);
       result.ids.resize(left.count);
-      cuda::download(result.ids.data(), left.ids.data(), left.count,
-                     static_cast<cudaStream_t>(points_.stream));
+      download(result.ids.data(), left.ids.data(), left.count,
+               static_cast<cudaStream_t>(points_.stream));
       return;
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       result.reason += "; its memory is nearly full";
     }
-    result.ids = cuda::survivors_by_pieces(map.table(), points_, run_.control);
+    result.ids = survivors_by_pieces(map.table(), points_, run_.control);
     require_room(result.ids.size());
   }
 
   void fetch_there(Filtered& result) const {
     const std::vector<std::uint64_t>& ids = result.survivors.ids;
     result.pass_survivors = ids.size();
-    result.rows = cuda::download_points(points_, ids.data(), ids.size(), run_);
+    result.rows = download_points(points_, ids.data(), ids.size(), run_);
     check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_);
     run_.control.report("cull", 0.8);
   }
@@ -154,7 +154,7 @@ class DeviceFrame final : public FramePoints {
   const DevicePointView points_;
   const Run& run_;
   std::string reason_, why_here_;
-  std::optional<cuda::DeviceScope> scope_;
+  std::optional<DeviceScope> scope_;
   Array<double> rows_;  ///< rows of all points, after copy()
   Options host_options_;
   std::optional<Run> host_run_;
@@ -162,12 +162,12 @@ class DeviceFrame final : public FramePoints {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run) {
   return std::make_unique<DeviceFrame>(points, run);
 }
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 cudaStream_t stream_of(const DevicePointView& points) {
@@ -87,7 +87,7 @@ class Slot {
     check(cudaMemcpyAsync(device_rows_.data(), rows_.data(), bytes, cudaMemcpyHostToDevice,
                           stream_.get()),
           "copying points to the device");
-    check(gauge_mask(table, nodes, points, device_mask_.data(), device(), stream_.get()),
+    check(gauge_mask(table, nodes, points, device_mask_.data(), this_device(), stream_.get()),
           "culling");
     check(cudaMemcpyAsync(mask_.data(), device_mask_.data(),
                           mask_words(count_) * sizeof(std::uint32_t), cudaMemcpyDeviceToHost,
@@ -104,7 +104,7 @@ class Slot {
   }
 
  private:
-  Stream stream_;
+  CudaStream stream_;
   PinnedArray<std::byte> rows_;
   DeviceArray<std::byte> device_rows_;
   PinnedArray<std::uint32_t> mask_;
@@ -122,7 +122,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
   rows.point_stride = rows.coordinate_stride * static_cast<std::ptrdiff_t>(points.dimension);
   const auto row_bytes = static_cast<std::size_t>(rows.point_stride);
 
-  const Stream stream;
+  const CudaStream stream;
   const DeviceArray<float> nodes = upload_nodes(table, stream.get());
   std::vector<std::uint64_t> ids;
   {
@@ -174,7 +174,7 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
   const DeviceArray<float> nodes = upload_nodes(table, stream);
   const std::uint64_t words = mask_words(points.count);
   const DeviceArray<std::uint32_t> mask(mask_room(points.count), stream);
-  check(gauge_mask(table, nodes.data(), points, mask.data(), device(), stream), "culling");
+  check(gauge_mask(table, nodes.data(), points, mask.data(), this_device(), stream), "culling");
 
   // One offset more than there are tiles: the last offset is the total.
   const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
@@ -211,7 +211,8 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
     part.count = std::min(piece, points.count - first);
     part.data = static_cast<const std::byte*>(points.data) +
                 static_cast<std::ptrdiff_t>(first) * points.point_stride;
-    check(gauge_mask(table, nodes.data(), part, device_mask.data(), device(), stream), "culling");
+    check(gauge_mask(table, nodes.data(), part, device_mask.data(), this_device(), stream),
+          "culling");
     download(mask.data(), device_mask.data(), mask_words(part.count), stream);
     list_words(mask.data(), mask_words(part.count), first, ids);
   }
@@ -337,4 +338,4 @@ Array<double> download_points(const DevicePointView& points, const std::uint64_t
                                           : download_as<float>(points, ids, count, run);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The ids, ascending, of the points in the host's memory that are not provably inside; the same as
 /// GaugeMap::survivors. The points are copied piece by piece into pinned memory and to the device,
@@ -40,4 +40,4 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 Array<double> download_points(const DevicePointView& points, const std::uint64_t* ids,
                               std::uint64_t count, const Run& run);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// A copy of numbers on the device, which is uploaded once and used by several queries.
@@ -163,7 +163,7 @@ void QuestionsOnDevice::fetch(void* to, const void* from, std::uint64_t bytes) c
 }
 
 void QuestionsOnDevice::require_room(const void* answers, std::size_t item) const {
-  if (device_of_memory(answers, "the memory for answers is") != device().ordinal)
+  if (device_of_memory(answers, "the memory for answers is") != this_device().ordinal)
     throw Error(ErrorCode::invalid_argument,
                 "the memory for answers is on another device than the points");
   if (reinterpret_cast<std::uintptr_t>(answers) % item != 0)
@@ -206,4 +206,4 @@ Array<double> QuestionsOnDevice::all_rows(const Run& run) const {
   return download_all(state_->points, run);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

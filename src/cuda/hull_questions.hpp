@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The data of a full-dimensional hull of dimension d <= 6 that the kernels need. Its extents must
 /// be between 2^-100 and 2^100 (docs/exactness.md, "Queries").
@@ -105,4 +105,4 @@ class QuestionsOnDevice {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

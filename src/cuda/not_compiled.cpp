@@ -6,7 +6,7 @@
 #include "flow/pipeline.hpp"
 #include "tracker/frame_points.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 void require_cuda(int) {
   throw Error(ErrorCode::backend_unavailable,
@@ -74,25 +74,25 @@ Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const R
 }
 Array<double> QuestionsOnDevice::all_rows(const Run&) const { return {}; }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
   check_arguments(points);
   require_cuda();
   return nullptr;
 }
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 int current_cuda_device() noexcept { return -1; }
 int chosen_cuda_device() noexcept { return -1; }
@@ -117,4 +117,4 @@ CudaStatus cuda_status() {
   return status;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -2,7 +2,7 @@
 
 #include <cuda_runtime_api.h>
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 std::string version(int v) {
@@ -39,4 +39,4 @@ std::string unavailable_reason(const Probe& p) {
   return "";
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The oldest architecture for which kernels are compiled; 75 is compute capability 7.5.
 inline constexpr int oldest_capability = 75;
@@ -25,4 +25,4 @@ struct Probe {
 /// One line that names the problem and the remedy; empty if CUDA can be used.
 std::string unavailable_reason(const Probe& probe);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -5,13 +5,13 @@
 
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// Memory of the current device that may outlive the call and the stream.
 class ResultMemory {
  public:
   ResultMemory(std::size_t bytes, cudaStream_t stream)
-      : ordinal_(cuda::device().ordinal), data_(allocate(bytes, stream)) {}
+      : ordinal_(this_device().ordinal), data_(allocate(bytes, stream)) {}
   ~ResultMemory() {
     try {
       const DeviceScope scope(ordinal_, Unread::ignored);
@@ -31,4 +31,4 @@ class ResultMemory {
   void* data_;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cuda/reason.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// The sticky error that destroyed the context. It is never cleared, since only a new process
@@ -187,7 +187,7 @@ const Device& device(int ordinal) {
   return *d;
 }
 
-const Device& device() {
+const Device& this_device() {
   int ordinal = 0;
   if (cudaGetDevice(&ordinal) != cudaSuccess) {
     (void)cudaGetLastError();
@@ -227,7 +227,7 @@ DeviceScope::~DeviceScope() { (void)cudaSetDevice(before_); }
 void* allocate(std::size_t bytes, cudaStream_t stream) {
   if (bytes == 0) return nullptr;
   void* memory = nullptr;
-  const cudaMemPool_t pool = device().pool;
+  const cudaMemPool_t pool = this_device().pool;
   check(pool != nullptr ? cudaMallocFromPoolAsync(&memory, bytes, pool, stream)
                         : cudaMalloc(&memory, bytes),
         "allocating device memory");
@@ -238,7 +238,7 @@ void release(void* memory, cudaStream_t stream) noexcept {
   if (memory == nullptr) return;
   // Arrays are also destroyed while an exception is handled, so errors are ignored here.
   try {
-    (void)(device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
+    (void)(this_device().pool != nullptr ? cudaFreeAsync(memory, stream) : cudaFree(memory));
   } catch (const Error&) {
     // The context is lost, and its memory with it.
   }
@@ -333,4 +333,4 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
 std::size_t kept_pinned() noexcept { return pinned_pool().kept(); }
 void drop_kept_pinned() noexcept { pinned_pool().drop(); }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

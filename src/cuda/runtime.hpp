@@ -1,5 +1,5 @@
-// Wrappers of CUDA's run-time library: errors become exceptions (cuda::OutOfMemory and
-// cuda::Failure of backend.hpp), and memory and streams have destructors. Only in builds with CUDA;
+// Wrappers of CUDA's run-time library: errors become exceptions (OutOfMemory and
+// Failure of backend.hpp), and memory and streams have destructors. Only in builds with CUDA;
 // the file contains no kernel, so plain C++ may include it. A failed kernel destroys the process's
 // context (a "sticky" error). The library remembers that, and every later call reports it at once.
 #pragma once
@@ -16,7 +16,7 @@
 #include "cullhull/array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// Throws OutOfMemory or Failure unless `status` is cudaSuccess. `doing` completes the message
 /// "CUDA failed ...".
@@ -36,11 +36,11 @@ struct Device {
 
 /// The current device. Each device is queried once. Throws Failure with the reason if it cannot be
 /// used.
-const Device& device();
+const Device& this_device();
 /// The same for the device with this number.
 const Device& device(int ordinal);
 inline const Device& device_or_current(int ordinal) {
-  return ordinal < 0 ? device() : device(ordinal);
+  return ordinal < 0 ? this_device() : device(ordinal);
 }
 
 /// Whether a usable device was found before.
@@ -133,14 +133,14 @@ class PinnedArray {
 };
 
 /// A stream that does not wait for the default stream.
-class Stream {
+class CudaStream {
  public:
-  Stream() {
+  CudaStream() {
     check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream");
   }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-  ~Stream() {
+  CudaStream(const CudaStream&) = delete;
+  CudaStream& operator=(const CudaStream&) = delete;
+  ~CudaStream() {
     if (stream_ != nullptr) (void)cudaStreamDestroy(stream_);
   }
   cudaStream_t get() const noexcept { return stream_; }
@@ -228,4 +228,4 @@ void download_many(T* to, const T* from, std::size_t count, cudaStream_t stream,
 /// looking for an empty kernel.
 cudaError_t probe_device_code();
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

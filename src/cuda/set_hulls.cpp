@@ -10,7 +10,7 @@
 #include "cuda/result_memory.hpp"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// Host memory for copies from the device: pinned or, if none is available, pageable.
@@ -176,7 +176,7 @@ struct SetsOnDevice::State {
   State(const DevicePointView& view, const Run& caller)
       : points(view), run(caller), stream(static_cast<cudaStream_t>(view.stream)) {
     if (view.count == 0) {
-      (void)device();
+      (void)this_device();
       return;
     }
     const int ordinal = device_of(view);
@@ -252,7 +252,7 @@ std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offs
       synchronise(state_->stream, "waiting for the offsets");
     return {offsets, offsets + count};
   }
-  if (state_->scope && attributes.device != device().ordinal)
+  if (state_->scope && attributes.device != this_device().ordinal)
     throw Error(ErrorCode::invalid_argument, "points and offsets are on different devices");
   std::vector<std::uint64_t> here(count);
   download(here.data(), offsets, count, state_->stream);
@@ -442,7 +442,7 @@ DeviceHullBatch SetsOnDevice::join(const HullBatch& rest, const DeviceBatchOptio
   DeviceHullBatch all;
   all.dimension = s.d();
   all.sets = s.count;
-  all.device = device().ordinal;
+  all.device = this_device().ordinal;
   all.vertex_count = lengths.vertices.total;
   all.simplex_count = lengths.simplices.total;
   if (wanted.padded) {
@@ -549,4 +549,4 @@ void SetsOnDevice::State::copy_rest(const HullBatch& rest,
   numbers.copy(to.measures, stream);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

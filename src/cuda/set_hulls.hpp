@@ -11,7 +11,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The hulls that a device has found, in the host's memory, one set after another. A set whose hull
 /// the device could not decide has empty lists.
@@ -80,4 +80,4 @@ class SetsOnDevice {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -26,7 +26,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// The triangulation under construction, by one thread or several.
 template <unsigned K>
@@ -683,4 +683,4 @@ class CellInsertion {
   XorShift random_{XorShift::golden};
 };
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

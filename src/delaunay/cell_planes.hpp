@@ -16,7 +16,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// An upper bound, at least 0, in 16 bits: the upper bits of a double, rounded up.
 class ShortBound {
@@ -203,4 +203,4 @@ struct NoPlanes {
   explicit NoPlanes(const LiftedPoints&) {}
 };
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// The vertex at infinity.
 inline constexpr std::uint32_t infinite = 0xffffffff;
@@ -187,4 +187,4 @@ class CellStore {
   std::vector<std::uint32_t> free_;
 };
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

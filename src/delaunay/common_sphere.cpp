@@ -6,7 +6,7 @@
 #include "exact/insphere/circumcentre.hpp"
 #include "exact/numbers/double_double.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 /// |x - centre|^2 within 2^-95, for coordinates of at most 1 and a centre of at most 2 in
@@ -69,4 +69,4 @@ void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simpl
   });
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Sets s.powers if at least half of the points are so close to the sphere through `simplex`, the
 /// places of k + 1 independent points, that in-sphere tests with squared distances would not be
@@ -15,4 +15,4 @@ namespace cullhull::internal::inline delaunay {
 /// points without weights, in the scaled frame.
 void find_common_sphere(LiftedPoints& s, const std::vector<std::uint32_t>& simplex, const Run& run);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -20,7 +20,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t most_points = 16384;
@@ -367,4 +367,4 @@ bool triangulate_few_in_plane(const PointView& points, const TriangulationOption
   return true;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

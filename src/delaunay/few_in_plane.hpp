@@ -3,7 +3,7 @@
 
 #include "cullhull/triangulation.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// delaunay() for few points in the plane on the calling thread, with memory that the thread keeps:
 /// the general path would spend most of its time on allocating, on sorting keys and on passes that
@@ -12,4 +12,4 @@ namespace cullhull::internal::inline delaunay {
 bool triangulate_few_in_plane(const PointView& points, const TriangulationOptions& options,
                               Triangulation& out);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// The bounding box of a part's points in the plane.
 struct PartBox {
@@ -86,4 +86,4 @@ inline bool surely_misses(const LiftedPoints& s, const std::uint32_t* v, const P
   return std::sqrt(distance) * (1 - 16 * unit_roundoff) - 16 * unit_roundoff > radius;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

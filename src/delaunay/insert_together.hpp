@@ -13,7 +13,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Continues a triangulation that one thread has begun (`alone`). Each thread has a lane: a
 /// CellInsertion of its own on the same cells.
@@ -145,4 +145,4 @@ class InsertTogether {
   std::vector<std::unique_ptr<Lane>> lanes_;
 };
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -16,10 +16,8 @@
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline delaunay::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
-
-using namespace exact::HWY_NAMESPACE;
 
 static_assert(lift_block == 8);  // as many lanes as Lanes has at most
 
@@ -79,11 +77,11 @@ void planes_of_cells(unsigned k, const double* rows, const double* sizes, double
       k, [&](auto dimension) { planes_of_block<dimension()>(rows, sizes, planes); });
 }
 
-}  // namespace cullhull::internal::inline delaunay::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 HWY_EXPORT(planes_of_cells);
 
@@ -91,5 +89,5 @@ void lift_planes(unsigned k, const double* rows, const double* sizes, double* pl
   HWY_DYNAMIC_DISPATCH(planes_of_cells)(k, rows, sizes, planes);
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal
 #endif

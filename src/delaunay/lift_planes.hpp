@@ -8,7 +8,7 @@
 
 #include "exact/determinants/minors.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// The number of cells in one call.
 inline constexpr std::size_t lift_block = 8;
@@ -56,4 +56,4 @@ inline double exact_plane_bound(unsigned k, double exact_limit) {
   return 0.99 * plane_roundings(k) * unit_roundoff * exact_limit;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Bytes of a cell in the store: vertices, neighbours and a mark.
 constexpr std::uint64_t store_bytes_per_cell(unsigned k) { return (2 * (k + 1) + 1) * 4; }
@@ -24,4 +24,4 @@ constexpr std::uint64_t bytes_per_cell(unsigned k) {
 /// Bytes that each point needs beside the cells: its row, its id and its place in the order.
 constexpr std::uint64_t bytes_per_point(unsigned d) { return 8 * d + 24; }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "delaunay/plane_insertion.hpp"
 #include "geometry/simplex.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 /// Places of points in the order of insertion, ascending.
@@ -355,4 +355,4 @@ std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, u
   return Parts(points, run).triangulate(levels, totals);
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

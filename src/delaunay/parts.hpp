@@ -12,7 +12,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Statistics summed over several insertion engines.
 struct InsertionTotals {
@@ -30,4 +30,4 @@ struct InsertionTotals {
 std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
                                                    InsertionTotals& totals, const Run& run);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

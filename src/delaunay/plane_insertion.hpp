@@ -16,7 +16,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/two_doubles.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 class PlaneInsertion {
  public:
@@ -329,4 +329,4 @@ inline bool plain_plane(const LiftedPoints& s) {
   return s.base == 2 && s.stride == 2 && !s.may_hide;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

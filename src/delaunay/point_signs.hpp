@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Exact signs of one point at a time. K: the dimension if it is a compile-time constant, else 0.
 template <unsigned K>
@@ -139,4 +139,4 @@ class PointSigns {
   LiftCounts counts_;
 };
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -19,7 +19,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/random_stream.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 // ----------------------------------------------------------------- the order of insertion
@@ -326,4 +326,4 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   return out;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

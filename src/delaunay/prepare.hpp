@@ -9,7 +9,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 struct Prepared {
   LiftedPoints points;
@@ -22,4 +22,4 @@ struct Prepared {
 Prepared prepare_points(const PointView& view, std::span<const double> weights, bool furthest,
                         const std::vector<std::uint32_t>& left_out, const Run& run);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

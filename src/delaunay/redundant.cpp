@@ -8,7 +8,7 @@
 #include "delaunay/write_triangulation.hpp"
 #include "parallel/adjacency.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 using Row = std::vector<mpq_class>;
@@ -156,4 +156,4 @@ std::vector<std::uint32_t> redundant_vertices(const LiftedPoints& s, const Trian
   return ids;
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -21,7 +21,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 void check_arguments(const PointView& points) {
@@ -231,9 +231,9 @@ Triangulation triangulate(const PointView& points, const TriangulationOptions& o
   return triangulate_lifted(points, {}, options, prepared);
 }
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
   if (Triangulation few; internal::triangulate_few_in_plane(points, options, few)) return few;
@@ -250,4 +250,4 @@ Triangulation regular_triangulation(const PointView& points, std::span<const dou
   return result;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -4,11 +4,11 @@
 #include "cullhull/triangulation.hpp"
 #include "delaunay/prepare.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// As delaunay(). Sets `prepared` to the points in the order of insertion, without duplicates
 /// (which are in the result); unchanged if there are no points.
 Triangulation triangulate(const PointView& points, const TriangulationOptions& options,
                           Prepared& prepared);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

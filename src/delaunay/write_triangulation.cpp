@@ -17,7 +17,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 namespace {
 
 /// A row of ids for sorting: its first three ids, which decide most comparisons, and its number.
@@ -486,4 +486,4 @@ template void write_cells(const LiftedPoints&, CellStore<4>&, Triangulation&, co
 template void write_cells(const LiftedPoints&, CellStore<5>&, Triangulation&, const Run&);
 template void write_cells(const LiftedPoints&, CellStore<6>&, Triangulation&, const Run&);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

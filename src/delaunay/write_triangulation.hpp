@@ -12,7 +12,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline delaunay {
+namespace cullhull::internal {
 
 /// Writes the cells, neighbours and hull of `out` from the engine's cells, and its cell_groups if
 /// its statistics have ties. Overwrites the store: its vertices become the caller's ids, and
@@ -47,4 +47,4 @@ void keep_cells(Triangulation& t, const std::uint8_t* kept);
 /// For each id its place in the order of insertion; 0 for ids that were not inserted.
 std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t point_count);
 
-}  // namespace cullhull::internal::inline delaunay
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// Throws Error{invalid_argument} if points or weights are not those of the triangulation, or if
 /// its lists have wrong sizes or hold ids or numbers that do not exist. So no list is read beyond
@@ -144,4 +144,4 @@ void write_plane(const Triangulation& t, Voronoi& out, const Run& run);
 /// Writes the ridges of `out`; for k = 2 also the regions.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cullhull/voronoi.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// Bytes for each cell of the triangulation that voronoi() needs beside it: vertices, the cells
 /// around each edge, ridges and regions, and lists that grow.
@@ -59,4 +59,4 @@ inline void begin_step(const Run& run, std::uint64_t bytes, const char* what) {
   require_budget(run.budget, bytes, what);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 namespace {
 
 constexpr int tag = 1;  // messages between two ranks arrive in the order in which they were sent
@@ -245,4 +245,4 @@ void Communicator::agree(const std::exception_ptr& failure) {
   throw Error(static_cast<ErrorCode>(head[0]), "rank ", speaker, ": ", told.message);
 }
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

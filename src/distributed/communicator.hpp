@@ -12,7 +12,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/mpi.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 
 /// Statistics of one rank's communication in one call.
 struct Traffic {
@@ -99,4 +99,4 @@ void broadcast(Communicator& ranks, int root, Hull& hull);
 void broadcast(Communicator& ranks, int root, ExtremePoints& points);
 void broadcast(Communicator& ranks, int root, std::vector<double>& numbers);
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "distributed/job.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::inline v1::mpi {
+namespace cullhull::mpi {
 
 using namespace internal;
 
@@ -181,4 +181,4 @@ Certificate certify(MPI_Comm comm, std::span<const Block> local, const Hull& hul
   return result;
 }
 
-}  // namespace cullhull::inline v1::mpi
+}  // namespace cullhull::mpi

@@ -14,7 +14,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t any = std::numeric_limits<std::uint64_t>::max();
@@ -266,4 +266,4 @@ void Job::finish() {
   if (options_.report != nullptr) *options_.report = report_;
 }
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 
 /// The state of one collective call on one rank.
 class Job {
@@ -87,4 +87,4 @@ class Job {
 NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& block,
                             const Options& options);
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

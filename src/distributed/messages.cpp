@@ -4,7 +4,7 @@
 
 #include "distributed/communicator.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 namespace {
 
 /// Broadcasts fields of a result: the same calls send on the root and receive on the other ranks,
@@ -115,4 +115,4 @@ void broadcast(Communicator& ranks, int root, std::vector<double>& numbers) {
   Courier(ranks, root).items(numbers);
 }
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

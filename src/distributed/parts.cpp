@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 namespace {
 
 /// The header of a message. Nothing follows it if the sender has failed or has no points.
@@ -91,4 +91,4 @@ void broadcast(Communicator& ranks, int root, Part& part, const Room& room) {
   ranks.broadcast(part.points.rows.data(), part.points.rows.size(), root);
 }
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

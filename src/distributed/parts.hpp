@@ -9,7 +9,7 @@
 #include "distributed/communicator.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 
 /// The points that may be extreme among `seen` points. All ranks' parts have the same dimension and
 /// scalar type.
@@ -42,4 +42,4 @@ void gather(Communicator& ranks, int root, Part& part, const std::function<void(
 /// Replaces the part of every rank by a copy of that of `root`.
 void broadcast(Communicator& ranks, int root, Part& part, const Room& room);
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

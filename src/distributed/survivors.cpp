@@ -8,7 +8,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline distributed {
+namespace cullhull::internal {
 namespace {
 
 /// Filters the points with a map made from `common`. If that map discards nothing, or there is
@@ -55,4 +55,4 @@ NumberedPoints survivors_of(const NumberedPoints& common, const mpi::Block& bloc
   return kept;
 }
 
-}  // namespace cullhull::internal::inline distributed
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "geometry/norm_order.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 namespace {
 
 /// Returns the lowest id of each set of equal points.
@@ -81,4 +81,4 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run
   return extreme;
 }
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

@@ -7,11 +7,11 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 
 /// Returns ascending local ids; of equal points the lowest. Time: for h of n points extreme, one
 /// linear program over about h points for each of n, and one pass over all n for each of h. O(n d)
 /// memory.
 std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run);
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

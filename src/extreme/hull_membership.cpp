@@ -13,7 +13,7 @@
 #include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 
 bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners) {
   const unsigned d = points.dimension, n = d + 1;
@@ -413,4 +413,4 @@ int HullMembership::side_of(std::uint32_t point, std::uint32_t q) const {
   return sgn(exact);
 }
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

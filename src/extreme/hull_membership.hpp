@@ -10,7 +10,7 @@
 #include "extreme/point_columns.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 
 /// The rounded inverse of the matrix of a simplex's corners, and its error bound:
 /// docs/exactness.md, "Extreme points without facets".
@@ -83,4 +83,4 @@ class HullMembership {
 bool inside_exact(const LocalPoints& points, std::uint32_t point,
                   const std::vector<std::uint32_t>& others, const Control& control);
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "exact/numbers/rationals.hpp"
 #include "extreme/hull_membership.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 namespace {
 
 class Simplex {
@@ -157,4 +157,4 @@ bool inside_exact(const LocalPoints& points, std::uint32_t point,
   return Simplex(points, point, others, control).feasible();
 }
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

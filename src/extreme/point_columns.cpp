@@ -17,7 +17,7 @@
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline extreme::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using F = hn::CappedTag<float, PointColumns::box_group>;
@@ -75,11 +75,11 @@ void least_in_columns(const float* columns, const float* low, const float* high,
   }
 }
 
-}  // namespace cullhull::internal::inline extreme::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 
 HWY_EXPORT(least_in_columns);
 
@@ -129,5 +129,5 @@ PointColumns::Least PointColumns::least(const float* direction, std::uint32_t ex
   return result;
 }
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal
 #endif  // HWY_ONCE

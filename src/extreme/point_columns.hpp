@@ -8,7 +8,7 @@
 #include "parallel/index.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline extreme {
+namespace cullhull::internal {
 
 /// Coordinates rounded to f32, column by column in blocks, each block with its bounding box: a scan
 /// skips blocks whose box is not low enough. Boxes are small if consecutive points are near one
@@ -43,4 +43,4 @@ class PointColumns {
   std::vector<float> columns_, low_, high_;
 };
 
-}  // namespace cullhull::internal::inline extreme
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "few/small_measures.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 template <class T, class Points>
@@ -127,4 +127,4 @@ bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t 
   return write_hull(view, ids, n, points, small, shares, hull);
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -15,7 +15,7 @@
 #include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 /// For 4D to 8D. In 4D the engine's searches take less time for more points than tests against all
@@ -189,4 +189,4 @@ bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64
   });
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

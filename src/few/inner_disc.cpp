@@ -3,7 +3,7 @@
 
 #include "few/small_hull.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corners,
                      const Box& box) {
@@ -51,4 +51,4 @@ InnerDisc::InnerDisc(const double* rows, const std::vector<std::uint32_t>& corne
   test_.limit = least * least * (1 - 0x1p-46);
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include <bit>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline few::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -43,11 +43,11 @@ std::uint32_t rows_outside(const InnerDisc::Test& test, const double* rows, std:
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline few::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 HWY_EXPORT(rows_outside);
 
@@ -56,5 +56,5 @@ std::uint32_t InnerDisc::outside(const double* rows, std::uint32_t count,
   return HWY_DYNAMIC_DISPATCH(rows_outside)(test_, rows, count, out);
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal
 #endif

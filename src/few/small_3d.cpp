@@ -23,7 +23,7 @@
 #include "parallel/threads/thread_memory.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline few::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -536,11 +536,11 @@ bool medium_hull_in(const MediumPoints3D& points, unsigned count, MediumHull3D& 
   return thread_memory<Builder<LinkedSurface>>().run(points, count, out);
 }
 
-}  // namespace cullhull::internal::inline few::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 HWY_EXPORT(small_hull_in);
 HWY_EXPORT(medium_hull_in);
@@ -552,5 +552,5 @@ bool small_hull_3d(const MediumPoints3D& points, unsigned count, MediumHull3D& o
   return HWY_DYNAMIC_DISPATCH(medium_hull_in)(points, count, out);
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal
 #endif

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// Simplices and facets in canonical order: each simplex from its lowest vertex, counter-clockwise
 /// seen from outside; the simplices ascending. Lists are read one SIMD vector at a time, so arrays
@@ -53,4 +53,4 @@ using MediumPoints3D = SmallPoints<MediumHull3D::max_points>;
 bool small_hull_3d(const SmallPoints3D& points, unsigned count, SmallHull3D& out);
 bool small_hull_3d(const MediumPoints3D& points, unsigned count, MediumHull3D& out);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

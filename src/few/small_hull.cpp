@@ -11,7 +11,7 @@
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 /// Memory reused from call to call. Calls cannot be cancelled: they take microseconds, from 4D on
@@ -117,4 +117,4 @@ bool small_extreme(const PointView& points, const Options& options, ExtremePoint
          });
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

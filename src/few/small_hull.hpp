@@ -12,7 +12,7 @@
 #include "few/small_3d.hpp"
 #include "hull/plane/planar_strip.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// More bytes than a small set of this dimension takes, result included, so that these paths need
 /// not count bytes.
@@ -90,4 +90,4 @@ class InnerDisc {
   Test test_;
 };
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t least_points = 128, most_points = 1U << 16;
@@ -116,4 +116,4 @@ bool ends_in_small_lattice(const PointView& points, const std::vector<std::uint6
   return true;
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

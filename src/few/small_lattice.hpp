@@ -6,7 +6,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// Of the points on a line parallel to an axis only the two ends can be extreme; of equal points
 /// only the first counts. Where coordinates are whole and take few values, finds the points that
@@ -14,4 +14,4 @@ namespace cullhull::internal::inline few {
 /// call. False, quickly, elsewhere, and for less than 128 or more than 65,536 points.
 bool ends_in_small_lattice(const PointView& points, const std::vector<std::uint64_t>*& ids);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 struct SmallMeasures {
   double volume = 0, area = 0, centroid[3] = {};
@@ -141,4 +141,4 @@ class SmallMeasurer {
   std::optional<Frame> frame_;
 };
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "hull/general/facet_planes.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 /// Signs that f32 may leave open, for each point.
@@ -151,7 +151,7 @@ bool SmallSurface<D>::start(const std::uint32_t* simplex) {
     for (unsigned i = 0; i <= D; ++i) centre_[j] += corner[i][j];
     centre_[j] /= D + 1;
   }
-  measure_reach();
+  measure_extent();
   planes_.clear();
   is_seen_.clear();
   open_bits_.clear();
@@ -185,7 +185,7 @@ bool SmallSurface<D>::start(const std::uint32_t* simplex) {
 }
 
 template <unsigned D>
-void SmallSurface<D>::measure_reach() {
+void SmallSurface<D>::measure_extent() {
   double low[D], high[D];
   std::copy_n(row(0), D, low);
   std::copy_n(row(0), D, high);
@@ -402,4 +402,4 @@ template class SmallSurface<6>;
 template class SmallSurface<7>;
 template class SmallSurface<8>;
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

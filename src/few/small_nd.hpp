@@ -8,7 +8,7 @@
 #include "hull/general/facet_planes.hpp"
 #include "hull/general/ridge_pairs.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 inline constexpr unsigned small_nd_min_dimension = 4, small_nd_max_dimension = 8;
 
@@ -51,7 +51,7 @@ class SmallSurface {
   bool scale(const double* rows);
   bool choose_simplex(std::uint32_t* simplex);
   bool start(const std::uint32_t* simplex);
-  void measure_reach();
+  void measure_extent();
   void order_outermost_first(const std::uint32_t* simplex);
   bool sieve(std::size_t begin);
   void aim(std::uint32_t point, float* y) const;
@@ -86,4 +86,4 @@ class SmallSurface {
   RidgePairs pairs_;
 };
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "few/whole_range.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 /// With fewer points a sample costs more than it saves: 12 % more time at 130 and 160 points in a
@@ -215,4 +215,4 @@ void SmallPolygon::write_lists(std::uint64_t* simplices, std::uint32_t* simplex_
   }
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/write/polygon_result.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 class SmallPolygon {
  public:
@@ -72,4 +72,4 @@ class SmallPolygon {
   std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest
 };
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

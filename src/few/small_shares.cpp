@@ -16,9 +16,7 @@
 #include "result/measures/measure_frame.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline few::HWY_NAMESPACE {
-using namespace result::HWY_NAMESPACE;
-using result::HWY_NAMESPACE::cofactors;  // for vectors, not for numbers
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 constexpr unsigned block = 8;  // facets whose corners are gathered at once: a vector of doubles
@@ -112,11 +110,11 @@ void widen_16_64(const std::uint16_t* from, std::size_t count, std::uint64_t* to
   widen_all(from, count, to);
 }
 
-}  // namespace cullhull::internal::inline few::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 HWY_EXPORT(shares_in);
 HWY_EXPORT(medium_shares_in);
@@ -146,5 +144,5 @@ void widen(const std::uint16_t* from, std::size_t count, std::uint64_t* to) {
   HWY_DYNAMIC_DISPATCH(widen_16_64)(from, count, to);
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal
 #endif

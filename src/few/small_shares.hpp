@@ -7,7 +7,7 @@
 #include "few/small_3d.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// The contribution of each facet to the measures, as facet_share computes it.
 template <unsigned room>
@@ -31,4 +31,4 @@ void widen(const std::uint8_t* from, std::size_t count, std::uint64_t* to);
 void widen(const std::uint16_t* from, std::size_t count, std::uint32_t* to);
 void widen(const std::uint16_t* from, std::size_t count, std::uint64_t* to);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 namespace {
 
 /// Merges coplanar simplices into facets, and traces their borders.
@@ -293,4 +293,4 @@ template void order_small(TableSurface&, unsigned, const SmallPolygons<TableSurf
 template void order_small(LinkedSurface&, unsigned, const SmallPolygons<LinkedSurface>*,
                           MediumHull3D&);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

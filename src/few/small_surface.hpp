@@ -6,7 +6,7 @@
 
 #include "few/small_3d.hpp"
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// Simplices, and a table of the simplex on the left of each directed edge: for few points.
 struct TableSurface {
@@ -99,4 +99,4 @@ template <class Surface>
 void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Surface>* polygons,
                  typename Surface::Hull& out);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include <cmath>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline few::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -78,11 +78,11 @@ void range_of(const double* rows, std::uint32_t count, unsigned d, WholeRange& r
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline few::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 HWY_EXPORT(range_of);
 
@@ -92,5 +92,5 @@ WholeRange whole_range(const double* rows, std::uint32_t count, unsigned d) {
   return range;
 }
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal
 #endif

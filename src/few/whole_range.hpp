@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal::inline few {
+namespace cullhull::internal {
 
 /// Of points of up to three coordinates.
 struct WholeRange {
@@ -15,4 +15,4 @@ struct WholeRange {
 /// Of `count` > 0 packed rows of d = 2 or 3 numbers. Ranges are unspecified unless all are finite.
 WholeRange whole_range(const double* rows, std::uint32_t count, unsigned d);
 
-}  // namespace cullhull::internal::inline few
+}  // namespace cullhull::internal

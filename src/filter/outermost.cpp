@@ -14,7 +14,7 @@
 #include <cstring>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline filter::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -78,11 +78,11 @@ void split_rows(const double* rows, OutermostBlock& block) {
   }
 }
 
-}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 HWY_EXPORT(find_cones);
 HWY_EXPORT(split_rows);
@@ -242,5 +242,5 @@ std::vector<std::uint64_t> outermost_points(const PointView& points,
   return Search(points, settings).run();
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal
 #endif

@@ -7,7 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 struct OutermostSettings {
   unsigned cells = 8;  ///< cones along an edge of the cube of directions, of which it has 6 cells^2
@@ -35,4 +35,4 @@ struct OutermostBlock {
   alignas(64) double axes[3][size];
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

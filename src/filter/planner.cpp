@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <limits>
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 /// Costs in nanoseconds on one thread, measured on balls (2.4 GHz Zen 3) and rounded: only their
@@ -225,4 +225,4 @@ std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sam
   return std::min(count, std::max(size, sample));
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

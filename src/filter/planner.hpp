@@ -7,7 +7,7 @@
 
 #include "cullhull/machine.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// Below this number of points, hulling them is faster than building a map.
 std::uint64_t smallest_worth_culling(unsigned d);
@@ -83,4 +83,4 @@ struct AskedPoints {
 /// The one that answers soonest, of those that can. The CPU gets a copy of all points first.
 Answerer choose_answerer(const AskedPoints& points, const MachineConstants& machine);
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

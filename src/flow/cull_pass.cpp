@@ -2,7 +2,7 @@
 #include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 CullPass::CullPass(const PointView& points, const Run& run)
     : points_(points), run_(run), insists_(run.options.backend == Backend::cuda) {
@@ -17,7 +17,7 @@ CullPass::CullPass(const PointView& points, const Run& run)
 }
 
 std::uint32_t CullPass::most_nodes() const {
-  return device_ ? cuda::most_map_nodes(run_.options.device) : 0;
+  return device_ ? most_map_nodes(run_.options.device) : 0;
 }
 
 void CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) {
@@ -30,11 +30,11 @@ void CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) 
 std::vector<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
   if (device_) {
     try {
-      return cuda::survivors_there(map, points_, run_);
-    } catch (const cuda::OutOfMemory& e) {
+      return survivors_there(map, points_, run_);
+    } catch (const OutOfMemory& e) {
       if (insists_) throw;
       fall_back(e);
-    } catch (const cuda::Failure& e) {
+    } catch (const Failure& e) {
       if (insists_) throw;
       fall_back(e);
     }
@@ -69,4 +69,4 @@ void CullPass::fall_back(const Error& e) {
   reason_ += std::string(", but ") + e.what();
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "parallel/threads/run.hpp"
 #include "result/vertex_coordinates.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 namespace {
 
@@ -60,9 +60,9 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   return hull;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -90,4 +90,4 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   return hull;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

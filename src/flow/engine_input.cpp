@@ -7,7 +7,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
@@ -76,4 +76,4 @@ Polygon PlanarRows::hull(const Run& run) const {
   return polygon_of(rows, false, run);
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 void extreme_in_plane(const PointView& points, const Filtered& filtered, const Run& run,
@@ -66,9 +66,9 @@ void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& r
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -100,4 +100,4 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
   return result;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -8,7 +8,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 Array<double> pick_rows(const Array<double>& rows, unsigned d,
@@ -70,4 +70,4 @@ Filtered run_filter(const PointView& points, const Run& run) {
   return result;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

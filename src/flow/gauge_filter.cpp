@@ -6,7 +6,7 @@
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 /// Fetches samples of points in the host's memory.
@@ -84,4 +84,4 @@ void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   result.survivors.filter = UsedFilter::gauge_twice;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

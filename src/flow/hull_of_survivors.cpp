@@ -14,7 +14,7 @@
 #include "result/write/polygon_result.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
@@ -156,4 +156,4 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   return hull;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void keep_memory(std::size_t limit) noexcept {
   internal::keep_pages(limit);
@@ -16,4 +16,4 @@ void keep_memory(std::size_t limit) noexcept {
 
 std::size_t kept_memory() noexcept { return internal::kept_pages(); }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -7,7 +7,7 @@
 #include "flow/pipeline.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 namespace {
 
 /// Returns the hull of the points with these ids; of dimension 0 if there are too many for
@@ -89,4 +89,4 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   return true;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

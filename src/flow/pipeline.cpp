@@ -17,7 +17,7 @@
 #include "parallel/threads/run.hpp"
 #include "result/vertex_coordinates.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 void check_arguments(const PointView& points, const Options& options) {
   require_points(points);
@@ -39,9 +39,9 @@ Filtered filter_and_plan(const PointView& points, Run& run) {
   return filtered;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -106,4 +106,4 @@ Hull convex_hull(const PointView& points, const Options& options) {
   return hull;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -17,7 +17,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 // The filter stage of the pipeline: the exact hull of a sample becomes the map that culls the rest.
 
@@ -148,4 +148,4 @@ struct KnownHull {
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        Few few = Few::at_once, KnownHull* known = nullptr);
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

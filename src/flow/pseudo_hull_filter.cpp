@@ -3,7 +3,7 @@
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   const unsigned d = points.dimension;
@@ -30,4 +30,4 @@ Filtered run_pseudo_hull(const PointView& points, const Run& run) {
   return result;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

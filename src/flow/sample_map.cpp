@@ -9,7 +9,7 @@
 #include "hull/engine.hpp"
 #include "parallel/random_stream.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   InnerPolytope polytope;
@@ -123,4 +123,4 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   return result;
 }
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline flow {
+namespace cullhull::internal {
 
 /// Returns the exact hull of some input points; of dimension 0 if they lie in a flat or the hull
 /// would exceed the budget.
@@ -82,4 +82,4 @@ class CullPass {
   std::string reason_;
 };
 
-}  // namespace cullhull::internal::inline flow
+}  // namespace cullhull::internal

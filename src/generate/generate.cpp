@@ -15,7 +15,7 @@
 
 // Not in a namespace without a name: GCC 13.2 ends with an internal error at a class that has them
 // as members, where sources are compiled as one.
-namespace cullhull::internal::inline generate {
+namespace cullhull::internal {
 
 /// A smooth hill or dent of the bumpy surface, around the direction `centre`.
 struct Bump {
@@ -24,7 +24,7 @@ struct Bump {
 };
 
 /// Data that all points of one generator share.
-struct Job {
+struct GeneratorJob {
   std::uint32_t dimension;
   std::uint64_t count;
   std::uint64_t seed;
@@ -33,16 +33,17 @@ struct Job {
   std::vector<Bump> bumps = {};
 };
 
-using PointFunction = void (*)(const Job&, RandomStream&, std::uint64_t index, double* row);
+using PointFunction = void (*)(const GeneratorJob&, RandomStream&, std::uint64_t index,
+                               double* row);
 
-}  // namespace cullhull::internal::inline generate
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
 using internal::Bump;
-using internal::Job;
+using internal::GeneratorJob;
 using internal::PointFunction;
 using internal::RandomStream;
 
@@ -66,13 +67,13 @@ void random_direction(std::uint32_t d, RandomStream& random, double* row) {
 // exp(-|x|^p), divided by (the sum of all |x|^p plus an exponential variable)^(1/p). Source:
 // Barthe, Guedon, Mendelson, Naor, "A probabilistic approach to the geometry of the l_p^n-ball",
 // 2005. p is 2 in ball_point and 1 in octahedron_point.
-void ball_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void ball_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.normal();
   const double length = std::sqrt(squared_norm(job.dimension, row) + 2 * random.exponential());
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] /= length;
 }
 
-void octahedron_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void octahedron_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   double sum = random.exponential();
   for (std::uint32_t j = 0; j < job.dimension; ++j) {
     const double e = random.exponential();
@@ -83,49 +84,50 @@ void octahedron_point(const Job& job, RandomStream& random, std::uint64_t, doubl
 }
 
 // d + 1 exponential spacings, scaled to sum 1, are uniform barycentric coordinates.
-void simplex_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void simplex_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   double sum = random.exponential();
   for (std::uint32_t j = 0; j < job.dimension; ++j) sum += row[j] = random.exponential();
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] /= sum;
 }
 
-void sphere_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void sphere_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   random_direction(job.dimension, random, row);
 }
 
-void cube_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void cube_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.symmetric();
 }
 
-void cube_surface_point(const Job& job, RandomStream& random, std::uint64_t index, double* row) {
+void cube_surface_point(const GeneratorJob& job, RandomStream& random, std::uint64_t index,
+                        double* row) {
   cube_point(job, random, index, row);
   const std::uint64_t face = random.below(2 * std::uint64_t{job.dimension});
   row[face / 2] = face % 2 == 0 ? -1 : 1;
 }
 
-void gauss_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void gauss_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] = random.normal();
 }
 
-void grid_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void grid_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   for (std::uint32_t j = 0; j < job.dimension; ++j)
     row[j] = static_cast<double>(random.below(job.grid_size));
 }
 
-void shell_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void shell_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   random_direction(job.dimension, random, row);
   const double radius = 0.9 + 0.1 * random.unit();
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] *= radius;
 }
 
-void cylinder_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void cylinder_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   random_direction(job.dimension - 1, random, row);
   row[job.dimension - 1] = random.symmetric();
 }
 
 // The lateral area at distance t from the apex is proportional to t^(d-2), which is the density of
 // the largest of d - 1 uniform numbers.
-void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void cone_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   const std::uint32_t base = job.dimension - 1;
   random_direction(base, random, row);
   double t = 0;
@@ -136,7 +138,7 @@ void cone_point(const Job& job, RandomStream& random, std::uint64_t, double* row
 
 // The parameters t are multiples of a power of two, so that t^k is exact as long as it has at most
 // 53 bits: k log2(2 count) <= 53.
-void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* row) {
+void cyclic_point(const GeneratorJob& job, RandomStream&, std::uint64_t index, double* row) {
   const std::uint64_t number = internal::multiply_add_modulo(job.step, index, job.shift, job.count);
   double scale = 1;
   while (scale < static_cast<double>(job.count)) scale *= 2;
@@ -148,7 +150,7 @@ void cyclic_point(const Job& job, RandomStream&, std::uint64_t index, double* ro
 // A star-shaped surface. Every bump multiplies the radius by 1 + height q^3, where q decreases from
 // 1 at the bump's centre to 0 at its rim. This keeps the radius positive and the surface twice
 // differentiable.
-void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* row) {
+void bumpy_point(const GeneratorJob& job, RandomStream& random, std::uint64_t, double* row) {
   random_direction(job.dimension, random, row);
   double radius = 1;
   for (const Bump& bump : job.bumps) {
@@ -166,7 +168,7 @@ void bumpy_point(const Job& job, RandomStream& random, std::uint64_t, double* ro
   for (std::uint32_t j = 0; j < job.dimension; ++j) row[j] *= radius * (1 - 0.2 * (j % 3));
 }
 
-void prepare_bumps(Job& job) {
+void prepare_bumps(GeneratorJob& job) {
   RandomStream random(job.seed, ~std::uint64_t{0});
   job.bumps.resize(48);
   for (Bump& bump : job.bumps) {
@@ -179,7 +181,7 @@ void prepare_bumps(Job& job) {
 
 // Derives the order of a cyclic polytope's points from the seed: a step coprime to their number,
 // and a shift.
-void prepare_order(Job& job) {
+void prepare_order(GeneratorJob& job) {
   if (job.count < 2) return;
   RandomStream random(job.seed, ~std::uint64_t{0});
   do {
@@ -192,7 +194,7 @@ struct ShapeEntry {
   Shape shape;
   std::uint32_t min_dimension, max_dimension;
   PointFunction point;
-  void (*prepare)(Job&) = nullptr;
+  void (*prepare)(GeneratorJob&) = nullptr;
 };
 
 constexpr std::uint32_t any = std::numeric_limits<std::uint32_t>::max();
@@ -291,7 +293,7 @@ const std::vector<Shape>& shapes() {
 }
 
 struct PointGenerator::Impl {
-  Job job;
+  GeneratorJob job;
   PointFunction point;
 };
 
@@ -299,7 +301,7 @@ PointGenerator::PointGenerator(std::string_view shape, std::uint64_t count, std:
                                std::uint64_t seed) {
   const auto colon = shape.find(':');
   const ShapeEntry& entry = find_shape(shape.substr(0, colon));
-  Job job{.dimension = dimension, .count = count, .seed = seed};
+  GeneratorJob job{.dimension = dimension, .count = count, .seed = seed};
   if (colon != std::string_view::npos) {
     if (entry.point != grid_point)
       throw Error(ErrorCode::invalid_argument, "only grid takes a parameter, not '", shape, "'");
@@ -322,7 +324,7 @@ PointGenerator::~PointGenerator() = default;
 // contract: another length would give other points.
 void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
                           const std::stop_token& stop) const {
-  const Job& job = impl_->job;
+  const GeneratorJob& job = impl_->job;
   if (first % run_length != 0 || first > job.count || count > job.count - first)
     throw Error(ErrorCode::invalid_argument, count, " points from point ", first, " on, of ",
                 job.count);
@@ -344,4 +346,4 @@ std::vector<double> generate(std::string_view shape, std::uint64_t count, std::u
   return points;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -11,7 +11,7 @@
 #include "parallel/int128.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -241,4 +241,4 @@ void MovingPoints::frame(std::uint64_t index, double* out, const std::stop_token
   });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

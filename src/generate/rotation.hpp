@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace cullhull::internal::inline generate {
+namespace cullhull::internal {
 
 struct Rotation {
   double cosine, sine;
@@ -35,4 +35,4 @@ inline Rotation rotation_by(double turns) {
   }
 }
 
-}  // namespace cullhull::internal::inline generate
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 // Positions of points along a Hilbert curve, a block of points at a time.
 
@@ -104,4 +104,4 @@ class CurveFrame {
   double widest_ = 0;        ///< half of the longest side
 };
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline geometry::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -64,11 +64,11 @@ void keys_on_curve(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_
   with_dimension<4, 6, 0>(d, [&](auto k) { keys_of_block<k>(d, bits, cells, keys); });
 }
 
-}  // namespace cullhull::internal::inline geometry::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 HWY_EXPORT(keys_on_curve);
 
@@ -76,5 +76,5 @@ void curve_keys(unsigned d, unsigned bits, std::uint32_t* cells, std::uint32_t* 
   HWY_DYNAMIC_DISPATCH(keys_on_curve)(d, bits, cells, keys);
 }
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal
 #endif

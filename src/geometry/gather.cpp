@@ -9,7 +9,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte in 3D
@@ -176,9 +176,9 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
   refuse(point, j, view.at(point, j));
 }
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 const char* scalar_name(ScalarType t) noexcept {
   static constexpr const char* names[] = {"f32", "f64", "i8", "u8", "i16", "u16", "i32", "u32"};
@@ -193,4 +193,4 @@ double PointView::at(std::uint64_t point, std::uint32_t coordinate) const noexce
   });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 /// Throws Error{invalid_argument}; the message consists of these parts.
 template <class... Parts>
@@ -77,4 +77,4 @@ void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, 
 void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
                        const std::uint64_t* names, const Run& run);
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 /// Assigns points to random rounds. Each round is expected to have 2^growth_bits - 1 times as many
 /// points as all rounds before it; up to `first_round` points form one round.
@@ -23,4 +23,4 @@ struct InsertionRounds {
   unsigned growth_bits, count = 1;
 };
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

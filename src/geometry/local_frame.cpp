@@ -19,7 +19,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 namespace {
 
 /// The start simplex is sought first in a sample of this many points, then in all. Any simplex is
@@ -450,4 +450,4 @@ void LocalFrame::detect_lattice() {
   points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

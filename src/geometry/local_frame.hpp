@@ -8,7 +8,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 /// Transforms points into the engines' frame, and owns the memory that LocalPoints views.
 class LocalFrame {
@@ -63,4 +63,4 @@ class LocalFrame {
   LocalPoints points_;
 };
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 namespace {
 
 // The size of the first round, which is inserted before any other point is tested against the hull:
@@ -202,4 +202,4 @@ void NormOrder::drop(const std::uint8_t* dropped) {
   count_ = to;
 }
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

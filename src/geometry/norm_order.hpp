@@ -9,7 +9,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 /// Orders points outermost first: by decreasing norm in the metric of their covariance, which makes
 /// the engine create and delete few facets (on a ball 3 to 4 per final facet, in random order 6 to
@@ -46,4 +46,4 @@ class NormOrder {
   std::uint32_t sorted_ = 0;  ///< number of items at the front that are the outermost, in order
 };
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 
 #include "parallel/sort_few.hpp"
 
-namespace cullhull::internal::inline geometry {
+namespace cullhull::internal {
 
 /// Sorts the ids of a simplex ascending; returns whether the permutation is odd. `along`: numbers
 /// that move with the ids, for instance the neighbours opposite to them. `make_even`: if the
@@ -77,4 +77,4 @@ struct RidgeSums {
   static constexpr unsigned sum_bits = 42;
 };
 
-}  // namespace cullhull::internal::inline geometry
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// The hull's boundary as simplices of d local ids each; every ridge is shared by two. Simplices
 /// may be coplanar with their neighbours, and vertices may lie inside a face: result/ merges the
@@ -63,4 +63,4 @@ Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const 
 Boundary hull_qhull(const LocalPoints& points, const Control& control);
 bool qhull_available();
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -19,7 +19,7 @@
 
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 [[noreturn]] void not_exact(const std::string& what) {
@@ -245,11 +245,11 @@ Boundary hull_qhull(const LocalPoints& points, const Control& control) {
   return hull;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 
 #else
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 bool qhull_available() { return false; }
 
@@ -259,6 +259,6 @@ Boundary hull_qhull(const LocalPoints&, const Control&) {
               "engine");
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 
 #endif

@@ -7,7 +7,7 @@
 
 #include "io/mapped_file.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
                            const Grid& grid, std::uint64_t first_id) {
@@ -27,9 +27,9 @@ Certificate certify_source(const PointView& points, const Source& source, const 
   return certificate;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Certificate certify_file(const PointView& points, const std::string& path, const Options& options,
                          const Grid& grid, std::uint64_t first_id) {
@@ -40,4 +40,4 @@ Certificate certify_file(const PointView& points, const std::string& path, const
   return certificate;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -4,9 +4,9 @@
 #include "cullhull/certify.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 Certificate certify_source(const PointView& points, const Source& source, const Options& options,
                            const Grid& grid = {}, std::uint64_t first_id = 0);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cstring>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr const char* what_to_write = "write a range such as 0:3 or a list such as 0,2,5";
@@ -524,9 +524,9 @@ void take_columns(PointData& data, const std::vector<std::uint32_t>& columns) {
   view.dimension = static_cast<std::uint32_t>(columns.size());
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& names, bool series) {
   using namespace internal;
@@ -539,4 +539,4 @@ std::vector<std::uint32_t> coordinate_columns(const std::vector<std::string>& na
   return columns;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -8,7 +8,7 @@
 
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The numbers of the columns asked for, in that order. `text`: names, numbers from 0 and ranges
 /// such as 0:3, separated by commas; a name may stand in double quotes. `names` are the file's,
@@ -75,4 +75,4 @@ void choose_columns(PointData& data, const std::string& file, std::vector<std::s
 /// Restricts the view, and its placement, to these columns.
 void take_columns(PointData& data, const std::vector<std::uint32_t>& columns);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

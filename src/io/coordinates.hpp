@@ -11,7 +11,7 @@
 #include "cullhull/stream.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Views the points or the state.
 class Coordinates {
@@ -76,4 +76,4 @@ void place(PointData& data, const ReadOptions& options);
 /// file's own numbers.
 Grid grid_of(const Placement& placement, const ReadOptions& options);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "cullhull/io.hpp"
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -53,4 +53,4 @@ MachineConstants machine_from_json(const std::string& path) {
   return m;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

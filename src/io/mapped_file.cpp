@@ -16,7 +16,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation. When all slots are in use
@@ -244,9 +244,9 @@ void FileWindow::expect(std::uint64_t offset, std::size_t length) const {
   system::expect_soon(descriptor_, offset, length);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 const char* describe_mapped_fault(const void* address) noexcept {
   const char* const p = static_cast<const char*>(address);
@@ -257,4 +257,4 @@ const char* describe_mapped_fault(const void* address) noexcept {
   return nullptr;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -8,7 +8,7 @@
 #include "io/source.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// MAP_PRIVATE, read only. While it lives it is listed for describe_mapped_fault().
 class MappedFile {
@@ -74,4 +74,4 @@ class FileWindow {
   int slot_ = -1;
 };
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr int most_decimals = 15, most_places = 100;
@@ -200,9 +200,9 @@ void place(PointData& data, const ReadOptions& options) {
   data.view = PointView::row_major(data.storage.as<const double>(), from.count, d);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using internal::multiples_of;
 
@@ -319,4 +319,4 @@ void to_world(std::vector<double>& numbers, const Grid& grid) {
   for (double& x : numbers) x = grid.to_world(x);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -21,7 +21,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct PointFile::Impl {
   internal::MappedFile file;
@@ -131,9 +131,9 @@ std::optional<PointLine> PointFile::first_not_finite() const noexcept {
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 std::uint64_t PointFile::held_bytes() const noexcept { return impl_->held_bytes(); }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 bool begins(const Source& s, std::string_view magic) {
@@ -420,9 +420,9 @@ void prefault(const MappedFile& file, const PointView& view, const ReadOptions& 
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 PointFile open_points(const std::string& path, const ReadOptions& options) {
   const auto start = std::chrono::steady_clock::now();
@@ -495,4 +495,4 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
   }
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

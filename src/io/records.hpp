@@ -13,7 +13,7 @@
 #include "cullhull/point_view.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The size of a pipe, which is unknown.
 inline constexpr std::uint64_t unknown_size = std::numeric_limits<std::uint64_t>::max();
@@ -82,4 +82,4 @@ std::string npy_descr(ScalarType type);
 /// The header of an array in C order.
 std::string npy_header(const char* descr, std::initializer_list<std::uint64_t> shape);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct PointSequence::Impl {
   ReadOptions options;
@@ -64,9 +64,9 @@ struct PointSequence::Impl {
   }
 };
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// By name, but digits by value: frame2 before frame10.
@@ -181,9 +181,9 @@ bool open_array(const std::string& path, Impl& impl) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -261,4 +261,4 @@ bool PointSequence::next() {
   return true;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <utility>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 bool may_have_nan(const PointView& points) {
@@ -64,4 +64,4 @@ PointView packed_rows(const PointView& points, const std::vector<std::uint64_t>&
   return {storage.data(), points.scalar, d, rows.size(), step * d, step};
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

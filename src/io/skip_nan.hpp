@@ -6,7 +6,7 @@
 
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Whether a coordinate of this point is NaN.
 bool has_nan(const PointView& points, std::uint64_t point);
@@ -41,4 +41,4 @@ void for_runs_without_nan(const PointView& points, const Kept& kept, const Skipp
   if (at < points.count || !any) kept(at, points.count);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 namespace {
 
@@ -142,4 +142,4 @@ std::string extension_of(const std::string& path) {
   return out;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The bytes of a file or of standard input. `name` is used in messages.
 struct Source {
@@ -174,4 +174,4 @@ inline bool multiply(std::uint64_t a, std::uint64_t b, std::uint64_t& product) {
   return a == 0 || product / a == b;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -17,7 +17,7 @@
 #endif
 #endif
 
-namespace cullhull::internal::inline io::system {
+namespace cullhull::internal::system {
 
 #if defined(_WIN32)
 
@@ -206,4 +206,4 @@ void set_permissions(int fd, const FileStatus& like) { (void)::fchmod(fd, like.s
 
 #endif
 
-}  // namespace cullhull::internal::inline io::system
+}  // namespace cullhull::internal::system

@@ -17,7 +17,7 @@
 #include <unistd.h>
 #endif
 
-namespace cullhull::internal::inline io::system {
+namespace cullhull::internal::system {
 
 inline constexpr int standard_input = 0, standard_output = 1;
 inline constexpr std::size_t longest_path = 4096;
@@ -83,4 +83,4 @@ void fetch_pages(const void* mapped, std::size_t size);
 /// Gives a new file the permissions of the one that it replaces.
 void set_permissions(int fd, const FileStatus& like);
 
-}  // namespace cullhull::internal::inline io::system
+}  // namespace cullhull::internal::system

@@ -9,7 +9,7 @@
 
 #include "cullhull/array.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// A list of items for each key 0, 1, ..., for instance the cells around each vertex. `Offset`: an
 /// unsigned type that holds the number of items.
@@ -80,4 +80,4 @@ Adjacency<std::uint32_t> rows_by_id(const Table& table, std::size_t width, std::
           }};
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

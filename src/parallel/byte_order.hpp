@@ -8,7 +8,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 inline constexpr bool little_endian_machine = std::endian::native == std::endian::little;
 static_assert(little_endian_machine || std::endian::native == std::endian::big);
@@ -45,4 +45,4 @@ inline void little_endian_items(void* items, std::size_t bytes, std::size_t size
   for (std::size_t i = 0; i < bytes && size > 1; i += size) std::reverse(p + i, p + i + size);
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

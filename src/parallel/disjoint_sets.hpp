@@ -9,7 +9,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// A partition of the numbers below n into sets. Any number of threads may call root() and join()
 /// at the same time. A set's root is its lowest member, so it does not depend on the order of the
@@ -50,4 +50,4 @@ class DisjointSets {
   BigArray<std::uint32_t> parent_;
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

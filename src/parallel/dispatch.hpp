@@ -7,7 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Returns body(T()), T being the C++ type that `type` names.
 template <class Body>
@@ -46,4 +46,4 @@ decltype(auto) with_dimension(unsigned d, const Body& body) {
   }
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Stored in place of an item's index where there is no item.
 inline constexpr std::uint32_t no_index = 0xffffffff;
@@ -16,4 +16,4 @@ inline unsigned place_in(const List& list, const Item& item) {
   return static_cast<unsigned>(std::find(list.begin(), list.end(), item) - list.begin());
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

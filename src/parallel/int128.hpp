@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Returns the low word of the 128-bit product a b and stores the high word in `high`.
 constexpr std::uint64_t multiply_words(std::uint64_t a, std::uint64_t b, std::uint64_t& high) {
@@ -100,4 +100,4 @@ constexpr std::uint64_t multiply_add_modulo(std::uint64_t a, std::uint64_t b, st
 }
 #endif
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

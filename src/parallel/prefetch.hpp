@@ -6,7 +6,7 @@
 #include <xmmintrin.h>
 #endif
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 #if defined(__GNUC__)
 inline void prefetch_line(const void* p) { __builtin_prefetch(p); }
@@ -25,4 +25,4 @@ inline void prefetch_passing_line(const void*) {}
 inline void prefetch_line_to_write(const void*) {}
 #endif
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Sorts n < 2^32 items by key(item), stably. Only the `bits` low bits of a key may be set.
 /// `scratch` has room for n items. The function may exchange the two pointers; afterwards `items`
@@ -69,4 +69,4 @@ inline void radix_sort(KeyedId*& items, KeyedId*& scratch, std::uint32_t n, unsi
   radix_sort(items, scratch, n, bits, run, [](const KeyedId& k) { return k.key; });
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// A bijective hash of 64 bits whose output bits look random: SplitMix64's finaliser (Steele, Lea,
 /// Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
@@ -104,4 +104,4 @@ class XorShift {
   std::uint64_t state_;
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// The sorting network for n items: the comparators of Batcher's merge exchange, in order (Knuth,
 /// TAOCP 3, 5.2.2, Algorithm M).
@@ -71,4 +71,4 @@ std::vector<T> sorted(std::vector<T> items) {
   return items;
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

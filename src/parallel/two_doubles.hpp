@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 #if defined(__GNUC__)
 using TwoDoubles = double __attribute__((vector_size(16)));
@@ -42,4 +42,4 @@ inline unsigned less_bits(const TwoDoubles& a, const TwoDoubles& b) {
 }
 #endif
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 /// Points per piece: bounds the device memory for answers (at most 8 bytes a point) and for the
@@ -22,7 +22,7 @@ constexpr std::uint64_t piece = std::uint64_t{1} << 22;
 /// Appends for each simplex a corner, the normal that points away from the centre, and the normal's
 /// error factor, which is infinite where the centre's side is not certain.
 template <unsigned D>
-void add_simplices(const InnerPolytope& hull, const double* centre, cuda::HullTables& tables) {
+void add_simplices(const InnerPolytope& hull, const double* centre, HullTables& tables) {
   const auto corner = [&](std::size_t f, unsigned j) {
     return hull.vertices.data() + std::size_t{hull.facets[f * D + j]} * D;
   };
@@ -46,11 +46,11 @@ void add_simplices(const InnerPolytope& hull, const double* centre, cuda::HullTa
 
 }  // namespace
 
-std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
-                                            const std::vector<double>& planes) {
+std::optional<HullTables> hull_tables(const InnerPolytope& hull,
+                                      const std::vector<double>& planes) {
   const unsigned d = hull.dimension;
-  if (d < 2 || d > cuda::HullTables::most_dimensions) return std::nullopt;
-  cuda::HullTables tables;
+  if (d < 2 || d > HullTables::most_dimensions) return std::nullopt;
+  HullTables tables;
   tables.dimension = d;
   tables.planes = planes;
   tables.low.assign(hull.vertices.begin(), hull.vertices.begin() + d);
@@ -96,10 +96,10 @@ std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
   return tables;
 }
 
-cuda::CellTables cell_tables(const FacetCellTable& table) {
-  static_assert(cuda::CellTables::most_dimensions == FacetCellTable::max_k &&
-                cuda::CellTables::group == FacetCellTable::group);
-  cuda::CellTables t;
+CellTables cell_tables(const FacetCellTable& table) {
+  static_assert(CellTables::most_dimensions == FacetCellTable::max_k &&
+                CellTables::group == FacetCellTable::group);
+  CellTables t;
   t.dimension = table.k;
   std::copy_n(table.low, FacetCellTable::max_k, t.low);
   std::copy_n(table.high, FacetCellTable::max_k, t.high);
@@ -119,7 +119,7 @@ namespace {
 
 /// What the device writes for the sides of a point; for the host these are items of an array.
 template <class Out>
-cuda::SideCodes codes_of() {
+SideCodes codes_of() {
   static_assert(sizeof(Out) == 1);
   if constexpr (std::is_same_v<Out, Side>)
     return {static_cast<std::uint8_t>(Side::inside), static_cast<std::uint8_t>(Side::outside)};
@@ -135,7 +135,7 @@ Options on_host(const Options& options) {
 
 }  // namespace
 
-DeviceQuestions::DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
+DeviceQuestions::DeviceQuestions(const DevicePointView& points, const HullTables* tables,
                                  const Options& options, AnswersIn answers_in)
     : points_(points),
       tables_(tables),
@@ -179,7 +179,7 @@ void DeviceQuestions::answer(Out* out, AskedPoints asked, const There& there,
         ask_rest(open, out, here);
       }
       return;
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       if (must_) throw;
     }
   ask_all_here(out, here);
@@ -221,7 +221,7 @@ void DeviceQuestions::sides(const SideTables& tables, Out* out, const Here<Out>&
   asked.cells = tables.cells;
   asked.cells_built = tables.cells_built;
   asked.asked_before = tables.asked_before;
-  std::optional<cuda::CellTables> cells;
+  std::optional<CellTables> cells;
   answer(
       out, asked,
       [&](Answerer way, std::uint64_t first, std::uint64_t count, Out* found) {
@@ -265,4 +265,4 @@ void DeviceQuestions::distances(double* out, const Here<double>& here) {
       here);
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -14,14 +14,13 @@
 #include "parallel/threads/run.hpp"
 #include "query/facet_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 /// The tables that kernels test points against; nullopt for hulls that kernels do not support.
-std::optional<cuda::HullTables> hull_tables(const InnerPolytope& hull,
-                                            const std::vector<double>& planes);
+std::optional<HullTables> hull_tables(const InnerPolytope& hull, const std::vector<double>& planes);
 
 /// The table of cells as a device reads it. `table` must outlive it.
-cuda::CellTables cell_tables(const FacetCellTable& table);
+CellTables cell_tables(const FacetCellTable& table);
 
 /// What a device can find sides with, besides HullTables; made when the way that needs it is
 /// chosen.
@@ -45,8 +44,8 @@ class DeviceQuestions {
 
   /// `tables`: null where kernels do not support the hull. With Backend::automatic the host answers
   /// where that is estimated to take less time. Points and tables must outlive this object.
-  DeviceQuestions(const DevicePointView& points, const cuda::HullTables* tables,
-                  const Options& options, AnswersIn answers_in = AnswersIn::host);
+  DeviceQuestions(const DevicePointView& points, const HullTables* tables, const Options& options,
+                  AnswersIn answers_in = AnswersIn::host);
 
   /// `Out`: Side, or std::uint8_t for 1 (not outside) and 0.
   template <class Out>
@@ -65,11 +64,11 @@ class DeviceQuestions {
   void ask_all_here(Out* out, const Here<Out>& here) const;
 
   const DevicePointView& points_;
-  const cuda::HullTables* tables_;
+  const HullTables* tables_;
   const Options options_;  // for queries on the host
   const Run run_;
   const bool device_allowed_, must_, answers_stay_;
-  std::optional<cuda::QuestionsOnDevice> device_;
+  std::optional<QuestionsOnDevice> device_;
 };
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 class DirectionCube {
  public:
@@ -80,4 +80,4 @@ class DirectionCube {
   std::size_t per_face_ = 0;
 };
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -17,7 +17,7 @@
 #include "parallel/threads/parallel.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline query::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 constexpr double least_reach = FacetCellTable::least_reach;
@@ -167,11 +167,11 @@ bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, s
 #endif
 }
 
-}  // namespace cullhull::internal::inline query::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 HWY_EXPORT(cell_sides);
 
@@ -358,5 +358,5 @@ bool FacetCells::sides(double* columns, std::uint32_t count, std::int8_t* out) c
   return HWY_DYNAMIC_DISPATCH(cell_sides)(table_, columns, count, out);
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal
 #endif

@@ -12,7 +12,7 @@
 #include "parallel/dispatch.hpp"
 #include "result/vertex_coordinates.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -383,4 +383,4 @@ std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
   return out;
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -18,7 +18,7 @@
 #include "parallel/threads/run.hpp"
 #include "query/direction_cube.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 /// The hull's vertices, and their projections to k axes, which map its flat one to one.
 struct QueryPoints {
@@ -215,4 +215,4 @@ class FacetCells {
   FacetCellTable table_;
 };
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "geometry/gather.hpp"
 #include "query/hull_arguments.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 struct GrowingHull::State {
   Hull hull;
@@ -102,4 +102,4 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   return outside;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -9,7 +9,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "query/inscribed_ball.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 /// Scales rows to |a| = 1, then the offsets to a largest magnitude of 1; `unit` receives that
@@ -92,9 +92,9 @@ void write_vertices(HalfspaceIntersection& h) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -124,4 +124,4 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   return h;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -6,7 +6,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 void check_hull_arguments(const PointView& points, const Hull& hull, double distance) {
   const auto require = [](bool condition, const std::string& message) {
@@ -47,4 +47,4 @@ double power_to_unit(const std::vector<double>& values) {
   return std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1022, 1022));
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

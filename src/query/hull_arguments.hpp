@@ -7,7 +7,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 /// Throws Error{invalid_argument} for a distance that is negative or not finite, and for points
 /// that do not include every vertex of the hull.
@@ -25,4 +25,4 @@ Hull by_place(Hull hull, const std::vector<std::uint64_t>& ids);
 /// it.
 double power_to_unit(const std::vector<double>& values);
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

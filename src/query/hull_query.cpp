@@ -21,7 +21,7 @@
 #include "query/facet_search.hpp"
 #include "query/vertex_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 /// Points per chunk: some 20 to 100 microseconds of single queries.
@@ -106,9 +106,9 @@ void refuse_non_finite(const double* p, unsigned d) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -176,7 +176,7 @@ struct HullQuery::State {
             [this, count] { return count >= worth_a_map ? map() : nullptr; }};
   }
   /// The tables for a device, built at the first call; null where it does not support the hull.
-  const cuda::HullTables* tables() const {
+  const HullTables* tables() const {
     std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
   }
@@ -220,7 +220,7 @@ struct HullQuery::State {
   mutable std::once_flag map_once;
   mutable std::unique_ptr<GaugeMap> gauge_map;
   mutable std::once_flag tables_once;
-  mutable std::optional<cuda::HullTables> device_tables;
+  mutable std::optional<HullTables> device_tables;
   mutable std::once_flag cells_once;
   mutable std::atomic<bool> cells_built = false;
   mutable std::atomic<std::uint64_t> asked_there = 0;  // points on devices, of their sides
@@ -664,4 +664,4 @@ void HullQuery::rays(const PointView& origins, const PointView& directions, RayH
   });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

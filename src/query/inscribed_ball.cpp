@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 class DualSimplex {
@@ -162,4 +162,4 @@ Ball inscribed_ball(const std::vector<double>& rows, unsigned d, const Control& 
   return ball;
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

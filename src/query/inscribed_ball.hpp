@@ -6,7 +6,7 @@
 
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 struct Ball {
   std::vector<double> centre;
@@ -18,4 +18,4 @@ struct Ball {
 /// quality only: the caller checks it.
 Ball inscribed_ball(const std::vector<double>& rows, unsigned d, const Control& control);
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 
 #include "query/vertex_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 NearestInHull::NearestInHull(unsigned dimension) : d_(dimension), x_(dimension) {}
 
@@ -158,4 +158,4 @@ double NearestInHull::bound(const double* rows) const {
   return (std::sqrt(squares) / total) * slack + 0x1p-500;
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

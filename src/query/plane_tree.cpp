@@ -4,7 +4,7 @@
 
 #include "query/facet_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 PlaneTree::PlaneTree(const std::vector<double>& planes, unsigned d, const Control& control)
     : d_(d), planes_(planes) {
@@ -89,4 +89,4 @@ std::uint32_t PlaneTree::largest(const double* x, std::uint32_t start, double& v
   return best;
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

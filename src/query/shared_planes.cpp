@@ -10,7 +10,7 @@
 #include "parallel/index.hpp"
 #include "parallel/sort_few.hpp"
 #include "query/hull_arguments.hpp"
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -128,4 +128,4 @@ std::vector<std::uint32_t> shared_planes(const PointView& points, const Hull& hu
   return own;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

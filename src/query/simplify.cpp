@@ -16,7 +16,7 @@
 #include "query/vertex_links.hpp"
 #include "query/vertex_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -228,9 +228,9 @@ class Simplifier {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Simplification simplify(const PointView& points, const Hull& hull, double distance,
                         const Options& options) {
@@ -264,4 +264,4 @@ double rounding_distance(const PointView& points, const Hull& hull) {
   return 64 * d * std::sqrt(d) * 0x1p-53 * largest;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

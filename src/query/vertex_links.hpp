@@ -10,7 +10,7 @@
 #include "cullhull/hull.hpp"
 #include "parallel/adjacency.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 /// `hull`: its `count` vertices are numbered 0, 1, ...; it must outlive this object. Time and
 /// memory: O(simplices).
@@ -40,4 +40,4 @@ class VertexLinks {
   Adjacency<std::uint32_t> simplices_;  ///< by vertex
 };
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 
 #include "exact/numbers/exact_float.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 namespace {
 
 /// The power of two that scales `largest` to about 1; 1 for zero.
@@ -284,4 +284,4 @@ VertexSearch::Nearest VertexSearch::nearest(const double* q) const {
   return out;
 }
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

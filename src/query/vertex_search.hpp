@@ -10,7 +10,7 @@
 #include "query/direction_cube.hpp"
 #include "query/facet_search.hpp"
 
-namespace cullhull::internal::inline query {
+namespace cullhull::internal {
 
 /// Vertices and their neighbours on the boundary. The vertices whose scalar product with a
 /// direction is above some level are connected, so climbing finds the largest.
@@ -79,4 +79,4 @@ class NearestInHull {
   std::vector<double> x_, affine_, basis_, triangle_, projections_;
 };
 
-}  // namespace cullhull::internal::inline query
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 using SortSimplex = bool (*)(std::uint32_t*, std::uint32_t*, unsigned);
@@ -289,4 +289,4 @@ CoplanarPairs coplanar_pairs(const Boundary& surface, const LocalPoints& points,
   return pairs;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Simplices in a chunk of a parallel loop.
 inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
@@ -112,4 +112,4 @@ using VertexSet = std::vector<std::uint32_t>;  // ascending
 void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& facets,
           std::vector<std::uint32_t>& out);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "result/measures/measure.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// k = 2: changes the order of hull.vertices from ascending to counter-clockwise, beginning with
@@ -70,4 +70,4 @@ void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& ru
   build_any(input, boundary_of(std::move(boundary), run), run, hull);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

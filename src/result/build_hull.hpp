@@ -9,7 +9,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The points of a call, as the caller and as the engine see them.
 struct ResultInput {
@@ -33,4 +33,4 @@ void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, H
 /// The same from the 3D engine's own facets, in fewer passes over memory.
 void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "parallel/index.hpp"
 #include "result/boundary.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// A ridge on the border of a merged facet: the ridge of `simplex` opposite to its vertex `slot`.
@@ -297,4 +297,4 @@ Facets merge_coplanar(Boundary&& surface, const CoplanarPairs& pairs, const Loca
   return Merger(std::move(surface), points, run.control).run(pairs);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

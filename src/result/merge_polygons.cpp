@@ -14,7 +14,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/boundary.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
@@ -425,4 +425,4 @@ Facets merge_polygons(Boundary&& surface, const CoplanarPairs& pairs, const Run&
   return PolygonMerger(std::move(surface), pairs, run).run();
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "result/boundary.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// Sorts the simplices into canonical order and fills all lists of the hull.
@@ -337,4 +337,4 @@ OrderedFacets order_facets(const ResultInput& input, Facets&& facets, const Run&
   return FacetOrderer(input, std::move(facets), run, hull).run();
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

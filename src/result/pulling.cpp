@@ -3,7 +3,7 @@
 
 #include "result/boundary.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// The recursion of pull(): prefix_ holds the apexes of the cones so far.
@@ -94,4 +94,4 @@ void pull(const VertexSet& vertices, unsigned m, const std::vector<VertexSet>& f
   Puller(out).run(vertices, m, facets);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

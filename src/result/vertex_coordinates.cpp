@@ -8,7 +8,7 @@
 #include "cullhull/error.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 void write_coordinates(const PointView& points, Hull& hull) {
   const std::uint32_t d = hull.dimension;
@@ -40,9 +40,9 @@ OwnVertices::OwnVertices(const Hull& hull) : dimension(hull.dimension), ids(hull
   }
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Certificate certify(const Hull& hull, const Options& options) {
   const internal::OwnVertices own(hull);
@@ -63,4 +63,4 @@ Certificate certify(const Hull& hull, const Options& options) {
   return certify(own.points(), alone, options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -6,7 +6,7 @@
 
 #include "cullhull/hull.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Fills Hull::vertex_coordinates. `points`: those that the ids of the vertices number.
 void write_coordinates(const PointView& points, Hull& hull);
@@ -22,4 +22,4 @@ struct OwnVertices {
   std::vector<double> rows;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

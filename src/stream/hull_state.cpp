@@ -14,7 +14,7 @@
 #include "result/vertex_coordinates.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -372,4 +372,4 @@ HullState HullState::from_bytes(std::span<const std::byte> bytes) {
   return state;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

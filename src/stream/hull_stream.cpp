@@ -16,7 +16,7 @@
 #include "stream/numbered_points.hpp"
 #include "stream/stream_map.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -306,4 +306,4 @@ StreamReport HullStream::report() const {
   return {impl_->seen, impl_->known, held - impl_->known, impl_->reductions, impl_->maps};
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

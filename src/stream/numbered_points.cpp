@@ -7,7 +7,7 @@
 #include "cullhull/error.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 
 namespace {
 
@@ -160,4 +160,4 @@ void NumberedPoints::keep(const std::vector<std::uint64_t>& places) {
   *this = std::move(kept);
 }
 
-}  // namespace cullhull::internal::inline stream
+}  // namespace cullhull::internal

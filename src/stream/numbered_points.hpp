@@ -14,7 +14,7 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 
 struct NumberedPoints {
   std::uint32_t dimension = 0;
@@ -95,4 +95,4 @@ struct StateParts {
   }
 };
 
-}  // namespace cullhull::internal::inline stream
+}  // namespace cullhull::internal

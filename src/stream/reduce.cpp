@@ -7,7 +7,7 @@
 #include "geometry/gather.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 
 // From 4D to 6D a hull finds the extreme points faster than linear programs do, if its facets fit
 // the budget.
@@ -61,4 +61,4 @@ void check_block(const PointView& block, std::uint64_t first_id, std::uint32_t d
     throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
 }
 
-}  // namespace cullhull::internal::inline stream
+}  // namespace cullhull::internal

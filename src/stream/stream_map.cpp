@@ -7,7 +7,7 @@
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 namespace {
 
 /// Vertices of the map's polytope, by dimension from 2D on. The cache limits the map's nodes, so
@@ -81,4 +81,4 @@ void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& 
   for (const NumberedPoints& part : of_chunk) kept.append(part);
 }
 
-}  // namespace cullhull::internal::inline stream
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 
-namespace cullhull::internal::inline stream {
+namespace cullhull::internal {
 
 /// A gauge map with exact tests behind it. Thread safe once built.
 class StreamMap {
@@ -36,4 +36,4 @@ class StreamMap {
   mutable std::unique_ptr<const GaugeShortcuts> shortcuts_;
 };
 
-}  // namespace cullhull::internal::inline stream
+}  // namespace cullhull::internal

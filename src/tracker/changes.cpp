@@ -5,7 +5,7 @@
 #include "parallel/sort_few.hpp"
 #include "tracker/simplex_memory.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 namespace {
 
 /// Iterates over the facets of a hull in lexicographic order of their first simplices.
@@ -82,4 +82,4 @@ void count_changes(const Hull& before, const Hull& after, FrameReport& report) {
   report.facets_went = before.facet_count() - stayed;
 }
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

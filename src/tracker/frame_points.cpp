@@ -8,7 +8,7 @@
 #include "geometry/gather.hpp"
 #include "result/vertex_coordinates.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 
 HostFrame::HostFrame(const PointView& points, const Run& run)
     : FramePoints(points.count, points.dimension), points_(points), run_(run) {
@@ -51,4 +51,4 @@ Hull HostFrame::hull(Filtered&& filtered) {
   return hull;
 }
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

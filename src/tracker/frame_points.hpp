@@ -13,7 +13,7 @@
 #include "flow/sample_map.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 
 class FramePoints {
  public:
@@ -71,4 +71,4 @@ class HostFrame final : public FramePoints {
 /// memory that it cannot read.
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run);
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

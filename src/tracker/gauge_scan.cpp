@@ -10,7 +10,7 @@
 #include "flow/sample_map.hpp"
 #include "tracker/simplex_memory.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 namespace {
 
 /// If the scan keeps a larger share, the leaders no longer span the hull. Exact tests of the
@@ -113,4 +113,4 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
   return true;
 }
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 namespace {
 
 /// If a larger share of points is outside their simplices, all simplices are discarded: growing
@@ -227,4 +227,4 @@ void SimplexMemory::compact() {
   after_compaction_ = left;
 }
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "parallel/threads/run.hpp"
 #include "tracker/frame_points.hpp"
 
-namespace cullhull::internal::inline tracker {
+namespace cullhull::internal {
 
 /// For each discarded point, a simplex of points that contained it strictly. In the next frame the
 /// simplices' planes are recomputed at their corners' new positions, and each point is tested
@@ -55,4 +55,4 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
 /// Counts new and lost vertices and facets. Linear in the sizes of the hulls.
 void count_changes(const Hull& before, const Hull& after, FrameReport& report);
 
-}  // namespace cullhull::internal::inline tracker
+}  // namespace cullhull::internal

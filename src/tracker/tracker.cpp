@@ -16,7 +16,7 @@
 #include "tracker/frame_points.hpp"
 #include "tracker/simplex_memory.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -234,4 +234,4 @@ void HullTracker::reset() noexcept {
   impl_->simplices.clear();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

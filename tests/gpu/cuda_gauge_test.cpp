@@ -45,9 +45,9 @@ void strew(std::vector<T>& rows) {
     rows[e * 7] = static_cast<T>(bad[e % std::size(bad)]);
 }
 
-std::vector<std::uint64_t> on_host(const cuda::DeviceIds& found) {
+std::vector<std::uint64_t> on_host(const DeviceIds& found) {
   std::vector<std::uint64_t> ids(found.count);
-  cuda::download(ids.data(), found.ids.data(), found.count, nullptr);
+  download(ids.data(), found.ids.data(), found.count, nullptr);
   return ids;
 }
 
@@ -60,19 +60,18 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
   const auto expected = map.survivors(view, run.with_threads(1));
   const std::string what =
       std::to_string(d) + "D " + scalar_name(view.scalar) + " " + std::to_string(n) + " points";
-  EXPECT_EQ(cuda::survivors_of_host_points(map.table(), view, run.with_threads(2)), expected)
-      << what;
+  EXPECT_EQ(survivors_of_host_points(map.table(), view, run.with_threads(2)), expected) << what;
 
   const OnDevice there(rows);
   const auto packed = DevicePointView::row_major(there.data<T>(), n, d);
-  EXPECT_EQ(on_host(cuda::survivors_of_device_points(map.table(), packed)), expected) << what;
-  EXPECT_EQ(cuda::survivors_by_pieces(map.table(), packed, run.control), expected) << what;
+  EXPECT_EQ(on_host(survivors_of_device_points(map.table(), packed)), expected) << what;
+  EXPECT_EQ(survivors_by_pieces(map.table(), packed, run.control), expected) << what;
 
   // One scalar off the alignment of vectors, and columns.
   std::vector<T> shifted(1 + n * d);
   std::copy_n(rows.data(), n * d, shifted.data() + 1);
   const OnDevice odd(shifted);
-  EXPECT_EQ(on_host(cuda::survivors_of_device_points(
+  EXPECT_EQ(on_host(survivors_of_device_points(
                 map.table(), DevicePointView::row_major(odd.data<T>() + 1, n, d))),
             expected)
       << what;
@@ -80,7 +79,7 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
   for (std::size_t i = 0; i < n; ++i)
     for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[i * d + j];
   const OnDevice turned(columns);
-  EXPECT_EQ(on_host(cuda::survivors_of_device_points(
+  EXPECT_EQ(on_host(survivors_of_device_points(
                 map.table(), DevicePointView::column_major(turned.data<T>(), n, d))),
             expected)
       << what;
@@ -89,7 +88,7 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
 TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
   for (unsigned d = 2; d <= 6; ++d) {
     const auto map =
-        GaugeMap::build(cross_polytope(d, 0.125, 1), 0, cuda::most_gauge_nodes(cuda::device()));
+        GaugeMap::build(cross_polytope(d, 0.125, 1), 0, most_gauge_nodes(this_device()));
     ASSERT_TRUE(map);
     for (const std::size_t n :
          {1U, 31U, 32U, 33U, 127U, 128U, 129U, 32767U, 32768U, 32769U, 1000003U}) {
@@ -108,7 +107,7 @@ TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
 TEST_F(CudaGauge, OtherWaysThroughTheKernel) {
   const auto large = GaugeMap::build(cross_polytope(3, 0.125, 1), 200);
   ASSERT_TRUE(large);
-  ASSERT_GT(large->table().nodes.size() * sizeof(float), cuda::device().shared_per_block);
+  ASSERT_GT(large->table().nodes.size() * sizeof(float), this_device().shared_per_block);
   const auto rows = uniform<float>(3, 100000, 0.6, 1);
   expect_same_survivors(*large, rows, 100000, 3);
 
@@ -127,7 +126,7 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
   const Options options;
   const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), 10000, 3);
-  EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, run.with_threads(2)),
+  EXPECT_EQ(survivors_of_host_points(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(1)));
 }
 
@@ -141,7 +140,7 @@ TEST_F(CudaGauge, ManyPieces) {
   const Options options;
   const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), n, 3);
-  EXPECT_EQ(cuda::survivors_of_host_points(map->table(), view, run.with_threads(2)),
+  EXPECT_EQ(survivors_of_host_points(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(2)));
 }
 
@@ -256,13 +255,13 @@ TEST_F(CudaGauge, ViewsThatNoDeviceReadsAreRefused) {
 TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
   const std::size_t n = short_run() ? 300000 : 1000000;  // either is worth two filters
   const auto rows = ball(3, n, 1.0 / 3, 6);
-  const cuda::Stream stream;
+  const CudaStream stream;
   const OnDevice there(std::vector<float>(rows.size()));
-  cuda::PinnedArray<float> pinned(rows.size());
+  PinnedArray<float> pinned(rows.size());
   std::copy(rows.begin(), rows.end(), pinned.data());
-  cuda::check(cudaMemcpyAsync(there.data<float>(), pinned.data(), rows.size() * sizeof(float),
-                              cudaMemcpyHostToDevice, stream.get()),
-              "copying");
+  check(cudaMemcpyAsync(there.data<float>(), pinned.data(), rows.size() * sizeof(float),
+                        cudaMemcpyHostToDevice, stream.get()),
+        "copying");
   Options options;
   options.backend = Backend::cuda;
   const Hull hull =

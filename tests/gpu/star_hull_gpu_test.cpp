@@ -33,13 +33,13 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   const Options options;
   const Run run(options);
   std::vector<PseudoHullRound> rounds, expected;
-  const cuda::StarHullThere there = cuda::star_hull_there(device.view(host, stream), run, &rounds);
+  const StarHullThere there = star_hull_there(device.view(host, stream), run, &rounds);
   StarHull<SerialExecutor, RowsInPlace<3, T>> here(SerialExecutor{});
   const StarCounts counts =
       here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),
                static_cast<std::uint32_t>(host.count), 64, run.control, expected);
   std::vector<std::uint64_t> ids(there.ids.count), wanted;
-  cuda::download(ids.data(), there.ids.ids.data(), there.ids.count, stream);
+  download(ids.data(), there.ids.ids.data(), there.ids.count, stream);
   for (std::uint64_t i = 0; i < host.count; ++i)
     if (here.culled()[i] == 0) wanted.push_back(i);
   EXPECT_EQ(ids, wanted) << name;

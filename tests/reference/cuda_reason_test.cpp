@@ -3,7 +3,7 @@
 
 #include "cuda/reason.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace cuda_reason_test {
 
 Probe working() {
@@ -72,4 +72,4 @@ TEST(CudaReason, AnythingElseIsQuoted) {
 }
 
 }  // namespace cuda_reason_test
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

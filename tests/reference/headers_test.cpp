@@ -38,13 +38,12 @@ TEST(Headers, WhatTheyDeclareIsVisible) {
   for (const auto& entry : std::filesystem::directory_iterator(CULLHULL_HEADERS)) {
     std::ostringstream text;
     text << std::ifstream(entry.path()).rdbuf();
-    const auto first = text.str().find("\nnamespace cullhull::inline v1 {");
+    const auto first = text.str().find("\nnamespace cullhull {");
     if (first == std::string::npos) continue;
     ++headers;
     if (entry.path().filename() == "stop_token.hpp") continue;  // declares aliases of std
     const auto push = text.str().find("\n#pragma GCC visibility push(default)\n");
-    const auto pop =
-        text.str().find("\n}  // namespace cullhull::inline v1\n#pragma GCC visibility pop\n");
+    const auto pop = text.str().find("\n}  // namespace cullhull\n#pragma GCC visibility pop\n");
     EXPECT_TRUE(push != std::string::npos && pop != std::string::npos && push < first &&
                 first < pop)
         << entry.path();

@@ -277,9 +277,8 @@ TEST(Names, NoTwoFilesDefineOne) {
   const auto all = definitions_below(root);
   EXPECT_GT(all.size(), 700U);
   for (const char* known :
-       {"type cullhull::v1::Hull", "type cullhull::v1::Lists",
-        "type cullhull::v1::HullQuery::State",
-        "function cullhull::internal::parallel::chunk_count(std::uint64_t, std::uint64_t)"})
+       {"type cullhull::Hull", "type cullhull::Lists", "type cullhull::HullQuery::State",
+        "function cullhull::internal::chunk_count(std::uint64_t, std::uint64_t)"})
     EXPECT_EQ(all.count(known), 1U) << known;
 }
 

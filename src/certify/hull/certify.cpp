@@ -213,7 +213,7 @@ void check_all(Subject& s, Certificate& out) {
 }  // namespace
 }  // namespace cullhull::internal::certify
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
   using namespace internal::certify;
@@ -358,4 +358,4 @@ Certificate CertifyStream::finish() {
   return m.out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -369,7 +369,7 @@ ConstrainedTriangulation witness_of(const PointView& points, std::span<const std
 }  // namespace
 }  // namespace cullhull::internal::certify
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Certificate certify(const PointView& points, std::span<const std::uint32_t> edges,
                     const ConstrainedTriangulation& result, const ConstrainedOptions& options) {
@@ -390,4 +390,4 @@ Certificate certify(const PointView& points, std::span<const std::uint32_t> edge
   return out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -518,7 +518,7 @@ Certificate certify_triangulation(const PointView& points, std::span<const doubl
 }  // namespace
 }  // namespace cullhull::internal::certify
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Certificate certify(const PointView& points, const Triangulation& triangulation,
                     const TriangulationOptions& options) {
@@ -531,4 +531,4 @@ Certificate certify(const PointView& points, std::span<const double> weights,
   return internal::certify::certify_triangulation(points, weights, triangulation, options);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -6,7 +6,7 @@
 
 #include "cullhull/device_points.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 template <class T>
 __device__ T coordinate(const DevicePointView& p, std::uint64_t point, unsigned axis) {
@@ -15,4 +15,4 @@ __device__ T coordinate(const DevicePointView& p, std::uint64_t point, unsigned 
                                      static_cast<std::ptrdiff_t>(axis) * p.coordinate_stride);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

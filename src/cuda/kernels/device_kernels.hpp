@@ -9,7 +9,7 @@
 #include "filter/pseudo_hull/primitives.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The place of a thread in a grid of blocks.
 struct GridThread {
@@ -203,4 +203,4 @@ struct FoldCopies {
   }
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "filter/pseudo_hull/pseudo_hull_rows.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 struct EmitId {
   PseudoSubset subset;
@@ -37,4 +37,4 @@ inline PointView as_point_view(const DevicePointView& points) {
           points.coordinate_stride};
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

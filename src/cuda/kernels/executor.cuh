@@ -18,7 +18,7 @@
 #include "cullhull/error.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 namespace cuda_kernels {
 
@@ -151,14 +151,14 @@ class CudaArray {
       // Facets grow round by round: a quarter more than asked for, or every round would allocate.
       const std::size_t more = items_.size() == 0 ? count : count + count / 4;
       items_ = {};  // freed first, so that the two are never held at once
-      items_ = cuda::DeviceArray<T>(more, stream);
+      items_ = DeviceArray<T>(more, stream);
     }
     return items_.data();
   }
   T* data() const { return items_.data(); }
 
  private:
-  cuda::DeviceArray<T> items_;
+  DeviceArray<T> items_;
 };
 
 class CudaExecutor {
@@ -170,7 +170,7 @@ class CudaExecutor {
   static constexpr bool many_threads = true;
 
   explicit CudaExecutor(cudaStream_t stream)
-      : stream_(stream), processors_(cuda::device().multiprocessors) {}
+      : stream_(stream), processors_(this_device().multiprocessors) {}
 
   cudaStream_t stream() const { return stream_; }
 
@@ -181,20 +181,20 @@ class CudaExecutor {
   /// Waits for the copy; throws the error of any earlier operation of the stream, too.
   template <class T>
   void fetch(const T* from, std::size_t count, T* to) {
-    cuda::download(to, from, count, stream_);
+    download(to, from, count, stream_);
   }
   template <class T>
   void fetch_many(const T* from, std::size_t count, T* to, const Run& run) {
-    cuda::download_many(to, from, count, stream_, run);
+    download_many(to, from, count, stream_, run);
   }
   template <class T>
   void upload(const T* from, std::size_t count, T* to) {
-    cuda::upload(to, from, count, stream_);
+    internal::upload(to, from, count, stream_);
   }
   template <class T>
   void zero(T* items, std::size_t count) {
     if (count == 0) return;
-    cuda::check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
+    check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
   }
 
   template <class T, class Map, class Combine>
@@ -378,7 +378,7 @@ class CudaExecutor {
         Kernel{keep, body, items(count), appended});
     launched();
   }
-  static void launched() { cuda::check(cudaGetLastError(), "starting a kernel"); }
+  static void launched() { check(cudaGetLastError(), "starting a kernel"); }
 
   /// A number, zero until a kernel writes it.
   Count next_count(std::uint32_t most) {
@@ -410,9 +410,9 @@ class CudaExecutor {
   template <class Call>
   void with_scratch(const Call& call) {
     std::size_t bytes = 0;
-    cuda::check(call(nullptr, bytes), "preparing a scan");
+    check(call(nullptr, bytes), "preparing a scan");
     std::uint64_t* scratch = reserve(scratch_, bytes / 8 + 1);
-    cuda::check(call(scratch, bytes), "starting a scan");
+    check(call(scratch, bytes), "starting a scan");
   }
 
   cudaStream_t stream_;
@@ -423,4 +423,4 @@ class CudaExecutor {
   CudaArray<std::uint64_t> copies_, partial_, scratch_;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

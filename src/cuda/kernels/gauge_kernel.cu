@@ -18,7 +18,7 @@
 #include "cuda/runtime.hpp"
 #include "filter/gauge/gauge_lanes.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 constexpr unsigned mask_threads = 512;
@@ -317,4 +317,4 @@ cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* 
   return cudaGetLastError();
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cullhull/device_points.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 struct Device;
 
@@ -54,4 +54,4 @@ cudaError_t gather_ids(const std::uint64_t* of, const std::uint64_t* at, std::ui
 cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* first,
                              cudaStream_t stream);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

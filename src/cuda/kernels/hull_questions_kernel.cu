@@ -5,7 +5,7 @@
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/hull_questions_kernel.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 constexpr unsigned ask_threads = 128;   // a guess
@@ -342,4 +342,4 @@ cudaError_t scatter_items(const std::uint64_t* ids, const std::uint64_t* items, 
   return cudaGetLastError();
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 
 #include "cuda/hull_questions.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// HullTables in the device's memory.
 struct TablesThere {
@@ -67,4 +67,4 @@ cudaError_t scatter_items(const std::uint64_t* ids, const std::uint8_t* items, s
 cudaError_t scatter_items(const std::uint64_t* ids, const std::uint64_t* items, std::uint64_t count,
                           std::uint64_t* out, cudaStream_t stream);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

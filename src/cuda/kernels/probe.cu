@@ -1,7 +1,7 @@
 // An empty kernel, launched to learn whether this build has code for a device.
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 __global__ void do_nothing() {}
@@ -13,4 +13,4 @@ cudaError_t probe_device_code() {
   return cudaFuncGetAttributes(&attributes, reinterpret_cast<const void*>(&do_nothing));
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// Pseudo-hulls of subsets of points in the device's memory, and the ids that each keeps.
@@ -101,27 +101,27 @@ std::vector<std::uint64_t> pseudo_hull_survivors_cuda(const DevicePointView& poi
   for (auto subsets = static_cast<unsigned>(needed);; subsets *= 4) {
     try {
       return survivors_of(points, subsets, settings.max_rounds, control, report);
-    } catch (const cuda::OutOfMemory&) {
+    } catch (const OutOfMemory&) {
       if (points.count / subsets < 4 * least_points) throw;
     }
   }
 }
 
-cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
-                                            const Control& control,
-                                            std::vector<PseudoHullRound>* rounds) {
+DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
+                                      const Control& control,
+                                      std::vector<PseudoHullRound>* rounds) {
   std::vector<PseudoHullRound> unread;
   if (points.count > pseudo_hull_most_points)
     throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
   return with_point_types(points, [&]<unsigned D, class T>() {
     SubsetFilter<D, T> filter(points);
     const PseudoSubset all{points.count, 0, 1};
-    cuda::DeviceIds left;
+    DeviceIds left;
     left.count = filter.run(all, max_rounds, control, rounds != nullptr ? *rounds : unread);
-    left.ids = cuda::DeviceArray<std::uint64_t>(left.count, filter.executor().stream());
+    left.ids = DeviceArray<std::uint64_t>(left.count, filter.executor().stream());
     filter.list(all, left.ids.data());
     return left;
   });
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

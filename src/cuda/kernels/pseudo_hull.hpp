@@ -9,23 +9,23 @@
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 inline constexpr unsigned pseudo_hull_cuda_max_dimension = 6;
 
 /// The same as pseudo_hull_survivors on the device; the same settings give the same result, except
 /// that 0 subsets means as few as the greatest size of a subset and the device's memory allow,
 /// since all multiprocessors work on one subset at a time. For 2 to 6 dimensions. Needs 33 bytes of
-/// device memory for each point of a subset, and memory for the facets. Throws cuda::OutOfMemory if
-/// there is less, and cuda::Failure if the device fails.
+/// device memory for each point of a subset, and memory for the facets. Throws OutOfMemory if
+/// there is less, and Failure if the device fails.
 std::vector<std::uint64_t> pseudo_hull_survivors_cuda(
     const DevicePointView& points, const PseudoHullSettings& settings, const Control& control,
     std::vector<PseudoHullRound>* rounds = nullptr);
 
 /// The same with a single subset. The ids stay in the device's memory; the work is on
 /// points.stream.
-cuda::DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
-                                            const Control& control,
-                                            std::vector<PseudoHullRound>* rounds = nullptr);
+DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned max_rounds,
+                                      const Control& control,
+                                      std::vector<PseudoHullRound>* rounds = nullptr);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

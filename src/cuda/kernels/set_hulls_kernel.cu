@@ -5,7 +5,7 @@
 #include "cuda/kernels/warp_hull.cuh"
 #include "cuda/runtime.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 /// With some 82 registers a thread, blocks of four warps leave fewest of a processor's unused.
@@ -252,4 +252,4 @@ cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cu
   return copy_items(items, runs, out, stream);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

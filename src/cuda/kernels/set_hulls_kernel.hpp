@@ -9,7 +9,7 @@
 
 #include "cullhull/device_points.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The most points of a set that a warp processes. Numbers of points within a set, and numbers of
 /// simplices, then fit a byte.
@@ -89,4 +89,4 @@ cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int3
                       cudaStream_t stream);
 cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cudaStream_t stream);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cuda/kernels/set_hulls_kernel.hpp"
 #include "result/facets/facet_math.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 /// The simplices of one set's hull, its coordinates scaled by a power of two.
 template <unsigned D, class T>
@@ -96,4 +96,4 @@ class FoundHullOfSet {
   double scale_ = 1;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

@@ -3,7 +3,7 @@
 #include "cuda/kernels/star_hull.hpp"
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 namespace {
 
 template <class T>
@@ -42,4 +42,4 @@ StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                                           : star_hull_of<double>(points, run, report);
 }
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

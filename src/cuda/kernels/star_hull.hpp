@@ -10,7 +10,7 @@
 #include "filter/star_hull/star_hull.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 struct StarHullThere {
   DeviceIds ids;            ///< of the points that are not culled, ascending, on the device
@@ -24,4 +24,4 @@ struct StarHullThere {
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               std::vector<PseudoHullRound>* rounds = nullptr);
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

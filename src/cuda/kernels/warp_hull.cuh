@@ -10,7 +10,7 @@
 #include "cuda/kernels/coordinate.cuh"
 #include "exact/determinants/cofactors.hpp"
 
-namespace cullhull::internal::inline cuda {
+namespace cullhull::internal {
 
 inline constexpr unsigned lanes = 32;
 
@@ -537,4 +537,4 @@ class WarpHull {
   unsigned longest_, start_, top_, spares_;
 };
 
-}  // namespace cullhull::internal::inline cuda
+}  // namespace cullhull::internal

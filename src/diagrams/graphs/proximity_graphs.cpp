@@ -13,7 +13,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/checked_steps.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 void write_edges(const std::vector<Edge>& edges, Array<std::uint32_t>& out) {
@@ -270,9 +270,9 @@ Array<std::uint32_t> graph_of(const PointView& points, const Triangulation& t,
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -296,4 +296,4 @@ Array<std::uint32_t> relative_neighbourhood_graph(const PointView& points,
   return graph_of(points, triangulation, options, lune_edges);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

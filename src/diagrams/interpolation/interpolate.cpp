@@ -8,7 +8,7 @@
 #include "diagrams/interpolation/natural_weights.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -147,4 +147,4 @@ void Interpolator::nearest(const PointView& points, double* out, double outside,
   });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

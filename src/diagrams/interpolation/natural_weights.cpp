@@ -11,7 +11,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// Indices of ids, in order of first occurrence.
@@ -253,4 +253,4 @@ void NaturalWeights::find(const double* point, std::uint32_t cell, const double*
   write_shares(ids, shares, out);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// A copy of a triangulation made by delaunay(), with its points scaled.
 class NaturalTriangulation {
@@ -78,4 +78,4 @@ class NaturalWeights {
   std::vector<std::uint32_t> cells_;  ///< the cells whose circumspheres contain the query
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

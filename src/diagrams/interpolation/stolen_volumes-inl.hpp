@@ -12,7 +12,7 @@
 #include "exact/numbers/bounded.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// The K-dimensional simplices, in d-dimensional space, whose circumspheres contain the query, and
 /// the boundary of their union.
@@ -254,4 +254,4 @@ class StolenVolumes {
   std::vector<Rim> rim_;
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// Throws Error{not_finite} for a NaN or an infinity.
 inline void require_finite(double value, unsigned coordinate) {
@@ -14,4 +14,4 @@ inline void require_finite(double value, unsigned coordinate) {
                 (std::isnan(value) ? "NaN" : "infinite"));
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

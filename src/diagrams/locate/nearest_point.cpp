@@ -5,7 +5,7 @@
 #include "diagrams/locate/nearest_tree.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -49,4 +49,4 @@ void NearestPoint::nearest(const PointView& queries, std::uint32_t* out,
   state_->tree.nearest(queries, NearestTree::FarQueries::answered, out, run);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

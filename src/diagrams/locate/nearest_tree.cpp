@@ -18,7 +18,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 class NearestTree::Base {
  public:
@@ -395,4 +395,4 @@ bool NearestTree::nearest(const PointView& queries, FarQueries far, std::uint32_
   return tree_->nearest(queries, far, out, run);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

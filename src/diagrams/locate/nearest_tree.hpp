@@ -9,7 +9,7 @@
 #include "cullhull/triangulation_query.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 class NearestTree {
  public:
@@ -45,4 +45,4 @@ class NearestTree {
   std::unique_ptr<const Base> tree_;
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/difference_products.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 Sign power_sign_exact(unsigned d, const double* q, const double* a, const double* b) {
@@ -42,4 +42,4 @@ Sign power_sign(unsigned d, bool weighted, const double* q, const double* a, con
   return weighted ? power_sign_exact(d, q, a, b) : compare_lengths(d, a, q, b, q);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

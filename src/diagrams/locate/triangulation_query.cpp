@@ -22,7 +22,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// Queries per chunk, and queries sorted at once, which bound the memory of a batch.
@@ -143,9 +143,9 @@ void barycentric(unsigned k, const double* const* p, const double* q, double* ou
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -359,4 +359,4 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
   });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -7,7 +7,7 @@
 #include "diagrams/locate/power_sign.hpp"
 #include "exact/determinants/minors.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 Sign NearestVertex::compare(const double* q, std::uint32_t a, std::uint32_t b) const {
   const Sign sign =
@@ -79,4 +79,4 @@ std::uint32_t NearestVertex::lowest_of_equal(const double* q, std::uint32_t row)
   return best;
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// The exact sign of the orientation of k + 1 points: by the filter of column_filter.hpp, or by
 /// orientation() if the filter does not decide, as after an overflow. K: k if it is a compile-time
@@ -171,4 +171,4 @@ class NearestVertex {
   Flood flood_;
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// The numbers [0, keys.size()) with their keys, sorted by key; stable.
@@ -153,4 +153,4 @@ Adjacency<std::uint32_t> neighbour_rows(const WalkMesh& mesh, const Run& run) {
   return rows;
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/adjacency.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 struct WalkMesh {
   WalkMesh(const PointView& points, const Triangulation& t, std::span<const double> weights,
@@ -54,4 +54,4 @@ struct WalkMesh {
 /// The rows that share a cell with each row, ascending.
 Adjacency<std::uint32_t> neighbour_rows(const WalkMesh& mesh, const Run& run);
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "exact/insphere/circumcentres.hpp"
 #include "parallel/disjoint_sets.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 void require_delaunay(const Triangulation& t) {
@@ -90,9 +90,9 @@ double first_single_region(const Triangulation& t, const Array<double>& radii, d
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulation, double alpha,
                        const RunOptions& options) {
@@ -145,4 +145,4 @@ double critical_alpha(const PointView& points, const Triangulation& triangulatio
   return goal == AlphaGoal::all_points ? all : first_single_region(triangulation, radii, all);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 using Ring = std::vector<std::uint32_t>;
@@ -144,9 +144,9 @@ class PolygonWriter {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 CellPolygons cell_polygons(const PointView& points, const Triangulation& triangulation,
                            std::span<const std::uint32_t> cells, const RunOptions& options) {
@@ -166,4 +166,4 @@ CellPolygons cell_polygons(const PointView& points, const Triangulation& triangu
   return out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

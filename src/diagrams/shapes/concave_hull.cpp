@@ -15,7 +15,7 @@
 #include "exact/orientation/difference_products.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 void require_plane(const Triangulation& t) {
@@ -124,9 +124,9 @@ class Digging {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -276,4 +276,4 @@ double concave_length(const PointView& points, const Triangulation& triangulatio
   return std::isinf(greatest) ? greatest : least + ratio * (greatest - least);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

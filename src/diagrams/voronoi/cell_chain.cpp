@@ -12,7 +12,7 @@
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 Sign turn(const RingPoint& a, const RingPoint& b, const RingPoint& c) {
@@ -417,4 +417,4 @@ bool sound(const std::vector<CellPolygon>& polygons) {
   });
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

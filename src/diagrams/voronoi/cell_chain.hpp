@@ -8,7 +8,7 @@
 
 #include "diagrams/voronoi/clip_rings.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 using RingPoint = std::array<double, 2>;
 
@@ -43,4 +43,4 @@ std::vector<CellPolygon> polygons_of(const CellChain& chain);
 /// Whether all rings are simple and the polygons valid: they need no change.
 bool sound(const std::vector<CellPolygon>& polygons);
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 
 #include "exact/numbers/rationals.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 template <class Real>
@@ -149,4 +149,4 @@ template class CellCorners<1>;
 template class CellCorners<2>;
 template class CellCorners<3>;
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -15,7 +15,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/halfspace.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 template <unsigned D>
 using ExactPoint = std::array<mpq_class, D>;
@@ -82,4 +82,4 @@ extern template class CellCorners<1>;
 extern template class CellCorners<2>;
 extern template class CellCorners<3>;
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 template <unsigned D>
@@ -308,4 +308,4 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
   return triangles_of(outline, found.triangulation);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "exact/numbers/bounded.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// A plane through D given points, or orthogonal to an axis.
 template <unsigned D>
@@ -56,4 +56,4 @@ Region<D> hull_region(const PointView& points, const Run& run);
 /// and has few corners, otherwise the triangles of its constrained triangulation.
 Region<2> polygon_region(const PolygonRings& rings, const Run& run);
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

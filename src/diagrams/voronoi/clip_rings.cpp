@@ -7,7 +7,7 @@
 #include "cullhull/voronoi.hpp"
 #include "parallel/disjoint_sets.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 using Point = std::array<double, 2>;
@@ -184,4 +184,4 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   return polygons;
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

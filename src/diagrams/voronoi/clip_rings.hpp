@@ -9,7 +9,7 @@
 #include "diagrams/voronoi/clip_corners.hpp"
 #include "diagrams/voronoi/clip_shapes.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// Corners of a ring, and the site across the edge that begins at each; no_point if there is none.
 struct CellRing {
@@ -38,4 +38,4 @@ bool tidy(CellRing& ring);
 /// first points. Rings that rounding leaves with fewer than three corners are omitted.
 std::vector<CellPolygon> join_pieces(CellCorners<2>& corners, const std::vector<CellPiece>& pieces);
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

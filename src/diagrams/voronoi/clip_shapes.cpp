@@ -6,7 +6,7 @@
 
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// Adds the corners and planes of a piece and lists their numbers; a plane's label is the piece
@@ -214,4 +214,4 @@ void ClipShape<3>::drop_unused() {
   for (std::uint32_t& v : items) v = number_[v];
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

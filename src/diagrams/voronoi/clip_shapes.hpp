@@ -9,7 +9,7 @@
 
 #include "diagrams/voronoi/clip_corners.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// A shape starts as a convex piece of a region. Planes of `corners` cut it: the part on the outer
 /// side of a plane is removed. A shape without interior is empty.
@@ -81,4 +81,4 @@ class ClipShape<3> {
   std::vector<CutEdge> edges_;
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -22,7 +22,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 void check_dimension(const Triangulation& t) {
@@ -508,9 +508,9 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
@@ -557,4 +557,4 @@ ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangul
   return clip<2>(points, t, polygon_region(region, run), weights, shapes, diagram, run);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

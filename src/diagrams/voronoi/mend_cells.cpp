@@ -9,7 +9,7 @@
 
 #include "diagrams/voronoi/cell_chain.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 struct PointHash {
@@ -232,4 +232,4 @@ void mend_cells(const std::vector<std::uint32_t>& unsound, ClippedCells& cells, 
   CellMender(cells, run).mend(unsound);
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "diagrams/dual.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// For each point the lowest cell at it; no_cell without any.
@@ -155,4 +155,4 @@ void write_plane(const Triangulation& t, Voronoi& out, const Run& run) {
   out.regions = {std::move(region_offsets), std::move(region_items)};
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

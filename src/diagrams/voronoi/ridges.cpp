@@ -7,7 +7,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/simplex.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 /// The vertices of each group of merged cells, ascending.
@@ -265,4 +265,4 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
   out.ridge_points = points.join().items;
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

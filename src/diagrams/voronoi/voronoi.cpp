@@ -17,7 +17,7 @@
 #include "parallel/adjacency.hpp"
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 namespace {
 
 void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
@@ -191,9 +191,9 @@ void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, c
   });
 }
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights, const RunOptions& options) {
@@ -223,4 +223,4 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   return out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

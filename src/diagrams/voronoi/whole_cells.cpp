@@ -6,7 +6,7 @@
 #include "cullhull/error.hpp"
 #include "exact/planes/halfspace.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 namespace {
 
@@ -180,4 +180,4 @@ CULLHULL_PLACES(2)
 CULLHULL_PLACES(3)
 #undef CULLHULL_PLACES
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

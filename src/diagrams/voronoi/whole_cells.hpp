@@ -9,7 +9,7 @@
 #include "diagrams/dual.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
 
-namespace cullhull::internal::inline diagrams {
+namespace cullhull::internal {
 
 /// The vertices and ridges of a diagram, for each site.
 class DiagramCells {
@@ -69,4 +69,4 @@ class WholeCell {
              std::vector<std::array<Real, D>>& at) const;
 };
 
-}  // namespace cullhull::internal::inline diagrams
+}  // namespace cullhull::internal

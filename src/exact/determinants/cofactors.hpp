@@ -8,7 +8,7 @@
 
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 #define CULLHULL_MATH CULLHULL_HD_INLINE
 #include "exact/determinants/cofactors-inl.hpp"
@@ -49,4 +49,4 @@ double normal_and_reach(const At& at, double (&normal)[K]) {
   return reach;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 // `Rows` below is a square matrix with columns(); narrow(), whether entries fit 64 bits; small(i,
 // j), valid if narrow; and big(i, j, out, scratch), always valid.
@@ -90,4 +90,4 @@ Sign determinant_sign(const Rows& a) {
   return determinant_sign_big(a);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline exact::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 /// sum + a b, or sum - a b if `minus`; in one operation where there is a fused one.
@@ -87,7 +87,7 @@ HWY_INLINE void minors_of_lanes(const T (*m)[columns], T* det) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // CULLHULL_MINORS_INL

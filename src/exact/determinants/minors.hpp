@@ -10,7 +10,7 @@
 
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Unit roundoff of double.
 inline constexpr double unit_roundoff = 0x1p-53;
@@ -133,4 +133,4 @@ void normal_and_spread(const double (*rows)[K], double* normal, double* spread) 
   }
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

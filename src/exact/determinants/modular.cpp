@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 /// Arithmetic modulo an odd prime below 2^31, on residues times 2^32.
@@ -182,4 +182,4 @@ Sign determinant_sign_by_primes(BigNumbers& m, unsigned n) {
   return 2 * value > product ? Sign::negative : Sign::positive;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

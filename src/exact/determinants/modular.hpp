@@ -6,7 +6,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/exact_plane.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// From these dimensions on primes take less time than fraction-free elimination.
 inline constexpr unsigned ranks_by_primes = 16;
@@ -18,4 +18,4 @@ unsigned rank_by_primes(BigNumbers& m, unsigned rows, unsigned columns, unsigned
 /// The sign of the determinant of the n x n matrix with entries m[i * n + j].
 Sign determinant_sign_by_primes(BigNumbers& m, unsigned n);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

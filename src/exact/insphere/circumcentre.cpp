@@ -12,7 +12,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 /// Returns a / b within 16 u^2, u = 2^-53, barring overflow and underflow; faster than operator/,
@@ -283,4 +283,4 @@ void outward_direction(unsigned d, unsigned k, const double* const* p, const dou
   rounded_direction(away, out);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

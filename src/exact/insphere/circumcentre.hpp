@@ -1,7 +1,7 @@
 // Centres of circumscribed and orthogonal spheres, correctly rounded.
 #pragma once
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Computes the point of the flat of p[0 .. k], affinely independent in R^d, k >= 1, where all |x -
 /// p_i|^2 - w_i are equal: each coordinate is the nearest double. `weighted`: p[i][d] is w_i, else
@@ -22,4 +22,4 @@ double radius_above(unsigned d, unsigned k, const double* const* p);
 void outward_direction(unsigned d, unsigned k, const double* const* p, const double* opposite,
                        double* out);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -17,7 +17,7 @@
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline exact::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 using DoubleDoubles = WideLanes<true>;
@@ -166,11 +166,11 @@ void radii_of_cells(unsigned k, const double* corners, double* radii) {
       radii_of_vector<4>(corners + lane, radii + lane);
 }
 
-}  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 HWY_EXPORT(centres_of_cells);
 HWY_EXPORT(radii_of_cells);
@@ -183,5 +183,5 @@ void circumradii_double_double(unsigned k, const double* corners, double* radii)
   HWY_DYNAMIC_DISPATCH(radii_of_cells)(k, corners, radii);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal
 #endif

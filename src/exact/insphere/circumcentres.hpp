@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The number of cells per call.
 inline constexpr std::size_t centres_block = 8;
@@ -21,4 +21,4 @@ void circumcentres_double_double(unsigned k, const double* corners, double* cent
 /// is, as where the radius is one.
 void circumradii_double_double(unsigned k, const double* corners, double* radii);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

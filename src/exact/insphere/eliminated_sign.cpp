@@ -11,7 +11,7 @@
 #include "exact/determinants/minors.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 // N: the size if known at compile time, else 0.
@@ -118,4 +118,4 @@ bool eliminated_sign(unsigned n, double* m, double* doubt, Sign& sign) {
   });
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Computes the sign of the determinant of an n x n matrix A. `m` contains A's entries row by row
 /// as computed: each within a double's roundoff, those of the last column also within doubt[i];
@@ -13,4 +13,4 @@ namespace cullhull::internal::inline exact {
 /// O(n^3).
 bool eliminated_sign(unsigned n, double* m, double* doubt, Sign& sign);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "exact/insphere/lifted_rows.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 template <unsigned K>
@@ -88,4 +88,4 @@ Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, cons
   });
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Relative error of one operation of DoubleDouble: 7 u^2 for products, 3 u^2 for sums (Joldes,
 /// Muller, Popescu 2017), with room for second-order terms.
@@ -143,4 +143,4 @@ bool base_orientation_eliminated(unsigned k, const double* const* p, Sign& sign)
 /// they cannot decide.
 Sign lift_side_double_double(const LiftedPoints& s, const double* const* c, const double* p);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Counts of one thread's predicates: signs decided by each rung, and ties.
 struct LiftCounts {
@@ -60,4 +60,4 @@ inline Sign base_orientation(const LiftedPoints& s, const double* const* p) {
   return orientation(s.base, p);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -17,7 +17,7 @@
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline exact::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 using DoubleDoubles = WideLanes<true>;
@@ -71,11 +71,11 @@ void sides_of_cells(unsigned k, const double* corners, const double* p, double t
       k, [&](auto dimension) { sides_of_block<dimension()>(corners, p, tiny, signs); });
 }
 
-}  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 HWY_EXPORT(sides_of_cells);
 
@@ -84,5 +84,5 @@ void lift_sides_double_double(unsigned k, const double* corners, const double* p
   HWY_DYNAMIC_DISPATCH(sides_of_cells)(k, corners, p, tiny, signs);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal
 #endif

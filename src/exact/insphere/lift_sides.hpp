@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The number of cells per call.
 inline constexpr std::size_t sides_block = 8;
@@ -16,4 +16,4 @@ inline constexpr std::size_t sides_block = 8;
 void lift_sides_double_double(unsigned k, const double* corners, const double* p, double tiny,
                               double* signs);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

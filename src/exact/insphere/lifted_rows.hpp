@@ -12,7 +12,7 @@
 #include "exact/numbers/double_parts.hpp"
 #include "exact/points/integer_points.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The matrix of an in-sphere or power test: rows c_1 - c_0, ..., c_k - c_0, p - c_0, each with the
 /// difference of the lifts |x|^2 - w as its last entry. A point consists of k coordinates, then
@@ -106,4 +106,4 @@ class LiftedRows {
   bool narrow_ = false;
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Throws Error{invalid_argument}. Simplices of triangulations have a volume, so their determinants
 /// are not zero; those from outside may be wrong.
@@ -129,4 +129,4 @@ inline mpq_class exact_difference<mpq_class>(double a, double b) {
   return mpq_class(mpq_class(a) - mpq_class(b));
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 struct DoubleDouble {
   double high = 0, low = 0;
@@ -59,4 +59,4 @@ struct DoubleDouble {
   }
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Returns the exponent of the lowest set bit; v is finite and not zero.
 inline int lowest_bit_exponent(double v) {
@@ -33,4 +33,4 @@ inline DoubleParts double_parts(double v) {
   return {(bits >> 63) != 0 ? -m : m, (biased != 0 ? biased - 1075 : -1074) + zeros};
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// A float of `bits` bits: an operation's result is cut off there, unless it is exact.
 template <mp_bitcnt_t bits>
@@ -102,4 +102,4 @@ using ExactFloat = WideFloat<4352>;
 /// the time that it takes with ExactFloat.
 using RoundedFloat = WideFloat<320>;
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

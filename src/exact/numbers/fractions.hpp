@@ -12,7 +12,7 @@
 #include "exact/numbers/bounded.hpp"
 #include "exact/numbers/rationals.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The number numerator / denominator * 2^exponent; the denominator is positive. Fractions divided
 /// by the same number have the same denominator and are added without extending it.
@@ -142,4 +142,4 @@ inline std::optional<std::vector<double>> nearest_shares(const std::vector<Fract
   return shares;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline exact::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -102,7 +102,7 @@ HWY_INLINE WideLanes<fused> chosen(M mask, const WideLanes<fused>& yes,
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // CULLHULL_LANES_INL

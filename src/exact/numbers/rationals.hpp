@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Returns the nearest double, ties to even; infinity beyond the range.
 inline double nearest_double(const mpq_class& x) {
@@ -84,4 +84,4 @@ inline bool solves_without_negatives(RationalRows& m) {
   return true;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Computes the sign of the orientation of the K + 1 points p, K >= 2; returns false if doubles
 /// cannot decide. `tiny`: more than underflow adds to the determinant. `bounded`: no product of
@@ -57,4 +57,4 @@ inline bool filtered_by_columns(const double* const* p, double tiny, Sign& sign,
   return true;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

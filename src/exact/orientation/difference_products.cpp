@@ -8,7 +8,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "exact/numbers/exact_float.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 /// Computes the sign in double-doubles, whose operations err by less than 2^-101: a term passes 1
@@ -112,4 +112,4 @@ Sign compare_lengths(unsigned d, const double* a, const double* b, const double*
   return sign != Sign::zero ? sign : exactly(d, terms);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

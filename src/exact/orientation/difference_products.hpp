@@ -5,7 +5,7 @@
 
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// A term: the sum over d axes of sign (a - b) (c - e).
 struct DifferenceProduct {
@@ -29,4 +29,4 @@ Sign sign_of_products(unsigned d, std::span<const DifferenceProduct> terms);
 Sign compare_lengths(unsigned d, const double* a, const double* b, const double* c,
                      const double* e);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

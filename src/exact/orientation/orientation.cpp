@@ -19,7 +19,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 // ---------------------------------------------------------------------------------------------
@@ -270,4 +270,4 @@ bool plane_exact(unsigned d, const double* const* p, double* normal) {
   return true;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

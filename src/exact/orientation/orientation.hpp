@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 enum class Sign : int { negative = -1, zero = 0, positive = 1 };
 
@@ -61,4 +61,4 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count,
 /// false if the points are affinely dependent.
 bool plane_exact(unsigned d, const double* const* p, double* normal);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

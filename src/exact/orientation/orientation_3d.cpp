@@ -6,7 +6,7 @@
 #include "exact/numbers/double_parts.hpp"
 #include "parallel/int128.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 DoubleDouble cross(DoubleDouble a, DoubleDouble b, DoubleDouble c, DoubleDouble d) {
@@ -157,4 +157,4 @@ Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) cons
   return orientation_from_centroid_exact(3, rows, simplex);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

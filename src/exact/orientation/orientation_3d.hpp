@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Returns det [a; b; c] in doubles, by the same order of operations everywhere.
 inline double determinant_3(const double* a, const double* b, const double* c) {
@@ -98,4 +98,4 @@ class Orientation3D {
   double to_integer_[3] = {1, 1, 1};
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "exact/numbers/double_parts.hpp"
 #include "exact/planes/elimination.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 namespace {
 
 /// The largest dimension with a proof: bounds are sums of non-negative terms, each with fewer than
@@ -71,7 +71,8 @@ bool EliminatedPlane::eliminate() {
   column_.resize(d_);
   row_.resize(m);
   bool odd = false;
-  if (exact::eliminate(lu_.data(), m, d_, row_.data(), column_.data(), 0x1p-400, 0x1p60, odd) < m)
+  if (internal::eliminate(lu_.data(), m, d_, row_.data(), column_.data(), 0x1p-400, 0x1p60, odd) <
+      m)
     return false;
   determinant_log_ = 0;
   double mantissa = 1;
@@ -384,4 +385,4 @@ bool EliminatedPlane::below_unit(const double* x, double magnitude) const {
   return most < unit_log;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// A plane as the vector z with e_c z = 0 for all edges e_c of the facet; one component of z is 1.
 /// Edges are differences from p[0]; columns are scaled by powers of two. Not safe to share between
@@ -79,4 +79,4 @@ class EliminatedPlane {
   double shrink_ = 0;           // theta
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

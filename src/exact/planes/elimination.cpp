@@ -14,7 +14,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline exact::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -92,11 +92,11 @@ unsigned eliminate_matrix(double* matrix, unsigned rows, unsigned columns, unsig
   return rows;
 }
 
-}  // namespace cullhull::internal::inline exact::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 HWY_EXPORT(eliminate_matrix);
 
@@ -106,5 +106,5 @@ unsigned eliminate(double* matrix, unsigned rows, unsigned columns, unsigned* ro
                                                 odd);
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal
 #endif

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The distance of rows in a matrix, in doubles: a vector of this many doubles that begins in any
 /// column does not reach the next row.
@@ -22,4 +22,4 @@ constexpr std::size_t elimination_stride(std::size_t columns) {
 unsigned eliminate(double* matrix, unsigned rows, unsigned columns, unsigned* row, unsigned* column,
                    double least, double most, bool& odd);
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

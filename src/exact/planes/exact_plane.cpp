@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 BigNumbers::~BigNumbers() {
   for (Number& n : values_) mpz_clear(n.data);
@@ -194,4 +194,4 @@ ExactPlane& OrientedPlane::exact() {
   return exact_;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/planes/eliminated_plane.hpp"
 #include "exact/points/integer_points.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Computes one entry of a step of fraction-free elimination (Bareiss 1968): x = (x pivot - factor
 /// top) / previous, where previous is the previous pivot (null in the first step). Every division
@@ -113,4 +113,4 @@ class OrientedPlane {
   ExactPlane exact_;
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 
 #include "exact/numbers/bounded.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// The halfspace normal . x <= offset.
 template <unsigned D, class Real>
@@ -70,4 +70,4 @@ std::array<Real, 3> meeting(const std::array<const Halfspace<3, Real>*, 3>& h) {
   return sum;
 }
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 
 #include "exact/numbers/double_parts.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 inline int bit_length(std::uint64_t v) { return 64 - std::countl_zero(v); }
 
@@ -91,4 +91,4 @@ class Differences {
   IntegerPoints points_;
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline exact {
+namespace cullhull::internal {
 
 /// Row-major doubles. Each axis is translated (only if that is exact) and scaled by a power of two,
 /// so that |x| <= 1; the hull's combinatorics do not change under such a map. `exact` equals
@@ -65,4 +65,4 @@ struct LiftedPoints {
   const double* row(std::uint32_t i) const { return rows.data() + std::size_t{i} * stride; }
 };
 
-}  // namespace cullhull::internal::inline exact
+}  // namespace cullhull::internal

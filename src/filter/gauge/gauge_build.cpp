@@ -12,7 +12,7 @@
 #include "filter/gauge/gauge_walk.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 /// Fills a table. With cones, it also stores the facet at which the walk to each node ended, as the
@@ -201,4 +201,4 @@ bool build_gauge_table(InnerPolytope&& polytope, const GaugeSettings& settings, 
   });
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// A polytope and the cones over its facets, for testing single points.
 class GaugeCones {
@@ -148,4 +148,4 @@ struct GaugeShortcuts {
 GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
                               unsigned threads);
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 /// Covers the distance between the point's direction and the place where the map is read, and all
@@ -317,4 +317,4 @@ std::optional<GaugeCore> make_core(const GaugeTable& t, const std::vector<float>
   });
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

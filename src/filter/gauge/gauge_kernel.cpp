@@ -25,7 +25,7 @@
 #include "filter/gauge/gauge_blocks-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline filter::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 // ---------------------------------------------------------------- packed rows of f32 or f64
@@ -200,11 +200,11 @@ std::size_t survivors(const GaugeTable& t, const GaugeShortcuts* shortcuts, cons
       t.dimension, [&](auto d) { return survivors_in<d>(t, shortcuts, v, begin, count, ids); });
 }
 
-}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 HWY_EXPORT(survivors);
 
@@ -214,5 +214,5 @@ std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, st
   return HWY_DYNAMIC_DISPATCH(survivors)(table, shortcuts, points, begin, end, ids);
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal
 #endif

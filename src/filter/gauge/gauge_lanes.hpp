@@ -24,7 +24,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 inline constexpr unsigned warp_lanes = 32;
 
@@ -338,4 +338,4 @@ void with_types(const GaugeTable& t, ScalarType scalar, const Run& run) {
   });
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 #include "filter/gauge/gauge_build.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 /// The approximate number of cells along an edge of a face: their 38 KB of levels about fill the L1
@@ -102,4 +102,4 @@ std::optional<GaugeLevels> make_levels(const GaugeTable& t, unsigned threads) {
   return levels;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

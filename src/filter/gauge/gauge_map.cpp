@@ -12,7 +12,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 struct GaugeMap::Table : GaugeTable {
   std::unique_ptr<GaugeCones> cones;
@@ -148,4 +148,4 @@ GaugeShortcuts make_shortcuts(const GaugeTable& t, const PointView& points, std:
   return s;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 struct GaugeTable;
 
@@ -95,4 +95,4 @@ class GaugeMap {
   std::unique_ptr<Table> table_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline filter::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -53,11 +53,11 @@ void largest_gauges_in(const GaugePlanes& planes, unsigned cells, const float* x
   }
 }
 
-}  // namespace cullhull::internal::inline filter::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 HWY_EXPORT(largest_gauges_in);
 
@@ -181,5 +181,5 @@ bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeT
   return true;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal
 #endif

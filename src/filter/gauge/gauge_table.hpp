@@ -7,7 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// A map in scaled coordinates y_j = (x_j - centre_j) * scale_j, where scale_j is a power of two
 /// and the polytope is within |y_j| <= 1. Face 2 * axis + (1 if negative) of the cube |y| = 1 has
@@ -47,4 +47,4 @@ std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, st
                             std::uint64_t end, std::uint32_t* ids,
                             const GaugeShortcuts* shortcuts = nullptr);
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

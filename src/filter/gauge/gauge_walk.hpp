@@ -13,7 +13,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// What a combination of vertices q (relative to the centre) with weights mu >= 0 proves about a
 /// direction v.
@@ -351,4 +351,4 @@ class ConeWalk {
   double lipschitz_ = 0;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

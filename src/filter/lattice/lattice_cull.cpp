@@ -9,7 +9,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 /// Points per chunk: about 50 us of work, as with light_grain, whose steps are half as long.
@@ -464,4 +464,4 @@ bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, co
   return Thinner(rows, count, d, run).run(sample, kept);
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cullhull/array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// Keeps of all points on one line parallel to an axis only the two ends, because no other can be
 /// extreme; of equal points only the first. It thins along each axis in turn. Coordinates are
@@ -21,4 +21,4 @@ namespace cullhull::internal::inline filter {
 bool lattice_cull(const Array<double>& rows, std::uint32_t count, unsigned d, const Run& run,
                   std::vector<std::uint32_t>& kept);
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

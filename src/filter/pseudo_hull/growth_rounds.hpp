@@ -8,7 +8,7 @@
 
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 template <class Executor>
 class GrowthRounds {
@@ -71,4 +71,4 @@ class GrowthRounds {
   std::vector<Round> unread_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

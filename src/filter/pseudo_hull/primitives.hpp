@@ -18,7 +18,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
@@ -357,4 +357,4 @@ class ThreadExecutor : public HostExecutor<ThreadExecutor> {
   unsigned threads_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t block_size = PseudoSubset::block;
@@ -211,4 +211,4 @@ std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
   });
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cullhull/point_view.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// The outcome of one round, summed over the subsets.
 struct PseudoHullRound {
@@ -48,4 +48,4 @@ std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
                                                  std::vector<PseudoHullRound>* rounds = nullptr,
                                                  SimplexRecord* record = nullptr);
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

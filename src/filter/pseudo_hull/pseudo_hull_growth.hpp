@@ -15,7 +15,7 @@
 #include "filter/pseudo_hull/pseudo_hull_steps.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// Grows one pseudo-hull. Reusable: memory is kept from one subset to the next.
 template <unsigned D, class Executor, class Rows>
@@ -197,4 +197,4 @@ class PseudoHullGrowth {
   std::vector<std::uint32_t> simplex_of_, corners_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

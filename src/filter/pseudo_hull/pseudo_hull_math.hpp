@@ -11,7 +11,7 @@
 #include "exact/determinants/minors.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// A facet of the pseudo-hull: its vertices as rows of the subset.
 template <unsigned D>
@@ -140,4 +140,4 @@ struct PlaceSearch {
   }
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "parallel/host_device.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// A subset of the points: subset s of M has the blocks s, s + M, s + 2 M, ..., a uniform sample
 /// even where neighbours in memory are neighbours in space.
@@ -94,4 +94,4 @@ RowsInPlace<D, T> rows_in_place(const PointView& view, const PseudoSubset& subse
   return rows;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

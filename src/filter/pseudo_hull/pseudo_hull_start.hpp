@@ -9,7 +9,7 @@
 #include "filter/pseudo_hull/primitives.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// The lowest and the highest points along each axis, the first of equal ones; no_item if there are
 /// no points.
@@ -252,4 +252,4 @@ bool choose_simplex(Executor& executor, RowReader<D, Rows, Executor>& reader, co
   return true;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

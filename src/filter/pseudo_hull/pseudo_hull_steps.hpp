@@ -10,7 +10,7 @@
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
 #include "filter/pseudo_hull/pseudo_hull_rows.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// An exterior point: a row, and the facet it is assigned to.
 struct ExteriorPoint {
@@ -201,4 +201,4 @@ struct MovePoint {
   }
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "filter/pseudo_hull/primitives.hpp"
 #include "filter/star_hull/star_math.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// What can be done at a side of a facet: its edge is replaced, or the edge's first or second end
 /// (after the corner) removed.
@@ -406,4 +406,4 @@ struct ReportFacet {
   }
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

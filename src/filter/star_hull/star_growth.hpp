@@ -18,7 +18,7 @@
 #include "filter/star_hull/star_math.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// The facets that replace one, for the points in its cone. Plane `between[k]` goes through centre,
 /// apex and vertex k of the facet, with vertex k + 1 on its inner side; facet i of the new ones
@@ -364,4 +364,4 @@ class StarGrowth {
   RowReader<3, Rows, Executor> reader_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "filter/star_hull/star_triangles.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 struct StarCentre {
   double at[3];
@@ -252,4 +252,4 @@ class StarHull {
   Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// A side of a facet: that opposite to its vertex `corner()`.
 struct StarSide {
@@ -50,4 +50,4 @@ CULLHULL_HD_INLINE int star_sign(const double* o, const double* a, const double*
   return minor[7] > bound ? 1 : minor[7] < -bound ? -1 : 0;
 }
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

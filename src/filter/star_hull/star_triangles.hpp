@@ -5,7 +5,7 @@
 
 #include "cullhull/array.hpp"
 
-namespace cullhull::internal::inline filter {
+namespace cullhull::internal {
 
 /// Triangles of numbered vertices, counterclockwise seen from outside: triangle t has
 /// vertices[3 t ... 3 t + 2]; neighbours[3 t + k] is opposite to the k-th of them. order[v] is the
@@ -16,4 +16,4 @@ struct StarTriangles {
   std::size_t count() const { return vertices.size() / 3; }
 };
 
-}  // namespace cullhull::internal::inline filter
+}  // namespace cullhull::internal

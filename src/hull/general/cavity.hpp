@@ -12,7 +12,7 @@
 #include "hull/general/ridge_pairs.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// A ridge between a facet that is visible from the point and one that is not.
 struct HorizonRidge {
@@ -68,4 +68,4 @@ struct Lane {
   std::uint64_t streams_done = 0;  ///< in phases that several workers shared
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

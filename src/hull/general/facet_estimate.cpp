@@ -20,7 +20,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 /// Facets per vertex of random points on a sphere: the limit, and for V = 20, 40, ... 640 points
@@ -220,4 +220,4 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
               "vertices)");
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

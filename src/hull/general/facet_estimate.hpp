@@ -6,7 +6,7 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 struct FacetEstimate {
   double vertices = 0, facets = 0;
@@ -28,4 +28,4 @@ FacetEstimate estimate_facets(const LocalPoints& points, const Run& run);
 /// would need less.
 void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, const Run& run);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

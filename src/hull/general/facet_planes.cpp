@@ -25,7 +25,7 @@
 #include "hull/general/laplace.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline hull::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -176,12 +176,12 @@ void planes_of_facets(const PlaneFrame& frame, std::uint32_t apex, const std::ui
   });
 }
 
-}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 HWY_EXPORT(planes_of_facets);
 
@@ -194,5 +194,5 @@ void facet_planes(const PlaneFrame& frame, std::uint32_t apex, const std::uint32
   facet_planes_any(frame, facets, count, planes);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 #endif

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// The points that planes are computed from. A facet is a row of d ids; its plane is scaled to n .
 /// (x - O) = 1 and stored as d + 1 floats, the last of which is the error bound E: for g~ = n . y
@@ -92,4 +92,4 @@ inline constexpr std::size_t seen_room = 8;
 bool seen_facets(unsigned d, const float* groups, std::size_t count, const float* y,
                  std::uint8_t* seen, std::uint8_t* open);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

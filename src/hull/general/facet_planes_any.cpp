@@ -7,7 +7,7 @@
 #include "exact/planes/eliminated_plane.hpp"
 #include "hull/general/facet_planes.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 /// The largest error of a plane from plane_between(); beyond it the plane is computed from its
@@ -154,4 +154,4 @@ bool plane_between(const PlaneFrame& frame, const double* seen, const double* un
   return true;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

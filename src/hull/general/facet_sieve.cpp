@@ -12,7 +12,7 @@
 #include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline hull::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -113,11 +113,11 @@ void beneath(unsigned d, const float* planes, std::size_t count, const float* y,
   with_dimension<4, 7, 8>(d, [&](auto k) { block<k>(planes, count, y, beneath); });
 }
 
-}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 HWY_EXPORT(beneath);
 HWY_EXPORT(seen);
@@ -132,5 +132,5 @@ bool seen_facets(unsigned d, const float* groups, std::size_t count, const float
   return HWY_DYNAMIC_DISPATCH(seen)(d, groups, count, y, seen_bits, open);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 #endif

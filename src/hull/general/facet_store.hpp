@@ -7,7 +7,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
 /// ridge opposite to vertex j. In 4D and 5D both share one cache line; in 6D and 7D the hot part is
@@ -94,4 +94,4 @@ class FacetStore {
   RawArray<double> wide_;  ///< for D = 0
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

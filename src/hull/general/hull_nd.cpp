@@ -8,7 +8,7 @@
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 namespace {
 
@@ -49,4 +49,4 @@ Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const 
   });
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -40,7 +40,7 @@
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 template <unsigned D>
 class InsertionNd {
@@ -516,7 +516,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
   return no_index;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 
 #include "hull/general/insertion_nd_batches.hpp"
 #include "hull/general/insertion_nd_cavity.hpp"

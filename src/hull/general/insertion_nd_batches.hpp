@@ -6,7 +6,7 @@
 
 #include "hull/general/insertion_nd.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 template <unsigned D>
 template <class Body>
@@ -188,4 +188,4 @@ void InsertionNd<D>::claim(Stream& s) {
   for (const HorizonRidge& r : s.horizon) claims_[r.outside] = border;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

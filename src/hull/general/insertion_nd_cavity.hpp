@@ -7,7 +7,7 @@
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/prefetch.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 // ----------------------------------------------------------------------------------- insertion
 
@@ -213,4 +213,4 @@ Boundary InsertionNd<D>::collect() {
   return std::move(result_);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 
 #include "hull/general/insertion_nd.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 template <unsigned D>
 void InsertionNd<D>::append_round(NormOrder& order) {
@@ -98,4 +98,4 @@ void InsertionNd<D>::sieve(NormOrder& order, const std::vector<float>& planes) c
   order.drop(inside.data());
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

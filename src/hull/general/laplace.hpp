@@ -6,7 +6,7 @@
 
 #include "exact/determinants/minors.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Sets of columns of a D-column matrix. A set's rank is its number among the sets of its size, in
 /// ascending order of bit masks.
@@ -93,4 +93,4 @@ struct PlaneBounds {
   static constexpr double per_reach = (D + 3) * 0x1p-24 * (1 + 0x1p-10);
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 
 #include "geometry/simplex.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Finds the neighbours among the facets that replace a cavity: every ridge through the new point
 /// belongs to two of them. RidgeSums pairs them by a hash of the ridge. Keeps its memory.
@@ -73,4 +73,4 @@ class RidgePairs {
   std::vector<Id> ridges_;
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t block = PlanarSource::block;
@@ -475,4 +475,4 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
   return corners_;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

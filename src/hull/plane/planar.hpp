@@ -9,7 +9,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// A point with its exact coordinates, its row in the source, and a key that is monotone in x.
 struct Entry {
@@ -93,4 +93,4 @@ class PlanarSource {
   const double* packed_;
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

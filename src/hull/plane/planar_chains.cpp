@@ -4,7 +4,7 @@
 #include <bit>
 #include <utility>
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 /// Up to this many points are sorted by insertion. 8, 16, 40 and 64 differ from 24 by less than 1 %
@@ -163,4 +163,4 @@ void ChainBuilder::extend(Entries& chain, std::uint32_t& size, const Entry* poin
   size = m;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

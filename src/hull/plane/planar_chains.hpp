@@ -9,7 +9,7 @@
 #include "hull/plane/planar.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// The lexicographically first and last point: points above the chord between them cannot be on the
 /// lower chain, points below it not on the upper one.
@@ -81,4 +81,4 @@ class ChainBuilder {
 /// others may be replaced by copies of them: they are not extreme.
 void sort_entries(Entry* begin, Entry* end, const Control& control);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint32_t discard_from = 1U << 14, probe_size = 1U << 9, sample_size = 1U << 16;
@@ -166,4 +166,4 @@ std::vector<std::uint32_t> discard_inner(const PlanarSource& source, const Box& 
   return outside(source, *strip, corners, middle, run);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "hull/plane/planar.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Smallest and largest coordinates.
 struct Box {
@@ -124,4 +124,4 @@ class Quadrilateral {
   double nx_[4] = {}, ny_[4] = {}, limit_[4] = {-1, -1, -1, -1};
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "hull/plane/planar_strip.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 struct Polygon {
   /// Rows of the extreme points (of equal points the lowest row), counter-clockwise from the
@@ -44,4 +44,4 @@ class PolygonSeries {
   Box box_{};
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

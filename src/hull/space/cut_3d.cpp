@@ -6,7 +6,7 @@
 #include "hull/space/engine_3d.hpp"
 #include "parallel/random_stream.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 /// Eigenvectors (rows) of a symmetric matrix by Jacobi's rotations; approximations suffice.
@@ -191,4 +191,4 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
   return best;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

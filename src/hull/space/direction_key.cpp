@@ -13,7 +13,7 @@
 #include <cmath>
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline hull::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -111,11 +111,11 @@ void fine_direction_keys(const DirectionKey::Map& map, const double* x, const do
   keys_of(map, x, y, z, 24, keys);
 }
 
-}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 HWY_EXPORT(direction_keys);
 HWY_EXPORT(fine_direction_keys);
@@ -208,5 +208,5 @@ DirectionKey DirectionKey::for_normals() const {
   return key;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 #endif

@@ -12,7 +12,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Borders between the pieces of a surface: parallel planes, or keys along the insertion order.
 struct Cut3D {
@@ -97,4 +97,4 @@ class Engine3D {
   std::vector<Entries3D::Entry> entries_;
 };
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/random_stream.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
@@ -235,4 +235,4 @@ Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const 
   return boundary_of(triangle_mesh(points, simplex, run), run);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -20,7 +20,7 @@
 #include "cullhull/error.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline hull::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -463,11 +463,11 @@ void compute_plane_in(const Shared3D& shared, Facet3D& facet) {
   facet.error = planes[3];
 }
 
-}  // namespace cullhull::internal::inline hull::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 HWY_EXPORT(insert_points_in);
 HWY_EXPORT(screen_points_in);
@@ -493,5 +493,5 @@ void compute_plane(const Shared3D& shared, Facet3D& facet) {
   HWY_DYNAMIC_DISPATCH(compute_plane_in)(shared, facet);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal
 #endif

@@ -17,7 +17,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// A facet, one cache line. The plane is scaled to normal . (x - O) = 1, see docs/exactness.md,
 /// "Cached planes". Vertices are counter-clockwise seen from outside; neighbour j is opposite to
@@ -108,4 +108,4 @@ std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p
 /// Fills normal and error of a facet from its vertices.
 void compute_plane(const Shared3D& shared, Facet3D& facet);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

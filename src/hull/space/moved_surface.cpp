@@ -5,7 +5,7 @@
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/index.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
@@ -169,4 +169,4 @@ std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const Loc
       [&](std::size_t i) { return triangles.neighbours[i]; }, points, simplex, run);
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 #include "hull/space/engine_3d.hpp"
 #include "parallel/radix_sort.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// Ranks the facets by their normals, along a curve.
 void Engine3D::rank_facets() {
@@ -143,4 +143,4 @@ void Engine3D::permute(Id begin, const KeyedId* order) {
   shared_.rows = rows_.get();
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 /// A round has 15 times as many points as all rounds before it (measured: 7 to 31 take the same
@@ -139,4 +139,4 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   return order;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/radix_sort.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 // Positions of directions on a curve over all directions: the 3D engine's order along the surface.
 
@@ -55,4 +55,4 @@ struct InsertionOrder3D {
 InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKey& key,
                                     const std::uint32_t* simplex, const Run& run);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 #include "hull/space/engine_3d.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// For rounds with few points outside: all threads search for these, one inserts them.
 void Engine3D::screen_and_insert(Id begin, Id end) {
@@ -192,4 +192,4 @@ std::vector<Engine3D::Work> Engine3D::join_pieces() {
   return work;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
@@ -64,4 +64,4 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
   return hull;
 }
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

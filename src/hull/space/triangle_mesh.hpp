@@ -16,7 +16,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline hull {
+namespace cullhull::internal {
 
 /// A surface of triangles in the engine's records: slots of facets, some of them unused.
 struct TriangleMesh {
@@ -69,4 +69,4 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
 std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
                                        const std::uint32_t* simplex, const Run& run);
 
-}  // namespace cullhull::internal::inline hull
+}  // namespace cullhull::internal

@@ -21,7 +21,7 @@
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 char* BlockMemory::room(std::size_t bytes, std::size_t keep) {
   if (bytes > size_) {
@@ -543,9 +543,9 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   return std::make_unique<WholeInput>(std::move(from), format == "text" ? "txt" : format, read);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Grid common_grid(const std::vector<std::string>& files, const ReadOptions& options) {
   using namespace internal;
@@ -573,4 +573,4 @@ Grid common_grid(const std::vector<std::string>& files, const ReadOptions& optio
   return grid_of_all(placements, states);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -11,7 +11,7 @@
 #include "io/coordinates.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Memory that a reading thread keeps from block to block.
 class BlockMemory {
@@ -82,4 +82,4 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
 /// show, as those of raw numbers.
 bool comes_in_blocks(const Source& head, const ReadOptions& options, bool unknown = false) noexcept;
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

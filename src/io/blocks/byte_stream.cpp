@@ -13,7 +13,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::size_t head_bytes = std::size_t{1} << 20;
@@ -223,4 +223,4 @@ void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t
   }
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

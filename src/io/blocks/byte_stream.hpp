@@ -10,7 +10,7 @@
 
 #include "cullhull/io.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// An open file descriptor. 0 stays open.
 class Descriptor {
@@ -60,4 +60,4 @@ bool read_more_of_head(OpenedBytes& opened);
 /// Reads exactly `size` bytes at an offset. Throws Error{io}, also where the file has shrunk.
 void read_at(const OpenedBytes& from, char* out, std::size_t size, std::uint64_t offset);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

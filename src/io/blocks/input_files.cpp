@@ -11,7 +11,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "parallel/memory/memory.hpp"
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -83,4 +83,4 @@ bool worth_streaming(const std::vector<std::string>& files, const Options& optio
   return input_bytes(files) > half;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

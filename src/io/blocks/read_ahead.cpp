@@ -10,7 +10,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// By path. A pipe cannot be opened twice: its reader takes the descriptor along with the bytes.
@@ -83,4 +83,4 @@ std::string_view seen_ahead(const std::string& path) {
   return found == all.pipes.end() ? std::string_view() : found->second.bytes;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 
 #include "io/blocks/byte_stream.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// What was read ahead, and the pipe, from which the rest follows.
 struct ReadAhead {
@@ -31,4 +31,4 @@ std::optional<ReadAhead> take_read_ahead(const std::string& path);
 /// The bytes that were read ahead of this path and not taken; empty if there are none.
 std::string_view seen_ahead(const std::string& path);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -435,9 +435,9 @@ class Reading {
 };
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {
@@ -449,4 +449,4 @@ BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisi
   return internal::Reading(files, visitor, reading).run();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -21,7 +21,7 @@
 #include "io/system.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 bool is_word(std::string_view text) {
@@ -231,9 +231,9 @@ std::string crs_member(const std::string& crs) {
          crs.substr(0, colon) + "::" + crs.substr(colon + 1) + "\"}}, ";
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 std::string crs_code(const std::string& text) {
   // The parts between colons or slashes: EPSG:25832, urn:ogc:def:crs:EPSG::25832,
@@ -304,4 +304,4 @@ CommonCrs common_crs(const std::vector<std::string>& files) {
   return common;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

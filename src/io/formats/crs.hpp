@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Where the system of x and y begins in a WKT: the projected one, else the geographic one; npos
 /// without either.
@@ -19,4 +19,4 @@ bool is_wgs84(std::string_view crs);
 /// empty without a system and for WGS 84.
 std::string crs_member(const std::string& crs);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

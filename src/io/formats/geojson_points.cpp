@@ -15,7 +15,7 @@
 #include "io/formats/geometry_positions.hpp"
 #include "io/text/text_scan.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 struct GeometryType {
@@ -596,4 +596,4 @@ PointData read_geojson(const Source& source, const ReadOptions& options) {
   return PositionReader(source, options).read();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "io/source.hpp"
 #include "io/text/lines.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Positions in the order of the file. All have two or all have three coordinates.
 class Positions {
@@ -99,4 +99,4 @@ bool looks_like_wkt(const char* begin, const char* end);
 /// The line of a point that read_wkt gives.
 std::uint64_t line_of_wkt_point(const Source& source, std::uint64_t point);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

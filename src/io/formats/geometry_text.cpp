@@ -6,7 +6,7 @@
 #include "io/json/json_text.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// Writes each position by one(x, y), separated by commas; of a ring the first once more at the
@@ -195,4 +195,4 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   return out + "}\n";
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 #include "io/source.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// `boundary`: x y of the hull's vertices, counter-clockwise. A polygon is one closed ring; two
 /// points are a line, one is a point, none is null (GeoJSON) or an empty polygon (WKT).
@@ -110,4 +110,4 @@ void write_map(const std::string& path, const std::string& f, std::uint64_t coun
 /// As the public read_polygons; `lines`: as read_lines.
 Polygons read_polygons(const Source& source, bool lines = false);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

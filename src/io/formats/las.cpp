@@ -15,7 +15,7 @@
 #include "io/write/output_file.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 template <class T>
@@ -230,9 +230,9 @@ void write_records(OutputFile& out, const Source& las, const std::vector<std::ui
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids) {
@@ -250,4 +250,4 @@ void write_las_records(const std::string& path, const std::string& las,
   out.commit();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 using Kind = LasField::Kind;
@@ -182,4 +182,4 @@ void choose_las_columns(PointData& data, const char* records, std::size_t record
     gather(data, all, records, record, columns, options);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "cullhull/point_view.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 struct LasField {
   enum class Kind { bits, i8, u8, i16, u16, f64 };
@@ -39,4 +39,4 @@ std::string las_unit(const Source& head, std::size_t begin, std::size_t count);
 /// from its first byte to its points.
 std::string las_crs(const Source& head);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

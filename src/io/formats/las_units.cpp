@@ -10,7 +10,7 @@
 #include "io/formats/las_fields.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::size_t record_head = 54;  // bytes before the contents of a variable-length record
@@ -148,4 +148,4 @@ std::string las_crs(const Source& head) {
   return of_wkt.empty() ? of_keys : of_wkt;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

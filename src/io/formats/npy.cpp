@@ -13,7 +13,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// Of a structured array.
@@ -596,9 +596,9 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
   with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& ids) {
   internal::OutputFile out(path);
@@ -657,4 +657,4 @@ void NpySequenceWriter::write(const double* coordinates) {
   if (--impl_->frames == 0) impl_->out.commit();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

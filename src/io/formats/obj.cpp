@@ -6,7 +6,7 @@
 #include "io/text/lines.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::array<std::string_view, 48> keywords = {
@@ -102,4 +102,4 @@ void write_obj(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

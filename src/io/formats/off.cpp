@@ -2,7 +2,7 @@
 #include "io/text/lines.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 bool is_data_line(const char* p, const char* end) {
@@ -158,4 +158,4 @@ void write_off(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 struct Field {
@@ -414,4 +414,4 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
   return layout;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 enum class Encoding { ascii, little, big };
@@ -540,4 +540,4 @@ void write_ply(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 using nlohmann::json;
@@ -106,9 +106,9 @@ Polygons read_polygons(const Source& source, bool lines) {
   return PolygonReader(source.name, lines).read(document);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 PolygonRings Polygons::rings() const {
   return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};
@@ -137,4 +137,4 @@ Polygons read_rings(const std::string& path, bool lines) {
 Polygons read_polygons(const std::string& path) { return read_rings(path, false); }
 Polygons read_lines(const std::string& path) { return read_rings(path, true); }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

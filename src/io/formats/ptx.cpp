@@ -5,7 +5,7 @@
 #include "io/text/lines.hpp"
 #include "io/text/text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 class PtxReader {
@@ -127,4 +127,4 @@ PointData read_ptx(const Source& source, const ReadOptions& options) {
   return PtxReader(source, options).read();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

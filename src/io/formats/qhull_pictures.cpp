@@ -5,7 +5,7 @@
 #include "io/formats/qhull_text.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 void require_picture(const Hull& hull, const char* what) {
@@ -98,4 +98,4 @@ std::string geomview_text(const Coordinates& points, const Hull& hull) {
   return out += "}\n";
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/sort_few.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 void append_padded(std::string& out, double v) {
   const std::size_t at = out.size();
@@ -409,9 +409,9 @@ std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) 
   return measures;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 const std::vector<std::string>& qhull_formats() {
   static const std::vector<std::string> words = {
@@ -481,4 +481,4 @@ std::string hull_to_qhull_text(const HullState& state, const Hull& hull, std::st
   return qhull_text(state, hull, what);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

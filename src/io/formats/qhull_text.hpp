@@ -9,7 +9,7 @@
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The vertices of a facet in Qhull's order: det(v1 - v0, ..., x - v0) > 0 for x inside.
 std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t facet,
@@ -36,4 +36,4 @@ std::string geomview_text(const Coordinates& points, const Hull& hull);
 std::string mathematica_text(const Coordinates& points, const Hull& hull);
 std::string maple_text(const Coordinates& points, const Hull& hull);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

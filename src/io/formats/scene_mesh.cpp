@@ -10,7 +10,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 void append_bytes(std::string& out, const void* data, std::size_t size) {
@@ -170,4 +170,4 @@ void write_vtp(OutputFile& out, const HullMesh& mesh) {
   out.write("</Piece>\n</PolyData>\n</VTKFile>\n");
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 std::string_view as_text(const void* data, std::size_t size) {
@@ -109,9 +109,9 @@ void write_npz(OutputFile& out, const HullState& state) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void write_state(const std::string& path, const HullState& state) {
   const std::string format = internal::output_format(path, "", "hullstate");
@@ -141,4 +141,4 @@ HullState read_state(const std::string& path) {
   }
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -11,7 +11,7 @@
 #include "io/write/mesh.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t header_bytes = 84, record_bytes = 50;
@@ -139,4 +139,4 @@ void write_stl(OutputFile& out, const HullMesh& mesh) {
   }
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "io/formats/geometry_positions.hpp"
 #include "io/text/text_scan.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 struct GeometryTag {
@@ -268,4 +268,4 @@ std::uint64_t line_of_wkt_point(const Source& source, std::uint64_t point) {
   return 1 + static_cast<std::uint64_t>(std::count(source.data, at, '\n'));
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "io/text/text_scan.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 std::uint32_t WordNumbers::number(std::string_view word) {
   if (2 * words_.size() >= slots_.size()) grow();
@@ -142,4 +142,4 @@ SortedGroups CollectedPoints::sort(const std::vector<PointColumn>& columns) {
   return sorted;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Numbers words in the order in which they come. Open addressing: 20 bytes a word, and the word.
 class WordNumbers {
@@ -78,4 +78,4 @@ class CollectedPoints {
 /// Whether a key is a valid JSON number, and so need not be written as a string.
 bool is_json_number(std::string_view word);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

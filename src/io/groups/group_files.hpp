@@ -11,7 +11,7 @@
 #include "io/write/output_file.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Writes and clears a text of more than a megabyte.
 void write_if_long(std::string& text, OutputFile& out);
@@ -45,4 +45,4 @@ GroupReport write_sorted_groups(const std::vector<std::string>& files, const Blo
   return report;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "io/json/json_writer.hpp"
 #include "io/write/mesh.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 void write_if_long(std::string& text, OutputFile& out) {
   if (text.size() <= std::size_t{1} << 20) return;
@@ -297,9 +297,9 @@ void write_shapes(const CollectedPoints& collected, const SortedGroups& sorted,
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 GroupReport write_group_shapes(const std::vector<std::string>& files, const std::string& path,
                                const GroupShape& shape, const BlockOptions& reading,
@@ -322,4 +322,4 @@ GroupReport write_group_shapes(const std::vector<std::string>& files, const std:
       });
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

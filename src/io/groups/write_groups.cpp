@@ -18,7 +18,7 @@
 #include "io/write/output_formats.hpp"
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// One hull of a batch, and the coordinates of its vertices, a row each.
@@ -231,9 +231,9 @@ void write_slices(const CollectedPoints& collected, const SortedGroups& sorted,
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 GroupReport write_group_hulls(const std::vector<std::string>& files, const std::string& path,
                               const BlockOptions& reading, const Options& options,
@@ -282,4 +282,4 @@ void write_group_hulls(const std::string& path, const HullBatch& hulls,
   out.commit();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -12,7 +12,7 @@
 #include "io/hdf5/library.hpp"
 #include "io/records.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 bool holds_hdf5(const std::string& file, std::string_view head) {
   const std::string ending = extension_of(file);
@@ -401,7 +401,7 @@ PointData read_hdf5(const std::string& file, const std::string& datasets,
   return data;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
 const char* cullhull::describe_library_fault() noexcept {
 #if CULLHULL_HAVE_HDF5

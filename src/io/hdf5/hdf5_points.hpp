@@ -8,7 +8,7 @@
 
 #include "io/source.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Whether a file is one, by its name (.h5 .hdf5 .he5 .nc .nc4) or its first bytes. Throws
 /// Error{bad_file} for NetCDF's older formats, Error{invalid_argument} for standard input.
@@ -47,4 +47,4 @@ class Hdf5Points {
 PointData read_hdf5(const std::string& file, const std::string& datasets,
                     const ReadOptions& options, Slice& slice);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -17,7 +17,7 @@
 #include "io/system.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 // clang-format off
 #define CULLHULL_HDF5_FUNCTIONS(X) \
@@ -181,5 +181,5 @@ inline std::string reason() {
   return text[0] == 0 ? "" : " (libhdf5: " + std::string(text) + ")";
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 #endif

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 JsonHead head_of(std::string_view kind, const Hull& hull) {
@@ -64,9 +64,9 @@ void write_result_json(const Coordinates& points, const Hull& hull, const TextSi
   w.end_document();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -109,4 +109,4 @@ std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExt
   return report_json(state, hull, extras, with_lists);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

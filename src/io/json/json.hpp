@@ -7,9 +7,9 @@
 #include "io/coordinates.hpp"
 #include "io/json/json_writer.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The result alone: the same bytes for every thread count, filter and backend.
 void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

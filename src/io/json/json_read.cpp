@@ -9,7 +9,7 @@
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 using nlohmann::json;
@@ -484,9 +484,9 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
   return hull;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates,
                     const Options& options, std::uint64_t first_id) {
@@ -496,4 +496,4 @@ Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordin
   return hull;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 template <class T>
 requires std::is_integral_v<T>
@@ -72,4 +72,4 @@ inline void append_json_string(std::string& out, std::string_view text) {
   out += '"';
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

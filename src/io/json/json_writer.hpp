@@ -18,7 +18,7 @@
 #include "cullhull/version.hpp"
 #include "io/json/json_text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 using TextSink = std::function<void(const std::string&)>;
 
@@ -261,4 +261,4 @@ void put_measures(int k, double area, double volume, const Put& put) {
   put(k == 2 ? "area" : "volume", volume);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// Little-endian fields of bytes whose presence has been checked.
@@ -187,4 +187,4 @@ ArchiveMember find_member(const ReadAt& read, std::uint64_t size, const std::str
   return found;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

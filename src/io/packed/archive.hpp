@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// FILE.npz:NAME or FILE.h5:NAME in its two parts; the second is empty for any other name, and
 /// where a file with the whole name exists.
@@ -36,4 +36,4 @@ bool begins_archive(std::string_view head);
 ArchiveMember find_member(const ReadAt& read, std::uint64_t size, const std::string& member,
                           const std::string& name);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

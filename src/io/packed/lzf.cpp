@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 bool unpack_lzf(const char* packed, std::size_t packed_size, char* out, std::size_t size) {
   std::size_t at = 0, made = 0;
@@ -31,4 +31,4 @@ bool unpack_lzf(const char* packed, std::size_t packed_size, char* out, std::siz
   return made == size;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The most bytes that one packed byte can stand for: three bytes copy 264.
 inline constexpr std::size_t lzf_most_growth = 88;
@@ -12,4 +12,4 @@ inline constexpr std::size_t lzf_most_growth = 88;
 /// the bytes are. False where they are no LZF or make another number of bytes.
 bool unpack_lzf(const char* packed, std::size_t packed_size, char* out, std::size_t size);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

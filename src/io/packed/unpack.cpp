@@ -15,7 +15,7 @@
 #include <zstd.h>
 #endif
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{1} << 18;
@@ -343,4 +343,4 @@ void unwrap(const InputName& input, Source& source, ReadOptions& options, RawArr
   source.data = memory.data();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "io/source.hpp"
 #include "parallel/memory/raw_array.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 enum class Packing { none, gzip, zstd };
 
@@ -56,4 +56,4 @@ bool is_archive(const std::string& file, std::string_view head, const ReadOption
 /// Throws Error{bad_file}, Error{out_of_budget}, Error{invalid_argument}.
 void unwrap(const InputName& input, Source& source, ReadOptions& options, RawArray<char>& memory);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

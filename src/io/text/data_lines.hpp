@@ -7,7 +7,7 @@
 
 #include "io/text/text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 struct DataLine {
   Fields fields;
@@ -48,4 +48,4 @@ class DataLines {
 void find_rows(const Source& source, const ReadOptions& options, const std::string& format,
                const DataLine& first, const DataLines& lines, Preamble& preamble);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

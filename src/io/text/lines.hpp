@@ -13,7 +13,7 @@
 #include "io/text/text_scan.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Thrown by a format's rules; the line number is added here.
 struct LineFault {
@@ -161,4 +161,4 @@ inline PointData parsed_points(std::uint64_t count, std::uint32_t dimension, std
 const char* parse_coordinates(const char* p, const char* end, unsigned count, double* out,
                               const char* what);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include "io/columns.hpp"
 #include "io/text/lines.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 const char* parse_coordinates(const char* p, const char* end, unsigned count, double* out,
                               const char* what) {
@@ -263,4 +263,4 @@ PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const
   return parse_rows(piece, index, preamble, options);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "io/text/text_columns.hpp"
 #include "io/text/text_scan.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// The fields of a line, for the first lines and for messages.
 struct Field {
@@ -80,4 +80,4 @@ std::optional<std::uint64_t> line_of_row(const Source& file, std::uint64_t row,
 PointData read_text_piece(const Source& piece, std::uint64_t lines_before, const Preamble& preamble,
                           const ReadOptions& options);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 void ColumnScanner::take_quoted(std::string_view& column) {
   const char* const begin = ++at_;
@@ -115,4 +115,4 @@ void ColumnLayout::parse(const char* begin, const char* end, double* out,
                     " where there are " + std::to_string(coordinate.size())};
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

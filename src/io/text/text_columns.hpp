@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Splits a line into columns. With a separator each column is the text between two of them,
 /// without blanks around it; without one (' ') columns are separated by blanks. A column in double
@@ -57,4 +57,4 @@ struct ColumnLayout {
   std::string name_of(std::size_t column) const;
 };
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

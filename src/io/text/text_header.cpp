@@ -6,7 +6,7 @@
 #include "io/text/data_lines.hpp"
 #include "io/text/text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// The integers at the beginning of a line, two at most, and whether a comment ends it: words of
@@ -197,4 +197,4 @@ Preamble find_preamble(const Source& source, const ReadOptions& options,
   return preamble;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "io/text/data_lines.hpp"
 #include "io/text/lines.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// From Latin-1, which German and French Excel write, unless the text is UTF-8.
@@ -647,4 +647,4 @@ void find_rows(const Source& source, const ReadOptions& options, const std::stri
   RowFinder(source, options, format, preamble).find(first, lines);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

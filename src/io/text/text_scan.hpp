@@ -10,7 +10,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 inline bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
@@ -110,4 +110,4 @@ inline bool parse_unsigned(std::string_view word, std::uint64_t& value) {
 
 bool is_obj_keyword(std::string_view word);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -5,7 +5,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// From point ids to positions in hull.vertices.
@@ -80,4 +80,4 @@ void append_number(std::string& out, std::uint64_t value) {
   out.append(text, r.ptr);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "io/coordinates.hpp"
 #include "io/write/output_file.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Only the hull's vertices, in the order of hull.vertices; z = 0 for points of the plane.
 struct HullMesh {
@@ -45,4 +45,4 @@ void write_vtp(OutputFile& out, const HullMesh& mesh);
 void append_number(std::string& out, double value);
 void append_number(std::string& out, std::uint64_t value);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

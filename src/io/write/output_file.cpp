@@ -13,7 +13,7 @@
 #include "io/source.hpp"
 #include "io/system.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 // Read by a signal handler, so: fixed size, no lock, no allocation.
@@ -144,9 +144,9 @@ void OutputFile::commit() {
   abandon();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void remove_unfinished_files() noexcept {
   for (internal::Unfinished& u : internal::unfinished)
@@ -154,9 +154,9 @@ void remove_unfinished_files() noexcept {
       internal::system::remove_file(u.path);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void check_writable(const std::string& path) { const internal::OutputFile unfinished(path); }
 
@@ -166,4 +166,4 @@ void write_text(const std::string& path, std::string_view text) {
   file.commit();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

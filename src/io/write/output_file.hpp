@@ -11,7 +11,7 @@
 #include "io/write/output_formats.hpp"
 #include "parallel/byte_order.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Writes beside the target and renames in commit(); the destructor removes what was not committed.
 /// "-" is standard output; it, and targets that are no regular files, are written directly.
@@ -67,4 +67,4 @@ std::string output_format(const std::string& path, const std::string& format,
 [[noreturn]] void refuse_format(const std::string& path, const std::string& format,
                                 OutputFormat::Kinds kinds);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// What a file of results holds, by the function that writes it.
 enum class OutputKind : std::uint8_t {
@@ -101,4 +101,4 @@ inline bool is_map(std::string_view format) {
   return f != nullptr && f->shape == OutputFormat::Shape::map;
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

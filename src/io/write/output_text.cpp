@@ -4,7 +4,7 @@
 
 #include "cullhull/error.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 void require_triangulation_of(const PointView& points, const Triangulation& t) {
   const auto exist = [&](const Array<std::uint32_t>& ids) {
@@ -56,4 +56,4 @@ void write_mesh(const std::string& path, const std::string& f, const HullMesh& m
   out.commit();
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

@@ -11,7 +11,7 @@
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 /// Buffers text and writes it to a file in pieces.
 class OutputText {
@@ -61,4 +61,4 @@ void write_vtk(const std::string& path, const PointView& points, const Triangula
 /// A mesh in one of the formats ply, obj, off, stl, glb, vtp.
 void write_mesh(const std::string& path, const std::string& f, const HullMesh& mesh);
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal

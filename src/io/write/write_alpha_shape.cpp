@@ -12,7 +12,7 @@
 #include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// Only the points of these triangles.
@@ -130,9 +130,9 @@ void check(const std::string& path, const std::string& f, std::uint32_t dimensio
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -158,4 +158,4 @@ void write_alpha_shape(const std::string& path, const PointView& points, const T
   write_mesh(path, f, mesh_of(points, t, shape));
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -10,7 +10,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 
 std::string output_format(const std::string& path, const std::string& format,
                           const std::string& unnamed) {
@@ -28,9 +28,9 @@ void refuse_format(const std::string& path, const std::string& format, OutputFor
               quoted_text("." + format), "; known are", known);
 }
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 namespace {
 
@@ -81,4 +81,4 @@ void write_hull(const std::string& path, const HullState& state, const Hull& hul
   write_hull_of(path, state, hull, format, faces, extras);
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

@@ -14,7 +14,7 @@
 #include "io/write/output_file.hpp"
 #include "io/write/output_formats.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 /// Writes the rows packed, little-endian.
@@ -101,9 +101,9 @@ std::string axis_names(std::uint32_t dimension) {
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 void write_ids(const std::string& path, const std::vector<std::uint64_t>& ids,
                const std::string& format) {
@@ -285,4 +285,4 @@ void PointsWriter::write(const double* coordinates, std::uint64_t count) {
   if ((impl.left -= count) == 0) impl.end();
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

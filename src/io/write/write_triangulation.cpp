@@ -14,7 +14,7 @@
 #include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
-namespace cullhull::internal::inline io {
+namespace cullhull::internal {
 namespace {
 
 [[noreturn]] void refuse(const std::string& f, const std::string& holds, std::uint32_t dimension) {
@@ -203,9 +203,9 @@ HullMesh mesh_of(const ClippedCells& cells, bool triangles) {
 
 }  // namespace
 
-}  // namespace cullhull::internal::inline io
+}  // namespace cullhull::internal
 
-namespace cullhull::inline v1 {
+namespace cullhull {
 
 using namespace internal;
 
@@ -412,4 +412,4 @@ std::string voronoi_to_qhull_text(const Voronoi& v, std::string_view what) {
   return out;
 }
 
-}  // namespace cullhull::inline v1
+}  // namespace cullhull

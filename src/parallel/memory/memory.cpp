@@ -11,7 +11,7 @@
 #include <fstream>
 #include <limits>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
@@ -98,4 +98,4 @@ void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string
               " MiB, the memory budget is ", size_text(budget));
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

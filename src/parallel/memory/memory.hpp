@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// The bytes that a call may allocate: the request; for 0, half of machine_memory(), or 4 GiB if
 /// that is unknown.
@@ -28,4 +28,4 @@ std::uint64_t machine_memory();
 /// limit.
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root);
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

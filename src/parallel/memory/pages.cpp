@@ -17,7 +17,7 @@
 #include "parallel/memory/memory.hpp"
 #endif
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::align_val_t alignment{64};
@@ -394,4 +394,4 @@ void trim_pages(std::size_t) noexcept {}
 
 #endif
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "cullhull/array.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// While any PageScope exists, freed blocks of at least mapped_block bytes are kept and reused.
 /// When the last PageScope is destroyed, kept memory beyond the limit of keep_memory() is returned
@@ -70,4 +70,4 @@ void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const C
   });
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -16,7 +16,7 @@
 
 #include "parallel/memory/pages.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// A growing array of trivial items, whose values are indeterminate until written.
 template <class T>
@@ -114,4 +114,4 @@ void resize_big(Array<T>& v, std::size_t count) {
   v.resize(count);
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

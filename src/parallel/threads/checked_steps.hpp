@@ -5,7 +5,7 @@
 
 #include "parallel/threads/run.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Counts steps of a serial loop, each of at most some tens of nanoseconds, and checks for
 /// cancellation every 65,536 of them: every few milliseconds. A comparison of std::sort may call
@@ -31,4 +31,4 @@ class CheckedSteps {
   std::uint32_t left_ = between_checks;
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/helpers.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 constexpr unsigned item_bits = 20;  // width of a ticket's two item fields
@@ -104,4 +104,4 @@ void Crew::run(std::uint32_t count, const Body& body) {
   if (count > 0) phases_->run(count, body);
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

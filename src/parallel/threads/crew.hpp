@@ -7,7 +7,7 @@
 #include <functional>
 #include <memory>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// The calling thread and the helpers that join it for a session, a sequence of parallel phases.
 class Crew {
@@ -40,4 +40,4 @@ class Crew {
   std::shared_ptr<Phases> phases_;  // of the current session
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

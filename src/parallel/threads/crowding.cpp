@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 using std::chrono::nanoseconds;
@@ -76,4 +76,4 @@ void forget_crowding() noexcept {
   last_wait = 0;
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 
 #include <chrono>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Whether the back-off lasts: helpers are likely to cost more than they save. Thread-safe; takes
 /// about 30 ns.
@@ -36,4 +36,4 @@ void note_absence() noexcept;
 /// Ends the back-off and forgets all reports, as at the start of the process.
 void forget_crowding() noexcept;
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

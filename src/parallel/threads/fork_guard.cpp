@@ -4,7 +4,7 @@
 #include <pthread.h>
 #endif
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// All guards, in one linked list for each order. The heads are initialised at compile time, so
 /// that guards of any source file can be added before main.
@@ -47,4 +47,4 @@ ForkGuard::ForkGuard(Order order, void (*lock)(), void (*unlock)(), void (*unloc
       unlock_in_child_(unlock_in_child),
       next_(ForkGuards::add(order, this)) {}
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

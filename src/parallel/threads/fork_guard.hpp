@@ -2,7 +2,7 @@
 // held one of them during fork().
 #pragma once
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Holds a global lock during fork(). The child has none of the parent's other threads, so a lock
 /// that one of them held would never be released, and the data behind it could be half changed.
@@ -31,4 +31,4 @@ class ForkGuard {
   ForkGuard* next_;
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/fork_guard.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -204,4 +204,4 @@ void Patience::wait_a_little() {
   ++turns_;
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// The number of the machine's hardware threads, at least 1; determined once.
 unsigned machine_threads();
@@ -58,4 +58,4 @@ class Patience {
   unsigned turns_ = 0;
 };
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "parallel/threads/crowding.hpp"
 #include "parallel/threads/helpers.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 namespace {
 
 using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
@@ -117,4 +117,4 @@ void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned thre
   loop->wait(each);
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

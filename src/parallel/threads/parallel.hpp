@@ -11,7 +11,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// The number of threads to use for a request: the request, at most 1024; for 0, one thread for
 /// each hardware thread of the machine.
@@ -71,4 +71,4 @@ inline double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

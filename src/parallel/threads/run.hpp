@@ -11,7 +11,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Items in a chunk, for loops that take a few nanoseconds an item. A chunk then takes some 50
 /// microseconds, long compared with the microsecond of handing a chunk to another thread.
@@ -100,4 +100,4 @@ inline const Run& short_run() {
   return run;
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace cullhull::internal::inline parallel {
+namespace cullhull::internal {
 
 /// Owner of one thread's scratch object of one type; registers itself in that thread's list.
 class ThreadMemory {
@@ -54,4 +54,4 @@ inline std::size_t thread_memories() noexcept {
   return count;
 }
 
-}  // namespace cullhull::internal::inline parallel
+}  // namespace cullhull::internal

@@ -13,7 +13,7 @@
 #include "result/facets/facet_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline result::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 template <unsigned K>
@@ -76,11 +76,11 @@ void shares6(FacetBlock<6>& b) { shares<6>(b); }
 void shares7(FacetBlock<7>& b) { shares<7>(b); }
 void shares8(FacetBlock<8>& b) { shares<8>(b); }
 
-}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 HWY_EXPORT(block3);
 HWY_EXPORT(block4);
@@ -139,5 +139,5 @@ void facet_shares(FacetBlock<8>& b) {
   HWY_DYNAMIC_DISPATCH(shares8)(b);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal
 #endif

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// A stack of numbers in 128 bits; the number pushed last is in the lowest bits. Bits pushed out at
 /// the top are lost.
@@ -82,4 +82,4 @@ class FacetKeys {
   std::uint32_t first_mask_;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -17,10 +17,8 @@
 #include "exact/numbers/lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline result::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
-
-using namespace exact::HWY_NAMESPACE;  // NOLINT: of the same instruction set
 
 /// The mask as bits, lane 0 in the lowest.
 HWY_INLINE unsigned bits_of(M mask) {
@@ -63,7 +61,7 @@ HWY_INLINE void write_shares(const Lanes (&normal)[3], Lanes length, const Lanes
 }
 
 }  // namespace
-}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -7,7 +7,7 @@
 #include "parallel/host_device.hpp"
 #include "result/measures/share.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 CULLHULL_HD_INLINE double root(double v) { return std::sqrt(v); }
 CULLHULL_HD_INLINE double absolute(double v) { return std::fabs(v); }
@@ -40,4 +40,4 @@ CULLHULL_HD_INLINE bool plain_facet(const double (&corner)[K][K], const double (
   return largest_of<K>(normal) > 0x1p-400 && (K == 2 || length > conditioned * lengths);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

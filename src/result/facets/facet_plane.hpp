@@ -16,7 +16,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/share.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The same fraction for dimensions above those of `cofactors`. It also allows for edges in random
 /// directions, which are far from orthogonal in high dimensions: the determinant of k random unit
@@ -235,4 +235,4 @@ void facet_block(FacetBlock<K>& block);
 template <unsigned K>
 void facet_shares(FacetBlock<K>& block);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

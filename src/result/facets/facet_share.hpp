@@ -12,7 +12,7 @@
 #include "result/facets/facet_plane.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Returns the facet's share and writes its plane to out[0 .. K]. `vertex`: positions of its
 /// vertices in stored order; `thin`: the normal is so short that it must be computed with more
@@ -88,4 +88,4 @@ Totals<DoubleDouble> total_of_runs(const Share<K>* runs, std::uint64_t count, co
   return Totals<DoubleDouble>(all);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -22,7 +22,7 @@
 
 #ifndef CULLHULL_NORMAL_KERNEL
 #define CULLHULL_NORMAL_KERNEL
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The memory of a NormalBlock as arrays of rows of NormalBlock::lanes doubles.
 struct NormalKernel {
@@ -42,27 +42,27 @@ struct NormalKernel {
         scratch(b.scratch_.data()->of) {}
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline result::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 constexpr std::size_t width = NormalBlock::lanes;
 
-using WideLanes = exact::HWY_NAMESPACE::WideLanes<false>;  // the bits of simplex_normal
+using DoubleDoubles = WideLanes<false>;  // the bits of simplex_normal
 
 HWY_INLINE Lanes leading(Lanes a) { return a; }
-HWY_INLINE Lanes leading(const WideLanes& a) { return a.high; }
+HWY_INLINE Lanes leading(const DoubleDoubles& a) { return a.high; }
 HWY_INLINE Lanes rounded(Lanes a) { return a; }
-HWY_INLINE Lanes rounded(const WideLanes& a) { return a.high + a.low; }
+HWY_INLINE Lanes rounded(const DoubleDoubles& a) { return a.high + a.low; }
 template <class Real>
 HWY_INLINE Real difference_of(Lanes a, Lanes b) {
   if constexpr (std::is_same_v<Real, Lanes>)
     return a - b;
   else
-    return WideLanes::sum(a, -b);
+    return DoubleDoubles::sum(a, -b);
 }
 
 /// An array of vectors in memory, `width` doubles apart.
@@ -79,13 +79,13 @@ struct Cells<Lanes> {
   }
 };
 template <>
-struct Cells<WideLanes> {
+struct Cells<DoubleDoubles> {
   double *high, *low;
   HWY_INLINE Cells(double* from, std::size_t count) : high(from), low(from + count * width) {}
-  HWY_INLINE WideLanes get(std::size_t i) const {
+  HWY_INLINE DoubleDoubles get(std::size_t i) const {
     return {load(high + i * width), load(low + i * width)};
   }
-  HWY_INLINE void set(std::size_t i, const WideLanes& v) const {
+  HWY_INLINE void set(std::size_t i, const DoubleDoubles& v) const {
     store(v.high, high + i * width);
     store(v.low, low + i * width);
   }
@@ -216,13 +216,13 @@ void all_normals(const NormalKernel& b) {
 }  // namespace
 
 void normal_block(const NormalKernel& b) { all_normals<Lanes>(b); }
-void careful_normal_block(const NormalKernel& b) { all_normals<WideLanes>(b); }
+void careful_normal_block(const NormalKernel& b) { all_normals<DoubleDoubles>(b); }
 
-}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 HWY_EXPORT(normal_block);
 HWY_EXPORT(careful_normal_block);
@@ -235,5 +235,5 @@ void NormalBlock::compute_carefully() {
   HWY_DYNAMIC_DISPATCH(careful_normal_block)(NormalKernel(*this));
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal
 #endif

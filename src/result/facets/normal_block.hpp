@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Eight simplices of k corners in R^k, one a lane, and their cofactor normals: the bits that
 /// simplex_normal computes for one simplex. Elimination of a single small matrix waits for the
@@ -48,4 +48,4 @@ class NormalBlock {
   std::vector<Row> scratch_;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -7,7 +7,7 @@
 #include "cullhull/error.hpp"
 #include "exact/numbers/double_parts.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// Finds the largest power of two that divides all coordinates added.
@@ -150,4 +150,4 @@ ExactNormal::ExactNormal(unsigned d, const double* const* p) {
   volume_ = ExactFloat(height).magnitude().times_power_of_two(all_units);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -8,7 +8,7 @@
 
 #include "exact/numbers/exact_float.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The orthogonal parts of the edges p[i + 1] - p[0] of affinely independent points p[0], ...,
 /// p[rows] in R^d. Rest i is the component of edge i orthogonal to the edges before it. A
@@ -51,4 +51,4 @@ class ExactNormal {
   ExactFloat area_, volume_;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

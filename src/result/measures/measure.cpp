@@ -17,7 +17,7 @@
 #include "result/measures/simplex_normals.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 unsigned eliminate_completely(std::vector<double>& m, unsigned k, unsigned* row, unsigned* column,
@@ -474,4 +474,4 @@ void measure_thin(const PointView& points, const std::vector<std::uint64_t>& ver
   measure_in_frame(frame, vertex_index, run, hull, true);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

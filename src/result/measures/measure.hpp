@@ -13,7 +13,7 @@
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Computes volume, area, centroid and facet_planes from the other fields. `vertices`: the
 /// vertices' ids, ascending. `vertex_index[i * k + j]`: the position in `vertices` of vertex j of
@@ -49,4 +49,4 @@ void finish_simplicial(const ResultInput& input, const std::vector<std::uint64_t
   measure_thin(*input.view, vertices, index, input.axes, run, hull);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/orthogonal_parts.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;  // tens of us of work
@@ -242,4 +242,4 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
   return f;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -12,7 +12,7 @@
 #include "parallel/threads/run.hpp"
 #include "result/measures/share.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The coordinates of the hull's vertices, scaled so that products stay within the range of
 /// doubles, and the map from the projection on coordinate axes to the flat that the points span.
@@ -58,4 +58,4 @@ Frame make_frame(const PointView& points, const std::vector<std::uint64_t>& vert
 Frame make_unscaled_frame(const PointView& points, const std::vector<std::uint64_t>& vertices,
                           unsigned k);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "exact/numbers/double_double.hpp"
 #include "parallel/host_device.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// v 2^e; a multiplication if 2^e is a normal double.
 CULLHULL_HD_INLINE double scale_by(double v, int e) {
@@ -121,4 +121,4 @@ CULLHULL_HD_INLINE bool finish_quickly(unsigned k, int exponent, const double* o
   return true;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

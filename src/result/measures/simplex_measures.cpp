@@ -11,7 +11,7 @@
 #include "exact/numbers/exact_float.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 using Integer = mpz_class;
@@ -253,4 +253,4 @@ void measure_simplex(const Frame& frame, const std::vector<std::uint32_t>& index
   finish_measures(frame, totals, 1, 0, hull);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -9,7 +9,7 @@
 #include "parallel/threads/run.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Up to this dimension simplices are measured as other hulls are, facet by facet.
 inline constexpr unsigned measured_as_sum = 50;
@@ -20,4 +20,4 @@ inline constexpr unsigned measured_as_sum = 50;
 void measure_simplex(const Frame& frame, const std::vector<std::uint32_t>& index, const Run& run,
                      Hull& hull);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Up to 8D: of simplices that are requested in ascending order. `simplices`: the ids of the
 /// corners of `count` simplices. In 2D and 3D nothing is computed ahead.
@@ -171,4 +171,4 @@ class ManyNormals {
   std::vector<std::uint64_t> thin_;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/share.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The shares of up to `room` triangles, stored as one array for each number.
 template <unsigned room>
@@ -66,4 +66,4 @@ void finish_measures(const Frame& frame, const Totals<ExactFloat>& sums, const E
 /// The same from sums over the projection onto the frame's axes, in the frame's units.
 void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull& hull);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

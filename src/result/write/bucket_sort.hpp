@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// Returns the shift that defines the buckets: a vertex's bucket is its position shifted right by
 /// this number of bits. Buckets hold about `size` simplices, but there are at most 2048 buckets,
@@ -66,4 +66,4 @@ class BucketSort {
   std::vector<Key> keys_;
 };
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -10,7 +10,7 @@
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 // Chooses the same exponent as make_frame.
 EdgeKernel::EdgeKernel(const Box& box) {
@@ -288,4 +288,4 @@ bool write_polygon(const PointView& points, const std::uint64_t* ids, const Poly
   return Writer(points, ids, polygon, kernel, run).run(hull);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -14,7 +14,7 @@
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 struct PlanarPoint {
   double x, y;
@@ -80,4 +80,4 @@ bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums
 bool write_polygon(const PointView& points, const std::uint64_t* ids, const Polygon& polygon,
                    const Run& run, Hull& hull);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -21,7 +21,7 @@
 #include "result/facets/facet_plane.hpp"
 
 HWY_BEFORE_NAMESPACE();
-namespace cullhull::internal::inline result::HWY_NAMESPACE {
+namespace cullhull::internal::HWY_NAMESPACE {
 namespace {
 
 using Id = std::uint32_t;
@@ -226,11 +226,11 @@ std::uint32_t triangle_shares_in(const TriangleRecord* const* records, unsigned 
   return count < 32 ? left & ((1U << count) - 1) : left;
 }
 
-}  // namespace cullhull::internal::inline result::HWY_NAMESPACE
+}  // namespace cullhull::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 HWY_EXPORT(sweep_triangles_in);
 HWY_EXPORT(triangle_shares_in);
@@ -270,5 +270,5 @@ std::uint32_t count_triangles(const TriangleSource& source, std::uint32_t begin,
   return live;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal
 #endif

@@ -8,7 +8,7 @@
 #include "hull/space/insertion_3d.hpp"
 #include "result/measures/totals.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The data of a facet for the second sweep. Vertices are given by their positions in the hull and
 /// in stored order: lowest first, counter-clockwise seen from outside.
@@ -64,4 +64,4 @@ std::uint32_t triangle_shares(const TriangleRecord* const* records, unsigned cou
                               const double* vertices, const double* origin, double unit,
                               TriangleShares& shares, double* planes);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

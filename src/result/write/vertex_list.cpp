@@ -6,7 +6,7 @@
 #include "result/boundary.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run) {
@@ -76,4 +76,4 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
   return out;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

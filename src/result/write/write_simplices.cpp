@@ -28,7 +28,7 @@
 #include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 /// The work of write_simplices in dimension K.
@@ -471,4 +471,4 @@ bool write_simplices(const ResultInput& input, const Boundary& surface, const Ve
   return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -15,7 +15,7 @@
 #include "result/build_hull.hpp"
 #include "result/measures/measure_frame.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 
 /// The vertices of a surface. A vertex's position is its rank by ascending id.
 struct VertexList {
@@ -85,4 +85,4 @@ bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run&
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

@@ -23,7 +23,7 @@
 #include "result/write/triangle_sweep.hpp"
 #include "result/write/write_simplices.hpp"
 
-namespace cullhull::internal::inline result {
+namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
@@ -214,8 +214,8 @@ class TriangleWriter {
   }
 
   /// Divides the lowest vertices into buckets of about 4096 facets, and the facets into ranges of
-  /// 4096, so that each fits the L2 cache (2048 and 8192 were no faster); of 1024, where there would
-  /// be too few for the threads.
+  /// 4096, so that each fits the L2 cache (2048 and 8192 were no faster); of 1024, where there
+  /// would be too few for the threads.
   void divide() {
     constexpr Id usual = 4096, least = 1024;
     const std::uint64_t share = count_ / (2 * std::uint64_t{run_.threads});
@@ -499,4 +499,4 @@ bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run&
   return true;
 }
 
-}  // namespace cullhull::internal::inline result
+}  // namespace cullhull::internal

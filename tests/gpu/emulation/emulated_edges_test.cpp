@@ -123,9 +123,9 @@ TEST_F(EmulatedEdges, MapsOfManySizesOnThreadsBesideOneAnother) {
       const OnDevice there(rows);
       const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3, stream);
       for (int i = 0; i < 40; ++i) try {
-          const auto found = internal::cuda::survivors_of_device_points(map->table(), view);
+          const auto found = internal::survivors_of_device_points(map->table(), view);
           std::vector<std::uint64_t> ids(found.count);
-          internal::cuda::download(ids.data(), found.ids.data(), found.count, stream);
+          internal::download(ids.data(), found.ids.data(), found.count, stream);
           if (ids != expected) ++wrong;
         } catch (const Error&) {
           ++wrong;
@@ -146,7 +146,7 @@ TEST_F(EmulatedEdges, ASmallerTableOnAnotherThreadJustBeforeALaunch) {
   const OnDevice there(rows);
   const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3);
   const auto count = [&](const internal::GaugeMap& map) {
-    return internal::cuda::survivors_of_device_points(map.table(), view).count;
+    return internal::survivors_of_device_points(map.table(), view).count;
   };
   const std::uint64_t expected = count(*large);
   bool met = false;
@@ -207,7 +207,7 @@ TEST_F(EmulatedEdges, ADriverThatDoesNotGrantAllSharedMemory) {
   const OnDevice there(rows);
   const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3);
   const auto count = [&](const internal::GaugeMap& map) {
-    return internal::cuda::survivors_of_device_points(map.table(), view).count;
+    return internal::survivors_of_device_points(map.table(), view).count;
   };
   const std::uint64_t expected = count(*large), of_small = count(*small);
   const std::size_t needed = large->table().nodes.size() * sizeof(float);

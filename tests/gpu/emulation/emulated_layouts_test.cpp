@@ -84,27 +84,25 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
     DevicePointView view = DevicePointView::row_major(there.data<T>() + layout.first, n, d);
     view.point_stride = layout.point_stride * static_cast<std::ptrdiff_t>(sizeof(T));
     view.coordinate_stride = layout.coordinate_stride * static_cast<std::ptrdiff_t>(sizeof(T));
-    const auto found = internal::cuda::survivors_of_device_points(map.table(), view);
+    const auto found = internal::survivors_of_device_points(map.table(), view);
     std::vector<std::uint64_t> ids(found.count);
-    internal::cuda::download(ids.data(), found.ids.data(), found.count, nullptr);
+    internal::download(ids.data(), found.ids.data(), found.count, nullptr);
     ASSERT_EQ(ids, expected) << what;
-    ASSERT_EQ(internal::cuda::survivors_by_pieces(map.table(), view, run.control), expected)
-        << what;
+    ASSERT_EQ(internal::survivors_by_pieces(map.table(), view, run.control), expected) << what;
     if (ids.empty()) continue;
-    const auto fetched = internal::cuda::download_points(view, ids.data(), ids.size(), run);
+    const auto fetched = internal::download_points(view, ids.data(), ids.size(), run);
     for (std::size_t k = 0; k < ids.size() * d; ++k) {
       const auto value = static_cast<double>(rows[ids[k / d] * d + k % d]);
       ASSERT_TRUE(fetched[k] == value || value != value) << what;
     }
   }
-  ASSERT_EQ(internal::cuda::survivors_of_host_points(map.table(), here, run.with_threads(2)),
-            expected);
+  ASSERT_EQ(internal::survivors_of_host_points(map.table(), here, run.with_threads(2)), expected);
 }
 
 TEST(EmulatedLayouts, EveryBorderInEveryDimension) {
   for (unsigned d = 2; d <= 6; ++d) {
     const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1), 0,
-                                     internal::cuda::most_gauge_nodes(internal::cuda::device()));
+                                     internal::most_gauge_nodes(internal::this_device()));
     for (const std::size_t n : {0U, 1U, 31U, 32U, 33U, 63U, 65U, 127U, 129U, 255U, 257U, 511U, 513U,
                                 1023U, 1025U, 2047U, 2049U}) {
       emulation::restart(n + d);
@@ -130,7 +128,7 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
   emulation::settings().most_blocks = 3;
   const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1));
   const internal::GaugeTable& table = map->table();
-  internal::cuda::Device device = internal::cuda::device();
+  internal::Device device = internal::this_device();
   device.multiprocessors = 1U << 30;  // as many blocks at a time as the points need
   constexpr std::uint64_t tail = 70, words = (std::uint64_t{1} << 32) + tail;
   const std::vector<float> outside{9, 9, 9};
@@ -138,28 +136,24 @@ TEST(EmulatedLayouts, MoreThan2To32WordsOfAMask) {
     const OnDevice nodes(table.nodes), point(outside);
     auto view = DevicePointView::row_major(point.data<float>(), 32 * words, 3);
     view.point_stride = 0;  // the same one for all ids
-    const internal::cuda::DeviceArray<std::uint32_t> mask(internal::cuda::mask_room(32 * words),
-                                                          nullptr);
-    check(
-        internal::cuda::gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
+    const internal::DeviceArray<std::uint32_t> mask(internal::mask_room(32 * words), nullptr);
+    check(internal::gauge_mask(table, nodes.data<float>(), view, mask.data(), device, nullptr));
     std::vector<std::uint32_t> last(tail);
-    internal::cuda::download(last.data(), mask.data() + words - tail, tail, nullptr);
+    internal::download(last.data(), mask.data() + words - tail, tail, nullptr);
     EXPECT_EQ(last, std::vector<std::uint32_t>(tail, ~0U));
 
     emulation::settings().most_blocks = 1;  // tiles before the last one hold garbage
-    const std::uint64_t tiles =
-        (words + internal::cuda::tile_words - 1) / internal::cuda::tile_words;
-    const internal::cuda::DeviceArray<std::uint64_t> counts(tiles, nullptr),
-        ids(32 * tail, nullptr);
-    check(internal::cuda::count_bits(mask.data(), words, counts.data(), nullptr));
+    const std::uint64_t tiles = (words + internal::tile_words - 1) / internal::tile_words;
+    const internal::DeviceArray<std::uint64_t> counts(tiles, nullptr), ids(32 * tail, nullptr);
+    check(internal::count_bits(mask.data(), words, counts.data(), nullptr));
     std::uint64_t count = 0;
-    internal::cuda::download(&count, counts.data() + tiles - 1, 1, nullptr);
+    internal::download(&count, counts.data() + tiles - 1, 1, nullptr);
     EXPECT_EQ(count, 32 * tail);
     check(cudaMemsetAsync(counts.data(), 0, tiles * sizeof(std::uint64_t), nullptr));
-    check(internal::cuda::list_bits(mask.data(), words, counts.data(), ids.data(), nullptr));
+    check(internal::list_bits(mask.data(), words, counts.data(), ids.data(), nullptr));
     std::vector<std::uint64_t> listed(32 * tail), expected(32 * tail);
     std::iota(expected.begin(), expected.end(), 32 * (words - tail));
-    internal::cuda::download(listed.data(), ids.data(), listed.size(), nullptr);
+    internal::download(listed.data(), ids.data(), listed.size(), nullptr);
     EXPECT_EQ(listed, expected);
   }
   emulation::settings() = {};
