@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "parallel/scan.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -33,8 +34,7 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, co
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
   // At most about 64 chunks, since each needs counts of its own.
   const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 14, n / 64);
-  const std::uint64_t chunks = chunk_count(n, chunk_size);
-  std::vector<std::uint32_t> places(chunks * buckets);
+  std::vector<std::uint32_t> places(chunk_count(n, chunk_size) * buckets);
   for (unsigned pass = 0; pass < passes; ++pass) {
     const unsigned shift = pass * digit_bits;
     const auto digit = [&](const Item& k) {
@@ -45,13 +45,7 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, co
       std::uint32_t* counts = places.data() + c * buckets;
       for (std::uint64_t i = begin; i < end; ++i) ++counts[digit(items[i])];
     });
-    std::uint32_t sum = 0;
-    for (unsigned b = 0; b < buckets; ++b)
-      for (std::uint64_t c = 0; c < chunks; ++c) {
-        const std::uint32_t size = places[c * buckets + b];
-        places[c * buckets + b] = sum;
-        sum += size;
-      }
+    scan_buckets(places, buckets);
     run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* place = places.data() + c * buckets;
       for (std::uint64_t i = begin; i < end; ++i) scratch[place[digit(items[i])]++] = items[i];

@@ -5,12 +5,12 @@
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <numeric>
 
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/boundary.hpp"
 
@@ -80,32 +80,29 @@ class PolygonMerger {
     facet_ = BigArray<Id>(n);
     struct Count {
       Id singles = 0, roots = 0;
+      void operator+=(const Count& o) { singles += o.singles, roots += o.roots; }
     };
-    std::vector<Count> counts(chunk_count(n, simplex_chunk) + 1);
-    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      Count count;
-      for (std::uint64_t f = begin; f < end; ++f) {
-        facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : no_index;
-        count.singles += facet_[f] == no_index;
-        count.roots += facet_[f] == f;
-      }
-      counts[c + 1] = count;
-    });
-    for (std::size_t c = 1; c < counts.size(); ++c) {
-      counts[c].singles += counts[c - 1].singles;
-      counts[c].roots += counts[c - 1].roots;
-    }
-    const Id singles = counts.back().singles;
+    const auto counts =
+        sum_chunks<Count>(n, simplex_chunk, run_, [&](std::uint64_t begin, std::uint64_t end) {
+          Count count;
+          for (std::uint64_t f = begin; f < end; ++f) {
+            facet_[f] = merged[f] ? sets.root(static_cast<Id>(f)) : no_index;
+            count.singles += facet_[f] == no_index;
+            count.roots += facet_[f] == f;
+          }
+          return count;
+        });
+    const Id singles = counts.total.singles;
     out_.singles = singles;
-    starts_.assign(counts.back().roots + std::size_t{1}, 0);
+    starts_.assign(counts.total.roots + std::size_t{1}, 0);
     BigArray<Id> number(n);  // of the roots
     run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      Count at = counts[c];
+      Count at = counts.before[c];
       for (std::uint64_t f = begin; f < end; ++f)
         if (facet_[f] == f) number[f] = singles + at.roots++;
     });
     run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      Count at = counts[c];
+      Count at = counts.before[c];
       for (std::uint64_t f = begin; f < end; ++f)
         facet_[f] = facet_[f] == no_index ? at.singles++ : number[facet_[f]];
     });
@@ -114,22 +111,21 @@ class PolygonMerger {
   /// Collects the edges of all merged facets' borders, sorted by facet.
   void collect_borders() {
     const std::size_t n = old_.facet_count();
-    std::vector<std::uint64_t> begins(chunk_count(n, simplex_chunk) + 1, 0);
     const auto each_edge = [this](std::uint64_t f, const auto& body) {
       if (single(facet_[f])) return;
       for (unsigned j = 0; j < 3; ++j)
         if (facet_[across(static_cast<Id>(f), j)] != facet_[f]) body(j);
     };
-    run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    const auto sums = sum_chunks<std::uint64_t>(n, simplex_chunk, run_,
+                                                [&](std::uint64_t begin, std::uint64_t end) {
       std::uint64_t count = 0;
       for (std::uint64_t f = begin; f < end; ++f) each_edge(f, [&](unsigned) { ++count; });
-      begins[c + 1] = count;
+      return count;
     });
-    std::partial_sum(begins.begin(), begins.end(), begins.begin());
-    edge_count_ = static_cast<Id>(begins.back());
+    edge_count_ = static_cast<Id>(sums.total);
     BigArray<Edge> memory(edge_count_), other(edge_count_);
     run_.each_chunk(n, simplex_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      Edge* out = memory.get() + begins[c];
+      Edge* out = memory.get() + sums.before[c];
       for (std::uint64_t f = begin; f < end; ++f)
         each_edge(f, [&](unsigned j) {
           const Id* v = old_.simplex(f);
@@ -226,20 +222,19 @@ class PolygonMerger {
   /// differ.
   void list_sides() {
     sides_ = BigArray<Side>(edge_count_);
-    std::vector<std::uint64_t> counts(merged_count() + 1, 0);
+    std::vector<std::uint64_t> counts(merged_count() + 1, 0);  // the last stays 0 for the scan
     std::vector<std::uint64_t> large;
     for (std::uint64_t m = 0; m < merged_count(); ++m)
       if (is_large(m)) large.push_back(m);
     run_.each_chunk(large.size(), 1, [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
-      counts[large[i] + 1] = list_sides(large[i]);
+      counts[large[i]] = list_sides(large[i]);
     });
     run_.each(merged_count(), 256, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t m = begin; m < end; ++m)
-        if (!is_large(m)) counts[m + 1] = list_sides(m);
+        if (!is_large(m)) counts[m] = list_sides(m);
     });
-    std::partial_sum(counts.begin(), counts.end(), counts.begin());
     // Compact the lists.
-    const std::uint64_t total = counts.back();
+    const std::uint64_t total = exclusive_scan(counts);
     corner_starts_ = std::move(counts);
     BigArray<Side> close(total);
     out_.vertices.items.resize(total);

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <numeric>
 
 #include "parallel/index.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/boundary.hpp"
 #include "result/write/write_simplices.hpp"
@@ -158,21 +158,15 @@ class FacetOrderer {
       }
     });
     const auto begins_facet = [&](std::uint64_t i) { return first[facets_.facet[order_[i]]] == i; };
-    std::vector<std::uint32_t> before(chunk_count(count_, simplex_chunk) + 1, 0);
-    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) before[c + 1] += begins_facet(i);
-    });
-    std::partial_sum(before.begin(), before.end(), before.begin());
     facet_rank_ = BigArray<std::uint32_t>(n);
     facet_order_ = BigArray<std::uint32_t>(n);
-    each_chunk(0, count_, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      std::uint32_t number = before[c];
-      for (std::uint64_t i = begin; i < end; ++i) {
-        if (!begins_facet(i)) continue;
-        facet_rank_[facets_.facet[order_[i]]] = number;
-        facet_order_[number++] = facets_.facet[order_[i]];
-      }
-    });
+    pack(
+        count_, simplex_chunk, run_, begins_facet, [](std::uint64_t) { return true; },
+        [&](std::uint64_t i, std::uint64_t number) {
+      const std::uint32_t facet = facets_.facet[order_[i]];
+      facet_rank_[facet] = static_cast<std::uint32_t>(number);
+      facet_order_[number] = facet;
+        });
     Array<std::uint32_t> numbers(count_);
     each_chunk(0, count_, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i)
@@ -253,21 +247,20 @@ class FacetOrderer {
   Array<std::uint64_t> offsets_of(const Length& merged_length) const {
     const std::size_t n = facets_.singles + facets_.vertices.size();
     Array<std::uint64_t> offsets(n + 1);
-    std::vector<std::uint64_t> before(chunk_count(n, simplex_chunk) + 1, 0);
-    each_chunk(0, n, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    const auto sums = sum_chunks<std::uint64_t>(n, simplex_chunk, run_,
+                                                [&](std::uint64_t begin, std::uint64_t end) {
       std::uint64_t sum = 0;
       for (std::uint64_t i = begin; i < end; ++i) {
         const std::uint32_t facet = facet_order_[i];
         offsets[i] = sum;
         sum += facet < facets_.singles ? k_ : merged_length(facet - facets_.singles);
       }
-      before[c + 1] = sum;
+      return sum;
     });
-    std::partial_sum(before.begin(), before.end(), before.begin());
     each_chunk(0, n, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) offsets[i] += before[c];
+      for (std::uint64_t i = begin; i < end; ++i) offsets[i] += sums.before[c];
     });
-    offsets[n] = before.back();
+    offsets[n] = sums.total;
     return offsets;
   }
 

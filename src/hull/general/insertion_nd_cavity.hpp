@@ -6,6 +6,7 @@
 
 #include "hull/general/insertion_nd.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 
 namespace cullhull::internal {
 
@@ -169,39 +170,37 @@ Boundary InsertionNd<D>::collect() {
   constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
   RawArray<Id> number;
   number.reserve(facet_slots_);
-  std::vector<Id> before(chunk_count(facet_slots_, chunk) + 1, 0);
-  run_.each_chunk(facet_slots_, chunk,
-                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    Id count = 0;
-    for (std::uint64_t f = begin; f < end; ++f)
-      number[f] = store_.alive(static_cast<Id>(f)) ? count++ : no_index;
-    before[c + 1] = count;
-  });
-  for (std::size_t c = 1; c < before.size(); ++c) before[c] += before[c - 1];
+  const auto live =
+      sum_chunks<Id>(facet_slots_, chunk, run_, [&](std::uint64_t begin, std::uint64_t end) {
+        Id count = 0;
+        for (std::uint64_t f = begin; f < end; ++f)
+          number[f] = store_.alive(static_cast<Id>(f)) ? count++ : no_index;
+        return count;
+      });
   if constexpr (D == 0) {
-    result_.doubtful.resize(before.back());
+    result_.doubtful.resize(live.total);
     run_.each_chunk(facet_slots_, chunk,
                     [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t f = begin; f < end; ++f)
         if (number[f] != no_index)
-          result_.doubtful[before[c] + number[f]] = !proved_convex(static_cast<Id>(f));
+          result_.doubtful[live.before[c] + number[f]] = !proved_convex(static_cast<Id>(f));
     });
   }
   ordered_.release();
   store_.release_planes();
   result_.dimension = d;
-  result_.vertices.resize(std::size_t{before.back()} * d);
-  result_.neighbours.resize(std::size_t{before.back()} * d);
+  result_.vertices.resize(std::size_t{live.total} * d);
+  result_.neighbours.resize(std::size_t{live.total} * d);
   run_.each_chunk(facet_slots_, chunk,
                   [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
       if (number[f] == no_index) continue;
-      const std::size_t base = std::size_t{before[c] + number[f]} * d;
+      const std::size_t base = std::size_t{live.before[c] + number[f]} * d;
       const Id* v = store_.vertices(static_cast<Id>(f));
       const Id* n = store_.neighbours(static_cast<Id>(f));
       for (unsigned j = 0; j < d; ++j) {
         result_.vertices[base + j] = order_[v[j]];
-        result_.neighbours[base + j] = before[n[j] >> chunk_bits] + number[n[j]];
+        result_.neighbours[base + j] = live.before[n[j] >> chunk_bits] + number[n[j]];
       }
     }
   });

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <utility>
 
 #include "hull/engine.hpp"
 #include "hull/plane/planar_strip.hpp"
@@ -14,6 +13,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -135,19 +135,13 @@ class Buckets {
                        static_cast<unsigned>(std::bit_width(source.count() / wanted_size)))),
         entries_(source.count()) {
     const std::size_t buckets = std::size_t{1} << bits_;
-    const std::uint64_t n = source.count(), chunks = chunk_count(n, chunk);
-    std::vector<std::uint32_t> next(chunks * buckets, 0);
+    const std::uint64_t n = source.count();
+    std::vector<std::uint32_t> next(chunk_count(n, chunk) * buckets, 0);
     run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* const counts = next.data() + c * buckets;
       each(begin, end, [&](const Entry& e) { ++counts[bucket(e.key)]; });
     });
-    start_.resize(buckets + 1);
-    std::uint32_t sum = 0;
-    for (std::size_t b = 0; b < buckets; ++b) {
-      start_[b] = sum;
-      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets + b], sum);
-    }
-    start_[buckets] = sum;
+    scan_buckets(next, buckets, &start_);
     clear_pages_early(entries_.get(), n * sizeof(Entry), run.threads, [&] { run.check(); });
     run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* const at = next.data() + c * buckets;

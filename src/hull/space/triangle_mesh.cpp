@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "parallel/scan.hpp"
+
 namespace cullhull::internal {
 namespace {
 
@@ -24,20 +26,18 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
   const auto each_run = [&](const auto& body) {
     run.each_item(runs.size(), [&](std::uint64_t c) { body(c, runs[c].first, runs[c].second); });
   };
-  std::vector<Id> first(runs.size() + 1, 0);
-  each_run([&](std::uint64_t c, Id begin, Id end) {
+  const auto live = sum_chunks<Id>(runs.size(), 1, run, [&](std::uint64_t c, std::uint64_t) {
     Id count = 0;
-    for (Id f = begin; f < end; ++f) count += static_cast<Id>(facets[f].live());
-    first[c + 1] = count;
+    for (Id f = runs[c].first; f < runs[c].second; ++f) count += static_cast<Id>(facets[f].live());
+    return count;
   });
-  for (std::size_t c = 0; c < runs.size(); ++c) first[c + 1] += first[c];
   // Where every point is extreme no slot is unused, and a facet's number is its slot.
   const Id slots = runs.empty() ? 0 : runs.back().second;
-  const bool dense = first.back() == slots;
+  const bool dense = live.total == slots;
   BigArray<Id> number(dense ? 0 : slots);
   if (!dense)
     each_run([&](std::uint64_t c, Id begin, Id end) {
-      Id count = first[c];
+      Id count = live.before[c];
       for (Id f = begin; f < end; ++f) {
         number[f] = count;
         count += static_cast<Id>(facets[f].live());
@@ -45,10 +45,10 @@ Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
     });
   Boundary hull;
   hull.dimension = 3;
-  resize_big(hull.vertices, std::size_t{first.back()} * 3);
-  resize_big(hull.neighbours, std::size_t{first.back()} * 3);
+  resize_big(hull.vertices, std::size_t{live.total} * 3);
+  resize_big(hull.neighbours, std::size_t{live.total} * 3);
   each_run([&](std::uint64_t c, Id begin, Id end) {
-    std::size_t at = std::size_t{first[c]} * 3;
+    std::size_t at = std::size_t{live.before[c]} * 3;
     for (Id f = begin; f < end; ++f) {
       const Facet3D& facet = facets[f];
       if (!facet.live()) continue;

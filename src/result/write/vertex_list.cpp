@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "parallel/memory/raw_array.hpp"
+#include "parallel/scan.hpp"
 #include "result/boundary.hpp"
 #include "result/write/write_simplices.hpp"
 
@@ -24,18 +25,19 @@ VertexList list_vertices(const Boundary& surface, std::uint32_t points, const st
     }
   });
   VertexList list;
-  const auto prepare = [&](std::uint32_t vertices) {
+  const auto prepare = [&](std::uint64_t vertices) {
     list.all_points = vertices == points;
     list.plain = list.all_points && ids == nullptr;
     resize_big(list.ids, vertices);
     if (!list.all_points) list.positions = BigArray<std::uint32_t>(points);
     return true;
   };
-  rank_flagged(used.get(), points, run, prepare, [&](std::uint64_t p, std::uint32_t rank) {
-    if (!used[p]) return;
+  pack(
+      points, light_grain, run, [&](std::uint64_t p) { return used[p] != 0; }, prepare,
+      [&](std::uint64_t p, std::uint64_t rank) {
     list.ids[rank] = ids != nullptr ? ids[p] : p;
-    if (!list.all_points) list.positions[p] = rank;
-  });
+    if (!list.all_points) list.positions[p] = static_cast<std::uint32_t>(rank);
+      });
   return list;
 }
 
@@ -68,11 +70,10 @@ std::vector<std::uint64_t> ascending_ids(const std::uint32_t* corners, std::size
     const std::uint64_t end = std::min<std::uint64_t>(size, job * light_grain);
     for (std::uint64_t i = (job - 1) * light_grain; i < end; ++i) used[corners[i]] = 1;
   });
-  rank_flagged(
-      used.get(), count, run, [](std::uint32_t) { return true; },
-      [&](std::uint64_t p, std::uint32_t rank) {
-    if (used[p]) out[rank] = ids != nullptr ? ids[p] : p;
-      });
+  pack(
+      count, light_grain, run, [&](std::uint64_t p) { return used[p] != 0; },
+      [](std::uint64_t) { return true; },
+      [&](std::uint64_t p, std::uint64_t rank) { out[rank] = ids != nullptr ? ids[p] : p; });
   return out;
 }
 

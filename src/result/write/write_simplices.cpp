@@ -20,6 +20,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_keys.hpp"
@@ -78,21 +79,14 @@ class SimplexWriter {
   /// Distributes the simplices' keys to buckets. The order within a bucket depends on the chunk
   /// size alone, not on threads.
   void deal() {
-    const std::uint64_t chunks = chunk_count(count_, simplex_chunk);
-    std::vector<std::uint32_t> next(chunks * buckets_, 0);
+    std::vector<std::uint32_t> next(chunk_count(count_, simplex_chunk) * buckets_, 0);
     run_.each_chunk(count_, simplex_chunk,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* counts = next.data() + chunk * buckets_;
       for (std::uint64_t f = begin; f < end; ++f)
         ++counts[vertices_.position(surface_.simplex(f)[0]) >> shift_];
     });
-    bucket_start_.assign(buckets_ + std::size_t{1}, 0);
-    std::uint32_t sum = 0;
-    for (std::uint32_t b = 0; b < buckets_; ++b) {
-      bucket_start_[b] = sum;
-      for (std::uint64_t c = 0; c < chunks; ++c) sum += std::exchange(next[c * buckets_ + b], sum);
-    }
-    bucket_start_[buckets_] = sum;
+    scan_buckets(next, buckets_, &bucket_start_);
     keys_ = BigArray<FacetKey>(count_);
     clear_pages_early(keys_.get(), count_ * sizeof(FacetKey), run_.threads, [&] { run_.check(); });
     run_.each_chunk(count_, simplex_chunk,

@@ -15,6 +15,7 @@
 #include "exact/orientation/orientation_3d.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
@@ -79,21 +80,23 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
     });
     BigArray<Id> position(points);
-    const auto prepare = [&](Id vertices) {
+    const auto prepare = [&](std::uint64_t vertices) {
       good_ = vertices == ids_.size();
       if (good_) locals_ = BigArray<Id>(vertices);
       return good_;
     };
-    rank_flagged(extreme.get(), points, run, prepare, [&](std::uint64_t p, Id rank) {
-      position[p] = rank;
-      if (extreme[p] == 0) return;
+    pack(
+        points, light_grain, run, [&](std::uint64_t p) { return extreme[p] != 0; }, prepare,
+        [&](std::uint64_t p, std::uint64_t rank) {
+      position[p] = static_cast<Id>(rank);
       locals_[rank] = static_cast<Id>(p);
       ids_[rank] = ids != nullptr ? ids[p] : p;
-    });
+        });
     if (!good_) return;
     own_place_ = BigArray<Id>(surface.count);
     run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t v = begin; v < end; ++v) own_place_[v] = position[order[v]];
+      for (std::uint64_t v = begin; v < end; ++v)
+        own_place_[v] = used[v] != 0 ? position[order[v]] : 0;
     });
     place_ = own_place_.get();
   }
