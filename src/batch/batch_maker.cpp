@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "few/small_hull.hpp"
+
 namespace cullhull::internal {
 namespace {
 
@@ -186,21 +188,23 @@ SetHuller::SetHuller(const Run& run)
     : options_(run.options),
       plain_(options_.engine == Engine::native && options_.backend != Backend::cuda &&
              (options_.memory_budget == 0 || options_.memory_budget >= 1 << 22)),
-      planar_(run.control) {
+      polygon_(run.control) {
   options_.threads = 1;
   options_.progress = nullptr;
   options_.poll = nullptr;  // only for the calling thread; this may run on another
 }
 
 void SetHuller::append(const PointView& set, HullBatch& to) {
-  if (plain_ && planar_.append(set, to)) return;
+  if (plain_ && polygon_.find(set) && polygon_.write(set, to)) return;
   if (!plain_ || !append_small_3d(set, to)) internal::append(to, convex_hull(set, options_));
 }
 
 void SetHuller::append(const FoundHull& found, HullBatch& to) {
   const std::size_t vertices = to.vertices.items.size(), facets = to.facets.items.size(),
                     simplices = to.simplices.items.size();
-  if (found.simplices == nullptr || !append_simplices_3d(found, to)) append(found.rows, to);
+  if (found.simplices == nullptr ||
+      !append_simplices_3d(found.rows, found.simplices, found.simplex_count, to))
+    append(found.rows, to);
   const auto rename = [&](Array<std::uint64_t>& items, std::size_t begin) {
     for (std::size_t i = begin; i < items.size(); ++i) items[i] = found.ids[items[i]];
   };

@@ -16,21 +16,6 @@
 
 namespace cullhull::internal {
 
-/// The fast path of a batch in the plane: sets go straight from points to the lists of the batch.
-class PlanarSets {
- public:
-  explicit PlanarSets(const Control& control) : polygon_(control) {}
-
-  /// Appends the hull of a set of points of the plane to `to`: the same bits as convex_hull gives.
-  /// False, with `to` unchanged, where convex_hull must do it (see SmallPolygon::find).
-  bool append(const PointView& set, HullBatch& to);
-
- private:
-  void write(const PointView& set, const PlanarMeasures& measures, HullBatch& to) const;
-
-  SmallPolygon polygon_;
-};
-
 /// A hull whose vertices a device has found.
 struct FoundHull {
   PointView rows;             ///< of the vertices, by ascending ids
@@ -41,17 +26,6 @@ struct FoundHull {
   const std::uint8_t* simplices = nullptr;
   unsigned simplex_count = 0;
 };
-
-// The fast path of a batch in space: small sets go straight from points to the lists of the batch.
-
-/// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
-/// False, with `to` unchanged, for sets that are not small or that small_hull_3d refuses, and where
-/// a measure needs more than doubles.
-bool append_small_3d(const PointView& set, HullBatch& to);
-
-/// The same for a set whose simplices are known; writes positions among its vertices instead of
-/// ids.
-bool append_simplices_3d(const FoundHull& found, HullBatch& to);
 
 /// Computes the hull of one set at a time on the calling thread, by the first path that accepts it.
 class SetHuller {
@@ -64,7 +38,7 @@ class SetHuller {
  private:
   Options options_;
   bool plain_;  ///< whether the options permit the fast paths
-  PlanarSets planar_;
+  SmallPolygon polygon_;
 };
 
 class BatchMaker {

@@ -5,7 +5,9 @@
 
 #include "few/small_hull.hpp"
 #include "few/small_measures.hpp"
+#include "few/small_surface.hpp"
 #include "parallel/threads/thread_memory.hpp"
+#include "result/write/few_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -34,67 +36,73 @@ void load(const PointView& view, const std::uint64_t* ids, unsigned count, Point
   for (auto& axis : points.axes) std::fill(axis + count, axis + (count + 15) / 16 * 16, axis[0]);
 }
 
-template <class T, class Short>
-Array<T> widened(const Short* from, std::size_t count) {
-  Array<T> to(count + 64 / sizeof(T));
-  widen(from, count, to.data());
-  to.resize(count);
-  return to;
-}
-
+/// Writes ids as the caller counts them: those with the given names, which ascend; nullptr: 0, 1,
+/// ...
 template <class Number>
-Array<std::uint64_t> named(const Number* from, std::size_t count, const std::uint64_t* ids) {
-  if (ids == nullptr) return widened<std::uint64_t>(from, count);
-  Array<std::uint64_t> to(count);
-  for (std::size_t i = 0; i < count; ++i) to[i] = ids[from[i]];
-  return to;
+void put_ids(const Number* from, std::size_t count, const std::uint64_t* names, std::uint64_t* to) {
+  if (names == nullptr) return widen(from, count, to);
+  for (std::size_t i = 0; i < count; ++i) to[i] = names[from[i]];
 }
 
-template <class Small>
-void write_lists(const Small& from, const std::uint64_t* ids, Hull& hull) {
-  using Ids = SharedArray<std::uint64_t>;
+template <class Small, class Target>
+void write_lists(const Small& from, const std::uint64_t* names, Target& target) {
   const std::size_t n = from.count;
-  hull.vertices.resize(from.vertex_count);
-  for (unsigned i = 0; i < from.vertex_count; ++i)
-    hull.vertices[i] = ids != nullptr ? ids[from.ids[i]] : from.ids[i];
-  hull.simplices = Ids(named(from.vertices, 3 * n, ids));
-  hull.simplex_neighbours = widened<std::uint32_t>(from.opposite, 3 * n);
-  if (from.simplicial()) {
-    hull.facets = Lists<std::uint64_t, Ids>::of_length(3, hull.simplices);
-    hull.facet_neighbours =
-        Lists<std::uint32_t>::of_length(3, widened<std::uint32_t>(from.beside, 3 * n));
-    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(n, 1);
-    return;
-  }
-  EvenArray<std::uint64_t> offsets{0};
-  std::uint64_t size = 0;
-  for (unsigned i = 0; i < from.facet_count; ++i) offsets.push_back(size += from.facet_size[i]);
-  hull.facets.items = Ids(named(from.corners, size, ids));
-  hull.facets.offsets = offsets;
-  hull.facet_neighbours.items = widened<std::uint32_t>(from.beside, size);
-  hull.facet_neighbours.offsets = std::move(offsets);
-  hull.simplex_facets = widened<std::uint32_t>(from.facet_of, n);
+  std::size_t corners = 3 * n;
+  if (!from.simplicial())
+    corners = std::accumulate(from.facet_size, from.facet_size + from.facet_count, std::size_t{0});
+  write_lists(
+      FewSizes{3, from.vertex_count, n, from.facet_count, corners}, target,
+      [&](std::size_t i) { return from.facet_size[i]; },
+      [&](const FewLists& to) {
+    for (unsigned i = 0; i < from.vertex_count; ++i)
+      to.vertices[i] = names != nullptr ? names[from.ids[i]] : from.ids[i];
+    put_ids(from.vertices, 3 * n, names, to.simplices);
+    widen(from.opposite, 3 * n, to.simplex_neighbours);
+    widen(from.beside, corners, to.facet_neighbours);
+    if (to.facets != nullptr)
+      put_ids(from.simplicial() ? from.vertices : from.corners, corners, names, to.facets);
+    if (!from.simplicial()) widen(from.facet_of, n, to.simplex_facets);
+      });
+}
+
+/// Appends planes, measures and lists of the hull of `points`, those of the view with the given
+/// names, to a Hull or a HullBatch; `shares` is working memory. False, with the target unchanged,
+/// where a measure needs more than doubles.
+template <class Points, class Small, class Target>
+bool measure_and_write(const PointView& view, const std::uint64_t* names, const Points& points,
+                       const Small& small, SmallShares<Small::max_facets>& shares, Target& target) {
+  SmallMeasures measures;
+  Array<double>& planes = target.facet_planes;
+  const std::size_t before = planes.size();
+  // Room for a plane (four numbers) per triangle, up to a multiple of eight for the measurer.
+  planes.resize(before + std::size_t{4} * ((small.count + 7) / 8 * 8));
+  const bool done =
+      SmallMeasurer(view, names, points, small, shares).run(planes.data() + before, measures);
+  planes.resize(done ? before + std::size_t{4} * small.facet_count : before);
+  if (!done) return false;
+  write_measures(3, view.count, measures.volume, measures.area, measures.centroid, target);
+  write_lists(small, names, target);
+  return true;
 }
 
 /// The hull of `count` points with its measures; points, small and shares are working memory.
-/// False, and `hull` unchanged, where doubles do not suffice.
-template <class Points, class Small>
-bool write_hull(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points,
-                Small& small, SmallShares<Small::max_facets>& shares, Hull& hull) {
-  load(view, ids, count, points);
-  if (!small_hull_3d(points, count, small)) return false;
-  SmallMeasures measures;
-  // Room for a plane (four numbers) per triangle, up to a multiple of eight for the measurer.
-  Array<double> planes(std::size_t{4} * ((small.count + 7) / 8 * 8));
-  if (!SmallMeasurer(view, ids, points, small, shares).run(planes.data(), measures)) return false;
-  planes.resize(std::size_t{4} * small.facet_count);
-  hull.facet_planes = std::move(planes);
-  hull.affine_dimension = 3;
-  hull.volume = measures.volume;
-  hull.area = measures.area;
-  hull.centroid.assign(measures.centroid, measures.centroid + 3);
-  write_lists(small, ids, hull);
-  return true;
+/// False, and `target` unchanged, where doubles do not suffice.
+template <class Points, class Small, class Target>
+bool write_hull(const PointView& view, const std::uint64_t* names, unsigned count, Points& points,
+                Small& small, SmallShares<Small::max_facets>& shares, Target& target) {
+  load(view, names, count, points);
+  return small_hull_3d(points, count, small) &&
+         measure_and_write(view, names, points, small, shares, target);
+}
+
+/// Does this for up to SmallHull3D::max_points points, on the stack.
+template <class Target>
+bool write_small(const PointView& view, const std::uint64_t* names, unsigned count,
+                 Target& target) {
+  SmallPoints3D points;
+  SmallHull3D small;
+  SmallShares<SmallHull3D::max_facets> shares;
+  return write_hull(view, names, count, points, small, shares, target);
 }
 
 }  // namespace
@@ -112,19 +120,39 @@ bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t 
   if (view.dimension > 3) return hull_of_few_nd(view, ids, count, hull);
   if (view.dimension != 3 || count < 4 || count > MediumHull3D::max_points) return false;
   const auto n = static_cast<unsigned>(count);
-  if (count > SmallHull3D::max_points) {
-    struct Memory {
-      MediumPoints3D points;
-      MediumHull3D hull;
-      SmallShares<MediumHull3D::max_facets> shares;
-    };
-    Memory& memory = thread_memory<Memory>();
-    return write_hull(view, ids, n, memory.points, memory.hull, memory.shares, hull);
-  }
+  if (count <= SmallHull3D::max_points) return write_small(view, ids, n, hull);
+  struct Memory {
+    MediumPoints3D points;
+    MediumHull3D hull;
+    SmallShares<MediumHull3D::max_facets> shares;
+  };
+  Memory& memory = thread_memory<Memory>();
+  return write_hull(view, ids, n, memory.points, memory.hull, memory.shares, hull);
+}
+
+bool append_small_3d(const PointView& set, HullBatch& to) {
+  return set.dimension == 3 && set.count >= 4 && set.count <= SmallHull3D::max_points &&
+         write_small(set, nullptr, static_cast<unsigned>(set.count), to);
+}
+
+bool append_simplices_3d(const PointView& rows, const std::uint8_t* simplices, unsigned count,
+                         HullBatch& to) {
+  const auto n = static_cast<unsigned>(rows.count);
   SmallPoints3D points;
-  SmallHull3D small;
+  load(rows, nullptr, n, points);
+  TableSurface surface;
+  surface.top = count;
+  for (unsigned f = 0; f < count; ++f, simplices += 3)
+    surface.set(f, simplices[0], simplices[1], simplices[2]);
+  SmallHull3D hull;
+  order_small<TableSurface>(surface, n, nullptr, hull);
+  for (unsigned c = 0; c < 3; ++c) {
+    const auto [low, high] = std::minmax_element(points.axes[c], points.axes[c] + n);
+    hull.low[c] = *low;
+    hull.high[c] = *high;
+  }
   SmallShares<SmallHull3D::max_facets> shares;
-  return write_hull(view, ids, n, points, small, shares, hull);
+  return measure_and_write(rows, nullptr, points, hull, shares, to);
 }
 
 }  // namespace cullhull::internal

@@ -50,16 +50,7 @@ bool small_extreme_3d(const PointView& points, ExtremePoints& result) {
 bool small_hull_2d(const PointView& points, Hull& hull) {
   SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
-  const std::size_t h = polygon.size();
-  PolygonLists lists(h);
-  PlanarMeasures measures;
-  if (!polygon.measure(points, lists.planes.data(), measures)) return false;
-  polygon.write_lists(lists.simplices.data(), lists.neighbours.data(), lists.facets.data(),
-                      lists.across.data());
-  hull.affine_dimension = 2;
-  hull.vertices.resize(h);
-  polygon.write_vertices(hull.vertices.data());
-  lists.give(measures, hull);
+  if (!polygon.write(points, hull)) return false;
   polygon.rung_counts().add_to(hull.statistics.rung_counts);
   return true;
 }

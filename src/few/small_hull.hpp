@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "cullhull/batch.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
@@ -54,7 +55,15 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// tests it against, or where SmallSurface gives up. There points that are not finite throw
 /// Error{not_finite}.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
-/// Does this from 4D on.
+/// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
+/// False, with `to` unchanged, for sets that are not small or that small_hull_3d refuses, and where
+/// a measure needs more than doubles.
+bool append_small_3d(const PointView& set, HullBatch& to);
+/// The same for a set whose `count` simplices are known: three positions in `rows` each, in the
+/// order of a result. Writes positions among its vertices, `rows`, instead of ids.
+bool append_simplices_3d(const PointView& rows, const std::uint8_t* simplices, unsigned count,
+                         HullBatch& to);
+/// hull_of_few from 4D on.
 bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                     Hull& hull);
 

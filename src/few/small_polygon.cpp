@@ -6,6 +6,7 @@
 
 #include "few/whole_range.hpp"
 #include "geometry/gather.hpp"
+#include "result/write/few_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -204,15 +205,30 @@ void SmallPolygon::write_vertices(std::uint64_t* vertices) const {
   for (std::size_t i = 0; i < cycle_.size(); ++i) vertices[i] = by_rank_[cycle_[i]].row;
 }
 
-void SmallPolygon::write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
-                               std::uint64_t* facets, std::uint32_t* facet_neighbours) const {
-  for (std::size_t i = 0; i < by_rank_.size(); ++i) {
-    const Corner& c = by_rank_[i];
-    simplices[2 * i] = facets[2 * i + 1] = c.row;
-    simplices[2 * i + 1] = facets[2 * i] = by_rank_[c.before].row;
-    simplex_neighbours[2 * i] = facet_neighbours[2 * i + 1] = c.before;
-    simplex_neighbours[2 * i + 1] = facet_neighbours[2 * i] = c.after;
+template <class Target>
+bool SmallPolygon::write(const PointView& set, Target& target) {
+  const std::size_t h = size(), before = target.facet_planes.size();
+  PlanarMeasures measures;
+  target.facet_planes.resize(before + 3 * h);
+  if (!measure(set, target.facet_planes.data() + before, measures)) {
+    target.facet_planes.resize(before);
+    return false;
   }
+  write_measures(2, set.count, measures.volume, measures.area, measures.centroid, target);
+  const auto two = [](std::size_t) { return 2; };
+  write_lists(FewSizes{2, h, h, h, 2 * h}, target, two, [&](const FewLists& to) {
+    write_vertices(to.vertices);
+    for (std::size_t i = 0; i < h; ++i) {
+      const Corner& c = by_rank_[i];
+      to.simplices[2 * i] = to.facets[2 * i + 1] = c.row;
+      to.simplices[2 * i + 1] = to.facets[2 * i] = by_rank_[c.before].row;
+      to.simplex_neighbours[2 * i] = to.facet_neighbours[2 * i + 1] = c.before;
+      to.simplex_neighbours[2 * i + 1] = to.facet_neighbours[2 * i] = c.after;
+    }
+  });
+  return true;
 }
+template bool SmallPolygon::write(const PointView&, Hull&);
+template bool SmallPolygon::write(const PointView&, HullBatch&);
 
 }  // namespace cullhull::internal

@@ -30,17 +30,16 @@ class SmallPolygon {
   std::size_t size() const { return by_rank_.size(); }
   const RungCounts& rung_counts() const { return series_.rung_counts(); }
 
-  /// Computes size() planes and the measures, with the same bits as write_polygon. False where
-  /// doubles do not suffice: then the result of find must not be used.
-  bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
+  /// Appends planes, measures and lists of the set found to a Hull or a HullBatch, with the same
+  /// bits as write_polygon. False, with `target` unchanged, where doubles do not suffice.
+  template <class Target>
+  bool write(const PointView& set, Target& target);
 
   /// Writes size() ids.
   void write_vertices(std::uint64_t* vertices) const;
-  /// Writes 2 size() items to each list.
-  void write_lists(std::uint64_t* simplices, std::uint32_t* simplex_neighbours,
-                   std::uint64_t* facets, std::uint32_t* facet_neighbours) const;
 
  private:
+  bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
   bool thin_columns(std::uint32_t count);
   void keep_ends(unsigned axis, double low, std::uint32_t columns);
   void take_kept(std::uint32_t k);

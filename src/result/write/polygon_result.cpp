@@ -28,20 +28,6 @@ EdgeKernel::EdgeKernel(const Box& box) {
   }
 }
 
-void PolygonLists::give(const PlanarMeasures& measures, Hull& hull) {
-  hull.volume = measures.volume;
-  hull.area = measures.area;
-  hull.centroid.assign(measures.centroid, measures.centroid + 2);
-  using Ids = SharedArray<std::uint64_t>;
-  const std::size_t edges = planes.size() / 3;
-  hull.simplices = Ids(std::move(simplices));
-  hull.simplex_neighbours = std::move(neighbours);
-  hull.simplex_facets = EvenArray<std::uint32_t>::of_step(edges, 1);
-  hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets)));
-  hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across));
-  hull.facet_planes = std::move(planes);
-}
-
 bool finish_polygon(const EdgeKernel& kernel, const Share<2, DoubleDouble>& sums,
                     const PointView& points, std::uint64_t first, PlanarMeasures& measures) {
   if (!settled(sums, 0x1p-53)) return false;
@@ -174,14 +160,14 @@ class Writer {
       default:
         list_corners(Reader<void>{points_});
     }
-    lists_.neighbours.resize(2 * count_);
-    clear_pages_early(lists_.neighbours.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
+    neighbours_.resize(2 * count_);
+    clear_pages_early(neighbours_.data(), 2 * count_ * sizeof(std::uint32_t), run_.threads,
                       [&] { run_.check(); });
     link();
-    lists_.simplices.resize(2 * count_);
-    lists_.facets.resize(2 * count_);
-    lists_.across.resize(2 * count_);
-    lists_.planes.resize(3 * count_);
+    simplices_.resize(2 * count_);
+    facets_.resize(2 * count_);
+    across_.resize(2 * count_);
+    planes_.resize(3 * count_);
     std::vector<Share<2, DoubleDouble>> parts(chunk_count(count_, measure_chunk));
     std::atomic<bool> ordinary{true};
     // One job writes the list of vertices, whose memory one thread must clear; it begins first. The
@@ -196,7 +182,16 @@ class Writer {
     for (const auto& p : parts) all.add(p);
     PlanarMeasures measures;
     if (!finish_polygon(kernel_, all, points_, corners_[0].id, measures)) return false;
-    lists_.give(measures, hull);
+    hull.volume = measures.volume;
+    hull.area = measures.area;
+    hull.centroid.assign(measures.centroid, measures.centroid + 2);
+    using Ids = SharedArray<std::uint64_t>;
+    hull.simplices = Ids(std::move(simplices_));
+    hull.simplex_neighbours = std::move(neighbours_);
+    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+    hull.facets = Lists<std::uint64_t, Ids>::of_length(2, Ids(std::move(facets_)));
+    hull.facet_neighbours = Lists<std::uint32_t>::of_length(2, std::move(across_));
+    hull.facet_planes = std::move(planes_);
     return true;
   }
 
@@ -224,7 +219,7 @@ class Writer {
       std::uint32_t at = ranks_(cycle_[begin]);
       for (std::uint64_t i = begin; i < end; ++i) {
         const std::uint32_t after = ranks_(cycle_[i + 1 < count_ ? i + 1 : 0]);
-        std::uint32_t* const to = lists_.neighbours.data() + std::uint64_t{2} * at;
+        std::uint32_t* const to = neighbours_.data() + std::uint64_t{2} * at;
         to[0] = before;
         to[1] = after;
         before = std::exchange(at, after);
@@ -240,14 +235,14 @@ class Writer {
     const PlanarPoint origin = corners_[0].point;
     Share<2> run;
     for (std::uint64_t i = begin; i < end; ++i) {
-      if (i + ahead < end) prefetch_line(&corners_[lists_.neighbours[2 * (i + ahead)]]);
-      const Corner &here = corners_[i], &there = corners_[lists_.neighbours[2 * i]];
-      lists_.simplices[2 * i] = lists_.facets[2 * i + 1] = here.id;
-      lists_.simplices[2 * i + 1] = lists_.facets[2 * i] = there.id;
-      lists_.across[2 * i] = lists_.neighbours[2 * i + 1];
-      lists_.across[2 * i + 1] = lists_.neighbours[2 * i];
+      if (i + ahead < end) prefetch_line(&corners_[neighbours_[2 * (i + ahead)]]);
+      const Corner &here = corners_[i], &there = corners_[neighbours_[2 * i]];
+      simplices_[2 * i] = facets_[2 * i + 1] = here.id;
+      simplices_[2 * i + 1] = facets_[2 * i] = there.id;
+      across_[2 * i] = neighbours_[2 * i + 1];
+      across_[2 * i + 1] = neighbours_[2 * i];
       Share<2> share;
-      if (!kernel_.edge(here.point, there.point, origin, lists_.planes.data() + 3 * i, share))
+      if (!kernel_.edge(here.point, there.point, origin, planes_.data() + 3 * i, share))
         ordinary = false;
       run.add(share);
       if ((i + 1) % measure_run != 0 && i + 1 != end) continue;
@@ -276,7 +271,10 @@ class Writer {
   const Run& run_;
   const Ranks ranks_;
   BigArray<Corner> corners_;  // by rank
-  PolygonLists lists_;
+  // The lists of the result; neighbours of simplices, of facets.
+  Array<std::uint64_t> simplices_, facets_;
+  Array<std::uint32_t> neighbours_, across_;
+  Array<double> planes_;
 };
 
 }  // namespace

@@ -25,18 +25,6 @@ struct PlanarMeasures {
   double volume = 0, area = 0, centroid[2] = {};
 };
 
-/// The result's lists of a polygon with h edges: 2 h items each, and h planes of three numbers.
-struct PolygonLists {
-  explicit PolygonLists(std::size_t h = 0)
-      : simplices(2 * h), facets(2 * h), neighbours(2 * h), across(2 * h), planes(3 * h) {}
-  /// Moves all lists into `hull`.
-  void give(const PlanarMeasures& measures, Hull& hull);
-
-  Array<std::uint64_t> simplices, facets;
-  Array<std::uint32_t> neighbours, across;  // neighbours of simplices, of facets
-  Array<double> planes;
-};
-
 /// Computes planes and shares of a polygon's edges, with the same bits as the general code
 /// (measure.cpp), if the coordinates need no special scaling.
 class EdgeKernel {
