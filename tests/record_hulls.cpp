@@ -15,7 +15,7 @@
 #include "agreement/canonical_hash.hpp"
 #include "cullhull/hull.hpp"
 
-#define CALL "_ZN8cullhull2v111convex_hullERKNS0_9PointViewERKNS0_7OptionsE"
+#define CALL "_ZN8cullhull11convex_hullERKNS_9PointViewERKNS_7OptionsE"
 
 namespace cullhull::testing_support {
 
