@@ -2,8 +2,8 @@
 find_package(hwy REQUIRED)
 find_package(Threads REQUIRED)
 include("${CMAKE_CURRENT_LIST_DIR}/Gmp.cmake")
-if(CULLHULL_WITH_QHULL)
-  find_package(Qhull CONFIG QUIET)
+if(CULLHULL_WITH_SUITES)
+  find_package(Qhull CONFIG QUIET)  # a rival
 endif()
 if(CULLHULL_BUILD_IO)
   find_package(fmt REQUIRED)

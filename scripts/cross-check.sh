@@ -82,7 +82,7 @@ make_root() {
     -o "Dir::Cache=$state/cache" -o APT::Sandbox::User=root)
   apt-get "${options[@]}" update || give_up "$mirror has not given its lists"
   (cd "$state" && apt-get "${options[@]}" download libgmp-dev libgmp10 libhwy-dev libhwy1 \
-    libfmt-dev libfmt9 libgtest-dev libqhull-dev libqhull8.0 libqhull-r8.0 libqhullcpp8.0 \
+    libfmt-dev libfmt9 libgtest-dev \
     zlib1g-dev zlib1g libzstd-dev libzstd1) || give_up "$mirror has not given the libraries"
   for path in "$state"/*.deb; do dpkg -x "$path" "$root"; done
   for path in /usr/include/{CLI,nlohmann,fast_float} /usr/share/cmake/{CLI11,nlohmann_json} \

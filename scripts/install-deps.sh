@@ -6,17 +6,18 @@
 # missing; else it says how much it will fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
-build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev libqhull-dev
+build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev
   libcli11-dev libfmt-dev nlohmann-json3-dev libfast-float-dev libjs-three
   zlib1g-dev libzstd-dev)
 mpi=(libopenmpi-dev openmpi-bin)
 test=(libgtest-dev qhull-bin lrslib zstd)
-test_all=("${test[@]}" "${mpi[@]}" libhdf5-dev libcgal-dev libboost-dev libtbb-dev libbenchmark-dev)
+test_all=("${test[@]}" "${mpi[@]}" libhdf5-dev libqhull-dev
+  libcgal-dev libboost-dev libtbb-dev libbenchmark-dev)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test_all+=(chromium chromium-driver python3-selenium python3-pil)
 fi
-bench=(libbenchmark-dev libcgal-dev libboost-dev libtbb-dev)
+bench=(libbenchmark-dev libqhull-dev libcgal-dev libboost-dev libtbb-dev)
 docs=(doxygen python3 python3-venv python3-pip)
 fuzz=(clang)
 format=(clang-format)

@@ -406,7 +406,7 @@ Input open_inputs(const InputArguments& arguments, const std::vector<std::string
 
 void RunArguments::add_to(Parser& command, bool filter) {
   if (filter) {
-    command.group("Filter and engine");
+    command.group("Filter");
     auto& method =
         *command.add_option("--cull", cull,
                             "Filter that discards interior points first; auto (default) decides\n"

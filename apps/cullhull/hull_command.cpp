@@ -55,7 +55,7 @@ constexpr const char* hull_footer =
     "  cullhull hull big.npy --repeat 7 --threads 2        median time of seven runs\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
-    "5 backend or engine not available; 130 cancelled.";
+    "5 backend not available; 130 cancelled.";
 
 struct HullArguments {
   InputArguments input;
@@ -64,7 +64,6 @@ struct HullArguments {
   std::string vertices, keep;
   std::string json;
   std::vector<std::string> formats;  ///< words, several of which may be in one string
-  std::string engine = "native";
   std::string only;
   std::string by;  ///< the column of the groups' keys
   unsigned repeat = 1;
@@ -130,12 +129,9 @@ bool in_place(const Input& input) {
 
 HullOutcome compute(const HullArguments& arguments, const Input& input) {
   const cullhull::PointView& points = input.kept();
-  std::optional<EndDeafWork> qhull;
-  if (arguments.engine == "qhull") qhull.emplace();
   HullOutcome outcome{find_repeatedly(
                           arguments, input.places,
-                          [&](cullhull::Options options) {
-    if (arguments.engine == "qhull") options.engine = cullhull::Engine::qhull;
+                          [&](const cullhull::Options& options) {
     const Placing& placing = input.placing;
     return in_place(input) ? hull_on_grid(points, placing.placement, placing.grid, options)
                            : cullhull::convex_hull(points, options);
@@ -165,10 +161,9 @@ std::string hull_lines(const Hull& hull) {
 std::string run_lines(const Hull& hull, const std::optional<Certificate>& certificate,
                       std::uint64_t peak) {
   const cullhull::Statistics& s = hull.statistics;
-  std::string text =
-      fmt::format("run        {} engine, {}, {} thread{}, peak memory {:.1f} MB\n",
-                  cullhull::engine_name(s.engine), cullhull::backend_name(s.backend), s.threads,
-                  s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
+  std::string text = fmt::format("run        {}, {} thread{}, peak memory {:.1f} MB\n",
+                                 cullhull::backend_name(s.backend), s.threads,
+                                 s.threads == 1 ? "" : "s", static_cast<double>(peak) / 1e6);
   if (certificate) text += fmt::format("certified  {}\n", certificate->valid ? "yes" : "NO");
   return text;
 }
@@ -276,11 +271,10 @@ std::string extreme_json(const cullhull::PointView& view, const Extreme& found, 
 }
 
 void check_vertices_only(const HullArguments& arguments) {
-  if (!arguments.outputs.empty() || !arguments.formats.empty() || arguments.certify ||
-      arguments.engine != "native")
+  if (!arguments.outputs.empty() || !arguments.formats.empty() || arguments.certify)
     throw Error(ErrorCode::invalid_argument,
                 "--only vertices finds no facets: it goes with --vertices and --json, not with -o, "
-                "--format, --certify or --engine qhull");
+                "--format or --certify");
 }
 
 /// Coordinates of points in the world, of inputs that have a placement.
@@ -336,7 +330,6 @@ std::string lists_all_points(const HullArguments& arguments) {
 /// The first option that needs all points in memory; empty if no option does.
 std::string needs_memory(const HullArguments& arguments) {
   if (arguments.repeat > 1) return "--repeat";
-  if (arguments.engine != "native") return "--engine " + arguments.engine;
   if (arguments.run.cull != "auto") return "--cull " + arguments.run.cull;
   if (arguments.run.backend == "cuda") return "--backend cuda";
   if (const std::string lists = lists_all_points(arguments); !lists.empty()) return lists;
@@ -489,9 +482,7 @@ Input open_numbers(const HullArguments& arguments) {
   Input input = open_input(one, read);
   remark_on_shape(input_name(one.path), input.points.count, input.points.dimension);
   input.placing.grid = cullhull::common_grid({input.placing.placement});
-  if (!in_place(input) || arguments.certify || arguments.engine != "native" ||
-      !arguments.formats.empty())
-    input.to_grid(read);
+  if (!in_place(input) || arguments.certify || !arguments.formats.empty()) input.to_grid(read);
   return input;
 }
 
@@ -539,8 +530,8 @@ int run_in_memory(HullArguments arguments, const FilePlan& plan) {
 /// Groups have a single kind of output.
 void check_groups(const HullArguments& a) {
   const bool others = !a.vertices.empty() || !a.json.empty() || !a.formats.empty() || a.certify ||
-                      a.faces.triangles || a.faces.polygons || a.repeat > 1 ||
-                      a.engine != "native" || !a.only.empty() || a.stream.any();
+                      a.faces.triangles || a.faces.polygons || a.repeat > 1 || !a.only.empty() ||
+                      a.stream.any();
   if (a.outputs.empty() && !others)
     throw Error(ErrorCode::invalid_argument,
                 "--by needs one -o FILE.geojson (2D), FILE.csv or FILE.json for the hulls");
@@ -628,9 +619,6 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
                           "Compute only the vertices, not the facets (for high dimensions)"),
       {"vertices"});
   a->run.add_to(command, true);
-  command.group("Filter and engine");
-  allow_words(*command.add_option("--engine", a->engine, "Hull algorithm that follows the filter"),
-              {"native", "qhull"});
   command.group("Verification and timing");
   command.add_flag("--certify", a->certify, "Verify the result with an independent exact checker");
   allow_range(

@@ -22,7 +22,7 @@ constexpr const char* footer =
     "'cullhull help COMMAND' or 'cullhull help TOPIC' has more.\n"
     "\n"
     "Exit status: 0 success; 1 bad input or system error; 2 bad usage; 3 not certified; 4 memory\n"
-    "limit exceeded; 5 backend or engine not available; 130 cancelled. An error is one line on\n"
+    "limit exceeded; 5 backend not available; 130 cancelled. An error is one line on\n"
     "standard error.";
 
 }  // namespace

@@ -117,7 +117,7 @@ class Sections : public CLI::Formatter {
 
   static int rank(std::string_view group) {
     constexpr std::string_view first[] = {"Input", "Output"};
-    constexpr std::string_view last[] = {"Filter and engine", "Verification and timing",
+    constexpr std::string_view last[] = {"Filter", "Verification and timing",
                                          "Streaming and partial results", "Limits", "Other"};
     const auto in = [&](const auto& list) {
       return static_cast<int>(std::find(std::begin(list), std::end(list), group) -

@@ -8,14 +8,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <climits>
 #include <csignal>
 #include <exception>
 #include <iterator>
 #include <new>
 #include <system_error>
-#include <thread>
 
 #include "commands.hpp"
 #include "cullhull/error.hpp"
@@ -26,8 +24,6 @@ namespace app {
 namespace {
 
 std::atomic<bool> stoppable{false};
-std::atomic<bool> may_be_deaf{false};
-constexpr std::chrono::milliseconds hearing{50};
 
 std::stop_source& source() {
   static auto& instance = *new std::stop_source;  // outlives the watcher
@@ -50,9 +46,6 @@ void watch(sigset_t signals) {
     if (sigwait(&signals, &signal) != 0) return;
     if (!stoppable || source().stop_requested()) end_with_line(cancelled, "cancelled");
     source().request_stop();
-    if (!may_be_deaf) continue;
-    std::this_thread::sleep_for(hearing);
-    if (stoppable && may_be_deaf) end_with_line(cancelled, "cancelled");
   }
 }
 
@@ -156,9 +149,6 @@ void install_signals() {
 }
 
 std::stop_token stop_token() { return source().get_token(); }
-
-EndDeafWork::EndDeafWork() { may_be_deaf = true; }
-EndDeafWork::~EndDeafWork() { may_be_deaf = false; }
 
 void cancellable(const std::function<void()>& work) {
   struct Guard {

@@ -20,14 +20,4 @@ std::stop_token stop_token();
 /// `work` to notice.
 void cancellable(const std::function<void()>& work);
 
-/// During its lifetime, work that has not ended 50 ms after a signal is ended as by a second
-/// signal: for foreign engines, which do not always check. No output file may be open.
-class EndDeafWork {
- public:
-  EndDeafWork();
-  ~EndDeafWork();
-  EndDeafWork(const EndDeafWork&) = delete;
-  EndDeafWork& operator=(const EndDeafWork&) = delete;
-};
-
 }  // namespace app

@@ -20,7 +20,7 @@ namespace cullhull {
 /// In 2D and 3D the device computes sets of up to 128 points, one warp per set; vertex coordinates,
 /// and in 3D simplices, are copied to the host, which computes planes and measures. The CPU
 /// computes larger and flat sets and those that arithmetic in doubles does not decide (four
-/// vertices in a plane, say); with Backend::cpu, Engine::qhull and in other dimensions it computes
+/// vertices in a plane, say); with Backend::cpu,  in other dimensions it computes
 /// all. The work is done in pieces of about two million points, smaller ones if the device's memory
 /// is full, and then, unless Backend::cuda was given, by the CPU. Throws what
 /// convex_hulls(PointView) throws, Error{backend_unavailable} without a device,

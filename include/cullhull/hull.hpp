@@ -21,8 +21,7 @@ struct Statistics {
   std::uint64_t survivors = 0;           ///< points the filter kept (before lattices are thinned)
   UsedFilter filter = UsedFilter::none;  ///< as in Survivors
   std::string cull_reason;               ///< as in Survivors::reason
-  Engine engine = Engine::native;
-  Backend backend = Backend::cpu;  ///< as in Survivors; engines run on the CPU
+  Backend backend = Backend::cpu;        ///< as in Survivors; engines run on the CPU
   unsigned threads = 1;
   double cull_seconds = 0;
   double hull_seconds = 0;     ///< engine and result together
@@ -122,10 +121,10 @@ struct Hull {
 
 /// The exact convex hull of any number of points in any dimension d >= 1. Errors: not_finite (names
 /// the first bad index), out_of_budget (before the work if the counts show it, else when the hull
-/// outgrows the budget), cancelled, backend_unavailable, invalid_argument; with Engine::qhull also
-/// not_exact. Time O(n) for the filter, then expected O(h log h + h^floor(d / 2)) for its h
-/// survivors in random order. Extra memory O(survivors + facets). Thread safe: calls share nothing.
-/// Source: docs/algorithm.md; why it is exact: docs/exactness.md.
+/// outgrows the budget), cancelled, backend_unavailable, invalid_argument. Time O(n) for the
+/// filter, then expected O(h log h + h^floor(d / 2)) for its h survivors in random order. Extra
+/// memory O(survivors + facets). Thread safe: calls share nothing. Source: docs/algorithm.md; why
+/// it is exact: docs/exactness.md.
 Hull convex_hull(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

@@ -21,14 +21,10 @@ enum class Backend { automatic, cpu, cuda };
 /// The filters: docs/algorithm.md. automatic: decide from a sample whether the gauge map is
 /// worthwhile.
 enum class CullMethod { automatic, gauge, pseudo_hull, none };
-enum class Engine { native, qhull };
 
-/// "automatic", "cpu", "cuda"; "native", "qhull": as reports and the command line spell them.
-/// Static storage.
+/// "automatic", "cpu", "cuda": as reports and the command line spell them. Static storage.
 const char* backend_name(Backend backend) noexcept;
-const char* engine_name(Engine engine) noexcept;
 CULLHULL_WAS_TEXT(Backend, backend_name)
-CULLHULL_WAS_TEXT(Engine, engine_name)
 
 /// Called occasionally, from the calling thread: a short phase name and the completed fraction in
 /// [0, 1]. It may throw; the exception reaches the caller, and no output is left partly written.
@@ -59,7 +55,6 @@ struct Options : RunOptions {
 
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
-  Engine engine = Engine::native;
   /// The CUDA device for points in host memory; -1: the calling thread's current one. Points in a
   /// device's memory are processed by that device.
   int device = -1;

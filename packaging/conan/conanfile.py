@@ -51,7 +51,6 @@ class Cullhull(ConanFile):
         for part in ("APPS", "TESTS", "BENCH", "EXAMPLES"):
             toolchain.cache_variables[f"CULLHULL_BUILD_{part}"] = False
         toolchain.cache_variables["CULLHULL_SHARED"] = bool(self.options.shared)
-        toolchain.cache_variables["CULLHULL_WITH_QHULL"] = False
         toolchain.cache_variables["CULLHULL_WITH_HDF5"] = "OFF"
         toolchain.generate()
 

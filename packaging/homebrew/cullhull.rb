@@ -21,7 +21,7 @@ class Cullhull < Formula
   def install
     system "cmake", "-S", ".", "-B", "build", "-G", "Ninja", "-DCULLHULL_SHARED=ON",
            "-DCULLHULL_BUILD_TESTS=OFF", "-DCULLHULL_BUILD_BENCH=OFF",
-           "-DCULLHULL_BUILD_EXAMPLES=OFF", "-DCULLHULL_WITH_QHULL=OFF", "-DCULLHULL_WITH_HDF5=OFF", *std_cmake_args
+           "-DCULLHULL_BUILD_EXAMPLES=OFF", "-DCULLHULL_WITH_HDF5=OFF", *std_cmake_args
     system "cmake", "--build", "build"
     system "cmake", "--install", "build"
   end

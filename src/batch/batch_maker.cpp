@@ -186,7 +186,7 @@ class Joiner {
 
 SetHuller::SetHuller(const Run& run)
     : options_(run.options),
-      plain_(options_.engine == Engine::native && options_.backend != Backend::cuda &&
+      plain_(options_.backend != Backend::cuda &&
              (options_.memory_budget == 0 || options_.memory_budget >= 1 << 22)),
       polygon_(run.control) {
   options_.threads = 1;

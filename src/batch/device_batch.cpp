@@ -29,7 +29,7 @@ class DeviceBatch {
         sets_(sets),
         must_(options.backend == Backend::cuda),
         warps_((points.dimension == 2 || points.dimension == 3) &&
-               options.backend != Backend::cpu && options.engine == Engine::native) {
+               options.backend != Backend::cpu) {
     check_offsets(points.count, starts_.data(), sets);
   }
 

@@ -66,7 +66,6 @@ void exchange(Courier& all, Statistics& s) {
   all.value(s.survivors);
   all.value(s.filter);
   all.items(s.cull_reason);
-  all.value(s.engine);
   all.value(s.backend);
   all.value(s.threads);
   all.value(s.cull_seconds);

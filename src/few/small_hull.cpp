@@ -82,8 +82,7 @@ bool find_small(const PointView& points, const Options& options, Statistics& sta
 }  // namespace
 
 bool takes_small_sets(const Options& options, std::uint32_t dimension) {
-  return options.engine == Engine::native && options.backend != Backend::cuda &&
-         options.cull == CullMethod::automatic &&
+  return options.backend != Backend::cuda && options.cull == CullMethod::automatic &&
          (options.memory_budget == 0 || options.memory_budget >= small_set_bytes(dimension));
 }
 

@@ -21,8 +21,8 @@ constexpr std::uint64_t small_set_bytes(std::uint32_t dimension) {
   return dimension <= 3 ? std::uint64_t{1} << 22 : std::uint64_t{1} << 23;
 }
 
-/// Whether the options permit these direct paths: not where the caller chose a filter, another
-/// engine, a device or a memory budget below small_set_bytes().
+/// Whether the options permit these direct paths: not where the caller chose a filter,
+/// a device or a memory budget below small_set_bytes().
 bool takes_small_sets(const Options& options, std::uint32_t dimension);
 
 /// Fills all of `hull` with the same bits as the general flow. Returns false, having done nothing,

@@ -16,7 +16,6 @@ namespace {
 
 Filtered filtered_on_device(const DevicePointView& points, const Options& options) {
   check_arguments(points);
-  check_engine(options);
   const Run run(options);
   run.check();
   return run_device_filter(points, run);

@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
 #include "few/small_hull.hpp"
 #include "flow/pipeline.hpp"
@@ -17,19 +16,18 @@
 namespace cullhull::internal {
 namespace {
 
-Boundary run_engine(const LocalFrame& frame, Engine engine, const Run& run) {
+Boundary run_engine(const LocalFrame& frame, const Run& run) {
   const LocalPoints& points = frame.points();
   if (points.dimension == 1) return ends_of_line(points);
-  if (engine == Engine::qhull) return hull_qhull(points, run.control);
   if (points.dimension == 2) return hull_2d(points, run);
   return hull_nd(points, frame.simplex().data(), run);
 }
 
-/// Hulls 2D points without a frame. Returns false if `points` is not 2D or another engine is asked
-/// for; also for flats and polygons of extreme aspect ratio, after reducing `filtered` to the
-/// polygon's corners, which have the same hull.
+/// Hulls 2D points without a frame. Returns false if `points` is not 2D; also for flats and
+/// polygons of extreme aspect ratio, after reducing `filtered` to the polygon's corners, which have
+/// the same hull.
 bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, Hull& hull) {
-  if (points.dimension != 2 || run.options.engine != Engine::native) return false;
+  if (points.dimension != 2) return false;
   const PlanarRows rows(points, filtered);
   const Polygon polygon = rows.hull(run);
   const std::uint64_t edges = polygon.corners.size();
@@ -51,18 +49,9 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
 bool hull_few(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
   const unsigned d = points.dimension;
   const std::uint64_t count = survivors.size(points.count);
-  if (run.options.engine != Engine::native || run.budget < small_set_bytes(d) ||
-      (survivors.all && count > most_unfiltered_in_space))
+  if (run.budget < small_set_bytes(d) || (survivors.all && count > most_unfiltered_in_space))
     return false;
   return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
-}
-
-/// Qhull decides with tolerances, so its result is verified exactly.
-void insist_on_proof(const PointView& points, const Hull& hull, const Options& options) {
-  const Certificate certificate = certify(points, hull, options);
-  if (!certificate.valid)
-    throw Error(ErrorCode::not_exact, "Qhull's result is not the exact hull (", certificate.reason,
-                "); use the native engine");
 }
 
 /// The known triangles at the points' positions; nothing if they are of other points.
@@ -95,7 +84,7 @@ bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const 
   return known.holds;
 }
 
-/// Computes frame, engine and result: for other engines and all that the fast paths above refuse.
+/// Computes frame, engine and result: for all that the fast paths above refuse.
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
                     Hull& hull) {
   EngineInput input = engine_input(points, std::move(filtered), run);
@@ -121,17 +110,16 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
       build_hull(from, std::move(boundary),
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
-    if (hull.affine_dimension == 3 && run.options.engine == Engine::native) {
+    if (hull.affine_dimension == 3) {
       if (known != nullptr && hull_by_known(from, frame.simplex().data(), run, *known, hull))
         return;
       TriangleMesh surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(surface), surface.live);
     } else {
-      Boundary boundary = run_engine(frame, run.options.engine, run);
+      Boundary boundary = run_engine(frame, run);
       finish(std::move(boundary), boundary.facet_count());
     }
   }
-  if (run.options.engine == Engine::qhull) insist_on_proof(points, hull, run.options);
 }
 
 }  // namespace
@@ -144,7 +132,6 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.point_count = points.count;
   hull.scalar = points.scalar;
   hull.statistics.threads = run.threads;
-  hull.statistics.engine = run.options.engine;
   hull.statistics.survivors = filtered.survivors.size(points.count);
   hull.statistics.filter = filtered.survivors.filter;
   hull.statistics.cull_reason = filtered.survivors.reason;

@@ -11,7 +11,6 @@
 #include "few/small_hull.hpp"
 #include "filter/planner.hpp"
 #include "geometry/gather.hpp"
-#include "hull/engine.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/run.hpp"
@@ -22,13 +21,6 @@ namespace cullhull::internal {
 void check_arguments(const PointView& points, const Options& options) {
   require_points(points);
   if (options.backend == Backend::cuda) require_cuda(options.device);
-  check_engine(options);
-}
-
-void check_engine(const Options& options) {
-  if (options.engine == Engine::qhull && !qhull_available())
-    throw Error(ErrorCode::backend_unavailable,
-                "this build has no Qhull engine; use the native engine");
 }
 
 Filtered filter_and_plan(const PointView& points, Run& run) {
@@ -57,10 +49,6 @@ const char* error_name(ErrorCode code) noexcept {
 const char* backend_name(Backend backend) noexcept {
   static constexpr const char* names[] = {"automatic", "cpu", "cuda"};
   return names[static_cast<unsigned>(backend)];
-}
-
-const char* engine_name(Engine engine) noexcept {
-  return engine == Engine::qhull ? "qhull" : "native";
 }
 
 const char* filter_name(UsedFilter filter) noexcept {

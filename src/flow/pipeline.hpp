@@ -120,10 +120,8 @@ struct PlanarRows {
   const std::uint64_t* ids;
 };
 
-/// Throws Error for null data, no dimension, or a backend or engine that this build lacks.
+/// Throws Error for null data, no dimension, or a backend that this build lacks.
 void check_arguments(const PointView& points, const Options& options);
-/// Checks the engine alone.
-void check_engine(const Options& options);
 
 /// Runs the filter, and sets run.threads to the number worthwhile for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);

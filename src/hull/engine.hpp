@@ -58,9 +58,5 @@ Boundary hull_3d(const LocalPoints& points, const std::uint32_t* simplex, const 
 /// the surface.
 Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
                  bool same_facets = false);
-/// The hull as Qhull computes it. Throws Error{backend_unavailable} when built without libqhull_r,
-/// Error{not_exact} when Qhull fails or its facets are not a closed convex surface of simplices.
-Boundary hull_qhull(const LocalPoints& points, const Control& control);
-bool qhull_available();
 
 }  // namespace cullhull::internal

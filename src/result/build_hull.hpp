@@ -28,7 +28,7 @@ constexpr bool facets_are_simplices(unsigned k) { return k == 1 || k == 3; }
 /// Merges coplanar simplices (exactly), removes vertices that are not extreme, triangulates
 /// canonically, sorts, and computes the measures. Consumes `boundary`. Fills every field of Hull
 /// except statistics, of which it only increases rung_counts. Throws Error{not_exact} if the
-/// boundary is not weakly convex or not closed, which only a foreign engine can cause.
+/// boundary is not weakly convex or not closed, which only a wrong engine can cause.
 void build_hull(const ResultInput& input, Boundary&& boundary, const Run& run, Hull& hull);
 /// The same from the 3D engine's own facets, in fewer passes over memory.
 void build_hull(const ResultInput& input, TriangleMesh&& boundary, const Run& run, Hull& hull);

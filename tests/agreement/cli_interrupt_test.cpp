@@ -56,9 +56,11 @@ int interrupted_while_reading(const std::vector<std::string>& arguments,
 TEST(CliInterrupt, EveryCommandSaysThatItWasCancelled) {
   const Folder f;
   const std::string errors = f / "errors.txt";
-  const std::vector<std::vector<std::string>> commands = {
-      {"hull", "-"}, {"hull", "-", "--engine", "qhull"}, {"cull", "-", "-o", f / "ids.npy"},
-      {"info", "-"}, {"certify", "-", f / "hull.json"},  {"view", "-", "-o", f / "page.html"}};
+  const std::vector<std::vector<std::string>> commands = {{"hull", "-"},
+                                                          {"cull", "-", "-o", f / "ids.npy"},
+                                                          {"info", "-"},
+                                                          {"certify", "-", f / "hull.json"},
+                                                          {"view", "-", "-o", f / "page.html"}};
   write_points(f / "p.npy", "ball", 100, 3);
   ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
   for (const auto& command : commands) {
@@ -77,13 +79,6 @@ TEST(CliInterrupt, LongWorkSaysThatItWasCancelled) {
   for (const auto& command : commands)
     EXPECT_EQ(cancelled_at_work(command), "cullhull: cancelled\n") << command[0];
   EXPECT_FALSE(std::filesystem::exists(f / "ball.npy"));
-}
-
-TEST(CliInterrupt, QhullHearsAnInterruption) {
-  const Folder f;
-  write_points(f / "p.npy", "sphere", 3000, 8);  // hours of Qhull's work
-  EXPECT_EQ(cancelled_at_work({"hull", f / "p.npy", "--engine", "qhull", "--cull", "none"}),
-            "cullhull: cancelled\n");
 }
 
 TEST(CliInterrupt, InterruptedReadingEndsAtOnce) {

@@ -52,7 +52,6 @@ TEST(Cli, BadUsageIsStatusTwo) {
   expect_error({"hull"}, 2, "INPUT is required (see cullhull hull --help)");
   expect_error({"hull", p, "--bogus"}, 2, "--bogus");
   expect_error({"hull", p, "--cull", "magic"}, 2, "magic");
-  expect_error({"hull", p, "--engine", "magic"}, 2, "magic");
   expect_error({"hull", p, "--threads", "-1"}, 2, "threads");
   expect_error({"hull", p, "--repeat", "0"}, 2, "repeat");
   expect_error({"hull", p, "--format", "Qx"}, 2, "Qx");

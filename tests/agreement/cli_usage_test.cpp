@@ -205,7 +205,7 @@ TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
   }
   const std::string hull = run_app({"hull", "--help"}).out;
   std::size_t at = 0;
-  for (const char* section : {"Input", "Output", "Filter and engine", "Verification and timing",
+  for (const char* section : {"Input", "Output", "Filter", "Verification and timing",
                               "Streaming and partial results", "Limits", "Other"}) {
     const std::size_t found = hull.find("\n" + std::string(section) + ":\n  -");
     EXPECT_TRUE(found != std::string::npos && found > at) << section << "\n" << hull;
@@ -219,8 +219,7 @@ TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
   };
   EXPECT_EQ(section_of("  --columns"), "Input");
   EXPECT_EQ(section_of("  -o,--output"), "Output");
-  EXPECT_EQ(section_of("  --cull"), "Filter and engine");
-  EXPECT_EQ(section_of("  --engine"), "Filter and engine");
+  EXPECT_EQ(section_of("  --cull"), "Filter");
   EXPECT_EQ(section_of("  --memory"), "Limits");
 }
 

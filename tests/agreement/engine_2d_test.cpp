@@ -1,4 +1,4 @@
-// hull_2d and hull_qhull against gift wrapping with exact orientations.
+// hull_2d against gift wrapping with exact orientations.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -219,81 +219,6 @@ TEST(Hull2d, StopsWhenAsked) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
-}
-
-TEST(HullQhull, ClosedConvexSurface) {
-  const Options options;
-  const internal::Run run(options);
-  std::mt19937_64 g(5);
-  std::normal_distribution<double> normal(0, 0.1);
-  for (unsigned d = 2; d <= 6; ++d) {
-    Points p(200 * d);
-    for (double& v : p) v = normal(g);
-    const LocalPoints points = local(p, d);
-    if (!qhull_available()) {
-      try {
-        hull_qhull(points, run.control);
-        FAIL();
-      } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ErrorCode::backend_unavailable);
-      }
-      continue;
-    }
-    ::testing::internal::CaptureStdout();
-    ::testing::internal::CaptureStderr();
-    const Boundary h = hull_qhull(points, run.control);
-    EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
-    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
-    ASSERT_GT(h.facet_count(), d);
-    std::vector<const double*> rows(d + 1);
-    for (std::size_t f = 0; f < h.facet_count(); ++f) {
-      for (unsigned j = 0; j < d; ++j) rows[j] = points.row(h.vertices[f * d + j]);
-      for (std::uint32_t x = 0; x < points.count; ++x) {
-        rows[d] = points.row(x);
-        ASSERT_NE(orientation(d, rows.data()), Sign::positive) << "d " << d << " point " << x;
-      }
-      for (unsigned j = 0; j < d; ++j) {
-        const std::uint32_t other = h.neighbours[f * d + j];
-        const auto* v = &h.vertices[std::size_t{other} * d];
-        for (unsigned i = 0; i < d; ++i) {
-          if (i == j) continue;
-          EXPECT_NE(std::find(v, v + d, h.vertices[f * d + i]), v + d);
-        }
-      }
-    }
-  }
-}
-
-TEST(HullQhull, LowestIdOfEqualPointsIsReported) {
-  if (!qhull_available()) return;
-  const Options options;
-  Points p;
-  for (int k = 0; k < 3; ++k)
-    for (int i = 0; i < 8; ++i)
-      p.insert(p.end(), {i & 1 ? 0.5 : -0.0, i & 2 ? 0.5 : 0, i & 4 ? 0.5 : 0.});
-  const Boundary h = hull_qhull(local(p, 3), internal::Run(options).control);
-  std::set<std::uint32_t> lowest;
-  for (std::uint32_t v : h.vertices) {
-    std::uint32_t low = v;
-    for (const auto& [duplicate, vertex] : h.duplicates)
-      if (vertex == v) low = std::min(low, duplicate);
-    lowest.insert(low);
-  }
-  EXPECT_EQ(lowest, (std::set<std::uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
-}
-
-TEST(HullQhull, FailureIsAnErrorOfOneLine) {
-  if (!qhull_available()) return;
-  const Options options;
-  const Points flat = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0.5, 0.5, 0};
-  try {
-    hull_qhull(local(flat, 3), internal::Run(options).control);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::not_exact);
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-    EXPECT_NE(std::string(e.what()).find("QH6"), std::string::npos) << e.what();
   }
 }
 

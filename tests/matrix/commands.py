@@ -176,7 +176,7 @@ ONE_FILE = {
 }
 
 _BLOCKS = "reads in blocks: all points are never in memory"
-IN_BLOCKS = dict.fromkeys(("--cull", "--engine", "--repeat", "--stream", "--backend"), _BLOCKS)
+IN_BLOCKS = dict.fromkeys(("--cull", "--repeat", "--stream", "--backend"), _BLOCKS)
 
 ROWS = (
     Row(
@@ -212,7 +212,6 @@ ROWS = (
         "hull --only vertices",
         ("hull", "-q", "--only", "vertices"),
         (*IDS[:1], _report("extreme")),
-        ways={"--engine": "the engines are not asked"},
     ),
     *(
         Row(
@@ -518,7 +517,6 @@ WAYS = (
     ("--stream", "on"),
     ("--stream", "off"),
     ("--repeat", "2"),
-    ("--engine", "qhull"),
 )
 
 #: What a short run tries of rows that it does not try whole. (Every row has all sets by the

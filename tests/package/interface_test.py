@@ -55,7 +55,7 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
   };
   const std::vector<Vertex> vertices(4);
   ids += cullhull::convex_hull(cullhull::PointView::records(vertices, &Vertex::x, 3)).point_count;
-  std::cout << hull.statistics.engine << hull.statistics.backend << hull.statistics.filter;
+  std::cout << hull.statistics.backend << hull.statistics.filter;
   return cullhull::certify(hull).valid ? ids + cullhull::HullState(hull).ids().size() : 0;
 }
 """
@@ -75,13 +75,9 @@ BEFORE = [
     ("std::cout << survivors.method;", "use filter, and filter_name"),
     ("hull.statistics.cull_method;", "use filter, and filter_name"),
     ("std::string text = hull.statistics.cull_method;", "use filter, and filter_name"),
-    ('if (hull.statistics.engine == "qhull") return;', "or use engine_name()"),
-    ('if (hull.statistics.engine != std::string("qhull")) return;', "or use engine_name()"),
     ('if (hull.statistics.backend == "cuda") return;', "or use backend_name()"),
     ('if ("cuda" == survivors.backend) return;', "or use backend_name()"),
     ('if (survivors.filter == "none") return;', "or use filter_name()"),
-    ("const char* text = hull.statistics.engine;", "Engine"),
-    ("std::string text = hull.statistics.engine;", "Engine"),
     ("const char* text = hull.statistics.backend;", "Backend"),
     ("const char* text = survivors.backend;", "Backend"),
     ("cullhull::convex_hulls(view, offsets, 1);", "pass the offsets as a span"),

@@ -58,7 +58,7 @@ class Pages(unittest.TestCase):
         page = (folder / "man1/cullhull-hull.1").read_text().replace("\\-", "-")
         headings = re.findall(r"^\.S[HS] (.*)$", page, re.M)
         self.assertEqual(headings[:3], ["NAME", "SYNOPSIS", "DESCRIPTION"])
-        for heading in ("OPTIONS", "Input", "Filter and engine", "EXAMPLES", "EXIT STATUS"):
+        for heading in ("OPTIONS", "Input", "Filter", "EXAMPLES", "EXIT STATUS"):
             self.assertIn(heading, headings)
         examples = page.split(".SH EXAMPLES\n.nf\n")[1].split(".fi")[0]
         self.assertIn("cullhull hull scan.ply -o hull.ply", examples)

@@ -78,8 +78,8 @@ class Hull(Questions, Exported, Certified):
     (12, (12, 3), (12, 3))
     >>> cube.simplex_facets
     array([0, 1, 0, 2, 2, 1, 3, 3, 4, 4, 5, 5], dtype=int32)
-    >>> cube.statistics["engine"]
-    'native'
+    >>> cube.statistics["backend"]
+    'cpu'
     """
 
     __slots__ = ("_solid",)

@@ -112,7 +112,6 @@ nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
   all["survivors"] = s.survivors;
   all["cull_method"] = cullhull::filter_name(s.filter);
   all["cull_reason"] = s.cull_reason;
-  all["engine"] = cullhull::engine_name(s.engine);
   all["backend"] = cullhull::backend_name(s.backend);
   all["threads"] = s.threads;
   all["cull_seconds"] = s.cull_seconds;

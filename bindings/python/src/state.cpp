@@ -253,25 +253,24 @@ State state_of_solid(SolidHandle self) {
       h.facets.items.shares(h.simplices) ? nb::none() : saved(h.facets.items, self);
   state["vertex_rows"] = saved(nb::inst_ptr<Solid>(self)->vertex_rows(), self);
   const cullhull::Statistics& s = h.statistics;
-  state["statistics"] = nb::make_tuple(
-      s.survivors, cullhull::filter_name(s.filter), s.cull_reason, cullhull::engine_name(s.engine),
-      cullhull::backend_name(s.backend), s.threads, s.cull_seconds, s.hull_seconds,
-      s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
+  state["statistics"] =
+      nb::make_tuple(s.survivors, cullhull::filter_name(s.filter), s.cull_reason,
+                     cullhull::backend_name(s.backend), s.threads, s.cull_seconds, s.hull_seconds,
+                     s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
   return state;
 }
 
 void load_statistics(const State& state, cullhull::Statistics& s) {
   const auto all = value<nb::tuple>(state, "statistics");
-  std::string method, engine, backend;
-  require(all.size() == 12 && nb::try_cast(all[0], s.survivors) && nb::try_cast(all[1], method) &&
-              nb::try_cast(all[2], s.cull_reason) && nb::try_cast(all[3], engine) &&
-              nb::try_cast(all[4], backend) && nb::try_cast(all[5], s.threads) &&
-              nb::try_cast(all[6], s.cull_seconds) && nb::try_cast(all[7], s.hull_seconds) &&
-              nb::try_cast(all[8], s.compute_seconds) && nb::try_cast(all[9], s.rung_counts[0]) &&
-              nb::try_cast(all[10], s.rung_counts[1]) && nb::try_cast(all[11], s.rung_counts[2]),
+  std::string method, backend;
+  require(all.size() == 11 && nb::try_cast(all[0], s.survivors) && nb::try_cast(all[1], method) &&
+              nb::try_cast(all[2], s.cull_reason) && nb::try_cast(all[3], backend) &&
+              nb::try_cast(all[4], s.threads) && nb::try_cast(all[5], s.cull_seconds) &&
+              nb::try_cast(all[6], s.hull_seconds) && nb::try_cast(all[7], s.compute_seconds) &&
+              nb::try_cast(all[8], s.rung_counts[0]) && nb::try_cast(all[9], s.rung_counts[1]) &&
+              nb::try_cast(all[10], s.rung_counts[2]),
           "statistics");
   s.filter = named(method, cullhull::UsedFilter::stream, cullhull::filter_name);
-  s.engine = named(engine, cullhull::Engine::qhull, cullhull::engine_name);
   s.backend = named(backend, cullhull::Backend::cuda, cullhull::backend_name);
 }
 

@@ -31,7 +31,6 @@ class Cullhull(CMakePackage):
         off = ("TESTS", "BENCH", "EXAMPLES")
         return [
             *(self.define(f"CULLHULL_BUILD_{part}", False) for part in off),
-            self.define("CULLHULL_WITH_QHULL", False),
             self.define("CULLHULL_WITH_HDF5", "OFF"),
             self.define_from_variant("CULLHULL_SHARED", "shared"),
             self.define_from_variant("CULLHULL_BUILD_APPS", "apps"),

@@ -87,7 +87,7 @@ std::string report_json(const internal::Coordinates& points, const Hull& hull,
   w.end_object();
   w.key("hull");
   w.begin_object();
-  w.member("engine", engine_name(s.engine));
+  w.member("engine", "native");
   w.member("seconds", s.hull_seconds);
   w.end_object();
   internal::write_measures(w, hull);
