@@ -41,21 +41,21 @@ std::unique_ptr<StreamMap> StreamMap::lay(const NumberedPoints& extreme, const R
 
 // Built for the first block that is large enough to be a sample, as for a very long pass: many
 // blocks will follow.
-const GaugeShortcuts* StreamMap::shortcuts(const PointView& block, unsigned threads) const {
+const GaugeCore* StreamMap::core(const PointView& block, unsigned threads) const {
   constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
   const std::lock_guard lock(mutex_);
-  if (shortcuts_ == nullptr && block.count >= enough_to_show)
-    shortcuts_ =
-        std::make_unique<const GaugeShortcuts>(make_shortcuts(map_->table(), block, many, threads));
-  return shortcuts_.get();
+  if (!core_sought_ && block.count >= enough_to_show) {
+    core_ = core_for_pass(map_->table(), block, many, threads);
+    core_sought_ = true;
+  }
+  return core_ ? &*core_ : nullptr;
 }
 
 /// Positions, relative to `begin`, of the points kept. Points that the table keeps are tested once
 /// more, exactly, against the facet that their ray meets.
 std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
-                                  const GaugeShortcuts* shortcuts, std::uint32_t* positions) const {
-  const std::size_t doubtful =
-      gauge_survivors(map_->table(), block, begin, end, positions, shortcuts);
+                                  const GaugeCore* core, std::uint32_t* positions) const {
+  const std::size_t doubtful = gauge_survivors(map_->table(), block, begin, end, positions, core);
   // If most are kept, the block is outside the hull, and exact tests would not discard any.
   if (doubtful > (end - begin) / 2) return doubtful;
   double row[GaugeMap::max_dimension];
@@ -69,7 +69,7 @@ std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, s
 
 void StreamMap::cull(const PointView& block, std::uint64_t first_id, const Run& run,
                      NumberedPoints& kept) const {
-  const GaugeShortcuts* quick = shortcuts(block, run.threads);
+  const GaugeCore* quick = core(block, run.threads);
   const std::uint64_t chunks = chunk_count(block.count, gauge_chunk);
   std::vector<NumberedPoints> of_chunk(chunks, {kept.dimension, kept.scalar, {}, {}});
   run.each_chunk(block.count, gauge_chunk,

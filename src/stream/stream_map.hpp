@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "filter/gauge/gauge_build.hpp"
@@ -27,13 +28,14 @@ class StreamMap {
 
  private:
   explicit StreamMap(std::unique_ptr<GaugeMap> map) : map_(std::move(map)) {}
-  const GaugeShortcuts* shortcuts(const PointView& block, unsigned threads) const;
+  const GaugeCore* core(const PointView& block, unsigned threads) const;
   std::size_t cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
-                         const GaugeShortcuts* shortcuts, std::uint32_t* positions) const;
+                         const GaugeCore* core, std::uint32_t* positions) const;
 
   std::unique_ptr<GaugeMap> map_;
   mutable std::mutex mutex_;
-  mutable std::unique_ptr<const GaugeShortcuts> shortcuts_;
+  mutable bool core_sought_ = false;
+  mutable std::optional<GaugeCore> core_;
 };
 
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// The GaugeMap's tests for vectors of points, cheapest first: the core, the levels, the map.
+// The GaugeMap's tests for vectors of points, the core before the map.
 // Included once per instruction set (hence Highway's unusual include guard).
 
 #include "filter/gauge/gauge_build.hpp"
@@ -32,12 +32,12 @@ using VI = hn::Vec<I>;
 using VU = hn::Vec<U>;
 using MF = hn::Mask<F>;
 
-/// Points per block of the core, the levels and the map. A block of 32 points takes the core some
+/// Points per block of the core and the map. A block of 32 points takes the core some
 /// 25 ns, and the processor overlaps reading the next block with testing this one; slower tests
 /// gain nothing from that, and blocks of 256 with prefetching were fastest (docs/performance.md,
 /// "The pass over all points").
-constexpr std::uint32_t core_block = 32, block_size = 64, many = 256;
-static_assert(gauge_chunk % many == 0 && many % block_size == 0 && block_size % core_block == 0);
+constexpr std::uint32_t core_block = 32, many = 256;
+static_assert(gauge_chunk % many == 0 && many % core_block == 0);
 
 // 2^23: adding it to an integer below 2^23 leaves that integer in the low bits of the float.
 constexpr float integer_shift = 8388608.0F;
@@ -190,23 +190,6 @@ class CoreTest {
   VF radius_[GaugeCore::norms];
 };
 
-/// Returns the cell of the levels that contains y.
-HWY_INLINE VU level_cell(const GaugeLevels& l, const Direction<3>& direction) {
-  const F f;
-  const U u;
-  const VF half_cells = hn::Set(f, l.half_cells), middle = hn::Set(f, l.middle);
-  const auto cell = [&](unsigned k) HWY_ATTR {
-    return hn::Floor(
-        hn::Add(hn::Mul(hn::Mul(direction.other[k], direction.inverse), half_cells), middle));
-  };
-  // Integers below 2^23: exact.
-  const VF number = hn::MulAdd(direction.face, hn::Set(f, l.face_stride),
-                               hn::MulAdd(cell(1), hn::Set(f, static_cast<float>(l.cells)),
-                                          hn::Add(cell(0), hn::Set(f, integer_shift))));
-  return hn::Min(hn::Sub(hn::BitCast(u, number), hn::Set(u, integer_shift_bits)),
-                 hn::Set(u, l.last));
-}
-
 /// Survivors of a block as bits: bit k % 8 of byte k / 8 is set if point k survives, k < most.
 template <std::uint32_t most>
 class SurvivorBits {
@@ -270,14 +253,12 @@ class OpenPoints {
 
   std::uint32_t count() const { return count_; }
   std::uint32_t place(std::uint32_t k) const { return places_[k]; }
-  HWY_INLINE VU places(std::uint32_t k) const { return hn::LoadU(U(), places_ + k); }
   HWY_INLINE void load(std::uint32_t k, VF (&y)[D]) const {
     for (unsigned j = 0; j < D; ++j) y[j] = hn::LoadU(F(), columns_[j] + k);
   }
   void clear() { count_ = 0; }
 
-  /// Tests at most `enough` points and adds those that are not dropped: dropped(k, y) is false; k
-  /// is the index of the first lane of y.
+  /// Tests at most `enough` points and adds those that are not dropped: dropped(y) is false.
   template <class Load, class Places, class Dropped>
   HWY_INLINE void add(std::uint32_t count, const Load& load, const Places& places,
                       const Dropped& dropped) {
@@ -286,7 +267,7 @@ class OpenPoints {
     for (std::uint32_t k = 0; k < count; k += lanes) {
       VF y[D];
       load(k, y);
-      MF stays = hn::Not(dropped(k, y));
+      MF stays = hn::Not(dropped(y));
       if (count - k < lanes) stays = hn::And(stays, hn::FirstN(F(), count - k));
       // Compress and store, not CompressStore, which takes a hundred cycles on Zen 4.
       for (unsigned j = 0; j < D; ++j) hn::StoreU(hn::Compress(y[j], stays), F(), columns_[j] + at);
@@ -303,26 +284,25 @@ class OpenPoints {
   HWY_ALIGN std::uint32_t places_[row];
 };
 
-/// Decides whether a shortcut (the core or the levels) is used: it pauses where it drops too few
-/// points. A pause of 16 batches limits the cost of a useless shortcut to about a sixteenth of its
-/// test.
-class Shortcut {
+/// Decides whether the core is used: it pauses where it drops too few points. A pause of 16 batches
+/// limits the cost of a useless core to about a sixteenth of its test.
+class CoreUse {
  public:
-  explicit Shortcut(bool there) : there_(there) {}
+  explicit CoreUse(bool there) : there_(there) {}
   bool rests() const { return !there_ || rest_ > 0; }
-  /// Whether the shortcut tests the next `points` points; if not, they shorten its pause.
+  /// Whether the core tests the next `points` points; if not, they shorten its pause.
   bool taken(std::uint32_t points) {
     if (!rests()) return true;
     rest_ -= std::min(rest_, points);
     return false;
   }
-  /// Reports that the shortcut left `left` of `asked` points: with more than most_of_four quarters
-  /// left it costs more than it saves, and pauses.
-  void saw(std::uint32_t asked, std::uint32_t left, std::uint32_t most_of_four) {
+  /// Reports that the core left `left` of `asked` points: with more than three quarters left it
+  /// costs more than it saves, and pauses.
+  void saw(std::uint32_t asked, std::uint32_t left) {
     asked_ += asked;
     left_ += left;
     if (asked_ < OpenPoints<2>::enough) return;
-    if (left_ > asked_ / 4 * most_of_four) rest_ = 16 * OpenPoints<2>::enough;
+    if (left_ > asked_ / 4 * 3) rest_ = 16 * OpenPoints<2>::enough;
     asked_ = left_ = 0;
   }
 
@@ -331,134 +311,73 @@ class Shortcut {
   std::uint32_t asked_ = 0, left_ = 0, rest_ = 0;
 };
 
-/// Tests the points of one call: by the shortcuts first, if they drop enough, then by the map the
-/// points that are left. The survivors are the same with and without shortcuts.
+/// Tests the points of one call: by the core first, if it drops enough, then by the map the points
+/// that are left. The survivors are the same with and without a core.
 template <unsigned D>
 class Blocks {
  public:
-  Blocks(const GaugeTable& t, const GaugeShortcuts* shortcuts, std::uint32_t* ids)
-      : table_(t),
-        shortcuts_(shortcuts),
-        core_(shortcuts != nullptr && shortcuts->core),
-        levels_(D == 3 && shortcuts != nullptr && shortcuts->levels),
-        ids_(ids) {}
+  Blocks(const GaugeTable& t, const GaugeCore* core, std::uint32_t* ids)
+      : table_(t), core_(core), core_use_(core != nullptr), ids_(ids) {}
 
   /// Returns how many points may be added next at most.
-  std::uint32_t room() const {
-    return !core_.rests() ? core_block : !levels_.rests() ? block_size : many;
-  }
+  std::uint32_t room() const { return core_use_.rests() ? many : core_block; }
 
   /// fetch(k) prefetches for each vector of points, except where the core tests them: only the
-  /// slower tests gain from prefetching.
+  /// slower test gains from prefetching.
   template <class Load, class Fetch>
   HWY_INLINE void add(std::uint32_t first, std::uint32_t count, const Load& load,
                       const Fetch& fetch) {
-    const VU lane = hn::Iota(U(), 0);
-    const auto places = [&](std::uint32_t k)
-                            HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); };
-    // Decide both at once, as room() assumed: pass_on() below may end a pause.
-    const bool by_core = core_.taken(count), by_levels = !by_core && levels_.taken(count);
-    if (by_core) {
-      const std::uint32_t before = for_levels_.count();
-      if (shortcuts_->core->kind == GaugeCore::Kind::round)
-        ask_core<GaugeCore::Kind::round>(count, load, places);
+    if (core_use_.taken(count)) {
+      const std::uint32_t before = left_.count();
+      if (core_->kind == GaugeCore::Kind::round)
+        ask_core<GaugeCore::Kind::round>(first, count, load);
       else
-        ask_core<GaugeCore::Kind::cut>(count, load, places);
-      core_.saw(count, for_levels_.count() - before, 3);
-      if (for_levels_.count() >= for_levels_.enough) pass_on();
+        ask_core<GaugeCore::Kind::cut>(first, count, load);
+      core_use_.saw(count, left_.count() - before);
+      if (left_.count() >= left_.enough) ask_map();
       return;
     }
-    if (for_levels_.count() > 0) pass_on();
-    const auto load_and_fetch = [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
+    if (left_.count() > 0) ask_map();
+    kept_ += test_block<D, many>(table_, first, count, ids_ + kept_,
+                                 [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR {
       fetch(k);
       load(k, y);
-    };
-    if constexpr (D == 3)
-      if (by_levels) return ask_levels(count, load_and_fetch, places);
-    if (for_map_.count() > 0) ask_map(for_map_);
-    kept_ += test_block<D, many>(table_, first, count, ids_ + kept_, load_and_fetch);
+    });
   }
 
   /// Finishes the points added so far; returns how many are kept.
   std::size_t finish() {
-    pass_on();
-    ask_map(for_map_);
+    ask_map();
     return kept_;
   }
 
  private:
   using Open = OpenPoints<D>;
 
-  template <GaugeCore::Kind kind, class Load, class Places>
-  HWY_INLINE void ask_core(std::uint32_t count, const Load& load, const Places& places) {
-    const CoreTest<D, kind> test(*shortcuts_->core);
-    for_levels_.add(count, load, places,
-                    [&](std::uint32_t, const VF(&y)[D]) HWY_ATTR { return test(y); });
+  template <GaugeCore::Kind kind, class Load>
+  HWY_INLINE void ask_core(std::uint32_t first, std::uint32_t count, const Load& load) {
+    const CoreTest<D, kind> test(*core_);
+    const VU lane = hn::Iota(U(), 0);
+    left_.add(
+        count, load,
+        [&](std::uint32_t k) HWY_ATTR { return hn::Add(hn::Set(U(), first + k), lane); },
+        [&](const VF(&y)[D]) HWY_ATTR { return test(y); });
   }
 
-  /// Passes the points that the core left to the next test.
-  HWY_NOINLINE void pass_on() {
-    if constexpr (D == 3) {
-      if (levels_.taken(for_levels_.count())) {
-        for (std::uint32_t k = 0; k < for_levels_.count(); k += block_size)
-          ask_levels(
-              std::min(block_size, for_levels_.count() - k),
-              [&](std::uint32_t i, VF(&y)[D]) HWY_ATTR { for_levels_.load(k + i, y); },
-              [&](std::uint32_t i) HWY_ATTR { return for_levels_.places(k + i); });
-        for_levels_.clear();
-        return;
-      }
-    }
-    ask_map(for_map_);
-    ask_map(for_levels_);
-  }
-
-  /// Tests at most block_size points; lanes beyond `count` may hold anything.
-  template <class Load, class Places>
-  HWY_INLINE void ask_levels(std::uint32_t count, const Load& load, const Places& places) {
-    const F f;
-    const U u;
-    const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
-    HWY_ALIGN std::uint32_t cells[block_size];
-    HWY_ALIGN float norms[block_size];
-    std::uint8_t found[block_size + hn::MaxLanes(F())];
-    const GaugeLevels& levels = *shortcuts_->levels;
-    for (std::uint32_t k = 0; k < count; k += lanes) {
-      VF y[3];
-      load(k, y);
-      const Direction<3> direction = direction_of<3>(y);
-      hn::Store(level_cell(levels, direction), u, cells + k);
-      hn::Store(direction.norm, f, norms + k);
-    }
-    // One by one: a gather of bytes took longer than the rest of the test (docs/performance.md).
-    const std::uint8_t* HWY_RESTRICT of_cell = levels.of_cell.data();
-    for (std::uint32_t k = 0; k < count; ++k) found[k] = of_cell[cells[k]];
-    const VF unit = hn::Set(f, levels.unit);
-    const hn::Rebind<std::uint8_t, F> bytes;
-    const std::uint32_t before = for_map_.count();
-    for_map_.add(count, load, places, [&](std::uint32_t k, const VF(&)[D]) HWY_ATTR {
-      const VU level = hn::PromoteTo(u, hn::LoadU(bytes, found + k));
-      // False where a coordinate is NaN.
-      return hn::Lt(hn::Load(f, norms + k),
-                    hn::Mul(hn::ConvertTo(f, hn::BitCast(I(), level)), unit));
-    });
-    levels_.saw(count, for_map_.count() - before, 2);
-    if (for_map_.count() >= for_map_.enough) ask_map(for_map_);
-  }
-
-  HWY_NOINLINE void ask_map(Open& open) {
+  /// Tests the points that the core left.
+  HWY_NOINLINE void ask_map() {
     std::uint32_t kept[Open::most];
     const std::size_t n =
-        test_block<D, Open::most>(table_, 0, open.count(), kept,
-                                  [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { open.load(k, y); });
-    for (std::size_t k = 0; k < n; ++k) ids_[kept_++] = open.place(kept[k]);
-    open.clear();
+        test_block<D, Open::most>(table_, 0, left_.count(), kept,
+                                  [&](std::uint32_t k, VF(&y)[D]) HWY_ATTR { left_.load(k, y); });
+    for (std::size_t k = 0; k < n; ++k) ids_[kept_++] = left_.place(kept[k]);
+    left_.clear();
   }
 
   const GaugeTable& table_;
-  const GaugeShortcuts* shortcuts_;
-  Shortcut core_, levels_;
-  Open for_levels_, for_map_;
+  const GaugeCore* core_;
+  CoreUse core_use_;
+  Open left_;  ///< by the core
   std::uint32_t* ids_;
   std::size_t kept_ = 0;
 };

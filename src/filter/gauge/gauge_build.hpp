@@ -1,5 +1,5 @@
-// How a GaugeMap is built: from a polytope to its table and cones, and the tests before the map's
-// own (core, levels, shortcuts) that decide most points at a lower cost.
+// How a GaugeMap is built: from a polytope to its table and cones, and the test before the map's
+// own, the core, that decides most points at a lower cost.
 #pragma once
 
 #include <cmath>
@@ -90,33 +90,15 @@ struct GaugeCore {
 };
 
 /// Returns the body that contains most of `probes` (columns of `count` coordinates in the map's
-/// frame), if it contains enough of them to save time. docs/exactness.md, G9, proves that the map
+/// frame), if it contains enough of them to save time. docs/exactness.md, G8, proves that the map
 /// drops every point of the body. Does not depend on the number of threads.
 std::optional<GaugeCore> make_core(const GaugeTable& table, const std::vector<float>& probes,
                                    std::uint32_t count, unsigned threads);
 
-// A coarse, quick test before the GaugeMap's own in 3D: one look-up per point instead of three.
-
-/// Levels per cell. Each cell of the map's faces, or each of s x s parts of it, has one level: the
-/// map drops every point in the cell's cone with |y|_inf below the level. A level is stored as a
-/// byte in units of the highest level / 255: 6 cells^2 bytes, face by face, grid axis 0 fastest.
-struct GaugeLevels {
-  std::uint32_t cells = 0;  ///< along an edge of a face
-  float half_cells = 0;     ///< cells / 2, slightly reduced like the map's own
-  float middle = 0;         ///< cells / 2
-  float face_stride = 0;    ///< cells^2
-  std::uint32_t last = 0;   ///< number of the last cell
-  float unit = 0;
-  std::vector<std::uint8_t> of_cell;
-};
-
-/// Returns the levels of a 3D map that is not too fine, else nothing. docs/exactness.md, G8, proves
-/// that the map drops what the levels drop.
-std::optional<GaugeLevels> make_levels(const GaugeTable& table, unsigned threads = 1);
-
-/// Returns the values that a 3D map interpolates, at the corners of parts x parts parts of each
-/// cell of a face: (cells * parts + 1)^2 values.
-std::vector<double> values_on_face(const GaugeTable& table, unsigned face, std::uint32_t parts);
+/// Returns the core for a pass over `count` points, of which `points` are a part, where it is
+/// worthwhile, judged by 512 of them.
+std::optional<GaugeCore> core_for_pass(const GaugeTable& table, const PointView& points,
+                                       std::uint64_t count, unsigned threads);
 
 // The GaugeMap's table for a 3D polytope with few facets: every node is tested against all facet
 // planes, which is faster than a walk from cone to cone.
@@ -135,17 +117,5 @@ void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, c
 /// Fills `table` like build_gauge_table. The polytope must be an exact 3D hull with its facets
 /// outward oriented; only facets and vertices are read. Returns false if no useful map exists.
 bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
-
-/// Tests that run before the GaugeMap's own and decide most points at a lower cost.
-struct GaugeShortcuts {
-  std::optional<GaugeCore> core;
-  std::optional<GaugeLevels> levels;
-  bool any() const { return core || levels; }
-};
-
-/// Returns the shortcuts worthwhile for a pass over `count` points, judged by a sample of them (all
-/// of them if fewer than 512).
-GaugeShortcuts make_shortcuts(const GaugeTable& table, const PointView& points, std::uint64_t count,
-                              unsigned threads);
 
 }  // namespace cullhull::internal

@@ -10,8 +10,29 @@
 namespace cullhull::internal {
 namespace {
 
+/// Returns the values that a 3D map interpolates, at the corners of parts x parts parts of each
+/// cell of a face: (cells * parts + 1)^2 values.
+std::vector<double> values_on_face(const GaugeTable& t, unsigned face, std::uint32_t parts) {
+  const std::uint32_t cells = t.cells * parts, row = t.cells + 1;
+  const float* nodes = t.nodes.data() + std::size_t{face} * row * row;
+  std::vector<double> values(std::size_t{cells + 1} * (cells + 1));
+  std::size_t at = 0;
+  for (std::uint32_t j = 0; j <= cells; ++j)
+    for (std::uint32_t i = 0; i <= cells; ++i) {
+      const std::uint32_t ci = std::min(i / parts, t.cells - 1),
+                          cj = std::min(j / parts, t.cells - 1);
+      const float* g = nodes + std::size_t{cj} * row + ci;
+      const double u = static_cast<double>(i - ci * parts) / parts;
+      const double v = static_cast<double>(j - cj * parts) / parts;
+      const double low = std::min(u, v), high = std::max(u, v);
+      const double between = u > v ? g[1] : g[row];
+      values[at++] = (1 - high) * g[0] + (high - low) * between + low * g[row + 1];
+    }
+  return values;
+}
+
 /// Covers the distance between the point's direction and the place where the map is read, and all
-/// rounding (docs/exactness.md, G9).
+/// rounding (docs/exactness.md, G8).
 constexpr double margin = 0x1p-12;
 /// The largest ratio of the weights, as the margin's proof requires.
 constexpr double most_stretch = 8;

@@ -94,11 +94,11 @@ HWY_INLINE void load_rows(const float* HWY_RESTRICT rows, VF (&y)[D]) {
 }
 
 template <unsigned D, class T>
-std::size_t survivors_rows(const GaugeTable& t, const GaugeShortcuts* shortcuts, const T* data,
+std::size_t survivors_rows(const GaugeTable& t, const GaugeCore* core, const T* data,
                            const T* scale, const T* offset, std::uint32_t count,
                            std::uint32_t* ids) {
   const RowPattern<D, T> pattern(scale, offset);
-  Blocks<D> blocks(t, shortcuts, ids);
+  Blocks<D> blocks(t, core, ids);
   HWY_ALIGN float rows[(many + hn::MaxLanes(F())) * D];
   for (std::uint32_t b = 0; b < count;) {
     const std::uint32_t n = std::min(blocks.room(), count - b);
@@ -150,9 +150,9 @@ void convert_axis(const GaugeTable& t, const PointView& v, std::uint64_t first, 
 }
 
 template <unsigned D>
-std::size_t survivors_any(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
+std::size_t survivors_any(const GaugeTable& t, const GaugeCore* core, const PointView& v,
                           std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
-  Blocks<D> blocks(t, shortcuts, ids);
+  Blocks<D> blocks(t, core, ids);
   constexpr std::size_t row = many + hn::MaxLanes(F());
   HWY_ALIGN float columns[D * row];
   for (std::uint32_t b = 0; b < count; b += many) {
@@ -177,27 +177,27 @@ std::size_t survivors_any(const GaugeTable& t, const GaugeShortcuts* shortcuts, 
 }
 
 template <unsigned D>
-std::size_t survivors_in(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
+std::size_t survivors_in(const GaugeTable& t, const GaugeCore* core, const PointView& v,
                          std::uint64_t begin, std::uint32_t count, std::uint32_t* ids) {
   const std::byte* p = v.address(begin, 0);
   const auto aligned = [&](std::size_t a) { return reinterpret_cast<std::uintptr_t>(p) % a == 0; };
   if (v.packed_rows() && v.scalar == ScalarType::f64 && aligned(alignof(double)))
-    return survivors_rows<D, double>(t, shortcuts, reinterpret_cast<const double*>(p), t.scale,
-                                     t.offset, count, ids);
+    return survivors_rows<D, double>(t, core, reinterpret_cast<const double*>(p), t.scale, t.offset,
+                                     count, ids);
   if (v.packed_rows() && v.scalar == ScalarType::f32 && aligned(alignof(float)) &&
       t.single_precision)
-    return survivors_rows<D, float>(t, shortcuts, reinterpret_cast<const float*>(p), t.scale_f32,
+    return survivors_rows<D, float>(t, core, reinterpret_cast<const float*>(p), t.scale_f32,
                                     t.offset_f32, count, ids);
-  return survivors_any<D>(t, shortcuts, v, begin, count, ids);
+  return survivors_any<D>(t, core, v, begin, count, ids);
 }
 
 }  // namespace
 
-std::size_t survivors(const GaugeTable& t, const GaugeShortcuts* shortcuts, const PointView& v,
+std::size_t survivors(const GaugeTable& t, const GaugeCore* core, const PointView& v,
                       std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
   const auto count = static_cast<std::uint32_t>(end - begin);
   return with_dimension<2, 5, 6>(
-      t.dimension, [&](auto d) { return survivors_in<d>(t, shortcuts, v, begin, count, ids); });
+      t.dimension, [&](auto d) { return survivors_in<d>(t, core, v, begin, count, ids); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -209,9 +209,8 @@ namespace cullhull::internal {
 HWY_EXPORT(survivors);
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids,
-                            const GaugeShortcuts* shortcuts) {
-  return HWY_DYNAMIC_DISPATCH(survivors)(table, shortcuts, points, begin, end, ids);
+                            std::uint64_t end, std::uint32_t* ids, const GaugeCore* core) {
+  return HWY_DYNAMIC_DISPATCH(survivors)(table, core, points, begin, end, ids);
 }
 
 }  // namespace cullhull::internal

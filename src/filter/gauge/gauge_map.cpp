@@ -79,12 +79,13 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
   std::vector<std::vector<std::uint16_t>> kept(chunks);
   std::vector<Array<double>> kept_rows(rows != nullptr ? chunks : 0);
   std::atomic<std::uint64_t> gathered{0};
-  const GaugeShortcuts shortcuts = make_shortcuts(*table_, points, points.count, run.threads);
+  const auto core = core_for_pass(*table_, points, points.count, run.threads);
   static_assert(gauge_chunk <= 65536);
   run.each_chunk(points.count, gauge_chunk,
                  [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::array<std::uint32_t, gauge_chunk> ids;
-    const std::size_t n = gauge_survivors(*table_, points, begin, end, ids.data(), &shortcuts);
+    const std::size_t n =
+        gauge_survivors(*table_, points, begin, end, ids.data(), core ? &*core : nullptr);
     kept[c].assign(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(n));
     if (rows == nullptr || gathered.fetch_add(n) + n > rows->most) return;
     kept_rows[c].resize(n * d);
@@ -114,12 +115,12 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
 
 namespace {
 
-/// The sample size: estimates the share of points that a shortcut drops to about 2 % (one standard
+/// The sample size: estimates the share of points that a core drops to about 2 % (one standard
 /// deviation).
 constexpr std::uint32_t probe_count = 512;
 
 /// Samples points from all over the view, in the map's frame, as columns. They only serve to
-/// estimate how much a shortcut saves: which points they are, and their rounding, does not affect
+/// estimate how much a core saves: which points they are, and their rounding, does not affect
 /// results.
 std::vector<float> probe(const GaugeTable& t, const PointView& points) {
   const unsigned d = t.dimension;
@@ -136,16 +137,13 @@ std::vector<float> probe(const GaugeTable& t, const PointView& points) {
 
 }  // namespace
 
-GaugeShortcuts make_shortcuts(const GaugeTable& t, const PointView& points, std::uint64_t count,
-                              unsigned threads) {
-  // Building a shortcut takes a fraction of a millisecond, and it saves up to a nanosecond per
-  // point: with 2 million points for the core, 4 million for the levels, it is worthwhile even if
-  // it saves half of that.
-  constexpr std::uint64_t worth_core = std::uint64_t{1} << 21, worth_levels = worth_core << 1;
-  GaugeShortcuts s;
-  if (count >= worth_core) s.core = make_core(t, probe(t, points), probe_count, threads);
-  if (count >= worth_levels) s.levels = make_levels(t, threads);
-  return s;
+std::optional<GaugeCore> core_for_pass(const GaugeTable& t, const PointView& points,
+                                       std::uint64_t count, unsigned threads) {
+  // Building a core takes a fraction of a millisecond, and it saves up to a nanosecond per point:
+  // with 2 million points it is worthwhile even if it saves half of that.
+  constexpr std::uint64_t worthwhile = std::uint64_t{1} << 21;
+  if (count < worthwhile) return std::nullopt;
+  return make_core(t, probe(t, points), probe_count, threads);
 }
 
 }  // namespace cullhull::internal

@@ -35,16 +35,15 @@ struct GaugeTable {
   float threshold = 0;                   ///< 1 - delta
 };
 
-struct GaugeShortcuts;
+struct GaugeCore;
 
 /// The most points of one call of the kernel; the ids it writes are relative to `begin`.
 inline constexpr std::uint32_t gauge_chunk = 16384;
 
 /// Writes begin-relative ids of the points of [begin, end) that are not provably inside, ascending,
-/// to `ids` (room for all) and returns their number. `shortcuts`, made from this table, speed up
-/// the test where few points survive and do not change the ids.
+/// to `ids` (room for all) and returns their number. `core`, made from this table, speeds up the
+/// test where few points survive and does not change the ids.
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
-                            std::uint64_t end, std::uint32_t* ids,
-                            const GaugeShortcuts* shortcuts = nullptr);
+                            std::uint64_t end, std::uint32_t* ids, const GaugeCore* core = nullptr);
 
 }  // namespace cullhull::internal

@@ -1,4 +1,4 @@
-// What comes before the GaugeMap's own test, its core and its levels, changes no survivor.
+// What comes before the GaugeMap's own test, its core, changes no survivor.
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 
@@ -16,7 +16,7 @@
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
-namespace gauge_shortcuts_test {
+namespace gauge_core_test {
 
 using testing_support::cross_polytope;
 
@@ -29,9 +29,9 @@ std::unique_ptr<GaugeMap> map_of(Array<double>&& sample, unsigned d, unsigned re
 }
 
 std::vector<std::uint32_t> survivors(const GaugeTable& t, const PointView& view,
-                                     const GaugeShortcuts* shortcuts = nullptr) {
+                                     const GaugeCore* core = nullptr) {
   std::vector<std::uint32_t> ids(view.count);
-  ids.resize(gauge_survivors(t, view, 0, view.count, ids.data(), shortcuts));
+  ids.resize(gauge_survivors(t, view, 0, view.count, ids.data(), core));
   return ids;
 }
 
@@ -82,13 +82,13 @@ struct Views {
 };
 
 /// In all layouts and scalars, and for all instruction sets.
-void expect_same(const GaugeTable& t, const std::vector<double>& rows, const GaugeShortcuts& s,
+void expect_same(const GaugeTable& t, const std::vector<double>& rows, const GaugeCore& core,
                  const std::string& what) {
   for (const PointView& view : Views(rows, t.dimension).all)
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       hwy::SetSupportedTargetsForTest(target);
       const auto without = survivors(t, view);
-      EXPECT_EQ(survivors(t, view, &s), without) << what << ", " << hwy::TargetName(target);
+      EXPECT_EQ(survivors(t, view, &core), without) << what << ", " << hwy::TargetName(target);
       EXPECT_LT(without.size(), view.count) << what;
     }
   hwy::SetSupportedTargetsForTest(0);
@@ -99,27 +99,27 @@ std::vector<double> thin(std::vector<double> rows, unsigned d) {
   return rows;
 }
 
-TEST(GaugeShortcuts, DropNothingElseIn3D) {
+TEST(GaugeCore, DropsNothingElseIn3D) {
+  unsigned cores = 0;
   for (const char* shape : {"octahedron", "ball", "cube", "cone"})
     for (const unsigned resolution : {0U, 2U, 7U, 33U, 81U, 300U}) {
       const std::vector<double> made = thin(generate(shape, 3000, 3), 3);
       const auto map = map_of({made.begin(), made.end()}, 3, resolution);
       ASSERT_TRUE(map);
       const GaugeTable& t = map->table();
-      const auto levels = make_levels(t);
-      ASSERT_TRUE(levels);
       const auto core = core_for(t, made);
+      if (!core) continue;
+      ++cores;
       // Odd, so that blocks and chunks end before they are full.
       std::vector<double> rows = thin(generate(shape, gauge_chunk - 11, 3, 2), 3);
       for (std::size_t e = 0; e < 200; ++e) rows[e * 7] = bad[e % std::size(bad)];
       const std::string what = std::string(shape) + ", resolution " + std::to_string(resolution);
-      expect_same(t, rows, {core, levels}, what + ", all");
-      expect_same(t, rows, {std::nullopt, levels}, what + ", levels");
-      expect_same(t, rows, {core, std::nullopt}, what + ", core");
+      expect_same(t, rows, *core, what);
     }
+  EXPECT_GE(cores, 12U);
 }
 
-TEST(GaugeShortcuts, CoreDropsNothingElseInAnyDimension) {
+TEST(GaugeCore, DropsNothingElseInAnyDimension) {
   const unsigned samples[] = {0, 0, 3000, 3000, 2000, 1000, 400};
   unsigned round = 0, cut = 0;
   for (unsigned d = 2; d <= 6; ++d)
@@ -135,8 +135,7 @@ TEST(GaugeShortcuts, CoreDropsNothingElseInAnyDimension) {
       if (!core) continue;
       (core->kind == GaugeCore::Kind::round ? round : cut) += 1;
       for (std::size_t e = 0; e < 200; ++e) rows[e * 7] = bad[e % std::size(bad)];
-      expect_same(t, rows, {core, std::nullopt},
-                  std::string(shape) + " " + std::to_string(d) + "D");
+      expect_same(t, rows, *core, std::string(shape) + " " + std::to_string(d) + "D");
     }
   EXPECT_GE(round, 5U);
   EXPECT_GE(cut, 2U);
@@ -144,7 +143,7 @@ TEST(GaugeShortcuts, CoreDropsNothingElseInAnyDimension) {
 
 // Where the core comes closest to the border of what the map drops: through nodes, along cells'
 // edges, and in any direction. A core a little larger would hold points that the map keeps.
-TEST(GaugeShortcuts, CoreTouchesTheMapFromInside) {
+TEST(GaugeCore, TouchesTheMapFromInside) {
   const unsigned samples[] = {0, 0, 100, 400, 300, 200, 100};
   unsigned round = 0, cut = 0;
   for (unsigned d = 2; d <= 6; ++d)
@@ -199,7 +198,7 @@ TEST(GaugeShortcuts, CoreTouchesTheMapFromInside) {
   EXPECT_GE(cut, 2U);
 }
 
-TEST(GaugeShortcuts, CoreOnlyWhereItHoldsMuch) {
+TEST(GaugeCore, OnlyWhereItHoldsMuch) {
   const auto map = map_of(
       [] {
     const std::vector<double> made = generate("ball", 3000, 3);
@@ -219,20 +218,16 @@ TEST(GaugeShortcuts, CoreOnlyWhereItHoldsMuch) {
   }
 }
 
-TEST(GaugeShortcuts, LevelsAreFor3D) {
-  EXPECT_FALSE(make_levels(GaugeMap::build(cross_polytope(2, 0.125, 1))->table()));
-}
-
-// Stretches where a shortcut drops nothing, others where it drops all: it rests and comes back.
-TEST(GaugeShortcuts, RestAndComeBack) {
+// Stretches where the core drops nothing, others where it drops all: it rests and comes back.
+TEST(GaugeCore, RestsAndComesBack) {
   const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1), 20);
   ASSERT_TRUE(map);
   const GaugeTable& t = map->table();
   const std::vector<double> ball = generate("ball", 1000, 3);
   std::vector<double> near;
   for (const double x : ball) near.push_back(0.125 + 0.4 * x);
-  const GaugeShortcuts s{core_for(t, near), make_levels(t)};
-  ASSERT_TRUE(s.core && s.levels);
+  const auto core = core_for(t, near);
+  ASSERT_TRUE(core);
   std::mt19937_64 random(4);
   std::normal_distribution<double> normal;
   for (const unsigned stretch : {1U, 63U, 64U, 65U, 256U, 300U, 1000U, 5000U}) {
@@ -244,44 +239,9 @@ TEST(GaugeShortcuts, RestAndComeBack) {
       for (double& x : v) x = normal(random), sum += std::abs(x);
       for (const double x : v) rows.push_back(0.125 + x / sum * reach[k / stretch % 3]);
     }
-    expect_same(t, rows, s, "stretches of " + std::to_string(stretch));
+    expect_same(t, rows, *core, "stretches of " + std::to_string(stretch));
   }
 }
 
-// Points of the very gauge that the map gives: a step of doubles below and above the border.
-TEST(GaugeShortcuts, LevelsAtTheBorder) {
-  const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1), 20);
-  ASSERT_TRUE(map);
-  const GaugeTable& t = map->table();
-  const GaugeShortcuts s{std::nullopt, make_levels(t)};
-  ASSERT_TRUE(s.levels);
-  std::mt19937_64 random(9);
-  std::normal_distribution<double> normal;
-  std::vector<double> rows;
-  while (rows.size() < 3 * gauge_chunk) {
-    double direction[3], p[3];
-    for (double& v : direction) v = normal(random);
-    const auto survives = [&](double along) {
-      for (unsigned j = 0; j < 3; ++j) p[j] = 0.125 + along * direction[j];
-      return !survivors(t, PointView::row_major(p, 1, 3)).empty();
-    };
-    double low = 0, high = 8;  // bisection
-    for (unsigned step = 0; step < 30; ++step) {
-      const double middle = (low + high) / 2;
-      (survives(middle) ? high : low) = middle;
-    }
-    for (const double along : {low, high}) {
-      survives(along);
-      rows.insert(rows.end(), p, p + 3);
-      rows.insert(rows.end(), 7 * 3, 0.125);  // most are inside, or levels are not asked for long
-    }
-  }
-  const std::uint64_t n = rows.size() / 3;
-  const auto view = PointView::row_major(rows.data(), n, 3);
-  const auto with = survivors(t, view, &s);
-  EXPECT_EQ(with, survivors(t, view));
-  EXPECT_EQ(with.size(), n / 16);
-}
-
-}  // namespace gauge_shortcuts_test
+}  // namespace gauge_core_test
 }  // namespace cullhull::internal
