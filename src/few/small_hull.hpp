@@ -11,7 +11,7 @@
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 #include "few/small_3d.hpp"
-#include "hull/plane/planar_strip.hpp"
+#include "geometry/box.hpp"
 
 namespace cullhull::internal {
 

@@ -58,6 +58,28 @@ EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run
   return input;
 }
 
+void find_frame(const PointView& points, EngineInput& input, const Run& run,
+                std::optional<LocalFrame>& frame) {
+  const auto make = [&] {
+    frame.emplace(std::move(input.rows), static_cast<std::uint32_t>(input.count), points.dimension,
+                  run);
+  };
+  make();
+  if (frame->affine_dimension() < 2) return;
+  const auto k = static_cast<unsigned>(frame->affine_dimension());
+  if (k == points.dimension) return;
+  const std::vector<std::uint64_t> kept =
+      run_filter(PointView::row_major(frame->points().exact, input.count, k), run).survivors.ids;
+  if (kept.empty()) return;  // all
+  std::vector<std::uint64_t> ids(kept.size());
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = input.all ? kept[i] : input.ids[kept[i]];
+  input.ids = std::move(ids);
+  input.all = false;
+  input.count = kept.size();
+  input.rows = gather_points(points, input.ids.data(), input.count, run);
+  make();
+}
+
 Boundary ends_of_line(const LocalPoints& points) {
   std::uint32_t low = 0, high = 0;
   for (std::uint32_t i = 1; i < points.count; ++i) {

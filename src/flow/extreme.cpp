@@ -1,5 +1,6 @@
 // The flow of extreme_points: like that of convex_hull, but from 4D on it computes no facets.
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "cullhull/extreme_points.hpp"
@@ -57,8 +58,9 @@ std::vector<std::uint64_t> extreme_locals(const LocalFrame& frame, const Run& ru
 void extreme_in_space(const PointView& points, Filtered&& filtered, const Run& run,
                       ExtremePoints& result) {
   EngineInput input = engine_input(points, std::move(filtered), run);
-  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run);
+  std::optional<LocalFrame> found;
+  find_frame(points, input, run, found);
+  const LocalFrame& frame = *found;
   result.affine_dimension = frame.affine_dimension();
   result.ids = extreme_locals(frame, run, result.statistics.rung_counts);
   if (input.all) return;

@@ -88,8 +88,9 @@ bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const 
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
                     Hull& hull) {
   EngineInput input = engine_input(points, std::move(filtered), run);
-  const LocalFrame frame(std::move(input.rows), static_cast<std::uint32_t>(input.count),
-                         points.dimension, run);
+  std::optional<LocalFrame> found;
+  find_frame(points, input, run, found);
+  const LocalFrame& frame = *found;
   run.check();
   hull.affine_dimension = frame.affine_dimension();
   if (hull.affine_dimension == 0) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "cullhull/hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/star_hull/star_triangles.hpp"
+#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/triangle_mesh.hpp"
@@ -101,6 +103,11 @@ struct EngineInput {
 /// Gathers the coordinates that `filtered` lacks. Throws Error{not_finite} for the first bad point,
 /// Error{out_of_budget}.
 EngineInput engine_input(const PointView& points, Filtered&& filtered, const Run& run);
+
+/// Finds the frame of an engine's input. Points in a flat, which no filter of their own dimension
+/// thins, are filtered in the flat's: `input` is then what this leaves.
+void find_frame(const PointView& points, EngineInput& input, const Run& run,
+                std::optional<LocalFrame>& frame);
 
 /// Returns the hull of points on a line: its two ends.
 Boundary ends_of_line(const LocalPoints& points);

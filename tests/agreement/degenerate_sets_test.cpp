@@ -1,6 +1,11 @@
 // Sets where rounding decides wrongly and Qhull is no oracle: grids, cubes, cross-polytopes, cyclic
 // polytopes, cylinders, cones, cospherical integer points.
+#include <algorithm>
+#include <cmath>
+
 #include "all_paths.hpp"
+#include "canonical_hash.hpp"
+#include "cullhull/extreme_points.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support {
@@ -125,6 +130,36 @@ TEST(DegenerateSets, RotatedLattices) {
       }
     expect_exact(s);
   }
+}
+
+/// A flat's points are filtered in the flat: with the bits of no filter, and of all their vertices.
+TEST(DegenerateSets, ManyPointsInAFlat) {
+  for (const unsigned k : {2U, 3U})
+    for (const char* shape : {"ball", "gauss", "sphere"}) {
+      const std::uint64_t n = k == 2 ? 60'000 : 20'000;
+      const std::vector<double> made = generate(shape, n, k, 5);
+      for (const unsigned d : {k + 1, k + 2}) {
+        PointSet s;
+        s.dimension = d;
+        for (std::uint64_t i = 0; i < n; ++i) {
+          std::vector<double> p(made.begin() + static_cast<std::ptrdiff_t>(i * k),
+                                made.begin() + static_cast<std::ptrdiff_t>((i + 1) * k));
+          for (double& x : p) x = std::ldexp(std::round(std::ldexp(x, 20)), -20);
+          for (unsigned j = k; j < d; ++j) p.push_back(j * p[0] - p[1] + 0.25);  // exact
+          s.add(p);
+        }
+        Options plain;
+        plain.cull = CullMethod::none;
+        const Hull expected = convex_hull(view_of(s), plain), hull = convex_hull(view_of(s));
+        EXPECT_EQ(hull.affine_dimension, static_cast<int>(k));
+        EXPECT_EQ(canonical_hash(hull), canonical_hash(expected)) << shape << " " << k << " " << d;
+        const ExtremePoints extreme = extreme_points(view_of(s));
+        EXPECT_EQ(extreme.affine_dimension, static_cast<int>(k));
+        std::vector<std::uint64_t> ids = hull.vertices;
+        std::sort(ids.begin(), ids.end());
+        EXPECT_EQ(extreme.ids, ids) << shape << " " << k << " " << d;
+      }
+    }
 }
 
 }  // namespace degenerate_sets_test

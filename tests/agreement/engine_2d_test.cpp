@@ -148,8 +148,8 @@ TEST(Hull2d, TinyAndHugeTogether) {
   }
 }
 
-TEST(Hull2d, DiscardKeepsEveryVertex) {
-  // Large enough for the sampled discard; the oracle sees only points near the known hull.
+TEST(Hull2d, ManyPointsKeepEveryVertex) {
+  // The oracle tests every point against every edge of the known hull.
   for (unsigned seed = 1; seed <= 4; ++seed) {
     std::mt19937_64 g(seed);
     const unsigned n = 60000;

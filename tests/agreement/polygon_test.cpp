@@ -164,7 +164,7 @@ TEST(PolygonResult, NearlyOnALine) {
 }
 
 /// Two places that single precision takes for one each, and many copies of few points: the map
-/// keeps nearly all, and the engine's own discard has the work.
+/// keeps nearly all, and the engine sorts them.
 TEST(PolygonResult, CrowdedPoints) {
   std::mt19937_64 g(13);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <limits>
 
 #include "hull/engine.hpp"
-#include "hull/plane/planar_strip.hpp"
 #include "hull/plane/polygon.hpp"
+#include "hull/plane/quadrilateral.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
@@ -67,13 +68,18 @@ void widen(Box& box, const Box& more) {
 
 struct Extent {
   Box box;
-  Corners corners;
-
-  Chord chord() const { return {corners.first(), corners.last()}; }
+  Chord chord;  ///< of equal points the lowest row
 };
 
-/// Finds the bounding box in a pass over all points, and the corners in a second pass over the
-/// chunks that reach its sides.
+/// Moves the ends of the chord to a point that lies beyond one.
+void widen(Chord& chord, const Entry& e) {
+  const Entry &first = chord.first, &last = chord.last;
+  if (e.x < first.x || (e.x == first.x && e.y < first.y)) chord.first = e;
+  if (last.x < e.x || (last.x == e.x && last.y < e.y)) chord.last = e;
+}
+
+/// Finds the bounding box in a pass over all points, and the chord in a second pass over the chunks
+/// that reach its left or right side.
 Extent measure(const PlanarSource& source, const Run& run) {
   const std::uint64_t n = source.count();
   std::vector<Box> boxes(chunk_count(n, chunk));
@@ -92,28 +98,28 @@ Extent measure(const PlanarSource& source, const Run& run) {
     }
   });
   if (bad) check_finite(source.view(), nullptr, run);  // names the first bad point
-  Extent extent{boxes[0], {}};
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const Chord none{{infinite, infinite, 0, 0}, {-infinite, -infinite, 0, 0}};
+  Extent extent{boxes[0], none};
   Box& all = extent.box;
   for (const Box& box : boxes) widen(all, box);
-  std::vector<Corners> corners(boxes.size());
+  std::vector<Chord> chords(boxes.size(), none);
   run.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    const Box& box = boxes[c];
-    if (box.low[0] != all.low[0] && box.high[0] != all.high[0] && box.low[1] != all.low[1] &&
-        box.high[1] != all.high[1])
-      return;
+    if (boxes[c].low[0] != all.low[0] && boxes[c].high[0] != all.high[0]) return;
     run.check();
     double room[2 * block];
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
       const double* p = source.rows(b, b + size, room);
-      for (std::uint64_t i = 0; i < size; ++i) {
-        const double x = p[2 * i], y = p[2 * i + 1];
-        if ((x == all.low[0]) | (x == all.high[0]) | (y == all.low[1]) | (y == all.high[1]))
-          corners[c].add({x, y, static_cast<std::uint32_t>(b + i), 0});
-      }
+      for (std::uint64_t i = 0; i < size; ++i)
+        if (p[2 * i] == all.low[0] || p[2 * i] == all.high[0])
+          widen(chords[c], {p[2 * i], p[2 * i + 1], static_cast<std::uint32_t>(b + i), 0});
     }
   });
-  for (const Corners& c : corners) extent.corners.add(c);
+  for (const Chord& chord : chords) {
+    widen(extent.chord, chord.first);
+    widen(extent.chord, chord.last);
+  }
   return extent;
 }
 
@@ -342,7 +348,7 @@ Polygon polygon_of_many(const PlanarSource& source, const Extent& extent, const 
   std::vector<Stretch> runs(ends.size() - 1);
   std::vector<Turn> turns(runs.size(), plain);
   run.each_item(runs.size(), [&](std::uint64_t r) {
-    ChainBuilder chains(extent.chord(), plain, run.control);
+    ChainBuilder chains(extent.chord, plain, run.control);
     for (std::size_t b = ends[r]; b < ends[r + 1]; ++b) {
       run.check();
       chains.add(buckets.begin(b), buckets.count(b), buckets.low_bits());
@@ -377,29 +383,14 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   const Extent extent = measure(source, run);
   if (extent.box.low[0] == extent.box.high[0] || extent.box.low[1] == extent.box.high[1]) {
     Polygon flat;  // on a line along an axis: its two ends, or one point
-    flat.corners = {extent.corners.first().row};
-    if (!equal(extent.corners.first(), extent.corners.last()))
-      flat.corners.push_back(extent.corners.last().row);
+    flat.corners = {extent.chord.first.row};
+    if (!equal(extent.chord.first, extent.chord.last))
+      flat.corners.push_back(extent.chord.last.row);
     flat.rows = source.count();
     flat.box = extent.box;
     return flat;
   }
-  const Turn turn(lattice);
-  const std::vector<std::uint32_t> kept = discard_inner(source, extent.box, extent.corners, run);
-  if (kept.empty()) return polygon_of_many(source, extent, turn, run);
-  BigArray<double> rows(2 * kept.size());
-  run.each(kept.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i) {
-      const Entry e = source.entry(kept[i]);
-      rows[2 * i] = e.x;
-      rows[2 * i + 1] = e.y;
-    }
-  });
-  const PlanarSource rest(PointView::row_major(rows.get(), kept.size(), 2));
-  Polygon polygon = polygon_of_many(rest, extent, turn, run);
-  for (std::uint32_t& corner : polygon.corners) corner = kept[corner];
-  polygon.rows = source.count();
-  return polygon;
+  return polygon_of_many(source, extent, Turn(lattice), run);
 }
 
 Boundary hull_2d(const LocalPoints& points, const Run& run) {
@@ -428,7 +419,8 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   return hull;
 }
 
-/// Polygons of small sets: a single bucket each; inner points are discarded before sorting.
+/// Polygons of small sets: a single bucket each; of up to 192 points, inner ones are discarded
+/// before sorting.
 PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
 const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
@@ -451,10 +443,10 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
     return corners_;
   }
   const KeyMap map(chord.first.x, chord.last.x);
-  const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
   if (entries_.size() < count) entries_.resize(std::size_t{2} * count);
   Entry* const e = entries_.data();
   std::uint32_t kept = 0;
+  const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
   for (std::uint32_t i = 0; i < count; ++i) {
     const double x = rows[2 * std::size_t{i}], y = rows[2 * std::size_t{i} + 1];
     e[kept] = {x, y, i, map.key(x)};

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
+#include "geometry/box.hpp"
 #include "hull/plane/planar_chains.hpp"
-#include "hull/plane/planar_strip.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -22,8 +22,8 @@ struct Polygon {
 };
 
 /// points.dimension == 2, 0 < count < 2^32 - 1. `lattice`: doubles compute every turn exactly.
-/// Reads the points in place, twice; memory: 24 bytes per point that is not discarded early, and 8
-/// per corner. Throws Error{not_finite} naming the lowest id with a NaN or an infinity.
+/// Reads the points in place, twice; memory: 24 bytes per point and 8 per corner. Throws
+/// Error{not_finite} naming the lowest id with a NaN or an infinity.
 Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
 
 /// Polygons of many small sets, one after another on one thread, in reused memory.
