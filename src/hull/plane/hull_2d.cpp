@@ -446,11 +446,19 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
   if (entries_.size() < count) entries_.resize(std::size_t{2} * count);
   Entry* const e = entries_.data();
   std::uint32_t kept = 0;
-  const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const double x = rows[2 * std::size_t{i}], y = rows[2 * std::size_t{i} + 1];
-    e[kept] = {x, y, i, map.key(x)};
-    kept += !middle.contains(x, y);
+  const auto keep = [&](const auto& drops) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const double x = rows[2 * std::size_t{i}], y = rows[2 * std::size_t{i} + 1];
+      e[kept] = {x, y, i, map.key(x)};
+      kept += !drops(x, y);
+    }
+  };
+  constexpr std::uint32_t most_worth_a_quadrilateral = 192;
+  if (count <= most_worth_a_quadrilateral) {
+    const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
+    keep([&](double x, double y) { return middle.contains(x, y); });
+  } else {
+    keep([](double, double) { return false; });
   }
   chains_.restart(chord);
   chains_.add(e, kept, 32);
