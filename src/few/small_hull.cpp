@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "few/small_lattice.hpp"
 #include "few/small_nd.hpp"
 #include "few/small_polygon.hpp"
+#include "filter/lattice/small_lattice.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
@@ -55,25 +55,24 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   return true;
 }
 
-/// Whether there may be so few points that the general filters do not pay.
-bool few_enough(const PointView& points) {
-  return points.dimension >= 2 && points.dimension <= small_nd_max_dimension &&
-         points.count <= SmallPolygon::most_points;
-}
-
 /// Calls find() if size and options permit it, and fills `statistics`. False where find() is not
 /// called or returns false.
 template <class Find>
 bool find_small(const PointView& points, const Options& options, Statistics& statistics,
                 const Find& find) {
-  if (!few_enough(points) || !takes_small_sets(options, points.dimension)) return false;
+  if (points.dimension < 2 || points.dimension > small_nd_max_dimension ||
+      !takes_small_sets(options, points.dimension))
+    return false;
   const Clock::time_point start = Clock::now();
   const Control control(options);
   control.check();
   if (!find()) return false;
   statistics.threads = resolve_threads(options.threads);
   statistics.survivors = points.count;
-  statistics.cull_reason = "few points";
+  constexpr std::uint64_t few = std::uint64_t{1} << 16;
+  statistics.cull_reason = points.count <= few
+                               ? "few points"
+                               : "an ellipse in a sample's hull, or lines, left few points";
   statistics.hull_seconds = statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);
   return true;

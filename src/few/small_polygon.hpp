@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "cullhull/point_view.hpp"
-#include "few/small_hull.hpp"
+#include "filter/plane_filter.hpp"
 #include "hull/plane/polygon.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "result/write/polygon_result.hpp"
@@ -15,9 +15,8 @@ namespace cullhull::internal {
 
 class SmallPolygon {
  public:
-  static constexpr std::uint64_t most_points = std::uint64_t{1} << 16;
-  /// The most points that may be left after thinning, so that their sums fit one chunk.
-  static constexpr std::uint64_t most_kept = 4096;
+  /// With more points the passes of several threads over a map are faster.
+  static constexpr std::uint64_t most_points = std::uint64_t{1} << 20;
 
   /// Holds at most about 500 KB, and 1 MB more for points that are not packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
@@ -40,32 +39,20 @@ class SmallPolygon {
 
  private:
   bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
-  bool thin_columns(std::uint32_t count);
-  void keep_ends(unsigned axis, double low, std::uint32_t columns);
-  void take_kept(std::uint32_t k);
-  bool thin(std::uint32_t count);
-  void keep_rows(std::uint32_t count, std::uint32_t step, const InnerDisc& disc);
   void rank(const std::vector<std::uint32_t>& corners);
 
   PolygonSeries series_;
+  PlaneFilter filter_;
   std::vector<double> loaded_;
-  const double* rows_ = nullptr;  // all rows of the set
-  // Rows that may be corners, ascending, and their coordinates; `all_`: every row of the set may be
-  // one, and the lists are not used.
+  // The points that may be corners; `all_`: every point of the set, whose numbers are its own.
   bool all_ = true;
-  std::uint32_t kept_count_ = 0;
-  std::vector<std::uint32_t> kept_;
-  std::vector<double> kept_rows_;
-  // The ends of the rows with the same value on one axis: their values on the other, their numbers.
-  struct Column {
-    double least, most;
-    std::uint32_t first, last;
-  };
-  std::vector<Column> columns_;
-  std::vector<std::uint32_t> rank_;  // by row: the rank of a corner
+  std::uint32_t count_ = 0;
+  const double* rows_ = nullptr;
+  std::vector<std::uint32_t> rank_;  // by row of rows_: the rank of a corner
   struct Corner {
-    std::uint32_t row, before, after;  // the ranks before and after, counter-clockwise
-    PlanarPoint point;                 // scaled for EdgeKernel
+    std::uint32_t id, row;        // its number in the set, its row of rows_
+    std::uint32_t before, after;  // the ranks before and after, counter-clockwise
+    PlanarPoint point;            // scaled for EdgeKernel
   };
   std::vector<Corner> by_rank_;
   std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest

@@ -55,6 +55,16 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, do
 /// Does the same but keeps the sign of each zero, which affects the planes of edges.
 void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 
+/// Whether none of the values is a NaN or an infinity.
+inline bool all_finite(const double* values, std::size_t count) {
+  double sum[8] = {};  // x * 0 is NaN exactly for NaN and infinities
+  std::size_t i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (unsigned j = 0; j < 8; ++j) sum[j] += values[i + j] * 0.0;
+  for (; i < count; ++i) sum[0] += values[i] * 0.0;
+  return sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0;
+}
+
 /// The rows of a view that lie as packed doubles; nullptr for others.
 inline const double* packed_doubles(const PointView& view) {
   const bool aligned = reinterpret_cast<std::uintptr_t>(view.data) % alignof(double) == 0;
@@ -68,6 +78,21 @@ inline const double* rows_as_given(const PointView& view, std::vector<double>& m
   memory.resize(std::max<std::size_t>(memory.size(), view.count * view.dimension));
   load_rows_as_given(view, 0, view.count, memory.data());
   return memory.data();
+}
+
+/// Calls use(first, rows, count) for the first `count` points in their order, block by block, with
+/// their rows as rows_as_given() gives them: one block where they lie so, else 2048 points at once.
+template <class Use>
+void for_row_blocks(const PointView& view, std::uint64_t count, Use&& use) {
+  if (const double* const rows = packed_doubles(view))
+    return use(std::uint64_t{0}, rows, static_cast<std::uint32_t>(count));
+  constexpr std::uint64_t block = 2048;
+  std::vector<double> room(block * view.dimension);
+  for (std::uint64_t first = 0; first < count; first += block) {
+    const std::uint64_t end = std::min(count, first + block);
+    load_rows_as_given(view, first, end, room.data());
+    use(first, room.data(), static_cast<std::uint32_t>(end - first));
+  }
 }
 
 /// Throws as gather_points does. `ids`: nullptr means all points. Memory O(threads).

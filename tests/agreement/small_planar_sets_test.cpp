@@ -14,6 +14,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "few/small_hull.hpp"
 #include "few/small_polygon.hpp"
+#include "filter/inner_ellipse.hpp"
 
 namespace cullhull {
 namespace small_planar_sets_test {
@@ -190,8 +191,8 @@ TEST(SmallPlanarSets, TellTheThreads) {
     EXPECT_EQ(convex_hull(view_of(random_set("ball", n, 2, 1)), options).statistics.threads, 2U);
 }
 
-// What the disc contains is strictly inside, to the last bit: points are taken on its rim.
-TEST(InnerDisc, IsStrictlyInside) {
+// What the ellipse contains is strictly inside, to the last bit: points are taken on its rim.
+TEST(InnerEllipse, IsStrictlyInside) {
   Random r(15);
   std::uint64_t contained = 0;
   for (unsigned i = 0; i < 2'000; ++i) {
@@ -209,7 +210,7 @@ TEST(InnerDisc, IsStrictlyInside) {
     PolygonSeries series(run.control);
     const std::vector<std::uint32_t> corners = series.corners(rows.data(), n);
     if (corners.size() < 3) continue;
-    const InnerDisc disc(rows.data(), corners, series.box());
+    const InnerEllipse ellipse(rows.data(), corners, series.box());
     for (unsigned k = 0; k < 40; ++k) {
       // Outwards from between three corners, by halves, to the last point that is contained.
       double in[2] = {}, out[2];
@@ -220,10 +221,10 @@ TEST(InnerDisc, IsStrictlyInside) {
         out[j] = rows[2 * std::size_t{corners[first]} + j] * 0.7 +
                  rows[2 * std::size_t{corners[(first + 1) % corners.size()]} + j] * 0.3;
       }
-      if (!disc.contains(in[0], in[1])) break;
+      if (!ellipse.contains(in[0], in[1])) break;
       for (unsigned step = 0; step < 60; ++step) {
         const double middle[2] = {in[0] / 2 + out[0] / 2, in[1] / 2 + out[1] / 2};
-        double* const to = disc.contains(middle[0], middle[1]) ? in : out;
+        double* const to = ellipse.contains(middle[0], middle[1]) ? in : out;
         to[0] = middle[0];
         to[1] = middle[1];
       }

@@ -50,15 +50,6 @@ Box box_of(const double* p, std::uint64_t count) {
   return box;
 }
 
-bool finite(const double* values, std::uint64_t count) {
-  double sum[8] = {};  // x * 0 is NaN exactly for NaN and infinities
-  std::uint64_t i = 0;
-  for (; i + 8 <= count; i += 8)
-    for (std::uint64_t j = 0; j < 8; ++j) sum[j] += values[i + j] * 0.0;
-  for (; i < count; ++i) sum[0] += values[i] * 0.0;
-  return sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0;
-}
-
 void widen(Box& box, const Box& more) {
   for (unsigned j = 0; j < 2; ++j) {
     box.low[j] = std::min(box.low[j], more.low[j]);
@@ -89,7 +80,7 @@ Extent measure(const PlanarSource& source, const Run& run) {
     for (std::uint64_t b = begin; b < end; b += block) {
       const std::uint64_t size = std::min<std::uint64_t>(block, end - b);
       const double* p = source.rows(b, b + size, room);
-      if (!finite(p, 2 * size)) bad = true;
+      if (!all_finite(p, 2 * size)) bad = true;
       const Box box = box_of(p, size);
       if (b == begin)
         boxes[c] = box;

@@ -1,10 +1,11 @@
-#include "few/whole_range.hpp"
+#include "filter/lattice/whole_range.hpp"
 
+#include "geometry/gather.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "few/whole_range.cpp"
+#define HWY_TARGET_INCLUDE "filter/lattice/whole_range.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -90,6 +91,21 @@ WholeRange whole_range(const double* rows, std::uint32_t count, unsigned d) {
   WholeRange range;
   HWY_DYNAMIC_DISPATCH(range_of)(rows, count, d, range);
   return range;
+}
+
+WholeRange whole_range(const PointView& points, std::uint64_t count) {
+  WholeRange all{};
+  for_row_blocks(points, count, [&](std::uint64_t first, const double* rows, std::uint32_t n) {
+    const WholeRange part = whole_range(rows, n, points.dimension);
+    if (first == 0) all = part;
+    all.finite &= part.finite;
+    for (unsigned a = 0; a < points.dimension; ++a) {
+      all.low[a] = std::min(all.low[a], part.low[a]);
+      all.high[a] = std::max(all.high[a], part.high[a]);
+      all.whole[a] &= part.whole[a];
+    }
+  });
+  return all;
 }
 
 }  // namespace cullhull::internal

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "cullhull/point_view.hpp"
+
 namespace cullhull::internal {
 
 /// Of points of up to three coordinates.
@@ -14,5 +16,7 @@ struct WholeRange {
 
 /// Of `count` > 0 packed rows of d = 2 or 3 numbers. Ranges are unspecified unless all are finite.
 WholeRange whole_range(const double* rows, std::uint32_t count, unsigned d);
+/// Of the first `count` points of a view of two or three dimensions.
+WholeRange whole_range(const PointView& points, std::uint64_t count);
 
 }  // namespace cullhull::internal

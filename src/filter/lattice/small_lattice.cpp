@@ -1,41 +1,37 @@
-#include "few/small_lattice.hpp"
+#include "filter/lattice/small_lattice.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 
-#include "few/whole_range.hpp"
+#include "filter/lattice/whole_range.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint32_t least_points = 128, most_points = 1U << 16;
-constexpr double places_per_point = 10, most_places = 1U << 16;
+// The most points: some ten milliseconds, in which a call is not cancelled.
+constexpr std::uint64_t least_points = 128, most_points = std::uint64_t{1} << 22;
+constexpr double places_per_point = 10, most_places = 1U << 18;
 
 class SmallLattice {
  public:
   bool find(const PointView& points) {
-    constexpr std::uint32_t first = 16;  // points that show that most sets are no lattice
-    const auto count = static_cast<std::uint32_t>(points.count);
-    double few[3 * first];
-    load_rows_as_given(points, 0, first, few);
-    if (!measure(few, first, count)) return false;
-    rows_ = rows_as_given(points, loaded_);
-    if (!measure(rows_, count, count)) return false;
-    note(count);
+    constexpr std::uint64_t first = 16;  // points that show that most sets are no lattice
+    if (!measure(points, first) || !measure(points, points.count)) return false;
+    note(points);
     mark_ends();
     return true;
   }
   const std::vector<std::uint64_t>& ids() const { return ids_; }
 
  private:
-  /// Whether the rows are on a lattice that is small for `points` points and has at most 64 places
-  /// along each axis.
-  bool measure(const double* rows, std::uint32_t count, std::uint32_t points) {
-    const WholeRange range = whole_range(rows, count, 3);
+  /// Whether the first `count` points are on a lattice that is small for all of them and has at
+  /// most 64 places along each axis.
+  bool measure(const PointView& points, std::uint64_t count) {
+    const WholeRange range = whole_range(points, count);
     if (!range.finite) return false;
     double places = 1;
     for (unsigned a = 0; a < 3; ++a) {
@@ -45,25 +41,37 @@ class SmallLattice {
       size_[a] = static_cast<std::uint32_t>(size);
       places *= size;
     }
-    return places <= std::min(places_per_point * points, most_places);
+    return places <= std::min(places_per_point * static_cast<double>(points.count), most_places);
   }
 
   /// Sets for each place of the lattice the first point there, and for each line along the third
   /// axis a bit for each place that has a point.
-  void note(std::uint32_t count) {
+  void note(const PointView& points) {
     const std::size_t lines = std::size_t{size_[0]} * size_[1];
     first_.resize(lines * size_[2]);
     lines_.assign(lines, 0);
     const auto number = [&](const double* row, unsigned a) {
       return static_cast<std::uint32_t>(static_cast<std::int32_t>(row[a] - low_[a]));
     };
-    for (std::uint32_t i = count; i-- > 0;) {  // backwards: the first one is stored last
-      const double* const row = rows_ + 3 * std::size_t{i};
+    const auto note_row = [&](const double* row, std::uint64_t i) {
       const std::size_t line = std::size_t{number(row, 0)} * size_[1] + number(row, 1);
       const std::uint32_t z = number(row, 2);
-      first_[line * size_[2] + z] = i;
+      first_[line * size_[2] + z] = static_cast<std::uint32_t>(i);
       lines_[line] |= std::uint64_t{1} << z;
+    };
+    // Backwards: the first point is stored last.
+    const std::uint64_t n = points.count;
+    if (const double* const rows = packed_doubles(points)) {
+      for (std::uint64_t i = n; i-- > 0;) note_row(rows + 3 * i, i);
+      return;
     }
+    PointView from_last = points;
+    from_last.data = points.address(n - 1, 0);
+    from_last.point_stride = -points.point_stride;
+    for_row_blocks(from_last, n, [&](std::uint64_t first, const double* rows, std::uint32_t count) {
+      for (std::uint32_t k = 0; k < count; ++k)
+        note_row(rows + 3 * std::size_t{k}, n - 1 - first - k);
+    });
   }
 
   /// Sets inner_ to the places between two others on one line along an axis, given that consecutive
@@ -97,10 +105,8 @@ class SmallLattice {
     std::sort(ids_.begin(), ids_.end());
   }
 
-  const double* rows_ = nullptr;
   double low_[3] = {};
   std::uint32_t size_[3] = {};
-  std::vector<double> loaded_;
   std::vector<std::uint32_t> first_;
   std::vector<std::uint64_t> lines_, inner_, ids_;
 };
