@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "few/small_hull.hpp"
+#include "few/few_in_space.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -1,11 +1,13 @@
+#include "few/few_in_space.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <utility>
 
-#include "few/small_hull.hpp"
-#include "few/small_measures.hpp"
-#include "few/small_surface.hpp"
+#include "few/few_nd.hpp"
+#include "few/small_3d_measures.hpp"
+#include "few/small_3d_surface.hpp"
 #include "parallel/threads/thread_memory.hpp"
 #include "result/write/few_lists.hpp"
 

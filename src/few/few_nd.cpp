@@ -1,10 +1,11 @@
 // The canonical hull of few points in four to eight dimensions, from their coordinates.
+#include "few/few_nd.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <utility>
 #include <vector>
 
-#include "few/small_hull.hpp"
 #include "few/small_nd.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
@@ -29,7 +30,7 @@ class SmallWriter {
  public:
   /// False, with the hull unchanged, where coordinates span too many powers of two.
   bool run(const PointView& view, const std::uint64_t* ids, unsigned count,
-           const SmallSurface<K>& surface, Hull& hull) {
+           const SmallSurfaceNd<K>& surface, Hull& hull) {
     list_vertices(ids, count, surface);
     constexpr unsigned axes[] = {0, 1, 2, 3, 4, 5, 6, 7};
     const Frame frame = make_frame(view, ids_, axes, K, short_run());
@@ -46,14 +47,14 @@ class SmallWriter {
 
  private:
   static constexpr unsigned lanes = FacetBlock<K>::lanes;
-  static constexpr unsigned slot_bits = std::bit_width(SmallSurface<K>::most_facets - 1);
+  static constexpr unsigned slot_bits = std::bit_width(SmallSurfaceNd<K>::most_facets - 1);
   static_assert(slot_bits + K * std::bit_width(most_points[K - small_nd_min_dimension] - 1) <= 64);
   struct Facet {
     std::uint32_t corner[K];  ///< ranks of the vertices in stored order
     std::uint32_t across[K];  ///< slots of the facets opposite to them
   };
 
-  void list_vertices(const std::uint64_t* ids, unsigned count, const SmallSurface<K>& surface) {
+  void list_vertices(const std::uint64_t* ids, unsigned count, const SmallSurfaceNd<K>& surface) {
     rank_.assign(count, 0);
     facets_ = 0;
     for (unsigned f = 0; f < surface.slots(); ++f) {
@@ -71,7 +72,7 @@ class SmallWriter {
 
   /// Brings each facet into stored order, ascending but for the last two where that turns it
   /// outward, and all facets into the order of their vertices.
-  void sort_facets(const SmallSurface<K>& surface) {
+  void sort_facets(const SmallSurfaceNd<K>& surface) {
     const auto bits = static_cast<unsigned>(std::bit_width(ids_.size() - 1));
     stored_.resize(surface.slots());
     number_.resize(surface.slots());
@@ -165,7 +166,7 @@ class SmallWriter {
 /// Working memory of a thread.
 template <unsigned K>
 struct Memory {
-  SmallSurface<K> surface;
+  SmallSurfaceNd<K> surface;
   SmallWriter<K> writer;
 };
 

@@ -19,7 +19,7 @@
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/orientation/orientation_3d.hpp"
-#include "few/small_surface.hpp"
+#include "few/small_3d_surface.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -60,7 +60,7 @@ class Builder {
       order_small<Surface>(surface_, count_, nullptr, out);
       return true;
     }
-    SmallPolygons<Surface> polygons;
+    MergedFacets<Surface> polygons;
     CoplanarPair<Surface> pairs[3 * capacity / 2];
     const unsigned pair_count = find_coplanar(pairs);
     if (given_up_) return false;

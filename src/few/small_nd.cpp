@@ -26,7 +26,7 @@ unsigned index_of(const std::uint32_t* list, std::uint32_t item) {
 }  // namespace
 
 template <unsigned D>
-bool SmallSurface<D>::build(const double* rows, unsigned count) {
+bool SmallSurfaceNd<D>::build(const double* rows, unsigned count) {
   count_ = count;
   slots_ = open_signs_ = 0;
   std::uint32_t simplex[D + 1];
@@ -44,7 +44,7 @@ bool SmallSurface<D>::build(const double* rows, unsigned count) {
 /// Drops those of the points from position `begin` on that are inside, many at a time. Returns
 /// false, having dropped nothing, if none of the last block is: they are the nearest to the mean.
 template <unsigned D>
-bool SmallSurface<D>::sieve(std::size_t begin) {
+bool SmallSurfaceNd<D>::sieve(std::size_t begin) {
   level_planes_.clear();
   for (unsigned f = 0; f < slots_; ++f) {
     if (!live(f)) continue;
@@ -78,7 +78,7 @@ bool SmallSurface<D>::sieve(std::size_t begin) {
 /// Scales all coordinates by one power of two. False where that could underflow: scaled rows are
 /// exact.
 template <unsigned D>
-bool SmallSurface<D>::scale(const double* rows) {
+bool SmallSurfaceNd<D>::scale(const double* rows) {
   const std::size_t n = std::size_t{count_} * D;
   double largest = 0;
   for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, std::fabs(rows[i]));
@@ -96,7 +96,7 @@ bool SmallSurface<D>::scale(const double* rows) {
 /// Chooses D + 1 points far from one another: each the farthest from the flat of those before it,
 /// as far as doubles tell.
 template <unsigned D>
-bool SmallSurface<D>::choose_simplex(std::uint32_t* simplex) {
+bool SmallSurfaceNd<D>::choose_simplex(std::uint32_t* simplex) {
   rest_ = scaled_;
   std::uint32_t first = 0;
   for (std::uint32_t i = 1; i < count_; ++i)
@@ -141,7 +141,7 @@ bool SmallSurface<D>::choose_simplex(std::uint32_t* simplex) {
 /// Makes the facets of the simplex. False where it is flat, or its centroid, rounded, is not
 /// certainly inside.
 template <unsigned D>
-bool SmallSurface<D>::start(const std::uint32_t* simplex) {
+bool SmallSurfaceNd<D>::start(const std::uint32_t* simplex) {
   const double* corner[D + 1];
   for (unsigned i = 0; i <= D; ++i) corner[i] = row(simplex[i]);
   const Sign whole = orientation(D, corner);
@@ -185,7 +185,7 @@ bool SmallSurface<D>::start(const std::uint32_t* simplex) {
 }
 
 template <unsigned D>
-void SmallSurface<D>::measure_extent() {
+void SmallSurfaceNd<D>::measure_extent() {
   double low[D], high[D];
   std::copy_n(row(0), D, low);
   std::copy_n(row(0), D, high);
@@ -201,7 +201,7 @@ void SmallSurface<D>::measure_extent() {
 /// Lists the points off the simplex roughly by descending distance from their mean, so that few
 /// inner points become temporary vertices: a counting sort into classes.
 template <unsigned D>
-void SmallSurface<D>::order_outermost_first(const std::uint32_t* simplex) {
+void SmallSurfaceNd<D>::order_outermost_first(const std::uint32_t* simplex) {
   constexpr unsigned classes = 64;
   double mean[D] = {};
   for (std::uint32_t i = 0; i < count_; ++i)
@@ -233,13 +233,13 @@ void SmallSurface<D>::order_outermost_first(const std::uint32_t* simplex) {
 }
 
 template <unsigned D>
-void SmallSurface<D>::aim(std::uint32_t point, float* y) const {
+void SmallSurfaceNd<D>::aim(std::uint32_t point, float* y) const {
   for (unsigned j = 0; j < D; ++j) y[j] = static_cast<float>(row(point)[j] - centre_[j]);
 }
 
 /// Adds a point. False where the surface is given up.
 template <unsigned D>
-bool SmallSurface<D>::insert(std::uint32_t point) {
+bool SmallSurfaceNd<D>::insert(std::uint32_t point) {
   bool any = false;
   if (!find_seen(point, any)) return false;
   if (!any) return true;
@@ -263,7 +263,7 @@ bool SmallSurface<D>::insert(std::uint32_t point) {
 
 /// Lists the facets that the point sees. False where it lies in the plane of one.
 template <unsigned D>
-bool SmallSurface<D>::find_seen(std::uint32_t point, bool& any) {
+bool SmallSurfaceNd<D>::find_seen(std::uint32_t point, bool& any) {
   float y[D];
   aim(point, y);
   seen_.clear();
@@ -288,7 +288,7 @@ bool SmallSurface<D>::find_seen(std::uint32_t point, bool& any) {
 }
 
 template <unsigned D>
-bool SmallSurface<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) {
+bool SmallSurfaceNd<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) {
   // Where points are closer than f32 tells, as in a cluster beside a large simplex, the engine,
   // which does not test all facets, asks for far fewer signs.
   if (++open_signs_ > most_open_signs * count_) return false;
@@ -303,7 +303,7 @@ bool SmallSurface<D>::sees_exactly(std::uint32_t point, unsigned f, bool& sees) 
 /// Lists the ridges between seen and other facets. Which neighbours are seen is unpredictable, so
 /// no branch depends on it.
 template <unsigned D>
-void SmallSurface<D>::find_horizon() {
+void SmallSurfaceNd<D>::find_horizon() {
   horizon_.resize(std::max(horizon_.size(), seen_.size() * D + 1));
   for (const std::uint32_t f : seen_) is_seen_[f] = 1;
   Ridge* const list = horizon_.data();
@@ -324,7 +324,7 @@ void SmallSurface<D>::find_horizon() {
 /// facets, about the face that the horizon ridge of k spans without vertex i, until the next
 /// horizon ridge.
 template <unsigned D>
-std::uint32_t SmallSurface<D>::turn(std::size_t k, unsigned i) const {
+std::uint32_t SmallSurfaceNd<D>::turn(std::size_t k, unsigned i) const {
   std::uint32_t at = horizon_[k].facet, kept = vertices(at)[horizon_[k].slot];
   for (unsigned exit = i;;) {
     const std::uint32_t next = neighbours(at)[exit];
@@ -337,7 +337,7 @@ std::uint32_t SmallSurface<D>::turn(std::size_t k, unsigned i) const {
 
 /// Puts the new facets into the slots of the seen ones, free slots and new slots.
 template <unsigned D>
-bool SmallSurface<D>::replace(std::uint32_t point) {
+bool SmallSurfaceNd<D>::replace(std::uint32_t point) {
   const std::size_t count = ridges_;
   new_planes_.resize(count * (D + 1));
   const PlaneFrame frame{D, scaled_.data(), centre_, reach_};
@@ -369,21 +369,21 @@ bool SmallSurface<D>::replace(std::uint32_t point) {
 }
 
 template <unsigned D>
-void SmallSurface<D>::store_plane(unsigned f, const float* plane) {
+void SmallSurfaceNd<D>::store_plane(unsigned f, const float* plane) {
   for (unsigned j = 0; j <= D; ++j)
     planes_[f / PlaneGroup<D>::size].entry[j][f % PlaneGroup<D>::size] = plane[j];
 }
 
 /// No point sees the plane of a slot without a facet.
 template <unsigned D>
-void SmallSurface<D>::clear_plane(unsigned f) {
+void SmallSurfaceNd<D>::clear_plane(unsigned f) {
   for (unsigned j = 0; j <= D; ++j)
     planes_[f / PlaneGroup<D>::size].entry[j][f % PlaneGroup<D>::size] = 0;
 }
 
 /// Makes room for as many slots. False where they are too many.
 template <unsigned D>
-bool SmallSurface<D>::grow(unsigned slots) {
+bool SmallSurfaceNd<D>::grow(unsigned slots) {
   if (slots > most_facets) return false;
   slots_ = slots;
   const std::size_t groups = (slots + PlaneGroup<D>::size - 1) / PlaneGroup<D>::size;
@@ -396,10 +396,10 @@ bool SmallSurface<D>::grow(unsigned slots) {
   return true;
 }
 
-template class SmallSurface<4>;
-template class SmallSurface<5>;
-template class SmallSurface<6>;
-template class SmallSurface<7>;
-template class SmallSurface<8>;
+template class SmallSurfaceNd<4>;
+template class SmallSurfaceNd<5>;
+template class SmallSurfaceNd<6>;
+template class SmallSurfaceNd<7>;
+template class SmallSurfaceNd<8>;
 
 }  // namespace cullhull::internal

@@ -16,7 +16,7 @@ inline constexpr unsigned small_nd_min_dimension = 4, small_nd_max_dimension = 8
 /// are coplanar. Incremental insertion; each point is tested against all facets at once by their
 /// planes in f32, so nothing is searched. Doubtful signs are decided by `orientation`.
 template <unsigned D>
-class SmallSurface {
+class SmallSurfaceNd {
  public:
   /// A surface of more facets than this is given up. With its result it takes less than 5 MiB
   /// (`small_set_bytes`).

@@ -5,7 +5,7 @@
 
 #include "cullhull/extreme_points.hpp"
 #include "extreme/extreme_ids.hpp"
-#include "few/small_hull.hpp"
+#include "few/few_points.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "parallel/memory/pages.hpp"

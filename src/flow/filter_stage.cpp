@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "few/small_hull.hpp"
+#include "few/few_in_space.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"

@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "few/small_hull.hpp"
+#include "few/few_in_space.hpp"
+#include "few/few_points.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"

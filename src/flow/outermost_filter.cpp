@@ -1,7 +1,7 @@
 #include <algorithm>
 
+#include "few/few_in_space.hpp"
 #include "few/small_3d.hpp"
-#include "few/small_hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"

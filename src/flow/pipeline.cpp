@@ -8,7 +8,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
-#include "few/small_hull.hpp"
+#include "few/few_points.hpp"
 #include "filter/planner.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/memory/pages.hpp"

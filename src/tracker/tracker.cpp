@@ -5,7 +5,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
-#include "few/small_hull.hpp"
+#include "few/few_points.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"

@@ -12,7 +12,6 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
-#include "few/small_hull.hpp"
 #include "few/small_polygon.hpp"
 #include "filter/inner_ellipse.hpp"
 

@@ -11,7 +11,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
-#include "few/small_hull.hpp"
+#include "few/few_in_space.hpp"
 #include "few/small_nd.hpp"
 #include "parallel/dispatch.hpp"
 
@@ -91,7 +91,7 @@ void expect_the_general_way(const std::string& name, const Make& make, std::uint
 /// Whether the engine takes the points itself.
 bool takes(const PointSet& s) {
   return internal::with_dimension<4, 7, 8>(s.dimension, [&](auto d) {
-    internal::SmallSurface<d> surface;
+    internal::SmallSurfaceNd<d> surface;
     return surface.build(s.coordinates.data(), static_cast<unsigned>(s.count()));
   });
 }

@@ -197,7 +197,7 @@ const std::map<std::string, std::string> bounds_elsewhere = {
      "the nearest neighbour; what is in doubt is left to power_sign"},
     {"src/extreme/hull_membership.cpp", "signs of one direction, else rationals"},
     {"src/extreme/inside_exact.cpp", "columns in doubt are priced in rationals"},
-    {"src/few/small_measures.hpp", "measures in doubt are computed with more bits"},
+    {"src/few/small_3d_measures.hpp", "measures in doubt are computed with more bits"},
     {"src/filter/gauge/gauge_planes.cpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/gauge/gauge_walk.hpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/pseudo_hull/pseudo_hull_math.hpp", "points in doubt survive"},

@@ -1,11 +1,11 @@
-#include "few/small_shares.hpp"
+#include "few/small_3d_shares.hpp"
 
 #include "parallel/simd_targets.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow.
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "few/small_shares.cpp"
+#define HWY_TARGET_INCLUDE "few/small_3d_shares.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

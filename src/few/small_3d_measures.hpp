@@ -10,7 +10,7 @@
 
 #include "cullhull/hull.hpp"
 #include "few/small_3d.hpp"
-#include "few/small_shares.hpp"
+#include "few/small_3d_shares.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
 

@@ -77,7 +77,7 @@ struct CoplanarPair {
 
 /// The facets of a surface as polygons, in any order.
 template <class Surface>
-struct SmallPolygons {
+struct MergedFacets {
   using Number = typename Surface::Number;
   unsigned count = 0;
   unsigned start[Surface::capacity + 1];
@@ -91,12 +91,12 @@ struct SmallPolygons {
 /// others to ids.
 template <class Surface>
 void merge_small(Surface& surface, const CoplanarPair<Surface>* pairs, unsigned pair_count,
-                 const typename Surface::Number* names, SmallPolygons<Surface>& polygons);
+                 const typename Surface::Number* names, MergedFacets<Surface>& polygons);
 
 /// Writes the surface in canonical order, without comparison sorts. `polygons`: as merge_small
 /// gives them, or nullptr where every simplex is a facet. Rotates the surface's simplices.
 template <class Surface>
-void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Surface>* polygons,
+void order_small(Surface& surface, unsigned point_count, const MergedFacets<Surface>* polygons,
                  typename Surface::Hull& out);
 
 }  // namespace cullhull::internal

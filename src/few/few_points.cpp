@@ -1,9 +1,11 @@
-#include "few/small_hull.hpp"
+#include "few/few_points.hpp"
 
 #include <algorithm>
 #include <utility>
 #include <vector>
 
+#include "few/few_in_space.hpp"
+#include "few/few_nd.hpp"
 #include "few/small_nd.hpp"
 #include "few/small_polygon.hpp"
 #include "filter/lattice/small_lattice.hpp"

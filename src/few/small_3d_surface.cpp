@@ -1,4 +1,4 @@
-#include "few/small_surface.hpp"
+#include "few/small_3d_surface.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -13,7 +13,7 @@ class Merger {
   static constexpr unsigned capacity = Surface::capacity;
 
  public:
-  Merger(Surface& surface, const Number* names, SmallPolygons<Surface>& out)
+  Merger(Surface& surface, const Number* names, MergedFacets<Surface>& out)
       : surface_(surface), names_(names), out_(out) {}
 
   void run(const CoplanarPair<Surface>* pairs, unsigned pair_count) {
@@ -154,7 +154,7 @@ class Merger {
 
   Surface& surface_;
   const Number* names_;
-  SmallPolygons<Surface>& out_;
+  MergedFacets<Surface>& out_;
   unsigned group_count_ = 0, end_ = 0;
   Number group_[capacity], next_in_group_[capacity], groups_[capacity], number_[capacity];
   Number follower_[Surface::most_points], beyond_[Surface::most_points];  // along a border
@@ -163,7 +163,7 @@ class Merger {
 /// Orders the facets by their first simplices. order[i]: the simplex of the surface that gets
 /// number i.
 template <class Surface>
-void write_polygons(const SmallPolygons<Surface>& polygons, const typename Surface::Number* order,
+void write_polygons(const MergedFacets<Surface>& polygons, const typename Surface::Number* order,
                     typename Surface::Hull& out) {
   using Number = typename Surface::Number;
   bool seen[Surface::capacity] = {};
@@ -255,16 +255,16 @@ void sort_simplices(LinkedSurface& surface, unsigned point_count, LinkedSurface:
 
 template <class Surface>
 void merge_small(Surface& surface, const CoplanarPair<Surface>* pairs, unsigned pair_count,
-                 const typename Surface::Number* names, SmallPolygons<Surface>& polygons) {
+                 const typename Surface::Number* names, MergedFacets<Surface>& polygons) {
   Merger<Surface>(surface, names, polygons).run(pairs, pair_count);
 }
 template void merge_small(TableSurface&, const CoplanarPair<TableSurface>*, unsigned,
-                          const TableSurface::Number*, SmallPolygons<TableSurface>&);
+                          const TableSurface::Number*, MergedFacets<TableSurface>&);
 template void merge_small(LinkedSurface&, const CoplanarPair<LinkedSurface>*, unsigned,
-                          const LinkedSurface::Number*, SmallPolygons<LinkedSurface>&);
+                          const LinkedSurface::Number*, MergedFacets<LinkedSurface>&);
 
 template <class Surface>
-void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Surface>* polygons,
+void order_small(Surface& surface, unsigned point_count, const MergedFacets<Surface>* polygons,
                  typename Surface::Hull& out) {
   using Number = typename Surface::Number;
   Number rank[Surface::capacity], order[Surface::capacity], used[Surface::most_points] = {};
@@ -288,9 +288,8 @@ void order_small(Surface& surface, unsigned point_count, const SmallPolygons<Sur
   }
   if (polygons != nullptr) write_polygons<Surface>(*polygons, order, out);
 }
-template void order_small(TableSurface&, unsigned, const SmallPolygons<TableSurface>*,
-                          SmallHull3D&);
-template void order_small(LinkedSurface&, unsigned, const SmallPolygons<LinkedSurface>*,
+template void order_small(TableSurface&, unsigned, const MergedFacets<TableSurface>*, SmallHull3D&);
+template void order_small(LinkedSurface&, unsigned, const MergedFacets<LinkedSurface>*,
                           MediumHull3D&);
 
 }  // namespace cullhull::internal
