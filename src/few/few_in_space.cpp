@@ -1,40 +1,22 @@
 #include "few/few_in_space.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <numeric>
 #include <utility>
 
 #include "few/few_nd.hpp"
 #include "few/small_3d_measures.hpp"
 #include "few/small_3d_surface.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
 #include "result/write/few_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-template <class T, class Points>
-void load_scalars(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points) {
-  for (unsigned i = 0; i < count; ++i) {
-    const std::byte* from = view.address(ids != nullptr ? ids[i] : i, 0);
-    for (unsigned c = 0; c < 3; ++c) {
-      T value;
-      std::memcpy(&value, from + c * view.coordinate_stride, sizeof value);
-      points.axes[c][i] = static_cast<double>(value);
-    }
-  }
-}
-
 template <class Points>
 void load(const PointView& view, const std::uint64_t* ids, unsigned count, Points& points) {
-  if (view.scalar == ScalarType::f64)
-    load_scalars<double>(view, ids, count, points);
-  else if (view.scalar == ScalarType::f32)
-    load_scalars<float>(view, ids, count, points);
-  else
-    for (unsigned i = 0; i < count; ++i)
-      for (unsigned c = 0; c < 3; ++c) points.axes[c][i] = view.at(ids != nullptr ? ids[i] : i, c);
+  load_axes_3d(view, ids, 0, count, points.axes[0], points.axes[1], points.axes[2]);
   for (auto& axis : points.axes) std::fill(axis + count, axis + (count + 15) / 16 * 16, axis[0]);
 }
 

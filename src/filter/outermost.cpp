@@ -1,5 +1,6 @@
 #include "filter/outermost.hpp"
 
+#include "geometry/gather.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
@@ -91,28 +91,13 @@ namespace {
 
 constexpr unsigned block_size = OutermostBlock::size;
 
-template <class T>
-void load_scalars(const PointView& points, std::uint64_t first, unsigned count,
-                  OutermostBlock& block) {
-  for (unsigned i = 0; i < count; ++i) {
-    const std::byte* from = points.address(first + i, 0);
-    for (unsigned c = 0; c < 3; ++c) {
-      T value;
-      std::memcpy(&value, from + static_cast<std::ptrdiff_t>(c) * points.coordinate_stride,
-                  sizeof value);
-      block.axes[c][i] = static_cast<double>(value);
-    }
-  }
-}
-
 class Search {
  public:
   Search(const PointView& points, const OutermostSettings& settings)
       : points_(points),
         settings_(settings),
         count_(points.count),
-        packed_(points.packed_rows() && points.scalar == ScalarType::f64 &&
-                reinterpret_cast<std::uintptr_t>(points.data) % alignof(double) == 0),
+        packed_(packed_doubles(points)),
         best_(6 * std::size_t{settings.cells} * settings.cells, Best{-1, 0}) {}
 
   std::vector<std::uint64_t> run() {
@@ -137,22 +122,11 @@ class Search {
 
   unsigned load(std::uint64_t first) {
     const auto n = static_cast<unsigned>(std::min<std::uint64_t>(block_size, count_ - first));
-    if (packed_ && n == block_size) {
-      HWY_DYNAMIC_DISPATCH(split_rows)
-      (reinterpret_cast<const double*>(points_.address(first, 0)), block_);
+    if (packed_ != nullptr && n == block_size) {
+      HWY_DYNAMIC_DISPATCH(split_rows)(packed_ + 3 * first, block_);
       return n;
     }
-    switch (points_.scalar) {
-      case ScalarType::f64:
-        load_scalars<double>(points_, first, n, block_);
-        break;
-      case ScalarType::f32:
-        load_scalars<float>(points_, first, n, block_);
-        break;
-      default:
-        for (unsigned i = 0; i < n; ++i)
-          for (unsigned c = 0; c < 3; ++c) block_.axes[c][i] = points_.at(first + i, c);
-    }
+    load_axes_3d(points_, nullptr, first, n, block_.axes[0], block_.axes[1], block_.axes[2]);
     for (double* axis : {block_.axes[0], block_.axes[1], block_.axes[2]})
       std::fill(axis + n, axis + block_size, axis[0]);
     return n;
@@ -226,7 +200,7 @@ class Search {
   const PointView& points_;
   const OutermostSettings& settings_;
   const std::uint64_t count_;
-  const bool packed_;
+  const double* const packed_;
   std::vector<Best> best_;
   OutermostFrame frame_;
   OutermostBlock block_;

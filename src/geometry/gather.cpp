@@ -127,6 +127,22 @@ void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_
       view, [](std::uint64_t i) { return i; }, begin, end, out);
 }
 
+void load_axes_3d(const PointView& view, const std::uint64_t* ids, std::uint64_t first,
+                  std::uint32_t count, double* x, double* y, double* z) {
+  double* const axes[3] = {x, y, z};
+  with_scalar(view.scalar, [&](auto zero) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::byte* const from = view.address(ids != nullptr ? ids[i] : first + i, 0);
+      for (unsigned c = 0; c < 3; ++c) {
+        auto value = zero;
+        std::memcpy(&value, from + static_cast<std::ptrdiff_t>(c) * view.coordinate_stride,
+                    sizeof value);
+        axes[c][i] = static_cast<double>(value);
+      }
+    }
+  });
+}
+
 Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                             const Run& run) {
   const unsigned d = view.dimension;

@@ -55,6 +55,11 @@ void load_rows(const PointView& view, std::uint64_t begin, std::uint64_t end, do
 /// Does the same but keeps the sign of each zero, which affects the planes of edges.
 void load_rows_as_given(const PointView& view, std::uint64_t begin, std::uint64_t end, double* out);
 
+/// The coordinates of points in space by axis, as given: of `count` points with the given ids, or
+/// without ids (nullptr) of those from `first` on.
+void load_axes_3d(const PointView& view, const std::uint64_t* ids, std::uint64_t first,
+                  std::uint32_t count, double* x, double* y, double* z);
+
 /// Whether none of the values is a NaN or an infinity.
 inline bool all_finite(const double* values, std::size_t count) {
   double sum[8] = {};  // x * 0 is NaN exactly for NaN and infinities
