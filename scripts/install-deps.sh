@@ -2,7 +2,7 @@
 # Installs the packages cullhull is built from: the one list there is (docs/dependencies.md says why
 # each). Debian 12, Ubuntu 24.04 and later. Usage: scripts/install-deps.sh [PART ...]
 # Parts: build (always included), mpi, test (for make test), test-all, bench, docs, fuzz, format,
-# python, package (to build artifacts), roots (to check them), cross, abi. Does nothing where nothing is
+# python, package (to build artifacts), roots (to check them), cross, interface. Does nothing where nothing is
 # missing; else it says how much it will fetch, and calls apt-get as root, or through sudo.
 set -euo pipefail
 
@@ -25,8 +25,8 @@ python=(python3 python3-dev python3-venv python3-pip)
 package=(python3 dpkg-dev file debian-archive-keyring)
 roots=(lintian zstd debootstrap debian-archive-keyring)
 cross=(g++-aarch64-linux-gnu g++-s390x-linux-gnu qemu-user-static debian-archive-keyring python3)
-# The binary interface against the stored one (scripts/abi.sh), the public headers for WebAssembly.
-abi=(abigail-tools emscripten python3 xz-utils)
+# The public headers for WebAssembly.
+interface=(emscripten python3)
 
 wanted=("${build[@]}")
 for part in "$@"; do
@@ -43,9 +43,9 @@ for part in "$@"; do
     package) wanted+=("${package[@]}") ;;
     roots) wanted+=("${roots[@]}") ;;
     cross) wanted+=("${cross[@]}") ;;
-    abi) wanted+=("${abi[@]}") ;;
+    interface) wanted+=("${interface[@]}") ;;
     *)
-      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross abi" >&2
+      echo "install-deps: unknown part '$part'; known: build mpi test test-all bench docs fuzz format python package roots cross interface" >&2
       exit 2
       ;;
   esac

@@ -9,7 +9,6 @@
 #include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
-#include "cullhull/renamed.hpp"
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
@@ -100,9 +99,6 @@ struct CellPolygons {
 
   std::uint64_t ring_count() const noexcept { return rings.size(); }
   std::uint64_t polygon_count() const noexcept { return polygon_offsets.size() - 1; }
-
-  CULLHULL_RENAMED(ids, "use rings.items, or rings[i]");
-  CULLHULL_RENAMED(ring_offsets, "use rings.offsets, or rings[i]");
 };
 
 /// The union of some cells of a 2D triangulation (k = 2): one polygon for each set of cells that

@@ -47,11 +47,6 @@ struct HullBatch {
 /// Thread safe; memory O(results + points of the sets computed at the same time).
 HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> offsets,
                        const Options& options = {});
-[[deprecated("pass the offsets as a span")]] inline HullBatch convex_hulls(
-    const PointView& points, const std::uint64_t* offsets, std::uint64_t set_count,
-    const Options& options = {}) {
-  return convex_hulls(points, std::span(offsets, static_cast<std::size_t>(set_count) + 1), options);
-}
 
 }  // namespace cullhull
 #pragma GCC visibility pop

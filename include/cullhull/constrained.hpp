@@ -19,7 +19,6 @@ struct ConstrainedOptions : RunOptions {
 
   /// Keep only the cells of odd depth, those inside. Points left without a cell become `hidden`.
   bool inside_only = false;
-  std::uint64_t reserved_options[4] = {};
 };
 
 /// A triangulation that contains given edges and is locally Delaunay at all others.

@@ -4,12 +4,10 @@
 #include <cstdint>
 #include <iosfwd>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
-#include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
 namespace cullhull {
@@ -21,7 +19,11 @@ enum class UsedFilter { none, gauge, gauge_twice, pseudo_hull, gauge_pseudo_hull
 /// "none", "gauge", "gauge x2", "pseudo-hull", "gauge, pseudo-hull", "stream": as reports spell
 /// them. Static storage.
 const char* filter_name(UsedFilter filter) noexcept;
-CULLHULL_WAS_TEXT(UsedFilter, filter_name)
+template <class Traits>
+std::basic_ostream<char, Traits>& operator<<(std::basic_ostream<char, Traits>& out,
+                                             UsedFilter value) {
+  return out << filter_name(value);
+}
 
 /// The points a filter kept. `ids` are ascending. They include every extreme point of the input and
 /// every duplicate of one; each discarded point is strictly inside the hull.
@@ -43,8 +45,6 @@ struct Survivors {
   std::uint64_t id(std::uint64_t i) const noexcept {
     return all ? i : ids[static_cast<std::size_t>(i)];
   }
-
-  CULLHULL_RENAMED(method, "use filter, and filter_name() for its text");
 };
 
 /// Discards points that are provably strictly inside the hull. Time O(n), one or two passes over

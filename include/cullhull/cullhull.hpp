@@ -23,7 +23,6 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/proximity_graphs.hpp"
 #include "cullhull/query.hpp"
-#include "cullhull/renamed.hpp"
 #include "cullhull/simplify.hpp"
 #include "cullhull/stop_token.hpp"
 #include "cullhull/stream.hpp"
@@ -32,16 +31,3 @@
 #include "cullhull/triangulation_query.hpp"
 #include "cullhull/version.hpp"
 #include "cullhull/voronoi.hpp"
-
-#pragma GCC visibility push(default)
-namespace cullhull {
-
-/// What converted options before 1.0; each struct of options has a constructor for this now.
-template <class To>
-[[deprecated("write To(options), for example TriangulationOptions(options)")]] To run_as(
-    const RunOptions& options) {
-  return To(options);
-}
-
-}  // namespace cullhull
-#pragma GCC visibility pop

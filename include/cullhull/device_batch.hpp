@@ -42,7 +42,6 @@ struct DeviceBatchOptions : Options {
   /// planes, instead of lists end to end. 0: as many as the largest hull of the batch has.
   bool padded = false;
   std::uint64_t most_vertices = 0, most_simplices = 0;
-  std::uint64_t reserved_batch[8] = {};
 };
 
 /// The hulls of many sets, in a device's memory, in the order of HullBatch. Ids count from the

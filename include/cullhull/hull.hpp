@@ -12,7 +12,6 @@
 #include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
-#include "cullhull/renamed.hpp"
 
 #pragma GCC visibility push(default)
 namespace cullhull {
@@ -29,9 +28,6 @@ struct Statistics {
   /// Orientation tests by the stage that decided them (docs/exactness.md): cached plane, filter,
   /// exact.
   std::uint64_t rung_counts[3] = {0, 0, 0};
-  std::uint64_t reserved[4] = {};
-
-  CULLHULL_RENAMED(cull_method, "use filter, and filter_name() for its text");
 };
 
 /// k below is `affine_dimension`: the dimension of the flat that the points span (-1: no points, 0:

@@ -105,7 +105,6 @@ struct ReadOptions {
   /// Advice that ends the message of an out_of_budget error where visit_blocks would read the input
   /// in blocks, for instance how a program's user asks for that. The text must outlive the call.
   const char* blocks_hint = nullptr;
-  std::uint64_t reserved[7] = {};
 };
 
 /// A point of a text file and its line, from 1.

@@ -116,7 +116,6 @@ class EvenArray {
   using value_type = T;
   using const_iterator = IndexIterator<EvenArray>;
   using iterator = const_iterator;
-  using Iterator [[deprecated("use const_iterator")]] = const_iterator;
 
   EvenArray() = default;
   EvenArray(Array<T> items)  // NOLINT: an array converts

@@ -1,17 +1,11 @@
 // Options of a call. They change how the result is computed, never the result.
-//
-// Option structs and statistics end with `reserved`: zeros, in the place of which a minor version
-// may add a member whose zero means "as before", so that programs that were compiled before still
-// run. Leave it alone (docs/decisions/0015-public-headers.md, "Growth").
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
-#include <string_view>
 
 #include "cullhull/machine.hpp"
-#include "cullhull/renamed.hpp"
 #include "cullhull/stop_token.hpp"
 
 #pragma GCC visibility push(default)
@@ -24,7 +18,10 @@ enum class CullMethod { automatic, gauge, pseudo_hull, none };
 
 /// "automatic", "cpu", "cuda": as reports and the command line spell them. Static storage.
 const char* backend_name(Backend backend) noexcept;
-CULLHULL_WAS_TEXT(Backend, backend_name)
+template <class Traits>
+std::basic_ostream<char, Traits>& operator<<(std::basic_ostream<char, Traits>& out, Backend value) {
+  return out << backend_name(value);
+}
 
 /// Called occasionally, from the calling thread: a short phase name and the completed fraction in
 /// [0, 1]. It may throw; the exception reaches the caller, and no output is left partly written.
@@ -46,7 +43,6 @@ struct RunOptions {
   /// For callers that must poll for signals themselves. Not called while the calling thread waits
   /// for other threads, so it does not bound the latency of long multi-threaded calls.
   Poll poll;
-  std::uint64_t reserved[4] = {};
 };
 
 struct Options : RunOptions {
@@ -64,7 +60,6 @@ struct Options : RunOptions {
   bool with_coordinates = false;
   /// The rates from which `Backend::automatic` decides.
   MachineConstants machine;
-  std::uint64_t reserved_options[8] = {};
 };
 
 }  // namespace cullhull

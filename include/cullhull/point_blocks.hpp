@@ -73,7 +73,6 @@ struct BlockOptions {
   /// Called with the position about every 50 ms, by the thread that called visit_blocks: progress
   /// of inputs whose size is unknown (pipes), of which `progress` reports none.
   std::function<void(const BlockPosition&)> position;
-  std::uint64_t reserved[4] = {};
 };
 
 /// The files that these words stand for, in order: a file, "-" (standard input), a folder (its

@@ -25,7 +25,6 @@ struct TriangulationOptions : RunOptions {
   /// upper hull of the lifted points instead of the lower one. Its vertices are extreme points, all
   /// others are hidden. The only option that changes the result.
   bool furthest_site = false;
-  std::uint64_t reserved_options[4] = {};
 };
 
 struct TriangulationStatistics {
@@ -41,7 +40,6 @@ struct TriangulationStatistics {
   double insert_seconds = 0;  ///< all insertions
   double write_seconds = 0;   ///< building the canonical result
   double compute_seconds = 0;
-  std::uint64_t reserved[4] = {};
 };
 
 /// A duplicate point and its representative, a point with the same coordinates.

@@ -9,7 +9,6 @@
 #include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
-#include "cullhull/renamed.hpp"
 #include "cullhull/triangulation.hpp"
 
 #pragma GCC visibility push(default)
@@ -66,11 +65,6 @@ struct Voronoi {
   std::span<const std::uint32_t> region(std::uint64_t point) const {
     return regions[static_cast<std::size_t>(point)];
   }
-
-  CULLHULL_RENAMED(ridge_offsets, "use ridges.offsets, or ridges[i]");
-  CULLHULL_RENAMED(ridge_vertices, "use ridges.items, or ridges[i]");
-  CULLHULL_RENAMED(region_offsets, "use regions.offsets, or regions[i]");
-  CULLHULL_RENAMED(region_vertices, "use regions.items, or regions[i]");
 };
 
 /// The diagram dual to a triangulation of `points` with `weights` (empty, or one per point). Its

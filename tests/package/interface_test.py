@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The public headers in a stranger's program: no warning of a strict compiler, and old spellings
-that either work with a warning or fail with a message that names the new one.
+"""The public headers in a stranger's program: no warning of a strict compiler, and a message that
+says what to write where an argument is refused.
 
     interface_test.py SOURCE COMPILER [COMPILER ...]
 
@@ -60,48 +60,20 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
 }
 """
 
-# What a program of before 1.0 wrote, and what the compiler says of it: every public name and
-# signature that went when the interface of 1.0 was made. What an enumeration no longer converts to
-# is an error that names the enumeration.
-BEFORE = [
-    ("voronoi.ridge_offsets[0];", "use ridges.offsets, or ridges"),
-    ("voronoi.ridge_vertices[0];", "use ridges.items, or ridges"),
-    ("voronoi.region_offsets[0];", "use regions.offsets, or regions"),
-    ("voronoi.region_vertices[0];", "use regions.items, or regions"),
-    ("for (auto i : voronoi.region_vertices) (void)i;", "use regions.items, or regions"),
-    ("polygons.ids[0];", "use rings.items, or rings"),
-    ("polygons.ring_offsets[0];", "use rings.offsets, or rings"),
-    ("survivors.method;", "use filter, and filter_name"),
-    ("std::cout << survivors.method;", "use filter, and filter_name"),
-    ("hull.statistics.cull_method;", "use filter, and filter_name"),
-    ("std::string text = hull.statistics.cull_method;", "use filter, and filter_name"),
-    ('if (hull.statistics.backend == "cuda") return;', "or use backend_name()"),
-    ('if ("cuda" == survivors.backend) return;', "or use backend_name()"),
-    ('if (survivors.filter == "none") return;', "or use filter_name()"),
-    ("const char* text = hull.statistics.backend;", "Backend"),
-    ("const char* text = survivors.backend;", "Backend"),
-    ("cullhull::convex_hulls(view, offsets, 1);", "pass the offsets as a span"),
-    ("cullhull::EvenArray<std::uint64_t>::Iterator it; (void)it;", "use const_iterator"),
-    ("cullhull::run_as<cullhull::TriangulationOptions>(cullhull::Options());",
-     "write To(options), for example TriangulationOptions(options)"),
-    # No class with constructors can say more.
-    ("cullhull::Options designated{.threads = 2}; (void)designated;", "Options"),
-    ("cullhull::PointView designated{.data = nullptr}; (void)designated;", "PointView"),
+# What is refused, and a part of what the compiler says of it.
+REFUSED = [
     ("cullhull::CertifyStream stream(cullhull::convex_hull(view), {});", "CertifyStream"),
     ("struct Place { double x, y, z; }; std::vector<Place> places(4); cullhull::convex_hull(places);",
      "cullhull::PointView::records(points, &Point::x, 3)"),
     ("cullhull::delaunay(std::vector<std::vector<double>>(4));", "PointView::records"),
     ("std::vector<std::array<long long, 3>> wide(4); cullhull::convex_hull(wide);",
      "cullhull takes integers of at most 32 bits"),
-    ("cullhull::PointView::row_major(&flag, 1, 1);", "coordinates are float, double or integers"),
+    ("cullhull::PointView::row_major(&number, 1, 1);", "coordinates are float, double or integers"),
 ]
 FUNCTION = """
 #line 1 "statement{number}.cpp"
-void before{number}(const cullhull::Voronoi& voronoi, const cullhull::CellPolygons& polygons,
-                    const cullhull::Survivors& survivors, const cullhull::Hull& hull,
-                    const cullhull::PointView& view, const std::uint64_t* offsets,
-                    long double flag) {{
-  (void)voronoi, (void)polygons, (void)survivors, (void)hull, (void)view, (void)offsets, (void)flag;
+void refused{number}(const cullhull::PointView& view, long double number) {{
+  (void)view, (void)number;
   {statement}
 }}
 """
@@ -127,15 +99,15 @@ def usable(compiler, source, standard="20"):
         return False
 
 
-def old_spellings(compiler, source):
-    """Statements of BEFORE about which the compiler does not say what it should."""
+def refusals(compiler, source):
+    """Statements of REFUSED about which the compiler does not say what it should."""
     functions = [FUNCTION.format(number=i, statement=statement)
-                 for i, (statement, _) in enumerate(BEFORE)]
+                 for i, (statement, _) in enumerate(REFUSED)]
     options = ["-Wall", "-ferror-limit=0" if "clang" in compiler else "-fmax-errors=0"]
     said = compiled(compiler, source, PROLOGUE + "".join(functions), options)[1]
     # From one message about a statement to the next about another one, with its notes.
     parts = re.split(r"^(?=.*?statement\d+\.cpp:)", said, flags=re.M)
-    for i, (statement, message) in enumerate(BEFORE):
+    for i, (statement, message) in enumerate(REFUSED):
         about = "".join(p for p in parts if f"statement{i}.cpp:" in p.split("\n")[0])
         if message not in about:  # perhaps before the line that names the statement
             about = compiled(compiler, source, PROLOGUE + functions[i], options)[1]
@@ -181,7 +153,6 @@ def checks(compilers, source):
         if name != "mpi.hpp":
             text = f"#include <cullhull/{name}>\nint main() {{}}\n"
             yield strict, (compilers[0], name, text, [], "20")
-        if name not in ("mpi.hpp", "renamed.hpp"):
             yield lambda c, n: list(old_standard(c, source, n)), (compilers[0], name)
     for compiler in compilers:
         # libc++ warns of clang 16, which it no longer supports.
@@ -194,7 +165,7 @@ def checks(compilers, source):
                 yield strict, (compiler, what, text, options + more, "20")
             if first or what == "a program":
                 yield strict, (compiler, what, text, options + more, later)
-        yield lambda c: list(old_spellings(c, source)), (compiler,)
+        yield lambda c: list(refusals(c, source)), (compiler,)
     if usable("em++", source):
         for what, text, options in programs(source, headers):
             if what in ("all headers", "a program"):
@@ -209,7 +180,7 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = [pool.submit(check, *given) for check, given in checks(here, source)]
         problems = [problem for job in jobs for problem in job.result()]
-    print(f"{len(jobs)} programs, {len(BEFORE)} old spellings with each of: {', '.join(here)}")
+    print(f"{len(jobs)} programs, {len(REFUSED)} refused statements with each of: {', '.join(here)}")
     if left_out:
         print("not here:", ", ".join(left_out))
     for problem in problems:
