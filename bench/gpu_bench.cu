@@ -24,9 +24,9 @@
 #include "cullhull/cullhull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/version.hpp"
+#include "device_rates.hpp"
 #include "flow/sample_map.hpp"
 #include "json_lines.hpp"
-#include "machine.hpp"
 #include "qhull.hpp"
 #include "timing.hpp"
 
@@ -182,14 +182,16 @@ class Bench {
 
   ordered_json machine() {
     const cullhull::CudaStatus status = cullhull::cuda_status();
-    const auto rates = cullhull::bench::measure_machine({}, {}, {});
-    if (rates.device) copy_rate_ = rates.device->copy;
+    const DeviceRates rates = measure_device();
+    copy_rate_ = rates.copy;
     return {{"version", CULLHULL_VERSION},
             {"device", status.device},
             {"compute_capability", status.compute_capability},
             {"driver", status.driver_version},
             {"runtime", status.runtime_version},
-            {"machine", ordered_json::parse(cullhull::bench::machine_json(rates))}};
+            {"link_bytes_per_second", rates.link_pinned},
+            {"link_pageable_bytes_per_second", rates.link_pageable},
+            {"copy_bytes_per_second", rates.copy}};
   }
 
   static ordered_json line(const char* part, const char* name, unsigned d, std::uint64_t n) {

@@ -110,13 +110,13 @@ stage() {
 
   rm -rf "$folder"
   mkdir -p "$folder/bin/cpu" "$folder/lib" "$folder/system"
-  cp "$build"/bin/{cullhull,cullhull-bench,gpu_bench,gpu_passes,gpu_tests,scaling_bench} "$folder/bin/"
+  cp "$build"/bin/{cullhull,gpu_bench,gpu_passes,gpu_tests,scaling_bench} "$folder/bin/"
   (cd "$build/bin" && cp "${twins[@]}" "../bundle/bin/cpu/")
   # From bin/cpu the libraries are one folder farther up.
   ln -s ../lib "$folder/bin/lib"
   # The C library is the machine's own where that is not older: then ours stays in its folder.
   local library
-  ldd "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
+  ldd "$folder"/bin/{cullhull,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests | awk '$2 == "=>" && $3 ~ /^\// {print $3}' |
     sort -u | while read -r library; do
     case "${library##*/}" in
       libc.so.* | libm.so.* | libdl.so.* | librt.so.* | libpthread.so.*)
@@ -145,7 +145,7 @@ stage() {
   done
   cp -L "$(ldd "$folder/bin/cullhull" | awk '$1 ~ /ld-linux/ {print $1}')" "$folder/system/loader"
   cp scripts/gpu-check.sh "$folder/"
-  strip "$folder"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests
+  strip "$folder"/bin/{cullhull,gpu_*,scaling_bench} "$folder"/bin/cpu/*_tests
   {
     echo "commit $(git rev-parse HEAD 2>/dev/null || echo unknown)$(git diff --quiet HEAD 2>/dev/null || echo ', changed')"
     echo "built $(date -u +%Y-%m-%dT%H:%M:%SZ) with $(nvcc --version 2>/dev/null | tail -1 || echo nvcc)"
@@ -154,7 +154,7 @@ stage() {
   # that has (glibc 2.28 and older), and the driver's libraries, which ask for less, beside it.
   local program strange own
   own=$(realpath "$folder")
-  for program in "$own"/bin/{cullhull,cullhull-bench,gpu_*,scaling_bench} "$own"/bin/cpu/*_tests; do
+  for program in "$own"/bin/{cullhull,gpu_*,scaling_bench} "$own"/bin/cpu/*_tests; do
     strange=$("$own/system/loader" --library-path "$own/lib:$own/system" --list "$program" |
       awk -v own="$own/" '/=>/ && index($3, own) != 1 {print $1}')
     [[ -z $strange ]] || fail 1 "$program would take from the machine: $strange"
@@ -303,20 +303,20 @@ make_points() {
 
 # Sets `no_device`, the reason why there is none.
 find_device() {
-  local report=$scratch/machine.json
+  local points=$scratch/four.txt answer=$scratch/device.txt status=0
   no_device=""
   if [[ -r /proc/driver/nvidia/version ]]; then
     sed -n 's/^NVRM version: /driver /p' /proc/driver/nvidia/version >>"$summary"
   fi
-  if ! limited 60 "${launcher[@]}" "$root/bin/cullhull-bench" machine --bytes 1MiB --passes 1 --json >"$report" 2>>"$log"; then
-    failed "FAILED  cullhull-bench machine does not say what device there is"
-    return # every program asks for the device again
-  fi
-  no_device=$(sed -n 's/^ *"no_device": "\(.*\)",\{0,1\}$/\1/p' "$report")
-  if [[ -n $no_device ]]; then
+  printf '%s\n' '0 0 0' '1 0 0' '0 1 0' '0 0 1' >"$points"
+  limited 60 "${launcher[@]}" "$root/bin/cullhull" hull "$points" --backend cuda >"$answer" 2>&1 || status=$?
+  cat "$answer" >>"$log"
+  if [[ $status -eq 5 ]]; then
+    no_device=$(sed 's/^cullhull: //' "$answer")
     note "no device: $no_device"
+  elif [[ $status -ne 0 ]]; then
+    failed "FAILED  cullhull does not say what device there is" # every program asks for it again
   else
-    sed -n 's/^ *"name": "\(.*\)",$/device \1/p' "$report" >>"$summary"
     record_device "at the start"
   fi
 }

@@ -5,7 +5,6 @@
 
 namespace app {
 
-Command add_machine(Parser& parent);
 Command add_paper(Parser& parent);
 Command add_rivals(Parser& parent);
 Command add_calls(Parser& parent);

@@ -438,33 +438,6 @@ void RunArguments::add_memory_to(Parser& command) {
       .type_name("BYTES");
 }
 
-// Where `bench machine --save` writes it.
-std::string machine_file() {
-  const auto set = [](const char* name) -> std::string {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
-  };
-  if (const std::string file = set("CULLHULL_MACHINE"); !file.empty()) return file;
-  if (const std::string folder = set("XDG_CONFIG_HOME"); !folder.empty())
-    return folder + "/cullhull/machine.json";
-  const std::string home = set("HOME");
-  return home.empty() ? "" : home + "/.config/cullhull/machine.json";
-}
-
-namespace {
-
-// Read only where the planner needs it: a broken file must not stop `--backend cpu`.
-cullhull::MachineConstants machine_constants() {
-  const std::string path = machine_file();
-  const char* named = std::getenv("CULLHULL_MACHINE");
-  const bool asked_for = named != nullptr && *named != 0;
-  std::error_code unreadable;
-  if (path.empty() || (!asked_for && !std::filesystem::exists(path, unreadable))) return {};
-  return cullhull::machine_from_json(path);
-}
-
-}  // namespace
-
 std::uint64_t RunArguments::memory_bytes() const {
   return memory.empty() ? 0 : parse_size(memory, "--memory");
 }
@@ -476,7 +449,6 @@ cullhull::Options RunArguments::options() const {
   if (cull == "none") options.cull = cullhull::CullMethod::none;
   if (backend == "cpu") options.backend = cullhull::Backend::cpu;
   if (backend == "cuda") options.backend = cullhull::Backend::cuda;
-  if (options.backend == cullhull::Backend::automatic) options.machine = machine_constants();
   options.threads = threads;
   options.memory_budget = memory_bytes();
   if (held > 0) {

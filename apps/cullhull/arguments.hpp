@@ -154,10 +154,6 @@ struct RunArguments {
   std::uint64_t memory_bytes() const;
 };
 
-/// The file of the machine's constants: $CULLHULL_MACHINE, else cullhull/machine.json in
-/// $XDG_CONFIG_HOME or ~/.config; empty without a home.
-std::string machine_file();
-
 /// "800", "1.5M", "2GiB", "1e6": a whole number with an optional unit (k M G T powers of 1000; Ki
 /// Mi Gi Ti powers of 1024; a B may follow). Throws Error{invalid_argument} naming `option`.
 std::uint64_t parse_size(std::string_view text, std::string_view option);

@@ -1,18 +1,13 @@
 #include "machine.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstring>
 #include <ctime>
-#include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
-#include "cullhull/io.hpp"
-#include "io/json/json_writer.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -20,7 +15,7 @@ namespace cullhull::bench {
 namespace {
 
 constexpr std::uint64_t mebibyte = 1U << 20;
-/// The unit of work that one core reads or copies at a time.
+/// The unit of work that one core reads at a time.
 constexpr std::uint64_t piece = 4 * mebibyte / sizeof(std::uint64_t);
 
 /// Uses eight sums, so that additions do not wait for each other.
@@ -55,16 +50,15 @@ std::uint64_t default_bytes() {
   return std::clamp(memory / 16, 16 * mebibyte, 512 * mebibyte);
 }
 
-/// Arrays to be read or copied.
+/// An array to be read.
 class HostMemory {
  public:
-  HostMemory(std::uint64_t bytes, bool two, unsigned cores)
-      : words_(bytes / sizeof(std::uint64_t)), from_(words_), to_(two ? words_ : 0) {
+  HostMemory(std::uint64_t bytes, unsigned threads)
+      : words_(bytes / sizeof(std::uint64_t)), from_(words_) {
     // First touch by the threads that use the pages later, approximately.
-    internal::for_each_chunk(words_, piece, cores,
+    internal::for_each_chunk(words_, piece, threads,
                              [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       std::fill(from_.get() + begin, from_.get() + end, begin);
-      if (two) std::fill(to_.get() + begin, to_.get() + end, end);
     });
   }
   double bytes() const { return static_cast<double>(words_ * sizeof(std::uint64_t)); }
@@ -75,41 +69,11 @@ class HostMemory {
       sink.store(sum_of(from_.get() + begin, end - begin), std::memory_order_relaxed);
     });
   }
-  void copy(unsigned threads) {
-    internal::for_each_chunk(words_, piece, threads,
-                             [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      std::memcpy(to_.get() + begin, from_.get() + begin, (end - begin) * sizeof(std::uint64_t));
-    });
-  }
 
  private:
   std::uint64_t words_;
-  internal::BigArray<std::uint64_t> from_, to_;
+  internal::BigArray<std::uint64_t> from_;
 };
-
-HostRates measure_host(const MachineSettings& settings, unsigned cores, const Progress& progress,
-                       const std::stop_token& stop) {
-  HostMemory memory(settings.bytes, true, cores);
-  const double size = memory.bytes();
-  const auto report = [&](double share) {
-    if (progress) progress("host memory", share);
-  };
-  HostRates rates;
-  report(0);
-  rates.read_one = best_rate(settings.passes, size, stop, [&] { memory.read(1); });
-  report(0.25);
-  rates.copy_one = best_rate(settings.passes, 2 * size, stop, [&] { memory.copy(1); });
-  report(0.5);
-  rates.read_all = best_rate(settings.passes, size, stop, [&] { memory.read(cores); });
-  report(0.75);
-  rates.copy_all = best_rate(settings.passes, 2 * size, stop, [&] { memory.copy(cores); });
-  report(1);
-  return rates;
-}
-
-std::string row(const char* what, double rate) {
-  return fmt::format("{:<34}{:>9.2f} GB/s\n", what, rate / 1e9);
-}
 
 }  // namespace
 
@@ -122,78 +86,10 @@ std::string date_now() {
   return text;
 }
 
-MachineRates measure_machine(const MachineSettings& settings, const Progress& progress,
-                             const std::stop_token& stop) {
-  MachineSettings resolved = settings;
-  if (resolved.bytes == 0) resolved.bytes = default_bytes();
-  resolved.bytes = std::max<std::uint64_t>(resolved.bytes, mebibyte);
-  MachineRates rates;
-  rates.bytes = resolved.bytes;
-  rates.cores = internal::resolve_threads(0);
-  rates.date = date_now();
-  rates.host = measure_host(resolved, rates.cores, progress, stop);
-  rates.device = measure_device(resolved.bytes, resolved.passes, progress, stop, rates.no_device);
-  return rates;
-}
-
 double read_bandwidth(unsigned threads, const std::stop_token& stop) {
   constexpr unsigned passes = 5;
-  const HostMemory memory(default_bytes(), false, threads);
+  const HostMemory memory(default_bytes(), threads);
   return best_rate(passes, memory.bytes(), stop, [&] { memory.read(threads); });
-}
-
-std::string machine_table(const MachineRates& rates) {
-  std::string text = fmt::format("cores                             {:>9}\n", rates.cores) +
-                     row("host memory, read, one core", rates.host.read_one) +
-                     row("host memory, read, all cores", rates.host.read_all) +
-                     row("host memory, copy, one core", rates.host.copy_one) +
-                     row("host memory, copy, all cores", rates.host.copy_all);
-  if (rates.device)
-    text += row("to the device, pinned memory", rates.device->link_pinned) +
-            row("to the device, pageable memory", rates.device->link_pageable) +
-            row("device memory, copy", rates.device->copy) +
-            fmt::format("device  {}\n", rates.device->name);
-  else
-    text += fmt::format("device  none: {}\n", rates.no_device);
-  return text + fmt::format(
-                    "arrays of {} MiB, best of the passes; a copy counts reading and "
-                    "writing; {}\n",
-                    rates.bytes / mebibyte, rates.date);
-}
-
-std::string machine_json(const MachineRates& rates) {
-  nlohmann::ordered_json json;
-  json["suite"] = "machine";
-  json["date"] = rates.date;
-  json["cores"] = rates.cores;
-  json["bytes"] = rates.bytes;
-  json["host"] = {{"read_one_core_bytes_per_second", rates.host.read_one},
-                  {"read_bytes_per_second", rates.host.read_all},
-                  {"copy_one_core_bytes_per_second", rates.host.copy_one},
-                  {"copy_bytes_per_second", rates.host.copy_all}};
-  if (rates.device) {
-    json["device"] = {{"name", rates.device->name},
-                      {"link_bytes_per_second", rates.device->link_pinned},
-                      {"link_pageable_bytes_per_second", rates.device->link_pageable},
-                      {"copy_bytes_per_second", rates.device->copy}};
-  } else {
-    json["device"] = nullptr;
-    json["no_device"] = rates.no_device;
-  }
-  return internal::json_document({"bench_machine_report", {}}, json);
-}
-
-std::string planner_constants(const MachineRates& rates) {
-  nlohmann::ordered_json json;
-  json["host_read_bytes_per_second"] = rates.host.read_all;
-  json["host_copy_bytes_per_second"] = rates.host.copy_all;
-  if (rates.device) {
-    json["link_bytes_per_second"] = rates.device->link_pinned;
-    json["device_copy_bytes_per_second"] = rates.device->copy;
-  }
-  json["cores"] = rates.cores;
-  json["date"] = rates.date;
-  return internal::json_document({"machine", {}}, json);
 }
 
 }  // namespace cullhull::bench

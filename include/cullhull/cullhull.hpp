@@ -18,7 +18,6 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/interpolate.hpp"
 #include "cullhull/lists.hpp"
-#include "cullhull/machine.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/proximity_graphs.hpp"

@@ -11,7 +11,6 @@
 
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
-#include "cullhull/machine.hpp"
 #include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stop_token.hpp"
@@ -340,10 +339,6 @@ Certificate certify_file(const PointView& points, const std::string& path,
 /// Throws Error{io} if a file of this name cannot be written; for a check before long work. Does
 /// not change an existing file.
 void check_writable(const std::string& path);
-
-/// Reads the output of `cullhull-bench machine`: an object with the members of MachineConstants.
-/// The rates of link and device may be missing or null. Throws Error{bad_file} or Error{io}.
-MachineConstants machine_from_json(const std::string& path);
 
 /// Text as Qhull's `qconvex` prints it; `what` is one of qhull_formats(), described in
 /// docs/formats.md. Throws Error{invalid_argument} for other words, with the reason for words that

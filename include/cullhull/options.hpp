@@ -5,7 +5,6 @@
 #include <functional>
 #include <iosfwd>
 
-#include "cullhull/machine.hpp"
 #include "cullhull/stop_token.hpp"
 
 #pragma GCC visibility push(default)
@@ -58,8 +57,6 @@ struct Options : RunOptions {
   /// certify, HullQuery, HullState and write_hull need no points beside it. Used by convex_hull,
   /// HullTracker, HullStream, HullState::hull and hull_from_json.
   bool with_coordinates = false;
-  /// The rates from which `Backend::automatic` decides.
-  MachineConstants machine;
 };
 
 }  // namespace cullhull

@@ -43,7 +43,7 @@ Placement place_of_device_points(const DevicePointView& points, const Run& run) 
   question.point_bytes = points.dimension * scalar_size(points.scalar);
   question.threads = run.threads;
   question.on_device = true;
-  return choose_place(question, run.options.machine);
+  return choose_place(question);
 }
 
 Array<double> download_all(const DevicePointView& points, const Run& run) {

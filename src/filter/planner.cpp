@@ -145,24 +145,28 @@ std::string sample_finding(std::uint64_t sample, std::uint64_t extreme) {
   return std::to_string(extreme) + " of " + std::to_string(sample) + " sampled points are extreme";
 }
 
+Rates& assumed_rates() noexcept {
+  static Rates rates;
+  return rates;
+}
+
 // A pass on the host costs the larger of reading and testing. For a device, a piece of the points
 // is copied into pinned memory while the previous one is transferred: again the larger of the two;
 // both hide the kernel's time. A device that holds the points reads them at no less than half of
 // its copying rate (docs/gpu.md), because a copy moves two bytes for one.
-Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
+Placement choose_place(const PlaceQuestion& q, const Rates& rates) {
   const auto n = static_cast<double>(q.count);
   const double bytes = n * static_cast<double>(q.point_bytes);
-  const unsigned threads = m.cores > 0 ? std::min(q.threads, m.cores) : q.threads;
-  const double host_pass = std::max(bytes / m.host_read_bytes_per_second,
-                                    n * costs_of(q.dimension).pass * 1e-9 / std::max(1U, threads));
-  const double link = bytes / m.link_bytes_per_second;
+  const double host_pass = std::max(
+      bytes / rates.host_read, n * costs_of(q.dimension).pass * 1e-9 / std::max(1U, q.threads));
+  const double link = bytes / rates.link;
   const double start = q.device_started || q.on_device ? 0 : device_start;
   const double host = q.on_device ? link + host_pass : host_pass;
   const double pinned = 2 * std::min(bytes, pinned_piece);
   const double pin = std::max(0.0, pinned - static_cast<double>(q.pinned_bytes)) / pin_rate;
   const double device = start + device_call +
-                        (q.on_device ? bytes / (m.device_copy_bytes_per_second / 2)
-                                     : pin + std::max(link, bytes / m.host_copy_bytes_per_second));
+                        (q.on_device ? bytes / (rates.device_copy / 2)
+                                     : pin + std::max(link, bytes / rates.host_copy));
   Placement p;
   p.device = device < host;
   p.host_reason = std::string("points on the ") + (q.on_device ? "device" : "host") +
@@ -176,34 +180,31 @@ Placement choose_place(const PlaceQuestion& q, const MachineConstants& m) {
 // eight sectors of 32 bytes a point from its L2 cache, whose rate is taken to be that of copying
 // (docs/gpu.md, "Questions about points on a device"). The CPU builds the cells in both cases:
 // after some calls for the same hull, one pays for what all of them save.
-Answerer choose_answerer(const AskedPoints& points, const MachineConstants& m) {
+Answerer choose_answerer(const AskedPoints& points, const Rates& rates) {
   // An H200 issues 0.9 T warp-instructions a second and copies 4.1 TB/s; a device of another rate
   // of copying is taken to have both in this ratio.
   constexpr double instructions_per_byte = 0.9e12 / 4.1e12;
   constexpr double cell_bytes_a_point = 8 * 32;
   constexpr double cell_bytes = 28;  // its offset, mostly one group of facets, some of the normals
   const auto n = static_cast<double>(points.count), cells = static_cast<double>(points.cells);
-  const unsigned threads =
-      std::max(1U, m.cores > 0 ? std::min(points.threads, m.cores) : points.threads);
-  const double transfer =
-      n * (points.question == Question::sides ? 1 : 8) / m.link_bytes_per_second;
+  const unsigned threads = std::max(1U, points.threads);
+  const double transfer = n * (points.question == Question::sides ? 1 : 8) / rates.link;
   const double answers = points.answers_stay ? 0 : transfer;
   const double build =
       points.cells_built ? 0 : 1e-9 * cells * question_costs_of(points.dimension).cell / threads;
   const double infinity = std::numeric_limits<double>::infinity();
   double cpu = infinity, device = infinity, by_cells = infinity;
   if (points.cpu_allowed)
-    cpu = n * static_cast<double>(points.point_bytes) / m.link_bytes_per_second +
+    cpu = n * static_cast<double>(points.point_bytes) / rates.link +
           n * question_seconds(points) / threads + (cpu_has_cells(points) ? build : 0) +
           (points.answers_stay ? transfer : 0);
   if (points.tests > 0)
     device = device_call + answers +
              n * static_cast<double>(points.tests) * 11 * points.dimension / 32 /
-                 (m.device_copy_bytes_per_second * instructions_per_byte);
+                 (rates.device_copy * instructions_per_byte);
   if (points.cells > 0)
     by_cells = device_call + answers + build * n / (n + static_cast<double>(points.asked_before)) +
-               cells * cell_bytes / m.link_bytes_per_second +
-               n * cell_bytes_a_point / m.device_copy_bytes_per_second;
+               cells * cell_bytes / rates.link + n * cell_bytes_a_point / rates.device_copy;
   if (cpu <= std::min(device, by_cells)) return Answerer::cpu;
   return by_cells < device ? Answerer::device_by_cells : Answerer::device;
 }

@@ -5,8 +5,6 @@
 #include <cstdint>
 #include <string>
 
-#include "cullhull/machine.hpp"
-
 namespace cullhull::internal {
 
 /// Below this number of points, hulling them is faster than building a map.
@@ -39,6 +37,17 @@ bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64
 /// Returns a sentence: "132 of 1000 sampled points are extreme".
 std::string sample_finding(std::uint64_t sample, std::uint64_t extreme);
 
+/// Bytes per second of a desktop with a PCIe 3 device: conservative estimates, not measured. Wrong
+/// rates cost time, never correctness.
+struct Rates {
+  double host_read = 20e9;     ///< all cores read an array
+  double host_copy = 10e9;     ///< all cores copy an array, bytes copied
+  double link = 12e9;          ///< from pinned memory to the device
+  double device_copy = 500e9;  ///< copies on the device, bytes read and written
+};
+/// The rates that every call assumes. Only tests assign to them, between calls.
+Rates& assumed_rates() noexcept;
+
 /// The data that decide where a pass over points is faster.
 struct PlaceQuestion {
   std::uint64_t count = 0;
@@ -55,7 +64,7 @@ struct Placement {
   std::string host_reason;  ///< with the CPU's estimate alone, used where there is no device
 };
 /// Whether the device would cull the points faster; does not check that there is a device.
-Placement choose_place(const PlaceQuestion& question, const MachineConstants& machine);
+Placement choose_place(const PlaceQuestion& question, const Rates& rates = assumed_rates());
 
 enum class Question { sides, supports, distances };
 
@@ -81,6 +90,6 @@ struct AskedPoints {
   bool answers_stay = false;  ///< on the device, else they go to the host
 };
 /// The one that answers soonest, of those that can. The CPU gets a copy of all points first.
-Answerer choose_answerer(const AskedPoints& points, const MachineConstants& machine);
+Answerer choose_answerer(const AskedPoints& points, const Rates& rates = assumed_rates());
 
 }  // namespace cullhull::internal

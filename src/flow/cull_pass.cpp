@@ -50,7 +50,7 @@ void CullPass::ask_planner() {
   question.threads = run_.threads;
   question.device_started = cuda_started();
   question.pinned_bytes = kept_pinned_memory();
-  const Placement place = choose_place(question, run_.options.machine);
+  const Placement place = choose_place(question);
   // The device's estimate is reported only where there may be a device.
   reason_ = cuda_in_sight() ? place.reason : place.host_reason;
   device_ = place.device;

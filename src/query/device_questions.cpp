@@ -166,7 +166,7 @@ void DeviceQuestions::answer(Out* out, AskedPoints asked, const There& there,
   asked.cpu_allowed = !must_;
   asked.answers_stay = answers_stay_;
   const bool can = device_allowed_ && (asked.tests > 0 || asked.cells > 0);
-  const Answerer way = can ? choose_answerer(asked, options_.machine) : Answerer::cpu;
+  const Answerer way = can ? choose_answerer(asked) : Answerer::cpu;
   if (way != Answerer::cpu) try {
       for (std::uint64_t first = 0; first < points_.count; first += piece) {
         run_.report("query", static_cast<double>(first) / static_cast<double>(points_.count));

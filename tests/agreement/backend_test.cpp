@@ -10,6 +10,7 @@
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
 #include "tests/agreement/canonical_hash.hpp"
+#include "tests/rates.hpp"
 
 namespace cullhull {
 namespace backend_test {
@@ -89,11 +90,8 @@ TEST(Backend, AutomaticFallsBack) {
   EXPECT_EQ(expected.statistics.backend, Backend::cpu);
   EXPECT_NE(expected.statistics.cull_reason.find("CPU as asked"), std::string::npos);
 
-  Options lured;
-  lured.machine.host_read_bytes_per_second = 1e3;
-  lured.machine.link_bytes_per_second = 1e15;
-  lured.machine.host_copy_bytes_per_second = 1e15;
-  const Hull hull = convex_hull(view, lured);
+  const testing_support::WithRates miracle({.host_read = 1e3, .host_copy = 1e15, .link = 1e15});
+  const Hull hull = convex_hull(view);
   EXPECT_EQ(testing_support::canonical_hash(hull), testing_support::canonical_hash(expected));
   const CudaStatus status = cuda_status();
   EXPECT_EQ(hull.statistics.backend, status.available ? Backend::cuda : Backend::cpu);

@@ -15,9 +15,6 @@ namespace bench_command_test {
 
 using namespace testing;
 
-const std::vector<std::string> quick = {"cullhull-bench", "machine",  "--bytes",
-                                        "4MiB",           "--passes", "1"};
-
 std::vector<std::string> with(std::vector<std::string> words,
                               const std::vector<std::string>& more) {
   words.insert(words.end(), more.begin(), more.end());
@@ -40,7 +37,7 @@ TEST(BenchCommand, HelpAndUsage) {
   EXPECT_LT(cut.err.size(), 700U) << cut.err.substr(0, 100);
   EXPECT_NE(cut.err.find("xxx"), std::string::npos) << cut.err.substr(0, 300);
   const Folder f;
-  expect_error({"cullhull-bench", "machine", "--bytes", "1M", "--json=" + (f / "m.csv")}, 2,
+  expect_error({"cullhull-bench", "calls", "--seconds", "0", "--json=" + (f / "m.csv")}, 2,
                ".json");
   EXPECT_EQ(f.entries(), 0U);
 }
@@ -52,8 +49,6 @@ TEST(BenchCommand, SaysThatItWasCancelled) {
 }
 
 TEST(CliJson, BenchSuites) {
-  expect_json({"cullhull-bench", "machine", "--bytes", "1M", "--passes", "1", "--json"},
-              "bench_machine_report");
   expect_json({"cullhull-bench", "rivals", "--scale", "1", "--repeat", "1", "--workload",
                "cube-3d-100", "--json"},
               "bench_report");
@@ -67,66 +62,9 @@ TEST(CliJson, BenchSuites) {
       "bench_report");
 }
 
-TEST(BenchMachine, TableAndJson) {
-  const Ran table = run_app(quick);
-  EXPECT_EQ(table.status, 0) << table.err;
-  EXPECT_EQ(table.err, "");
-  EXPECT_NE(table.out.find("host memory, copy, all cores"), std::string::npos) << table.out;
-
-  const Ran ran = run_app(with(quick, {"--json"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
-  const auto json = nlohmann::json::parse(ran.out);
-  EXPECT_EQ(json["suite"], "machine");
-  EXPECT_EQ(json["bytes"], 4 << 20);
-  EXPECT_GE(json["cores"].get<int>(), 1);
-  for (const char* key : {"read_one_core_bytes_per_second", "read_bytes_per_second",
-                          "copy_one_core_bytes_per_second", "copy_bytes_per_second"})
-    EXPECT_GT(json["host"][key].get<double>(), 0) << key;
-  if (json["device"].is_null())
-    EXPECT_NE(json["no_device"], "");
-  else
-    EXPECT_GT(json["device"]["link_bytes_per_second"].get<double>(), 0);
-}
-
-TEST(BenchMachine, SavesWhereThePlannerLooks) {
-  const Folder f;
-  ::setenv("CULLHULL_MACHINE", (f / "deep/er/machine.json").c_str(), 1);
-  const Ran ran = run_app(with(quick, {"--save", "--quiet"}));
-  EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(ran.out, "");
-  const auto json = nlohmann::json::parse(read_file(f / "deep/er/machine.json"));
-  EXPECT_EQ(json["kind"], "machine");
-  EXPECT_GT(json["host_read_bytes_per_second"].get<double>(), 0);
-  EXPECT_GT(json["host_copy_bytes_per_second"].get<double>(), 0);
-  EXPECT_GE(json["cores"].get<int>(), 1);
-  EXPECT_EQ(json["date"].get<std::string>().size(), 20U);
-
-  write_file(f / "file", "");
-  ::setenv("CULLHULL_MACHINE", (f / "file/machine.json").c_str(), 1);
-  const Ran refused = run_app(with(quick, {"--save"}));
-  EXPECT_EQ(refused.status, 1);
-  EXPECT_TRUE(one_line(refused.err));
-  ::unsetenv("CULLHULL_MACHINE");
-}
-
-TEST(BenchMachine, WhatIsSavedIsRead) {
-  const Folder f;
-  const std::string points = f / "p.npy";
-  ASSERT_EQ(run_app({"generate", "ball", "-n", "100k", "-o", points}).status, 0);
-  ::setenv("XDG_CONFIG_HOME", (f / "").c_str(), 1);
-  EXPECT_EQ(run_app(with(quick, {"--save", "--quiet"})).status, 0);
-  EXPECT_EQ(run_app({"hull", points, "-q"}).status, 0);
-  // A file that is no JSON is noticed: so it is this one that is read.
-  write_file(f / "cullhull/machine.json", "no");
-  const Ran ran = run_app({"hull", points, "-q"});
-  EXPECT_EQ(ran.status, 1);
-  EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
-  ::unsetenv("XDG_CONFIG_HOME");
-}
-
-TEST(BenchMachine, BadUsage) {
+TEST(BenchCommand, BadUsage) {
   for (const auto& words : std::vector<std::vector<std::string>>{
-           {"cullhull-bench", "nothing"}, with(quick, {"--bytes", "many"})}) {
+           {"cullhull-bench", "nothing"}, {"cullhull-bench", "calls", "--seconds", "many"}}) {
     const Ran ran = run_app(words);
     EXPECT_EQ(ran.status, 2) << words.back();
     EXPECT_TRUE(one_line(ran.err)) << ran.err;

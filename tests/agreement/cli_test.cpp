@@ -124,38 +124,6 @@ TEST(Cli, CudaIsNotThere) {
   expect_error({"hull", f / "p.npy", "--backend", "cuda"}, 5, cuda_status().reason);
 }
 
-// What `bench machine` measured is read from a file, and a broken file is named.
-TEST(Cli, MachineConstantsAreRead) {
-  const Folder f;
-  write_points(f / "p.npy", "ball", 1000, 3);
-  const auto machine = [&](const std::string& text) {
-    write_file(f / "machine.json", text);
-    ::setenv("CULLHULL_MACHINE", (f / "machine.json").c_str(), 1);
-    const Ran ran = run_app({"hull", f / "p.npy", "--json"});
-    ::unsetenv("CULLHULL_MACHINE");
-    return ran;
-  };
-  const Ran good = machine(
-      R"({"host_read_bytes_per_second": 3e10, "host_copy_bytes_per_second": 1e10, "cores": 2,
-          "link_bytes_per_second": null, "date": "2026-01-01"})");
-  EXPECT_EQ(good.status, 0);
-  EXPECT_EQ(nlohmann::json::parse(good.out)["cull"]["reason"], "few points");
-  for (const std::string bad :
-       {"{", "[]", "{}", R"({"host_read_bytes_per_second": -1, "host_copy_bytes_per_second": 1})",
-        R"({"host_read_bytes_per_second": 1, "host_copy_bytes_per_second": 1, "cores": 1.5})"}) {
-    const Ran ran = machine(bad);
-    EXPECT_EQ(ran.status, 1) << bad;
-    EXPECT_TRUE(one_line(ran.err)) << ran.err;
-    EXPECT_NE(ran.err.find("machine.json"), std::string::npos) << ran.err;
-  }
-  // Who weighs nothing does not read them.
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
-  ::setenv("CULLHULL_MACHINE", (f / "machine.json").c_str(), 1);
-  EXPECT_EQ(run_app({"certify", f / "p.npy", f / "hull.json"}).status, 0);
-  EXPECT_EQ(run_app({"hull", f / "p.npy", "--backend", "cpu"}).status, 0);
-  ::unsetenv("CULLHULL_MACHINE");
-}
-
 TEST(Cli, BeyondTheMemoryBudgetIsStatusFour) {
   const Folder f;
   write_points(f / "p.npy", "sphere", 2000, 6);

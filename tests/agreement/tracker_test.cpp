@@ -14,6 +14,7 @@
 #include "flow/pipeline.hpp"
 #include "tests/counted_memory.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/rates.hpp"
 
 namespace cullhull {
 namespace tracker_test {
@@ -480,11 +481,9 @@ TEST(HullTracker, DeviceViewsAreChecked) {
 // CPU takes over and the reason says so.
 TEST(HullTracker, AutomaticFallsBack) {
   const std::vector<Rows> frames = moving_frames("bumpy", "twist", 40000, 3, 3);
+  const testing_support::WithRates miracle({.host_read = 1, .host_copy = 1e15, .link = 1e15});
   Options lured;
   lured.cull = CullMethod::gauge;
-  lured.machine.host_read_bytes_per_second = 1;
-  lured.machine.link_bytes_per_second = 1e15;
-  lured.machine.host_copy_bytes_per_second = 1e15;
   Options modest = lured;
   modest.backend = Backend::cpu;
   HullTracker tracker(lured), on_cpu(modest);

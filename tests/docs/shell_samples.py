@@ -30,7 +30,7 @@ def prepared(folder):
     }.items():
         subprocess.run([APP, "generate", *words, "-o", name, "-q"], check=True, cwd=folder)
     shutil.copyfile(samples.ROOT / "data" / "autzen-150k.ply", os.path.join(folder, "scan.ply"))
-    environment = dict(os.environ, XDG_CONFIG_HOME=folder)
+    environment = dict(os.environ)
     environment["PATH"] = os.path.join(folder, "bin") + os.pathsep + environment["PATH"]
     return environment
 

@@ -16,6 +16,7 @@
 #include "query/facet_search.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/gpu/same_batch.hpp"
+#include "tests/rates.hpp"
 #include "tests/thrown.hpp"
 
 namespace cullhull::testing {
@@ -44,11 +45,12 @@ Options on_device() {
 }
 
 /// A slow device on a fast link: sides by cells of directions for all but a few dozen facets.
-Options by_cells(Options options) {
-  options.machine.device_copy_bytes_per_second = 1;
-  options.machine.link_bytes_per_second = 1e12;
-  return options;
-}
+struct ByCells {
+  explicit ByCells(const Options& those) : options(those) {}
+  operator const Options&() const { return options; }
+  const Options& options;
+  testing_support::WithRates rates{internal::Rates{.link = 1e12, .device_copy = 1}};
+};
 
 /// All answers, of both; `options` for the device.
 template <class T>
@@ -67,9 +69,9 @@ void expect_the_same(const HullQuery& query, const std::vector<T>& rows, unsigne
   query.sides(here, side.data());
   query.sides(there, side_there.data(), options);
   ASSERT_EQ(side_there, side);
-  query.contains(there, in_there.data(), by_cells(options));
+  query.contains(there, in_there.data(), ByCells(options));
   expect_same_bits(in_there, in, "contains, by cells");
-  query.sides(there, side_there.data(), by_cells(options));
+  query.sides(there, side_there.data(), ByCells(options));
   ASSERT_EQ(side_there, side) << "by cells";
   std::vector<std::uint64_t> vertex(n), vertex_there(n);
   query.supports(here, vertex.data());
@@ -89,7 +91,7 @@ void expect_the_same(const HullQuery& query, const std::vector<T>& rows, unsigne
   };
   query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()), options);
   expect_left(in, "contains, left there");
-  query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()), by_cells(options));
+  query.contains_on_device(there, static_cast<std::uint8_t*>(memory.data.get()), ByCells(options));
   expect_left(in, "contains, by cells, left there");
   query.sides_on_device(there, static_cast<Side*>(memory.data.get()), options);
   ASSERT_EQ(fetched(static_cast<const Side*>(memory.data.get()), n), side);
@@ -339,7 +341,7 @@ TEST_F(GpuQuestions, ErrorsAreTheCpus) {
   const std::string expected = error_of([&] { query.contains(here, in.data()); });
   EXPECT_NE(expected.find("3001"), std::string::npos) << expected;
   EXPECT_EQ(error_of([&] { query.contains(there, in.data(), on_device()); }), expected);
-  EXPECT_EQ(error_of([&] { query.contains(there, in.data(), by_cells(on_device())); }), expected);
+  EXPECT_EQ(error_of([&] { query.contains(there, in.data(), ByCells(on_device())); }), expected);
   EXPECT_EQ(error_of([&] { query.supports(there, vertex.data()); }), expected);
   EXPECT_EQ(error_of([&] { query.signed_distances(there, distance.data()); }), expected);
   const DeviceMemory memory = device_memory(there, 8 * 5000 + 4);

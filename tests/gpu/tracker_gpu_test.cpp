@@ -11,6 +11,7 @@
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/rates.hpp"
 
 namespace cullhull {
 namespace tracker_gpu_test {
@@ -97,7 +98,7 @@ TEST_F(GpuTracker, LedFramesAreCulledOnTheDevice) {
 // A planner to which the link is slow leaves the points where they are, for led frames too.
 TEST_F(GpuTracker, AutomaticStaysOnTheDevice) {
   Options options = with(CullMethod::gauge, Backend::automatic);
-  options.machine.link_bytes_per_second = 1;
+  const testing_support::WithRates slow_link({.link = 1});
   HullTracker tracker(options);
   for (const Rows& rows : moving_frames("bumpy", "spin", 30000, 3, 3)) {
     const OnDevice copy(rows);

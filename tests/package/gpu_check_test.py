@@ -36,8 +36,8 @@ while (($#)); do
       exit
       ;;
     --gtest_filter=*) suite=${1#*=}; suite=${suite%.\\*}; suite=${suite%/0} ;;
-    machine) [[ -z ${STUB_no_device:-} ]] || { echo '  "no_device": "no driver was found"'; exit; }
-             echo '  "name": "a device",'; does machine; exit ;;
+    cuda) [[ -z ${STUB_no_device:-} ]] || { echo "cullhull: no driver was found" >&2; exit 5; }
+          does device ;;
   esac
   shift
 done
@@ -85,7 +85,7 @@ class Run(Case):
     def setUp(self) -> None:
         super().setUp()
         self.bundle = self.folder / "bundle"
-        for name in ("cullhull", "cullhull-bench", "gpu_bench", "gpu_passes", "gpu_tests"):
+        for name in ("cullhull", "gpu_bench", "gpu_passes", "gpu_tests"):
             program(self.bundle / "bin" / name, stub)
         program(self.bundle / "bin/scaling_bench", stub)
         program(self.bundle / "bin/cpu/twin_tests", stub)
@@ -167,13 +167,13 @@ class Run(Case):
         )  # fmt: skip
         self.assertNotIn("all passed", self.said.read_text())
 
-    def test_the_machine_report_hangs(self) -> None:
+    def test_the_question_for_a_device_hangs(self) -> None:
         # The other programs ask for the device themselves.
         text = script.read_text().replace("limited 60 ", "limited 2 ")
         program(self.bundle / "gpu-check.sh", text)
-        status, summary = self.run_it("--only", "passes", machine="hang")
+        status, summary = self.run_it("--only", "passes", device="hang")
         self.assertEqual(status, 1)
-        self.assert_lines(summary, "FAILED  cullhull-bench machine", "passed  passes")
+        self.assert_lines(summary, "FAILED  cullhull does not say", "passed  passes")
 
     def test_left_out_python_is_a_failure(self) -> None:
         shutil.rmtree(self.bundle / "python")

@@ -80,15 +80,15 @@ PlaceQuestion hundred_million(bool on_device, unsigned threads) {
 // 64 cores read faster than any link; one core does not; points on a device stay there; on a device
 // with a slow link and a small memory bus they still do.
 TEST(Planner, PointsAreCulledWhereThatIsSooner) {
-  MachineConstants large;
-  large.host_read_bytes_per_second = 300e9;
-  large.host_copy_bytes_per_second = 100e9;
-  large.link_bytes_per_second = 50e9;
-  large.device_copy_bytes_per_second = 4e12;
-  MachineConstants small;  // the defaults
+  Rates large;
+  large.host_read = 300e9;
+  large.host_copy = 100e9;
+  large.link = 50e9;
+  large.device_copy = 4e12;
+  Rates small;  // the defaults
   struct Case {
     const char* what;
-    const MachineConstants* machine;
+    const Rates* rates;
     bool on_device;
     unsigned threads;
     bool started;
@@ -105,34 +105,32 @@ TEST(Planner, PointsAreCulledWhereThatIsSooner) {
   for (const Case& c : cases) {
     PlaceQuestion q = hundred_million(c.on_device, c.threads);
     q.device_started = c.started;
-    const Placement p = choose_place(q, *c.machine);
+    const Placement p = choose_place(q, *c.rates);
     EXPECT_EQ(p.device, c.expected) << c.what << ": " << p.reason;
     EXPECT_NE(p.reason.find(c.on_device ? "on the device" : "on the host"), std::string::npos);
   }
 }
 
-// Starting the driver is only worth it for long passes; the machine's cores limit the threads.
-TEST(Planner, PlacesDependOnCountsAndCores) {
-  MachineConstants m;
+// Starting the driver is only worth it for long passes; many threads read sooner than a link.
+TEST(Planner, PlacesDependOnCountsAndThreads) {
+  Rates m;
   PlaceQuestion q = hundred_million(false, 1);
-  m.link_bytes_per_second = m.host_copy_bytes_per_second = 50e9;
+  m.link = m.host_copy = 50e9;
   EXPECT_TRUE(choose_place(q, m).device);
   q.count = 10000000;
   EXPECT_FALSE(choose_place(q, m).device);
   q.device_started = true;
   EXPECT_TRUE(choose_place(q, m).device);
   q.threads = 64;
-  m.host_read_bytes_per_second = 300e9;
+  m.host_read = 300e9;
   EXPECT_FALSE(choose_place(q, m).device);
-  m.cores = 1;
-  EXPECT_TRUE(choose_place(q, m).device);
 }
 
 // A first call for a few million points of the host pays for the pinned memory that they cross.
 TEST(Planner, PinnedMemoryHasItsPrice) {
-  MachineConstants m;
-  m.host_read_bytes_per_second = 15e9;
-  m.link_bytes_per_second = m.host_copy_bytes_per_second = 50e9;
+  Rates m;
+  m.host_read = 15e9;
+  m.link = m.host_copy = 50e9;
   PlaceQuestion q;
   q.count = 2000000;
   q.dimension = 3;
@@ -145,9 +143,9 @@ TEST(Planner, PinnedMemoryHasItsPrice) {
 
 // A device tests every facet for every point, the CPU a few.
 TEST(Planner, QuestionsAreAnsweredWhereThatIsSooner) {
-  MachineConstants fast;
-  fast.device_copy_bytes_per_second = 4.1e12;
-  fast.link_bytes_per_second = 50e9;
+  Rates fast;
+  fast.device_copy = 4.1e12;
+  fast.link = 50e9;
   const auto way =
       [&](Question question, std::uint64_t count, std::uint64_t tests, unsigned threads = 1) {
     return choose_answerer({question, count, 3, 24, threads, tests}, fast);
@@ -164,9 +162,9 @@ TEST(Planner, QuestionsAreAnsweredWhereThatIsSooner) {
 
 // The cells cost the CPU's time once; then a point costs the device the same for any hull.
 TEST(Planner, CellsAreBuiltForManyPoints) {
-  MachineConstants fast;
-  fast.device_copy_bytes_per_second = 4.1e12;
-  fast.link_bytes_per_second = 50e9;
+  Rates fast;
+  fast.device_copy = 4.1e12;
+  fast.link = 50e9;
   AskedPoints asked;
   asked.dimension = 3;
   asked.point_bytes = 12;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <string>
 #include <thread>
@@ -13,6 +14,7 @@
 #include "device_sets.hpp"
 #include "emulation.hpp"
 #include "random_work.hpp"
+#include "tests/rates.hpp"
 
 namespace cullhull::testing {
 namespace emulated_calls_test {
@@ -46,7 +48,8 @@ class RandomCall : public RandomWork<RandomCall> {
     o.cull = methods[below(4)];
     o.backend = one_in(3) ? Backend::automatic : Backend::cuda;
     o.threads = 1 + static_cast<unsigned>(below(3));
-    if (one_in(2)) o.machine.link_bytes_per_second = 1;
+    rates_.reset();
+    if (one_in(2)) rates_.emplace(internal::Rates{.link = 1});
     return o;
   }
 
@@ -107,6 +110,7 @@ class RandomCall : public RandomWork<RandomCall> {
   }
 
   bool fails_ = false;
+  std::optional<testing_support::WithRates> rates_;
 };
 
 TEST(EmulatedCalls, EndWithTheHullOrAnErrorThatExplains) {

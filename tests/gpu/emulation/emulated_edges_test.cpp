@@ -16,6 +16,7 @@
 #include "emulation.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/rates.hpp"
 #include "tests/thrown.hpp"
 
 namespace cullhull::testing {
@@ -170,10 +171,10 @@ TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsReportedAndStays) {
                                   }),
                                   error_of([&] { convex_hull(here, on_device()); })})
     EXPECT_NE(said.find("nobody read its error"), std::string::npos) << said;
-  Options automatic;
-  automatic.machine.link_bytes_per_second = 1e15;  // to the device, were it not for the error
-  automatic.machine.host_read_bytes_per_second = 1;
-  EXPECT_EQ(canonical_hash(convex_hull(here, automatic)), expected);
+  {  // to the device, were it not for the error
+    const testing_support::WithRates fast_link({.host_read = 1, .link = 1e15});
+    EXPECT_EQ(canonical_hash(convex_hull(here)), expected);
+  }
   EXPECT_EQ(cudaGetLastError(), cudaErrorMemoryAllocation) << "it is still the caller's to read";
   for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull})
     EXPECT_EQ(canonical_hash(convex_hull(view, on_device(method))), expected);
@@ -394,7 +395,7 @@ TEST_F(EmulatedEdges, APseudoHullThatFindsNoMemoryIsReplaced) {
     emulation::settings().failing_allocations_from = failing;
     Options options = on_device();
     options.backend = Backend::automatic;
-    options.machine.link_bytes_per_second = 1;
+    const testing_support::WithRates slow_link({.link = 1});
     EXPECT_EQ(canonical_hash(convex_hull(view, options)), expected) << failing;
   }
 }
@@ -437,15 +438,16 @@ TEST_F(EmulatedEdges, EveryAllocationMayFail) {
         Options options;
         options.backend = backend;
         options.cull = method;
-        options.machine.link_bytes_per_second = 1;  // stay on the device
-        fail_at_every_step(which, [&] {
-          keep_memory(0);
-          outcome([&] { return convex_hull(on_it, options); }, backend);
-        });
+        {
+          const testing_support::WithRates stay_there({.link = 1});
+          fail_at_every_step(which, [&] {
+            keep_memory(0);
+            outcome([&] { return convex_hull(on_it, options); }, backend);
+          });
+        }
         if (method == CullMethod::pseudo_hull) continue;
-        options.machine.link_bytes_per_second = 1e15;  // go there
-        options.machine.host_read_bytes_per_second = 1;
-        options.machine.host_copy_bytes_per_second = 1e15;
+        const testing_support::WithRates go_there(
+            {.host_read = 1, .host_copy = 1e15, .link = 1e15});
         fail_at_every_step(which, [&] {
           keep_memory(0);
           outcome([&] { return convex_hull(here, options); }, backend);

@@ -13,6 +13,7 @@
 #include "emulation.hpp"
 #include "random_work.hpp"
 #include "tests/gpu/same_batch.hpp"
+#include "tests/rates.hpp"
 
 namespace cullhull::testing {
 namespace emulated_sets_test {
@@ -157,12 +158,11 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
         const auto there = DevicePointView::row_major(copy.data<double>(), 3100, 3);
         Options options;
         options.backend = backend;
-        options.machine.link_bytes_per_second = 1;  // stay on the device
         Options by_cells = options;
-        by_cells.machine.link_bytes_per_second = 1e15;
-        by_cells.machine.device_copy_bytes_per_second = 10;
         by_cells.backend = Backend::cuda;  // and where memory is short the error says so
-        const auto ask = [&](auto&& question, bool must = false) {
+        const internal::Rates stay_there{.link = 1}, use_cells{.link = 1e15, .device_copy = 10};
+        const auto ask = [&](auto&& question, bool must = false, bool cells = false) {
+          const testing_support::WithRates rates(cells ? use_cells : stay_there);
           emulation::restart();
           (all ? emulation::settings().failing_allocations_from
                : emulation::settings().failing_allocation) = n;
@@ -191,15 +191,16 @@ TEST(EmulatedQuestions, WhateverAllocationFails) {
             EXPECT_EQ(emulation::counters().launches["hull_cell_sides<D, T>"], 1U);
           }
             },
-            true);
-        for (const Options& way : {options, by_cells}) {
+            true, true);
+        for (const bool cells : {false, true}) {
+          const Options& way = cells ? by_cells : options;
           const OnDevice found(std::vector<Side>(3100));
           ask(
               [&] {
             query.sides_on_device(there, found.data<Side>(), way);
             EXPECT_EQ(fetched(found.data<Side>(), 3100), sides);
               },
-              way.backend == Backend::cuda);
+              way.backend == Backend::cuda, cells);
         }
         ask([&] {
           std::vector<double> found(3100);
@@ -231,8 +232,7 @@ TEST(EmulatedQuestions, AreAskedWhereThatIsEstimatedToBeSooner) {
     Options options;
     options.backend = backend;
     options.threads = 1;
-    options.machine.link_bytes_per_second = link;
-    options.machine.device_copy_bytes_per_second = device;
+    const testing_support::WithRates rates({.link = link, .device_copy = device});
     emulation::restart();
     query.sides(there, found.data(), options);
     EXPECT_EQ(found, sides);
