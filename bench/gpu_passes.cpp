@@ -700,11 +700,11 @@ class Passes {
     DeviceHullBatch left;
     const double on_device = wall(
         [&] { left = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda)); });
-    DeviceBatchOptions all(on(Backend::cuda));
-    all.planes = all.measures = true;
     DeviceHullBatch measured;
-    const double with_measures =
-        wall([&] { measured = convex_hulls_on_device(there, offsets.data(), sets, all); });
+    const double with_measures = wall([&] {
+      measured = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda),
+                                        {.planes = true, .measures = true});
+    });
     std::vector<double> volumes(sets);
     download(volumes.data(), measured.volumes, sets, stream.get());
     const double cpu = wall([&] { host = convex_hulls(here, offsets); });

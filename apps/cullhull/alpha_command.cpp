@@ -139,7 +139,7 @@ void find_shape(AlphaArguments a, const Input& input, const cullhull::Grid& grid
   const Stopwatch watch;
   out.triangulation =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        cullhull::TriangulationOptions o{options};
+        const auto o = cullhull::options_as<cullhull::TriangulationOptions>(options);
         return naming_file(input.places, [&] { return cullhull::delaunay(points, o); });
       }).result;
   const Triangulation& t = out.triangulation;

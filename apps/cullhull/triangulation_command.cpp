@@ -321,7 +321,7 @@ void triangulate_with_edges(const DualArguments& a, const Input& input, DualOutc
   const std::vector<std::uint32_t> edges = read_edges(a, input);
   cullhull::ConstrainedTriangulation found =
       repeat(a.run, 1, [&](const cullhull::Options& options) {
-        cullhull::ConstrainedOptions o{options};
+        auto o = cullhull::options_as<cullhull::ConstrainedOptions>(options);
         o.inside_only = a.inside;
         return naming_file(input.places, [&] {
           cullhull::ConstrainedTriangulation made;
@@ -377,7 +377,7 @@ Triangulation within_share(const DualArguments& a, double share, const Input& in
     const std::uint64_t budget = cullhull::internal::resolve_budget(options.memory_budget);
     options.memory_budget =
         std::max<std::uint64_t>(1, static_cast<std::uint64_t>(double(budget) / share));
-    cullhull::TriangulationOptions o{options};
+    auto o = cullhull::options_as<cullhull::TriangulationOptions>(options);
     o.furthest_site = a.furthest;
     return naming_file(input.places, [&] {
       return weights.empty() ? cullhull::delaunay(input.points, o)

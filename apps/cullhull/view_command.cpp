@@ -75,7 +75,7 @@ struct ViewArguments {
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
     if (!cells) return std::nullopt;
-    return cullhull::TriangulationOptions{given};
+    return cullhull::options_as<cullhull::TriangulationOptions>(given);
   }
 };
 

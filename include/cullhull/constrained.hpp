@@ -13,10 +13,8 @@
 namespace cullhull {
 
 /// Only the first step, the Delaunay triangulation, uses threads.
-struct ConstrainedOptions : RunOptions {
-  ConstrainedOptions() = default;
-  explicit ConstrainedOptions(const RunOptions& run) : RunOptions(run) {}
-
+struct ConstrainedOptions {
+  CULLHULL_RUN_OPTIONS
   /// Keep only the cells of odd depth, those inside. Points left without a cell become `hidden`.
   bool inside_only = false;
 };

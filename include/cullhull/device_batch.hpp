@@ -30,12 +30,9 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
                        std::uint64_t set_count, const Options& options = {},
                        Array<double>* vertex_coordinates = nullptr);
 
-/// What a DeviceHullBatch contains, and its shapes.
-struct DeviceBatchOptions : Options {
-  DeviceBatchOptions() = default;
-  /// Vertices and simplices alone, end to end.
-  DeviceBatchOptions(const Options& options) : Options(options) {}  // NOLINT: implicit
-
+/// What a DeviceHullBatch contains, and its shapes; by default vertices and simplices alone, end to
+/// end.
+struct DeviceBatchOptions {
   bool planes = false;    ///< DeviceHullBatch::planes
   bool measures = false;  ///< DeviceHullBatch::volumes, areas, centroids
   /// Give each set a row of `most_vertices` vertices and one of `most_simplices` simplices and
@@ -45,8 +42,8 @@ struct DeviceBatchOptions : Options {
 };
 
 /// The hulls of many sets, in a device's memory, in the order of HullBatch. Ids count from the
-/// set's first point. Pointers to what the options did not ask for are null. Copies share the
-/// memory, which is freed with the last copy, after all work queued on the device by then.
+/// set's first point. Pointers to what DeviceBatchOptions did not ask for are null. Copies share
+/// the memory, which is freed with the last copy, after all work queued on the device by then.
 struct DeviceHullBatch {
   std::uint32_t dimension = 0;
   std::uint64_t sets = 0, vertex_count = 0, simplex_count = 0;  ///< totals, without padding
@@ -81,8 +78,8 @@ struct DeviceHullBatch {
 /// of convex_hulls. Error{invalid_argument} for a set of more than 2^31 - 1 points, and for one
 /// with more vertices or simplices than most_vertices or most_simplices; it names the set.
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
-                                       std::uint64_t set_count,
-                                       const DeviceBatchOptions& options = {});
+                                       std::uint64_t set_count, const Options& options = {},
+                                       const DeviceBatchOptions& content = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

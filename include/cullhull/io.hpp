@@ -51,10 +51,10 @@ struct ReadOptions {
   /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts",
   /// "ptx", "node", "geojson", "wkt", "raw"); empty: detected from the extension, then from the
   /// content.
-  std::string format;
+  std::string format{};
   /// Dimension and scalar type of raw input; required for it.
   std::uint32_t raw_dimension = 0;
-  std::optional<ScalarType> raw_scalar;
+  std::optional<ScalarType> raw_scalar{};
   /// Which columns are the coordinates, in this order: names, numbers from 0 and ranges a:b (b
   /// excluded), separated by commas ("x,y,z", "0,2,5", "1:4"); a name may be in double quotes.
   /// Empty: of a text with names of columns those whose names are known coordinates (x, y, z, lon,
@@ -63,17 +63,17 @@ struct ReadOptions {
   /// mesh and scan formats have x, y, z, and by name the other fields of their records (.las, .ply,
   /// .pcd, a structured .npy) or the properties of GeoJSON's features. Other columns of a text may
   /// hold anything.
-  std::string columns;
+  std::string columns{};
   /// A column that holds a weight for each point (PointFile::weights), named as in `columns`. It is
   /// a coordinate only if `columns` names it, too. For open_points only, and not together with
   /// `key`.
-  std::string weights;
+  std::string weights{};
   /// The column that holds the group of each point, named as in `columns`. It is a coordinate only
   /// if `columns` names it, too. BlockVisitor::keyed receives its values as written in the file.
-  std::string key;
+  std::string key{};
   /// Called for each remark, from any thread. A function that takes std::string gets
   /// Remark::line().
-  std::function<void(const Remark&)> remark;
+  std::function<void(const Remark&)> remark{};
   /// Limit in bytes for the memory that open_points takes: what it reads from a pipe, unpacks
   /// (.gz, .zst, .npz) and parses, but not the pages of a mapped file. 0: half of the memory that
   /// the process may use. visit_blocks needs memory for a few blocks alone.
@@ -85,7 +85,7 @@ struct ReadOptions {
   Numbers numbers = Numbers::world;
   /// For Numbers::grid: the grid, from common_grid of all inputs; not set: the file's own grid;
   /// empty grid: world coordinates.
-  std::optional<Grid> grid;
+  std::optional<Grid> grid{};
   /// Threads that parse text; 0: std::thread::hardware_concurrency().
   unsigned threads = 0;
   /// Leaves out points with a NaN coordinate, which is how scanners mark pulses without a return
@@ -95,7 +95,7 @@ struct ReadOptions {
   /// of the next.
   bool skip_nan = false;
   /// Checked while text is parsed.
-  stop_token stop;
+  stop_token stop{};
   /// The decimal mark of the numbers in a text: '.' or ','. With ',' a comma separates nothing. 0:
   /// commas are decimal marks where semicolons, tabs or the names of columns leave no other meaning
   /// (said by `remark`); where a comma could be either, the text is refused. Other formats refuse
@@ -238,10 +238,10 @@ const char* describe_library_fault() noexcept;
 struct JsonExtras {
   double read_seconds = 0;
   /// Times of all runs if there were several; the hull's statistics describe the median run.
-  std::vector<double> compute_seconds_all;
+  std::vector<double> compute_seconds_all{};
   std::uint64_t peak_bytes = 0;
   /// Set if a certificate was requested.
-  std::optional<bool> certified;
+  std::optional<bool> certified{};
 };
 
 /// The version of docs/cullhull.schema.json, which every document states in its member "schema". It
@@ -284,11 +284,11 @@ struct PointColumn {
 struct MapExtras {
   /// The coordinate reference system, as crs_code spells it: the member `crs` of .geojson, as GDAL
   /// writes it; for WGS 84 there is none (RFC 7946). Empty: unknown.
-  std::string crs;
+  std::string crs{};
   /// For .geojson, and .csv of points. What belongs to a single point gets its value; a triangle,
   /// hull or shape the value that its points have in common (of a shape without groups: all
   /// points), null where they differ.
-  std::vector<PointColumn> columns;
+  std::vector<PointColumn> columns{};
 };
 
 /// Writes `hull` in the format of the extension of `path` (.ply .obj .off .stl .glb .vtp .geojson

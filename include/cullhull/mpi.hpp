@@ -49,13 +49,13 @@ struct JobOptions {
   /// the final hull, while the other ranks wait. `memory_budget` 0: its share of the default of a
   /// single call. `stop`, `poll` and `progress` may be set on any rank; a stop on one rank ends the
   /// call on all.
-  Options run;
+  Options run{};
   /// The rank that computes the final hull and gets the result; others get an empty one.
   /// every_rank: rank 0 computes it and sends it to all.
   int root = every_rank;
   /// Id of this rank's first point, set on all ranks or on none. Not set: ids count through the
   /// ranks in rank order.
-  std::optional<std::uint64_t> first_id;
+  std::optional<std::uint64_t> first_id{};
   /// Receives the report, if not null.
   Report* report = nullptr;
 };

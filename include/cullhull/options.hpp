@@ -32,22 +32,32 @@ using Poll = std::function<void()>;
 
 /// How a call runs, whatever it computes. Functions of this library may be called from any number
 /// of threads at the same time, and so may the const members of an object.
+///
+/// - threads: to use, at most 1024; 0: std::thread::hardware_concurrency().
+/// - memory_budget: limit in bytes for memory beyond the input; 0: half of the memory that this
+///   process may use.
+/// - progress, stop: see Progress and std::stop_token.
+/// - poll: for callers that must poll for signals themselves. Not called while the calling thread
+///   waits for other threads, so it does not bound the latency of long multi-threaded calls.
+///
+/// Every struct of options begins with these members, so that {.threads = 2} makes any of them, and
+/// converts to RunOptions. options_as() converts to the others.
 struct RunOptions {
-  /// Threads to use, at most 1024; 0: std::thread::hardware_concurrency().
-  unsigned threads = 0;
-  /// Limit in bytes for memory beyond the input; 0: half of the memory that this process may use.
-  std::uint64_t memory_budget = 0;
-  Progress progress;
-  stop_token stop;
-  /// For callers that must poll for signals themselves. Not called while the calling thread waits
-  /// for other threads, so it does not bound the latency of long multi-threaded calls.
-  Poll poll;
+#define CULLHULL_RUN_MEMBERS       \
+  unsigned threads = 0;            \
+  std::uint64_t memory_budget = 0; \
+  Progress progress{};             \
+  stop_token stop{};               \
+  Poll poll{};
+  CULLHULL_RUN_MEMBERS
 };
 
-struct Options : RunOptions {
-  Options() = default;
-  explicit Options(const RunOptions& run) : RunOptions(run) {}
+#define CULLHULL_RUN_OPTIONS \
+  CULLHULL_RUN_MEMBERS       \
+  operator ::cullhull::RunOptions() const { return {threads, memory_budget, progress, stop, poll}; }
 
+struct Options {
+  CULLHULL_RUN_OPTIONS
   Backend backend = Backend::automatic;
   CullMethod cull = CullMethod::automatic;
   /// The CUDA device for points in host memory; -1: the calling thread's current one. Points in a
@@ -58,6 +68,18 @@ struct Options : RunOptions {
   /// HullTracker, HullStream, HullState::hull and hull_from_json.
   bool with_coordinates = false;
 };
+
+/// Other options for a call that runs like one with `from`: options_as<TriangulationOptions>(o).
+template <class To, class From>
+To options_as(const From& from) {
+  To to;
+  to.threads = from.threads;
+  to.memory_budget = from.memory_budget;
+  to.progress = from.progress;
+  to.stop = from.stop;
+  to.poll = from.poll;
+  return to;
+}
 
 }  // namespace cullhull
 #pragma GCC visibility pop

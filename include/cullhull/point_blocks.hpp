@@ -33,18 +33,19 @@ struct BlockPosition {
 struct BlockVisitor {
   /// Receives a block, whose first point is point `first_id` of all inputs. Called from several
   /// threads at once. The view is valid only during the call.
-  std::function<void(const PointView& block, std::uint64_t first_id)> points;
+  std::function<void(const PointView& block, std::uint64_t first_id)> points{};
   /// Called instead of `points` if ReadOptions::key selects a column.
-  std::function<void(const PointView& block, std::uint64_t first_id, const PointKeys& keys)> keyed;
+  std::function<void(const PointView& block, std::uint64_t first_id, const PointKeys& keys)>
+      keyed{};
   /// Receives an input that is a hull state (.hullstate), which stands for the points from first_id
   /// on. If not set, such an input is an error. Called from several threads at once.
-  std::function<void(const HullState& state, std::uint64_t first_id)> state;
+  std::function<void(const HullState& state, std::uint64_t first_id)> state{};
   /// Receives, with ReadOptions::skip_nan, each run of points that are left out: their number and
   /// the first id. May be empty. Called from several threads at once.
-  std::function<void(std::uint64_t first_id, std::uint64_t count)> skipped;
+  std::function<void(std::uint64_t first_id, std::uint64_t count)> skipped{};
   /// Called by the thread that called visit_blocks, while no block is being visited: every
   /// `pause_seconds`, and when reading is cancelled.
-  std::function<void(const BlockPosition&)> pause;
+  std::function<void(const BlockPosition&)> pause{};
   double pause_seconds = 60;
 };
 
@@ -63,16 +64,16 @@ struct BlockSummary {
 };
 
 struct BlockOptions {
-  ReadOptions read;
+  ReadOptions read{};
   /// Threads that read and visit; 0: one more than processors, because one may wait for a disk.
   unsigned readers = 0;
   std::uint64_t block_bytes = std::uint64_t{2} << 20;  ///< approximate, in the file
-  BlockPosition from;                                  ///< position to resume from
-  Progress progress;                                   ///< "read" and the fraction of bytes read
-  Poll poll;
+  BlockPosition from{};                                ///< position to resume from
+  Progress progress{};                                 ///< "read" and the fraction of bytes read
+  Poll poll{};
   /// Called with the position about every 50 ms, by the thread that called visit_blocks: progress
   /// of inputs whose size is unknown (pipes), of which `progress` reports none.
-  std::function<void(const BlockPosition&)> position;
+  std::function<void(const BlockPosition&)> position{};
 };
 
 /// The files that these words stand for, in order: a file, "-" (standard input), a folder (its

@@ -17,10 +17,8 @@ namespace cullhull {
 /// In lists of neighbours: there is no cell across this facet, which is on the hull.
 inline constexpr std::uint32_t no_cell = 0xffffffff;
 
-struct TriangulationOptions : RunOptions {
-  TriangulationOptions() = default;
-  explicit TriangulationOptions(const RunOptions& run) : RunOptions(run) {}
-
+struct TriangulationOptions {
+  CULLHULL_RUN_OPTIONS
   /// Compute the furthest-site triangulation, the dual of the furthest-point Voronoi diagram: the
   /// upper hull of the lifted points instead of the lower one. Its vertices are extreme points, all
   /// others are hidden. The only option that changes the result.

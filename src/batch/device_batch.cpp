@@ -247,8 +247,9 @@ HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offse
 }
 
 DeviceHullBatch convex_hulls_on_device(const DevicePointView& points, const std::uint64_t* offsets,
-                                       std::uint64_t set_count, const DeviceBatchOptions& options) {
-  return internal::DeviceBatch(points, offsets, set_count, options).to_device(options);
+                                       std::uint64_t set_count, const Options& options,
+                                       const DeviceBatchOptions& content) {
+  return internal::DeviceBatch(points, offsets, set_count, options).to_device(content);
 }
 
 }  // namespace cullhull

@@ -515,7 +515,7 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
                  "the cells of the constrained triangulation");
   ConstrainedTriangulation out;
   Prepared prepared;
-  out.triangulation = triangulate(points, TriangulationOptions{o}, prepared);
+  out.triangulation = triangulate(points, options_as<TriangulationOptions>(o), prepared);
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);

@@ -357,7 +357,7 @@ bool triangulate_few_in_plane(const PointView& points, const TriangulationOption
       (options.memory_budget != 0 && options.memory_budget < enough))
     return false;
   const Clock::time_point start = Clock::now();
-  const Options run(options);
+  const auto run = options_as<Options>(options);
   const Control control(run);
   control.check();
   if (!thread_memory<FewInPlane>().triangulate(points, out)) return false;

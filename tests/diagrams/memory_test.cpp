@@ -110,7 +110,7 @@ TEST(DiagramMemory, DiagramsAndShapesAreRefusedBeforeTheirWork) {
   refusal([&] { (void)critical_alpha(view, t, AlphaGoal::one_region, o); });
   refusal([&] { (void)concave_hull(view, t, 0.1, o); });
   refusal([&] { (void)concave_length(view, t, 0.1, o); });
-  refusal([&] { (void)constrained_delaunay(view, {}, ConstrainedOptions(o)); });
+  refusal([&] { (void)constrained_delaunay(view, {}, options_as<ConstrainedOptions>(o)); });
   o.progress = nullptr;
   o.memory_budget = 20 * mib;
   EXPECT_EQ(voronoi(view, t, {}, o).vertex_count(), diagram.vertex_count());

@@ -31,12 +31,12 @@ PointView host_view(const Sets<T>& sets) {
 
 /// Planes and measures beside the lists, end to end and padded.
 void expect_all_left_there(const DevicePointView& points, const std::uint64_t* offsets,
-                           const HullBatch& expected, DeviceBatchOptions options = {}) {
-  options.planes = options.measures = true;
+                           const HullBatch& expected, const Options& options = {}) {
   for (const bool padded : {false, true}) {
     SCOPED_TRACE(padded ? "padded" : "end to end");
-    options.padded = padded;
-    const DeviceHullBatch left = convex_hulls_on_device(points, offsets, expected.size(), options);
+    const DeviceHullBatch left =
+        convex_hulls_on_device(points, offsets, expected.size(), options,
+                               {.planes = true, .measures = true, .padded = padded});
     EXPECT_TRUE(left.volumes != nullptr && left.areas != nullptr && left.centroids != nullptr &&
                 left.planes != nullptr);
     expect_same_lists(left, expected);
@@ -226,7 +226,7 @@ TEST_F(GpuSets, PaddedRows) {
     DeviceBatchOptions options;
     options.padded = true;
     const auto left = [&] {
-      return convex_hulls_on_device(view, sets.offsets.data(), sets.count(), options);
+      return convex_hulls_on_device(view, sets.offsets.data(), sets.count(), {}, options);
     };
     DeviceHullBatch batch = left();
     EXPECT_EQ(batch.vertex_width, vertices);

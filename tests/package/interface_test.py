@@ -29,6 +29,8 @@ PROLOGUE = """
 #include <string>
 #include <vector>
 #include <cullhull/cullhull.hpp>
+#include <cullhull/group_hulls.hpp>
+#include <cullhull/triangulation_io.hpp>
 """
 
 # What a program writes now; compiled with STRICT.
@@ -57,6 +59,28 @@ std::uint64_t count(const std::vector<std::array<double, 3>>& points) {
   ids += cullhull::convex_hull(cullhull::PointView::records(vertices, &Vertex::x, 3)).point_count;
   std::cout << hull.statistics.backend << hull.statistics.filter;
   return cullhull::certify(hull).valid ? ids + cullhull::HullState(hull).ids().size() : 0;
+}
+
+// Every struct of options is an aggregate, its members named where it is made.
+void options(const std::vector<std::array<double, 3>>& points,
+             const std::vector<std::array<double, 2>>& plane, const cullhull::stop_source& source) {
+  using namespace cullhull;
+  const Hull hull = convex_hull(points, {.threads = 2});
+  (void)convex_hull(points, {.stop = source.get_token(), .backend = Backend::cpu});
+  (void)extreme_points(points, {.memory_budget = 1000, .progress = [](const char*, double) {}});
+  (void)certify(points, hull, {.threads = 1, .poll = [] {}});
+  const Triangulation cells = delaunay(points, {.threads = 2, .furthest_site = false});
+  (void)certify(points, cells, {.threads = 2});
+  (void)constrained_delaunay(plane, {}, {.threads = 2, .inside_only = true});
+  (void)alpha_shape(points, cells, 1, {.threads = 2});
+  (void)alpha_shape(points, cells, 1, Options{.threads = 2});
+  (void)gabriel_graph(points, cells, options_as<TriangulationOptions>(RunOptions{.threads = 2}));
+  (void)convex_hulls_on_device({}, nullptr, 0, {.device = 1}, {.planes = true, .padded = true});
+  (void)open_points("a.csv", {.columns = "x,y", .threads = 2, .decimal = ','});
+  (void)visit_blocks({}, {.pause_seconds = 1}, {.read = {.skip_nan = true}, .readers = 2});
+  (void)write_group_shapes({}, "a.geojson", {.alpha = 1}, {.readers = 2}, {.threads = 2},
+                           {.crs = "EPSG:25832"});
+  (void)hull_to_json(points, hull, {.peak_bytes = 1, .certified = true}, false);
 }
 """
 

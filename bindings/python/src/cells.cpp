@@ -141,7 +141,7 @@ std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certific
   cullhull::Certificate certificate;
   run(settings, points.view().count < 100 ? Length::brief : Length::long_,
       [&](const Options& options) {
-    cullhull::ConstrainedOptions chosen{options};
+    auto chosen = cullhull::options_as<cullhull::ConstrainedOptions>(options);
     chosen.inside_only = inside_only;
     result = cullhull::constrained_delaunay(points.view(), pairs, chosen);
     if (certified) certificate = cullhull::certify(points.view(), pairs, result, chosen);

@@ -75,13 +75,12 @@ DeviceHullBatch convex_hulls_on_device(const DevicePoints& points, nb::handle ar
   const Offsets offsets(array, address, count);
   DeviceHullBatch batch;
   run(settings, Length::long_, [&](const Options& options) {
-    cullhull::DeviceBatchOptions wanted(options);
-    wanted.planes = planes;
-    wanted.measures = measures;
-    wanted.padded = padded;
-    wanted.most_vertices = most_vertices;
-    wanted.most_simplices = most_simplices;
-    batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), wanted);
+    batch = cullhull::convex_hulls_on_device(points.view, offsets.data(), offsets.sets(), options,
+                                             {.planes = planes,
+                                              .measures = measures,
+                                              .padded = padded,
+                                              .most_vertices = most_vertices,
+                                              .most_simplices = most_simplices});
   });
   batch.memory = freed_without_gil(std::move(batch.memory));
   return batch;

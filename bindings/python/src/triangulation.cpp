@@ -52,7 +52,7 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
   const std::vector<double> heights = weights_of(weights);
   Triangulation result;
   run(settings, length_of_triangulation(points.view()), [&](const Options& options) {
-    TriangulationOptions chosen{options};
+    auto chosen = cullhull::options_as<TriangulationOptions>(options);
     chosen.furthest_site = furthest_site;
     result = weights.is_none() ? cullhull::delaunay(points.view(), chosen)
                                : cullhull::regular_triangulation(points.view(), heights, chosen);
@@ -64,7 +64,7 @@ Certificate certify(const Cells& cells, const Settings* settings) {
   const cullhull::PointView& points = cells.points().view();
   Certificate certificate;
   run(settings, length_of_triangulation(points), [&](const Options& options) {
-    const TriangulationOptions chosen{options};
+    const auto chosen = cullhull::options_as<TriangulationOptions>(options);
     certificate = cells.weights_array().is_none()
                       ? cullhull::certify(points, cells.triangulation(), chosen)
                       : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);

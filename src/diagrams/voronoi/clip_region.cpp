@@ -293,7 +293,7 @@ Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
     return {piece};
   }
   drop_shared_edges(outline);
-  ConstrainedOptions options{run.options};
+  auto options = options_as<ConstrainedOptions>(run.options);
   options.inside_only = true;
   const auto found = [&] {
     try {

@@ -51,7 +51,7 @@ struct GroupOfShape {
 /// The shape of points on a grid; `alpha` and `edge_length` are on it, and so is the limit.
 void find_shape(const PointView& points, const GroupShape& wanted, const Options& options,
                 GroupOfShape& out) {
-  out.triangulation = delaunay(points, TriangulationOptions{options});
+  out.triangulation = delaunay(points, options_as<TriangulationOptions>(options));
   const Triangulation& t = out.triangulation;
   if (wanted.edge_length >= 0 || wanted.ratio >= 0) {
     out.limit = wanted.edge_length >= 0 ? wanted.edge_length

@@ -78,7 +78,8 @@ struct Run {
 class Call {
  public:
   explicit Call(const Options& options) : run(options) {}
-  explicit Call(const RunOptions& options) : options_(Options{options}), run(*options_) {}
+  template <class Others>
+  explicit Call(const Others& options) : options_(options_as<Options>(options)), run(*options_) {}
   template <class Temporary>
   requires(!std::is_lvalue_reference_v<Temporary>) explicit Call(Temporary&&) = delete;
 

@@ -103,11 +103,11 @@ class RandomBatch : public RandomWork<RandomBatch> {
         if (to_host) {
           expect_same(convex_hulls(view, offsets, s.count(), o), expected);
         } else {
-          DeviceBatchOptions wanted = o;
+          DeviceBatchOptions wanted;
           wanted.planes = one_in(2);
           wanted.measures = one_in(2);
           wanted.padded = one_in(2);
-          const DeviceHullBatch batch = convex_hulls_on_device(view, offsets, s.count(), wanted);
+          const DeviceHullBatch batch = convex_hulls_on_device(view, offsets, s.count(), o, wanted);
           emulation::settings() = {};
           emulation::settings().devices = 2;
           expect_same_lists(batch, expected);
