@@ -37,6 +37,7 @@ constexpr const char* hull_footer =
     "  .json                 complete result: vertices, facets, planes, neighbours, simplices,\n"
     "                        measures; also written by -o - on standard output\n"
     "  .txt                  coordinates of the vertices\n"
+    "  .hullstate .npz       mergeable partial result, as --partial writes it\n"
     "  --vertices writes ids (.npy, int64, .csv or .txt), in ascending order, or points (.ply,\n"
     "  .xyz or .geojson).\n"
     "  --format takes the words of qconvex: Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo\n"
@@ -53,6 +54,7 @@ constexpr const char* hull_footer =
     "  cullhull hull wide.npy --only vertices --vertices ids.npy   high dimensions: no facets\n"
     "  cullhull hull points.csv --by id -o hulls.geojson   a hull for each value of id\n"
     "  cullhull hull big.npy --repeat 7 --threads 2        median time of seven runs\n"
+    "  cullhull hull big.las --part 3/16 -o 3.hullstate    one of 16 jobs; docs/clusters.md\n"
     "\n"
     "Exit status: 0 success; 1 bad input; 2 bad usage; 3 not certified; 4 memory limit exceeded;\n"
     "5 backend not available; 130 cancelled.";
@@ -96,7 +98,10 @@ FilePlan plan_files(const HullArguments& arguments) {
   FilePlan plan;
   plan.reads_inputs(arguments.input.words, arguments.files);
   for (const std::string& path : arguments.outputs)
-    plan.writes("-o", path, {arguments.by.empty() ? OutputKind::hull : OutputKind::group_hulls});
+    if (arguments.by.empty())
+      plan.writes("-o", path, {OutputKind::hull, OutputKind::state});
+    else
+      plan.writes("-o", path, {OutputKind::group_hulls});
   plan.writes("--vertices", arguments.vertices, {OutputKind::ids, OutputKind::points});
   std::vector<std::string> maps = maps_among(arguments.outputs);
   if (holds_points(arguments.vertices)) maps.push_back(arguments.vertices);
@@ -561,6 +566,7 @@ int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refuses unknown words before the work
   arguments.files = arguments.input.find_files();
+  if (arguments.by.empty()) arguments.stream.take_state(arguments.outputs);
   const FilePlan plan = plan_files(arguments);
   if (!arguments.by.empty() && arguments.elsewhere == nullptr) {
     check_groups(arguments);
@@ -568,6 +574,9 @@ int run(HullArguments arguments) {
                       arguments.outputs[0], arguments.run);
   }
   if (!arguments.only.empty()) check_vertices_only(arguments);
+  if (arguments.certify && !arguments.stream.part.empty())
+    throw Error(ErrorCode::invalid_argument,
+                "--part with --certify: certify the merged hull, with 'cullhull certify'");
   const std::string lists = lists_all_points(arguments);
   if (arguments.input.skip_nan && !lists.empty())
     throw Error(ErrorCode::invalid_argument, "--skip-nan: ", lists, " lists every point");
@@ -625,6 +634,7 @@ Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
       *command.add_option("--repeat", a->repeat, "Compute N times and report the median time"), 1,
       1000000);
   a->stream.add_to(command, true);
+  a->stream.add_part_to(command);
   command.footer(std::string(input_footer) + "\n\n" + hull_footer);
   return [a] { return run(*a); };
 }

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
+#include <string_view>
+#include <system_error>
 
 #include "checkpoint.hpp"
 #include "converted.hpp"
@@ -29,6 +32,7 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
   std::string text = fmt::format("{} {} {} {} {} {} {}{}\n", input.raw, input.format,
                                  input.dimension, input.type, input.columns, stream.first_id,
                                  stream.global_ids, input.skip_nan ? " skip-nan" : "");
+  if (!stream.part.empty()) text += "part " + stream.part + "\n";
   if (!input.decimal.empty()) text += "decimal " + input.decimal + "\n";
   for (const std::string& file : files) {
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
@@ -63,6 +67,39 @@ cullhull::BlockOptions block_options(const InputArguments& input, const RunArgum
   return blocks;
 }
 
+/// Whether all inputs are states, and one has ids beyond its number of points: a part of a set,
+/// numbered as in that.
+bool are_numbered_parts(const std::vector<std::string>& files) {
+  if (!std::all_of(files.begin(), files.end(), is_state)) return false;
+  return std::any_of(files.begin(), files.end(), [](const std::string& file) {
+    try {
+      const cullhull::HullState state = cullhull::read_state(file);
+      return !state.ids().empty() && state.ids().back() >= state.point_count();
+    } catch (const Error&) {
+      return false;  // said where it is read
+    }
+  });
+}
+
+/// Of "K/N": two numbers, 1 <= K <= N.
+cullhull::RowRange rows_of(const std::string& part, const std::vector<std::string>& files,
+                           const cullhull::BlockOptions& blocks) {
+  std::uint64_t k = 0, n = 0;
+  const char* const end = part.data() + part.size();
+  const auto of_k = std::from_chars(part.data(), end, k);
+  const bool slash = of_k.ec == std::errc() && of_k.ptr < end && *of_k.ptr == '/';
+  const auto of_n = std::from_chars(slash ? of_k.ptr + 1 : end, end, n);
+  if (!slash || of_n.ec != std::errc() || of_n.ptr != end || k < 1 || k > n)
+    throw Error(ErrorCode::invalid_argument, "--part ", part,
+                ": is to be K/N, part K of N, with K from 1 to N, as 3/16");
+  try {
+    return cullhull::rows_of_part(files, k - 1, n, blocks);
+  } catch (const Error& e) {
+    throw Error(e.code(), e.code() == ErrorCode::invalid_argument ? "--part " + part + ": " : "",
+                e.what());
+  }
+}
+
 }  // namespace
 
 void StreamArguments::add_to(Parser& command, bool states) {
@@ -79,9 +116,9 @@ void StreamArguments::add_to(Parser& command, bool states) {
                                   "INPUT, or .npz for NumPy"))
       .type_name("OUT.hullstate");
   command.add_flag("--global-ids", global_ids,
-                   "Keep the ids stored in .hullstate inputs (default: renumber). Inputs\n"
-                   "must not share ids; an overlap is only detected if two extreme\n"
-                   "points have the same id");
+                   "Keep the ids stored in .hullstate inputs (default: of parts made with\n"
+                   "--part or --first-id; else renumber). Inputs must not share ids; an\n"
+                   "overlap is only detected if two extreme points have the same id");
   add_first_id_to(command);
   needs_value(*command.add_option("--checkpoint", checkpoint,
                                   "Save progress to FILE, every minute and on Ctrl-C; resume from\n"
@@ -96,6 +133,29 @@ void StreamArguments::add_first_id_to(Parser& command) {
   command.add_option("--first-id", first_id, "Id of the first point (default: 0)")->type_name("N");
 }
 
+void StreamArguments::add_part_to(Parser& command) {
+  needs_value(*command.add_option("--part", part,
+                                  "Read only part K (from 1) of N equal parts of the rows, with\n"
+                                  "the ids they have in the whole: for jobs that share files.\n"
+                                  "-o OUT.hullstate; 'cullhull hull *.hullstate' merges them"))
+      .type_name("K/N");
+}
+
+void StreamArguments::take_state(std::vector<std::string>& outputs) {
+  const auto state = [](const std::string& path) {
+    const auto endings = cullhull::internal::output_endings({OutputKind::state});
+    return std::find(endings.begin(), endings.end(), ending_of(path)) != endings.end();
+  };
+  for (auto it = outputs.begin(); (it = std::find_if(it, outputs.end(), state)) != outputs.end();) {
+    if (!partial.empty())
+      throw Error(ErrorCode::invalid_argument, "-o ", *it, ": one state is written, and ",
+                  partial_option, " ", partial, " is it");
+    partial = *it;
+    partial_option = "-o";
+    it = outputs.erase(it);
+  }
+}
+
 void StreamArguments::check_ids() const {
   if (first_id <= greatest_id) return;
   throw Error(ErrorCode::invalid_argument,
@@ -104,7 +164,7 @@ void StreamArguments::check_ids() const {
 
 void StreamArguments::plan(FilePlan& plan) const {
   check_ids();
-  plan.writes("--partial", partial, {OutputKind::state});
+  plan.writes(partial_option, partial, {OutputKind::state});
   if (!checkpoint.empty()) plan.writes_any("--checkpoint", checkpoint);
 }
 
@@ -112,7 +172,8 @@ bool StreamArguments::wanted(const std::vector<std::string>& files, const RunArg
                              const std::string& why_not) const {
   const bool states = std::any_of(files.begin(), files.end(), is_state);
   std::string what = stream == "on"        ? "--stream on"
-                     : !partial.empty()    ? "--partial"
+                     : !part.empty()       ? "--part"
+                     : !partial.empty()    ? partial_option
                      : !checkpoint.empty() ? "--checkpoint"
                      : first_id > 0        ? "--first-id"
                      : states              ? "a .hullstate among the inputs"
@@ -147,6 +208,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   std::optional<Checkpoint> from = checkpoint_of(stream, inputs);
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
+  const bool keep_ids = stream.global_ids || are_numbered_parts(files);
   // The reading threads do the work. With a checkpoint, each block must be completed.
   options.threads = 1;
   if (!stream.checkpoint.empty()) options.stop = {};
@@ -159,6 +221,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   TerminalProgress progress(run.quiet, "read", static_cast<double>(cullhull::input_bytes(files)));
   blocks.progress = progress.callback();
   blocks.position = progress.bytes_callback();
+  if (!stream.part.empty()) cancellable([&] { blocks.rows = rows_of(stream.part, files, blocks); });
   cullhull::BlockVisitor visitor;
   visitor.points = [&](const cullhull::PointView& block, std::uint64_t first) {
     const std::uint64_t id = stream.first_id + first;
@@ -172,7 +235,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
     hull.skip(stream.first_id + first, count);
   };
   visitor.state = [&](const cullhull::HullState& state, std::uint64_t first) {
-    if (stream.global_ids) return hull.push(state);
+    if (keep_ids) return hull.push(state);
     if (!state.ids().empty() && state.ids().back() >= state.point_count())
       throw Error(ErrorCode::invalid_argument,
                   "a state with ids beyond its number of points is a part that was numbered as "

@@ -24,17 +24,23 @@ struct StreamArguments {
   std::string partial;
   unsigned every = 60;      ///< seconds from checkpoint to checkpoint
   bool global_ids = false;  ///< states among the inputs keep their ids
+  std::string part;         ///< "K/N", from 1; empty: all rows
+  /// How the state's file was named: "--partial", or "-o".
+  std::string partial_option = "--partial";
   std::uint64_t first_id = 0;
 
   /// `states`: with the options for writing and reading states.
   void add_to(Parser& command, bool states);
   void add_first_id_to(Parser& command);
+  void add_part_to(Parser& command);
+  /// Among the outputs, takes the name of a state from them. Error{invalid_argument} for a second.
+  void take_state(std::vector<std::string>& outputs);
   /// Refuses a --first-id beyond the greatest id: Error{invalid_argument}.
   void check_ids() const;
   /// Whether any option differs from its default.
   bool any() const {
     return stream != "auto" || !checkpoint.empty() || !partial.empty() || global_ids ||
-           first_id > 0;
+           !part.empty() || first_id > 0;
   }
   /// Adds the outputs to the plan.
   void plan(FilePlan& plan) const;

@@ -22,7 +22,7 @@ constexpr const char* formats =
     "  .node            points of Triangle and TetGen\n"
     "  .raw             coordinates without a header: needs --dim D --type T; any other name\n"
     "                   also needs --input-format raw\n"
-    "  .hullstate       partial result of 'cullhull hull --partial'\n"
+    "  .hullstate       partial result of 'cullhull hull --part' or '--partial'\n"
     "  .gz .zst         any of these formats, compressed\n"
     "  -                standard input; its format is detected from the content\n"
     "\n"

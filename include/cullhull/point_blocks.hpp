@@ -28,6 +28,15 @@ struct BlockPosition {
   friend bool operator==(const BlockPosition&, const BlockPosition&) = default;
 };
 
+/// Consecutive rows of all inputs; see rows_of_part().
+struct RowRange {
+  std::uint64_t begin = 0;
+  std::uint64_t end = std::uint64_t(-1);  ///< one more than the last; default: all
+  BlockPosition from, to;                 ///< positions at or before `begin` and behind `end`
+
+  friend bool operator==(const RowRange&, const RowRange&) = default;
+};
+
 /// Functions that receive the blocks. If one throws, reading ends and the error of the lowest block
 /// is thrown; not_finite then also names the file.
 struct BlockVisitor {
@@ -69,6 +78,7 @@ struct BlockOptions {
   unsigned readers = 0;
   std::uint64_t block_bytes = std::uint64_t{2} << 20;  ///< approximate, in the file
   BlockPosition from{};                                ///< position to resume from
+  RowRange rows{};                                     ///< the rows to visit
   Progress progress{};                                 ///< "read" and the fraction of bytes read
   Poll poll{};
   /// Called with the position about every 50 ms, by the thread that called visit_blocks: progress
@@ -95,6 +105,13 @@ std::uint64_t input_bytes(const std::vector<std::string>& files);
 /// more than one block. Waits for the first block of a pipe, which this process's next reader of
 /// the same path receives. Options used: memory_budget, stop. Throws Error{io}, Error{cancelled}.
 bool worth_streaming(const std::vector<std::string>& files, const Options& options);
+
+/// Part `part` (from 0) of `parts` nearly equal parts of the rows of all files. Counts them: a
+/// text, and what is compressed or read whole, is read for that. Throws what visit_blocks throws,
+/// and Error{invalid_argument} for more parts than rows, for a pipe and for a hull state; 1 part
+/// has all.
+RowRange rows_of_part(const std::vector<std::string>& files, std::uint64_t part,
+                      std::uint64_t parts, const BlockOptions& options = {});
 
 /// Reads the files one after the other, each once, and visits their points block by block, in
 /// memory O(readers * block). Record formats (.npy, binary .ply, raw, ...) and text are read in

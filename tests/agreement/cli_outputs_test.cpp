@@ -105,7 +105,8 @@ TEST(CliOutputs, UnknownNamesAreRefusedBeforeTheWork) {
   expect_refused(f, {"cull", absent, "-o", f / "s"}, "must end in");
   expect_refused(f, {"cull", absent, "--points", f / "s.off"}, "must end in");
   expect_refused(f, {"hull", absent, "-o", f / "h.npy"},
-                 "must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json or .txt");
+                 "must end in .ply, .obj, .off, .stl, .glb, .vtp, .geojson, .wkt, .json, .txt, "
+                 ".hullstate or .npz");
   for (const char* other : {"h.ply", "h.vtk", "h.las", "h.html"})
     expect_refused(f, {"hull", absent, "--json=" + (f / other)}, "end it in .json");
   expect_refused(f, {"generate", "ball", "-n", "5", "-o", f / "h.stl"},

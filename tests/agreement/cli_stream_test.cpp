@@ -159,7 +159,8 @@ TEST(CliStream, PartsAsStatesPutTogether) {
       run_app({"hull", f / "b.npy", "--partial", f / "g.hullstate", "--first-id", "7000"}).status,
       0);
   EXPECT_EQ(hull_bytes(f, {f / "g.hullstate", f / "a.hullstate", "--global-ids"}), expected);
-  const Ran mixed = run_app({"hull", f / "g.hullstate"});
+  EXPECT_EQ(hull_bytes(f, {f / "g.hullstate", f / "a.hullstate"}), expected);
+  const Ran mixed = run_app({"hull", f / "g.hullstate", f / "a.npy"});
   EXPECT_EQ(mixed.status, 2);
   EXPECT_NE(mixed.err.find("--global-ids"), std::string::npos) << mixed.err;
 
@@ -175,6 +176,90 @@ TEST(CliStream, PartsAsStatesPutTogether) {
 
   EXPECT_EQ(run_app({"hull", f / "a.npy", "--partial", f / "a.npz"}).status, 0);
   EXPECT_EQ(read_file(f / "a.npz").substr(0, 2), "PK");
+}
+
+/// The states that so many processes make of the inputs, all at once.
+std::vector<std::string> states_of_parts(const Folder& f, const std::vector<std::string>& inputs,
+                                         std::size_t parts) {
+  std::vector<std::string> states;
+  std::vector<std::thread> jobs;
+  for (std::size_t k = parts; k > 0; --k) states.push_back(f / (std::to_string(k) + ".hullstate"));
+  for (std::size_t k = 1; k <= parts; ++k)
+    jobs.emplace_back([&, k] {
+      std::vector<std::string> words{"hull"};
+      words.insert(words.end(), inputs.begin(), inputs.end());
+      for (const std::string& word :
+           {std::string("--part"), std::to_string(k) + "/" + std::to_string(parts),
+            std::string("-o"), states[parts - k], std::string("-q")})
+        words.push_back(word);
+      const Ran ran = run_app(words);
+      EXPECT_EQ(ran.status, 0) << ran.err;
+    });
+  for (std::thread& job : jobs) job.join();
+  return states;
+}
+
+TEST(CliStream, PartsOfJobsHaveTheBitsOfTheWhole) {
+  const Folder f;
+  const auto points = [&](const char* name, const char* shape, const char* count) {
+    EXPECT_EQ(run_app({"generate", shape, "-n", count, "-d", "3", "-q", "-o", f / name}).status, 0);
+    return f / name;
+  };
+  const std::string npy = points("a.npy", "ball", "40001"), csv = points("b.csv", "sphere", "1003"),
+                    txt = points("c.txt", "ball", "30000"), obj = points("d.obj", "sphere", "77"),
+                    ply = points("e.ply", "ball", "5000");
+  const std::vector<std::string> all{npy, csv, txt, obj, ply};
+  const std::string expected = hull_bytes(f, all);
+  for (const std::size_t parts : {1, 2, 5, 16})
+    EXPECT_EQ(hull_bytes(f, states_of_parts(f, all, parts)), expected) << parts;
+  for (const std::string& one : all)
+    EXPECT_EQ(hull_bytes(f, states_of_parts(f, {one}, 16)), hull_bytes(f, {one})) << one;
+  EXPECT_EQ(hull_bytes(f, states_of_parts(f, {obj}, 77)), hull_bytes(f, {obj}));
+  // Also where a block of a text, 64 KiB here, lies in one part or in several.
+  EXPECT_EQ(hull_bytes(f, states_of_parts(f, {txt, "--memory", "12M"}, 7)), hull_bytes(f, {txt}));
+
+  // A bad line is of one part, or of the counting.
+  write_file(f / "bad.txt", "0 0\n1 0\n0 1\nnan 1\n");
+  EXPECT_EQ(run_app({"hull", f / "bad.txt", "--part", "1/2", "-q"}).status, 0);
+  const Ran bad = run_app({"hull", f / "bad.txt", "--part", "2/2", "-q"});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_NE(bad.err.find("bad.txt:4: point 3 "), std::string::npos) << bad.err;
+  write_file(f / "short.txt", "2\n5\n0 0\n1 0\n0 1\n");
+  const Ran short_of = run_app({"hull", f / "short.txt", "--part", "1/2", "-q"});
+  EXPECT_EQ(short_of.status, 1);
+  EXPECT_NE(short_of.err.find("promises 5 points"), std::string::npos) << short_of.err;
+}
+
+TEST(CliStream, PartsThatCannotBeAreRefused) {
+  const Folder f;
+  write_file(f / "a.txt", "0 0\n1 0\n0 1\n");
+  write_state(f / "s.hullstate", HullState(2));
+  const std::string a = f / "a.txt";
+  const struct {
+    std::vector<std::string> words;
+    const char* say;
+  } cases[] = {
+      {{a, "--part", "0/3"}, "K from 1 to N"},
+      {{a, "--part", "4/3"}, "K from 1 to N"},
+      {{a, "--part", "1/0"}, "K from 1 to N"},
+      {{a, "--part", "1/-2"}, "K from 1 to N"},
+      {{a, "--part", "2"}, "K from 1 to N"},
+      {{a, "--part", "1/2/3"}, "K from 1 to N"},
+      {{a, "--part", "1/4"}, "4 parts of 3 rows: some would be empty"},
+      {{a, "--part", "1/2", "--certify"}, "certify the merged"},
+      {{a, "--part", "1/2", "--stream", "off"}, "--part reads in blocks"},
+      {{a, "--part", "1/2", "-o", f / "p.hullstate", "--partial", f / "p.npz"}, "one state"},
+      {{f / "s.hullstate", "--part", "1/2"}, "no rows to divide"},
+      {{"-", "--part", "1/2"}, "can be read only once"},
+  };
+  for (const auto& c : cases) {
+    std::vector<std::string> words{"hull"};
+    words.insert(words.end(), c.words.begin(), c.words.end());
+    const Ran ran = run_app(words, "/dev/null");
+    EXPECT_EQ(ran.status, 2) << c.say;
+    EXPECT_TRUE(one_line(ran.err));
+    EXPECT_NE(ran.err.find(c.say), std::string::npos) << ran.err;
+  }
 }
 
 TEST(CliStream, CertifiesInBlocks) {

@@ -209,6 +209,13 @@ ROWS = (
     ),
     Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
     Row(
+        "hull --part",
+        ("hull", "-q", "--part", "1/1"),
+        (_o(".npz", texts.archive, alike="values"),),
+        ways=IN_BLOCKS,
+        doors="main",
+    ),
+    Row(
         "hull --only vertices",
         ("hull", "-q", "--only", "vertices"),
         (*IDS[:1], _report("extreme")),

@@ -79,7 +79,7 @@ _WRITING = (
 )
 #: Endings that need another input than the doors give.
 _OTHER_ENDINGS = {
-    ".hullstate": "a binary state: --partial .npz holds the same arrays",
+    ".hullstate": "a binary state: .npz holds the same arrays",
     ".las": "copies records of one .las: cli_cull_test and foreign_files",
     ".htm": "the same as .html",
 }

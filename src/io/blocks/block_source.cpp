@@ -15,6 +15,7 @@
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/system.hpp"
+#include "io/text/lines.hpp"
 #include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
 #include "parallel/byte_order.hpp"
@@ -50,12 +51,15 @@ class RecordBlocks : public BlockSource {
     describe(from_.name, layout_);
     per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
     empty_ = layout_.count == 0;
+    end_ = layout_.count;
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
+  void end_at(const BlockPosition& end) override { end_ = std::min(end_, end.file_points); }
+  std::optional<std::uint64_t> count() const override { return layout_.count; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= layout_.count && !std::exchange(empty_, false)) return false;
-    const std::uint64_t first = next_, count = std::min(per_block_, layout_.count - first);
+    if (next_ >= end_ && !std::exchange(empty_, false)) return false;
+    const std::uint64_t first = next_, count = std::min(per_block_, end_ - first);
     next_ += count;
     task.count = count;
     task.file_points = next_;
@@ -80,7 +84,7 @@ class RecordBlocks : public BlockSource {
 
   OpenedBytes from_;
   RecordLayout layout_;
-  std::uint64_t per_block_, next_ = 0;
+  std::uint64_t per_block_, next_ = 0, end_ = 0;
   bool empty_;  ///< no points, of which one empty block is to tell the dimension
 };
 
@@ -95,12 +99,15 @@ class Hdf5Blocks : public BlockSource {
     per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
     if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
     empty_ = points_.count() == 0;
+    end_ = points_.count();
   }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
+  void end_at(const BlockPosition& end) override { end_ = std::min(end_, end.file_points); }
+  std::optional<std::uint64_t> count() const override { return points_.count(); }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= points_.count() && !std::exchange(empty_, false)) return false;
-    const std::uint64_t first = next_, count = std::min(per_block_, points_.count() - first);
+    if (next_ >= end_ && !std::exchange(empty_, false)) return false;
+    const std::uint64_t first = next_, count = std::min(per_block_, end_ - first);
     next_ += count;
     task.count = count;
     task.file_points = next_;
@@ -117,7 +124,7 @@ class Hdf5Blocks : public BlockSource {
  private:
   Hdf5Points points_;
   ReadOptions options_;
-  std::uint64_t per_block_, next_ = 0;
+  std::uint64_t per_block_, next_ = 0, end_ = 0;
   bool empty_;  ///< as in RecordBlocks
 };
 
@@ -131,14 +138,16 @@ class PipedRecords : public BlockSource {
     per_block_ = std::max<std::uint64_t>(1, block_bytes / layout_.record_bytes);
   }
   void go_on_from(const BlockPosition& from) override { pass_ = from.file_points; }
+  void end_at(const BlockPosition& end) override { end_ = end.file_points; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ == 0 && !begun_) begin(memory);
-    if (next_ >= layout_.count && !empty_) {
-      drain(memory);
+    if (next_ >= std::min(end_, layout_.count) && !empty_) {
+      if (end_ == unknown_size) drain(memory);
       return false;
     }
-    const std::uint64_t wanted = std::min(per_block_, layout_.count - next_), first = next_;
+    const std::uint64_t wanted = std::min({per_block_, layout_.count - next_, end_ - next_});
+    const std::uint64_t first = next_;
     const std::size_t bytes = wanted * layout_.record_bytes;
     char* const out = memory.room(bytes);
     const std::size_t got = from_.stream->read(out, bytes);
@@ -184,7 +193,7 @@ class PipedRecords : public BlockSource {
 
   OpenedBytes from_;
   RecordLayout layout_;
-  std::uint64_t per_block_, next_ = 0, pass_ = 0;
+  std::uint64_t per_block_, next_ = 0, pass_ = 0, end_ = unknown_size;
   bool begun_ = false;
   bool empty_ = true;  ///< no points so far
 };
@@ -211,6 +220,7 @@ class TextBlocks : public BlockSource {
     lines_ = from.file_lines;
     points_ = from.file_points;
   }
+  void end_at(const BlockPosition& end) override { end_ = end.file_bytes; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (!begun_) begin(memory);
@@ -224,6 +234,12 @@ class TextBlocks : public BlockSource {
     task.file_bytes = at_;
     task.file_lines = lines_;
     task.taken = from_.stream->taken();
+    task.count_points = [this, begin, size, before] {
+      const Source piece{name_, begin, size};
+      const auto points = index_lines(piece, begin, before, options_, is_point_line).points;
+      points_ += points;
+      return points;
+    };
     task.load = [this, begin, size, before] {
       LoadedBlock block;
       block.data = read_text_piece({name_, begin, size}, before, preamble_, options_);
@@ -233,7 +249,8 @@ class TextBlocks : public BlockSource {
     return true;
   }
   void finish() const override {
-    if (preamble_.kind != Preamble::none && points_ != preamble_.count)
+    const bool promised = preamble_.kind != Preamble::none && end_ == unknown_size;
+    if (promised && points_ != preamble_.count)
       fail_at_line({name_, nullptr, 0}, preamble_.promised_at, "promises ", preamble_.count,
                    " points, but ", points_.load(), " lines follow");
   }
@@ -256,7 +273,8 @@ class TextBlocks : public BlockSource {
     char* out = memory.room(capacity);
     std::memcpy(out, rest_.data(), size);
     for (;;) {
-      const std::size_t got = ended_ ? 0 : from_.stream->read(out + size, capacity - size);
+      const std::size_t room = std::min<std::uint64_t>(capacity - size, end_ - at_ - size);
+      const std::size_t got = ended_ ? 0 : from_.stream->read(out + size, room);
       if (got < capacity - size) ended_ = true;
       const std::size_t had = size;
       size += got;
@@ -281,7 +299,7 @@ class TextBlocks : public BlockSource {
   Preamble preamble_;
   ReadOptions options_;
   std::size_t block_bytes_;
-  std::uint64_t body_, at_ = 0, lines_ = 0;
+  std::uint64_t body_, at_ = 0, lines_ = 0, end_ = unknown_size;
   std::atomic<std::uint64_t> points_{0};
   std::string rest_;
   bool begun_ = false, ended_ = false;
@@ -299,6 +317,7 @@ class WholeInput : public BlockSource {
     if (options_.format == "hullstate") note_grid();
   }
   void go_on_from(const BlockPosition& from) override { done_ = from.file_points > 0; }
+  void end_at(const BlockPosition&) override {}  // a block, of which the visitor takes rows
 
   bool next(BlockTask& task, BlockMemory&) override {
     if (std::exchange(done_, true)) return false;
@@ -316,6 +335,7 @@ class WholeInput : public BlockSource {
     task.count.reset();
     task.taken = from_.stream->taken();
     task.load = [this, size] { return load({name_, bytes_.data(), size}); };
+    task.count_points = [load = task.load] { return load().count(); };
     return true;
   }
 

@@ -36,6 +36,8 @@ struct LoadedBlock {
 
 struct BlockTask {
   std::optional<std::uint64_t> count;  ///< of points, where it is known before loading
+  /// Counts the points where `count` is unknown; in place of load(), as cheaply as it can.
+  std::function<std::uint64_t()> count_points;
   /// Callable from any thread; uses the memory that next() was given.
   std::function<LoadedBlock()> load;
   /// The input's position after this block; of points only where `count` is known.
@@ -53,7 +55,12 @@ class BlockSource {
   virtual bool next(BlockTask& task, BlockMemory& memory) = 0;
   /// Skips what was visited before; called before next().
   virtual void go_on_from(const BlockPosition& from) = 0;
-  /// After all tasks were loaded: checks that the input was as long as its header promised.
+  /// Leaves out what lies behind this position; called before next().
+  virtual void end_at(const BlockPosition& end) = 0;
+  /// The number of points, where the header says it.
+  virtual std::optional<std::uint64_t> count() const { return std::nullopt; }
+  /// After all tasks were loaded or counted: checks that the input was as long as its header
+  /// promised.
   virtual void finish() const {}
   const std::string& name() const { return name_; }
   const std::string& format() const { return format_; }

@@ -1,4 +1,5 @@
 // visit_blocks: threads that take the next block, read it, and hand it to the visitor.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -164,8 +165,9 @@ class Reading {
   void work() {
     BlockMemory memory;
     for (Taken taken; take(taken, memory);) try {
-        const LoadedBlock block = taken.task.load();
+        LoadedBlock block = taken.task.load();
         name(taken, block);
+        cut(taken, block);
         visit(taken, block);
         pass_on(taken);
       } catch (const Dropped&) {
@@ -223,7 +225,7 @@ class Reading {
 
   bool open_next() {
     std::unique_ptr<BlockSource> source;
-    if (next_file_ < files_.size()) source = open_source(files_[next_file_], options_);
+    if (next_file_ < files_end()) source = open_source(files_[next_file_], options_);
     if (source != nullptr) note_placement(*source);
     const std::lock_guard lock(mutex_);
     if (current_ != active_.end()) {
@@ -240,6 +242,8 @@ class Reading {
     active_.push_back({std::move(source), next_file_, 0, 0, false, false});
     current_ = std::prev(active_.end());
     if (summary_.format.empty()) summary_.format = current_->source->format();
+    if (options_.rows.end != RowRange().end && next_file_ == options_.rows.to.file)
+      current_->source->end_at(options_.rows.to);
     if (next_file_ == options_.from.file) {
       current_->source->go_on_from(options_.from);
       // Ids continue from there; bytes are counted from the beginning of the input again.
@@ -249,6 +253,13 @@ class Reading {
     }
     ++next_file_;
     return true;
+  }
+
+  /// Behind the last input that has rows to visit.
+  std::uint64_t files_end() const {
+    const BlockPosition& to = options_.rows.to;
+    if (options_.rows.end == RowRange().end) return files_.size();
+    return to.file + (to.file_points > 0 ? 1 : 0);
   }
 
   /// Called by one thread at a time, in order.
@@ -325,6 +336,26 @@ class Reading {
     throw Dropped();
   }
 
+  /// Leaves the rows that options_.rows asks for.
+  void cut(Taken& taken, LoadedBlock& block) const {
+    const std::uint64_t first = taken.first_id, count = block.count();
+    const std::uint64_t begin = std::clamp(options_.rows.begin, first, first + count) - first;
+    const std::uint64_t end = std::clamp(options_.rows.end, first, first + count) - first;
+    if (block.state || end - begin == count) return;
+    PointData& data = block.data;
+    if (end > begin) data.view.data = data.view.address(begin, 0);
+    data.view.count = end - begin;
+    data.not_finite.point -= begin;
+    if (!options_.read.key.empty()) data.keys = part_of(data.keys, begin, end);
+    taken.first_id += begin;
+  }
+
+  static PointKeys part_of(const PointKeys& keys, std::uint64_t begin, std::uint64_t end) {
+    PointKeys part;
+    for (std::uint64_t i = begin; i < end; ++i) part.add(keys[i]);
+    return part;
+  }
+
   void visit(const Taken& taken, const LoadedBlock& block) const {
     const std::string& file = taken.input->source->name();
     if (block.state) {
@@ -367,9 +398,7 @@ class Reading {
     rows.count = end - begin;
     if (options_.read.key.empty()) return visitor_.points(rows, taken.first_id + begin);
     if (all) return visitor_.keyed(rows, taken.first_id, keys);
-    PointKeys part;
-    for (std::uint64_t i = begin; i < end; ++i) part.add(keys[i]);
-    visitor_.keyed(rows, taken.first_id + begin, part);
+    visitor_.keyed(rows, taken.first_id + begin, part_of(keys, begin, end));
   }
 
   void pass_on(const Taken& taken) {
@@ -442,6 +471,7 @@ namespace cullhull {
 BlockSummary visit_blocks(const std::vector<std::string>& files, const BlockVisitor& visitor,
                           const BlockOptions& options) {
   BlockOptions reading = options;
+  if (reading.from == BlockPosition()) reading.from = reading.rows.from;
   // Before the first input is opened: what was visited before may have been all of them.
   const bool many = files.size() > 1 || options.from != BlockPosition();
   if (many && reading.read.numbers == Numbers::grid && !reading.read.grid)
