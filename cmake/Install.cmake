@@ -81,9 +81,6 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/cullhull.pc"
 
 if(CULLHULL_BUILD_APPS)
   install(TARGETS cullhull_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-  if(CULLHULL_HAVE_MPI)
-    install(TARGETS cullhull_mpi_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-  endif()
   if(CULLHULL_BUILD_PAGES)
     include(cmake/Pages.cmake)
   endif()

@@ -36,17 +36,11 @@ int run() {
     const auto points =
         cullhull::PointView::row_major(mine.places.data(), mine.places.size() / 3, 3);
     // Every rank gets the hull; the particles stay where they are.
-    cullhull::mpi::Report report;
-    cullhull::mpi::JobOptions options;
-    options.report = &report;
-    const cullhull::Hull hull = cullhull::mpi::convex_hull(MPI_COMM_WORLD, points, options);
+    const cullhull::Hull hull = cullhull::mpi::hull(points, MPI_COMM_WORLD);
     shrinks = shrinks && hull.volume < before;
     before = hull.volume;
     if (rank == 0)
-      std::printf("step %d: %zu vertices, volume %.4f, %.2f %% of the particles' bytes sent\n",
-                  step, hull.vertices.size(), hull.volume,
-                  100.0 * static_cast<double>(report.bytes) /
-                      static_cast<double>(report.points * 3 * sizeof(double)));
+      std::printf("step %d: %zu vertices, volume %.4f\n", step, hull.vertices.size(), hull.volume);
     mine.step(0.1);
   }
   return shrinks ? 0 : 1;

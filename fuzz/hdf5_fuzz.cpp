@@ -55,9 +55,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.threads = 1;
   options.memory_budget = std::uint64_t{1} << 24;
   try {
-    internal::Slice slice;
     const internal::PointData points =
-        internal::read_hdf5(file.name(), datasets[data[0] % 4], options, slice);
+        internal::read_hdf5(file.name(), datasets[data[0] % 4], options);
     if (points.view.dimension == 0) std::abort();
     fuzz::touch_all(points.view);
   } catch (const Error& error) {

@@ -11,9 +11,6 @@ namespace app {
 using Command = std::function<int()>;
 
 Command add_hull(Parser& parent);
-/// The command `hull` on points that several processes read; it must outlive the command.
-struct Elsewhere;
-Command add_hull_of(Parser& parent, const Elsewhere* elsewhere);
 Command add_cull(Parser& parent);
 Command add_certify(Parser& parent);
 Command add_generate(Parser& parent);

@@ -73,7 +73,6 @@ struct HullArguments {
   FacesArguments faces;
   StreamArguments stream;
   std::vector<std::string> files;  ///< the files that the input's words stand for
-  const Elsewhere* elsewhere = nullptr;
 };
 
 struct HullOutcome : Repeated<Hull> {
@@ -360,8 +359,6 @@ std::vector<double> vertex_rows(const cullhull::HullState& state, const Hull& hu
 /// Reads everything again and certifies the hull.
 Certificate certify_streamed(const HullArguments& arguments, const Streamed& streamed,
                              const Hull& hull) {
-  if (arguments.elsewhere != nullptr)
-    return arguments.elsewhere->certify(hull, vertex_rows(streamed.state, hull));
   for (const std::string& file : arguments.files)
     if (file == "-" || ending_of(file) == ".hullstate")
       throw Error(ErrorCode::invalid_argument, "--certify reads all points once more, which ",
@@ -429,10 +426,7 @@ std::string state_lines(const HullArguments& arguments, const Streamed& streamed
 
 int run_streamed(const HullArguments& arguments, const FilePlan& plan) {
   Streamed streamed =
-      arguments.elsewhere != nullptr
-          ? arguments.elsewhere->state(arguments.input, arguments.files, arguments.run)
-          : stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
-  streamed.input = arguments.input;
+      stream_state(arguments.input, arguments.files, arguments.stream, arguments.run);
   cullhull::HullState& state = streamed.state;
   const cullhull::Grid& grid = streamed.read.grid;
   const bool speaks = !arguments.run.quiet && !plan.uses_stdout();
@@ -546,29 +540,12 @@ void check_groups(const HullArguments& a) {
                 "--columns, --memory and --threads");
 }
 
-/// Points that are distributed over ranks, one of which is this process.
-int run_elsewhere(const HullArguments& arguments, const FilePlan& plan) {
-  const std::string why_not = needs_memory(arguments);
-  if (!arguments.by.empty()) throw Error(ErrorCode::invalid_argument, "--by is for one process");
-  if (arguments.input.skip_nan)
-    throw Error(ErrorCode::invalid_argument, "--skip-nan is for one process");
-  if (!why_not.empty() || arguments.stream.stream == "off")
-    throw Error(ErrorCode::invalid_argument, (why_not.empty() ? "--stream off" : why_not),
-                " needs all points in one process's memory");
-  if (!arguments.stream.checkpoint.empty() || arguments.stream.first_id > 0)
-    throw Error(ErrorCode::invalid_argument, "--checkpoint and --first-id are for one process");
-  if (arguments.elsewhere->reports) return run_streamed(arguments, plan);
-  (void)arguments.elsewhere->state(arguments.input, arguments.files, arguments.run);
-  if (arguments.certify) (void)arguments.elsewhere->certify(Hull(), {});
-  return 0;
-}
-
 int run(HullArguments arguments) {
   (void)format_words(arguments.formats);  // refuses unknown words before the work
   arguments.files = arguments.input.find_files();
   if (arguments.by.empty()) arguments.stream.take_state(arguments.outputs);
   const FilePlan plan = plan_files(arguments);
-  if (!arguments.by.empty() && arguments.elsewhere == nullptr) {
+  if (!arguments.by.empty()) {
     check_groups(arguments);
     return run_groups(arguments.input, arguments.files, arguments.by, arguments.keep,
                       arguments.outputs[0], arguments.run);
@@ -580,7 +557,6 @@ int run(HullArguments arguments) {
   const std::string lists = lists_all_points(arguments);
   if (arguments.input.skip_nan && !lists.empty())
     throw Error(ErrorCode::invalid_argument, "--skip-nan: ", lists, " lists every point");
-  if (arguments.elsewhere != nullptr) return run_elsewhere(arguments, plan);
   const std::string why_not = needs_memory(arguments);
   if (arguments.stream.wanted(arguments.files, arguments.run, why_not))
     return run_streamed(arguments, plan);
@@ -590,11 +566,8 @@ int run(HullArguments arguments) {
 
 }  // namespace
 
-Command add_hull(Parser& parent) { return add_hull_of(parent, nullptr); }
-
-Command add_hull_of(Parser& parent, const Elsewhere* elsewhere) {
+Command add_hull(Parser& parent) {
   auto a = std::make_shared<HullArguments>();
-  a->elsewhere = elsewhere;
   Parser& command = *parent.add_subcommand("hull", "Compute the exact convex hull of points");
   a->input.add_many_to(command);
   add_crs_option(command, a->input.crs);

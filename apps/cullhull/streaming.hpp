@@ -85,17 +85,6 @@ cullhull::BlockSummary stream_blocks(
 /// The first of the files that can be read only once; empty if there is none.
 std::string first_pipe(const std::vector<std::string>& files);
 
-/// Where the state of all points comes from, and who certifies its hull, if not only this process.
-struct Elsewhere {
-  /// Whether this process writes and prints; other processes only provide state, hull and rows.
-  bool reports = true;
-  std::function<Streamed(const InputArguments&, const std::vector<std::string>& files,
-                         const RunArguments&)>
-      state;
-  std::function<cullhull::Certificate(const cullhull::Hull&, std::vector<double> vertex_rows)>
-      certify;
-};
-
 /// The rest of the work is done: removes the checkpoint.
 void remove_checkpoint(const StreamArguments& stream);
 

@@ -78,10 +78,6 @@ struct ReadOptions {
   /// (.gz, .zst, .npz) and parses, but not the pages of a mapped file. 0: half of the memory that
   /// the process may use. visit_blocks needs memory for a few blocks alone.
   std::uint64_t memory_budget = 0;
-  /// Read only part `part` (from 0) of `parts` nearly equal parts, if the format has random access:
-  /// .npy, .las, raw, binary .ply and .pcd, unless compressed, and HDF5. Other files are read whole
-  /// (PointFile::in_parts). For open_points only.
-  std::uint64_t part = 0, parts = 1;
   Numbers numbers = Numbers::world;
   /// For Numbers::grid: the grid, from common_grid of all inputs; not set: the file's own grid;
   /// empty grid: world coordinates.
@@ -140,12 +136,8 @@ class PointFile {
   /// they have none. ReadOptions::columns selects others. Empty: more than 65,536.
   std::vector<std::string> columns() const;
   bool mapped() const noexcept;  ///< true if the file is read in place
-  /// True if points() is the part that ReadOptions::part selects; false: all points.
-  bool in_parts() const noexcept;
-  std::uint64_t first() const noexcept;  ///< index in the file of the first of points()
-  std::uint64_t total() const noexcept;  ///< points in the file
   /// The number in the file (from 0) of each point of points(), ascending, if
-  /// ReadOptions::skip_nan left out others; else empty: point i has the number first() + i. An
+  /// ReadOptions::skip_nan left out others; else empty: point i has the number i. An
   /// increasing function of the ids: hull.rename([&](std::uint64_t i) { return file.rows()[i]; }).
   const std::vector<std::uint64_t>& rows() const noexcept;
   /// The number of points that ReadOptions::skip_nan left out.

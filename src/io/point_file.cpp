@@ -31,8 +31,6 @@ struct PointFile::Impl {
   std::vector<double> weights;
   std::vector<std::uint64_t> rows;  ///< where points were left out
   std::uint64_t skipped = 0;
-  internal::Slice slice;
-  bool in_parts = false;
   bool placed = false;  ///< no longer the file's own numbers
   double seconds = 0;
   std::uint64_t budget = 0;  ///< of the options that the file was opened with
@@ -81,7 +79,6 @@ struct PointFile::Impl {
     for (std::size_t i = 0; !weights.empty() && i < rows.size(); ++i) weights[i] = weights[rows[i]];
     if (!weights.empty()) weights.resize(rows.size());
     if (std::binary_search(out.begin(), out.end(), data.not_finite.point)) data.not_finite = {};
-    for (std::uint64_t& row : rows) row += slice.first;
     file = internal::MappedFile();
     unpacked = {};
   }
@@ -119,9 +116,6 @@ std::vector<std::string> PointFile::columns() const {
                               : data.columns;
 }
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
-bool PointFile::in_parts() const noexcept { return impl_->in_parts; }
-std::uint64_t PointFile::first() const noexcept { return impl_->slice.first; }
-std::uint64_t PointFile::total() const noexcept { return impl_->slice.total; }
 const std::vector<std::uint64_t>& PointFile::rows() const noexcept { return impl_->rows; }
 std::uint64_t PointFile::skipped() const noexcept { return impl_->skipped; }
 std::optional<PointLine> PointFile::first_not_finite() const noexcept {
@@ -394,20 +388,7 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
   return layout;
 }
 
-Slice::Slice(std::uint64_t points, const ReadOptions& options) : total(points) {
-  const std::uint64_t part = options.part, parts = options.parts;
-  if (part >= parts) throw Error(ErrorCode::invalid_argument, "part ", part, " of ", parts);
-  first = points / parts * part + std::min(part, points % parts);
-  count = points / parts + (part < points % parts ? 1 : 0);
-}
-
 namespace {
-
-void restrict_to(const Slice& slice, PointView& view) {
-  if (view.count == 0) return;  // no colours, say
-  if (slice.count > 0) view.data = view.address(slice.first, 0);
-  view.count = slice.count;
-}
 
 /// Of a view that is in place, row after row or axis after axis.
 void prefault(const MappedFile& file, const PointView& view, const ReadOptions& options) {
@@ -442,8 +423,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   if (internal::holds_hdf5(input.file, {source.data, std::min<std::size_t>(source.size, 16)})) {
     impl->file = internal::MappedFile();
     limit.set_in_blocks(true);
-    impl->data = internal::read_hdf5(input.file, input.member, reading, impl->slice);
-    impl->in_parts = true;
+    impl->data = internal::read_hdf5(input.file, input.member, reading);
     take_weights();
     impl->skip_nan(source.name, options);
     impl->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -458,14 +438,7 @@ PointFile open_points(const std::string& path, const ReadOptions& options) {
   impl->data = internal::read_points(source, reading);
   impl->file.check_size();
   take_weights();
-  impl->slice = {0, impl->data.view.count, impl->data.view.count};
-  if (impl->data.in_place && !unpacked) {
-    impl->in_parts = true;
-    impl->slice = internal::Slice(impl->data.view.count, options);
-    internal::restrict_to(impl->slice, impl->data.view);
-    internal::restrict_to(impl->slice, impl->data.colours);
-    internal::prefault(impl->file, impl->data.view, options);
-  }
+  if (impl->data.in_place && !unpacked) internal::prefault(impl->file, impl->data.view, options);
   if (unpacked) impl->file = internal::MappedFile();
   impl->place(options);
   impl->skip_nan(source.name, options);

@@ -93,17 +93,6 @@ struct PointData {
 /// Whether numbers stay as they are stored.
 inline bool stays(Numbers numbers) { return numbers == Numbers::file || numbers == Numbers::raw; }
 
-/// Points of a file that are read, of `total`.
-struct Slice {
-  std::uint64_t first = 0, count = 0, total = 0;
-
-  Slice() = default;
-  Slice(std::uint64_t from, std::uint64_t points, std::uint64_t all)
-      : first(from), count(points), total(all) {}
-  /// The part that options.part names. Throws Error{invalid_argument} if there is no such part.
-  Slice(std::uint64_t points, const ReadOptions& options);
-};
-
 /// Converts little-endian numbers to this machine's byte order: in place where that is
 /// little-endian.
 PointData in_machine_order(PointData data);

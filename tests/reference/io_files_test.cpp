@@ -109,34 +109,39 @@ TEST(Open, PartsAreTheWholeFile) {
   for (const std::string kind : {"rows.npy", "fortran.npy", "points.raw", "text.xyz"})
     for (const std::uint64_t count : {1, 2, 7, 30000}) {
       const std::string path = numbered_points(folder, kind, count);
-      ReadOptions options;
+      BlockOptions options;
+      options.readers = 1;  // blocks in order
+      options.block_bytes = 1 << 16;
       if (kind == "points.raw") {
-        options.raw_dimension = 2;
-        options.raw_scalar = ScalarType::f64;
+        options.read.raw_dimension = 2;
+        options.read.raw_scalar = ScalarType::f64;
       }
-      for (options.parts = 1; options.parts <= 5; ++options.parts) {
-        std::uint64_t next = 0;
-        for (options.part = 0; options.part < options.parts; ++options.part) {
-          const PointFile file = open_points(path, options);
-          const bool in_parts = kind != "text.xyz" && internal::little_endian_machine;
-          EXPECT_EQ(file.in_parts(), in_parts) << kind;
-          EXPECT_EQ(file.total(), count);
-          EXPECT_EQ(file.first(), in_parts ? next : 0);
-          if (!in_parts) next = 0;
-          ASSERT_LE(file.points().count, count - next) << kind;
-          EXPECT_LE(file.points().count, in_parts ? count / options.parts + 1 : count);
-          for (std::uint64_t i = 0; i < file.points().count; ++i, ++next) {
-            ASSERT_EQ(file.points().at(i, 0), static_cast<double>(next)) << kind;
-            ASSERT_EQ(file.points().at(i, 1), static_cast<double>(next)) << kind;
-          }
+      const std::vector<std::string> files{path, path};
+      for (const std::uint64_t parts : {1, 2, 3, 5}) {
+        if (parts > 2 * count) {
+          error_of(ErrorCode::invalid_argument, [&] { rows_of_part(files, 0, parts, options); });
+          continue;
         }
-        EXPECT_EQ(next, count) << kind << ' ' << options.parts;
+        std::uint64_t next = 0;
+        for (std::uint64_t part = 0; part < parts; ++part) {
+          options.rows = rows_of_part(files, part, parts, options);
+          const std::uint64_t begin = next;
+          BlockVisitor visitor;
+          visitor.points = [&](const PointView& block, std::uint64_t first_id) {
+            if (block.count > 0) {
+              ASSERT_EQ(first_id, next);
+            }
+            for (std::uint64_t i = 0; i < block.count; ++i, ++next) {
+              ASSERT_EQ(block.at(i, 0), static_cast<double>(next % count)) << kind;
+              ASSERT_EQ(block.at(i, 1), static_cast<double>(next % count)) << kind;
+            }
+          };
+          visit_blocks(files, visitor, options);
+          EXPECT_EQ(next - begin, 2 * count / parts + (part < 2 * count % parts ? 1 : 0)) << kind;
+        }
+        EXPECT_EQ(next, 2 * count) << kind << ' ' << parts;
       }
-      options.part = 5;
-      options.parts = 5;
-      if (kind == "rows.npy") {
-        error_of(ErrorCode::invalid_argument, [&] { open_points(path, options); });
-      }
+      error_of(ErrorCode::invalid_argument, [&] { rows_of_part(files, 5, 5, options); });
     }
 }
 

@@ -388,13 +388,12 @@ PointData Hdf5Points::read(std::uint64_t, std::uint64_t, char*) const { return {
 #endif
 
 PointData read_hdf5(const std::string& file, const std::string& datasets,
-                    const ReadOptions& options, Slice& slice) {
+                    const ReadOptions& options) {
   const Hdf5Points points(file, datasets);
-  slice = Slice(points.count(), options);
   std::uint64_t bytes = 0;
-  if (!multiply(slice.count, points.record_bytes(), bytes)) throw std::bad_alloc();
+  if (!multiply(points.count(), points.record_bytes(), bytes)) throw std::bad_alloc();
   Buffer memory(std::max<std::uint64_t>(bytes, 1));
-  PointData data = points.read(slice.first, slice.count, memory.as<char>());
+  PointData data = points.read(0, points.count(), memory.as<char>());
   data.storage = std::move(memory);
   data.in_place = false;
   choose_columns(data, points.name(), {}, options);

@@ -42,9 +42,8 @@ class Hdf5Points {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The part that the options name, within options.memory_budget: Error{out_of_budget}. `slice`:
-/// which points these are, of the file's.
+/// All points, within options.memory_budget: Error{out_of_budget}.
 PointData read_hdf5(const std::string& file, const std::string& datasets,
-                    const ReadOptions& options, Slice& slice);
+                    const ReadOptions& options);
 
 }  // namespace cullhull::internal
