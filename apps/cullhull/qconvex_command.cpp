@@ -26,7 +26,7 @@ constexpr const char* help =
     "or\n"
     "any other ('cullhull help formats'); results go to standard output, in the order of the "
     "words:\n"
-    "  Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo Fs FS Ft Fv FV (docs/formats.md)\n"
+    "  Fx i o n p f s Fa FA FC FD FF Fi FI Fn FN Fo Fs FS Ft Fv FV (docs/formats.md)\n"
     "  TI FILE   read the points from FILE           TO FILE   write the results to FILE\n"
     "  TFn       print a summary if there are n or more facets, on standard error\n"
     "  Tv        verify the result exactly           Tz        print the summary on standard "

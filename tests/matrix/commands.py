@@ -83,14 +83,6 @@ def drawn(s: PointSet) -> Optional[str]:
     return single_precision(s)
 
 
-def spanning(s: PointSet) -> Optional[str]:
-    if mesh(s):
-        return mesh(s)
-    if s.affine_dimension < s.dimension:
-        return "the text draws hulls that span their space"
-    return None
-
-
 def up_to_space(s: PointSet) -> Optional[str]:
     return None if s.dimension <= 3 else "cells are drawn and clipped in up to three dimensions"
 
@@ -153,9 +145,8 @@ VERTICES = tuple(
 )
 STATE = Output("--partial .npz", ("--partial", "{}"), ".npz", texts.archive, alike="values")
 
-#: Texts as qconvex prints them; those that draw need a hull that spans its space.
-QCONVEX_WORDS = tuple("Fx i o n p f s m G Fa FA FC FD FF Fi FI FM Fn FN Fo Fs FS Ft Fv FV".split())
-DRAWN = ("m", "G", "FM")
+#: Texts as qconvex prints them.
+QCONVEX_WORDS = tuple("Fx i o n p f s Fa FA FC FD FF Fi FI Fn FN Fo Fs FS Ft Fv FV".split())
 
 FILES_TAKEN = "a sequence is files of points or an array (frames, n, d): "
 SEQUENCE = {
@@ -195,7 +186,7 @@ ROWS = (
     Row(
         "hull --format",
         ("hull", "-q"),
-        tuple(_format(w, spanning if w in DRAWN else always) for w in QCONVEX_WORDS),
+        tuple(_format(w) for w in QCONVEX_WORDS),
         ways={"--stream": "--format o prints all points, which are never in memory together"},
     ),
     *(Row(f"hull {o.name}", ("hull", "-q"), (o,), doors="main") for o in VERTICES),
@@ -467,10 +458,7 @@ ROWS = (
     Row(
         "qconvex",
         ("qconvex", "-q"),
-        tuple(
-            Output(w, (w,), None, texts.text, spanning if w in DRAWN else always)
-            for w in QCONVEX_WORDS
-        ),
+        tuple(Output(w, (w,), None, texts.text) for w in QCONVEX_WORDS),
         shape="qconvex",
         without=ONE_FILE,
     ),

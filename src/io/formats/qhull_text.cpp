@@ -1,17 +1,23 @@
 // Text as Qhull's `qconvex` prints it. Facets are in our order; orientation is Qhull's: det(v1 -
 // v0, ..., x - v0) > 0 for x inside, so polygons in space are clockwise seen from outside.
-#include "io/formats/qhull_text.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
+#include "cullhull/io.hpp"
+#include "io/coordinates.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
 #include "parallel/sort_few.hpp"
 
 namespace cullhull::internal {
+namespace {
 
+/// "%6s ", as Qhull pads its numbers.
 void append_padded(std::string& out, double v) {
   const std::size_t at = out.size();
   append_number(out, v);
@@ -38,13 +44,12 @@ void append_ids(std::string& out, const std::vector<std::uint64_t>& ids) {
   out += '\n';
 }
 
+/// One simplex of every facet.
 std::vector<std::uint64_t> simplex_of_facet(const Hull& hull) {
   std::vector<std::uint64_t> of(hull.facet_count(), 0);
   for (std::uint64_t s = 0; s < hull.simplex_count(); ++s) of[hull.simplex_facets[s]] = s;
   return of;
 }
-
-namespace {
 
 /// Simplex s with its last two vertices swapped: our orientation is the reverse of Qhull's.
 std::vector<std::uint64_t> qhull_simplex(const Hull& hull, std::uint64_t s) {
@@ -60,8 +65,8 @@ std::vector<std::uint64_t> facet_vertices(const Hull& hull, std::uint64_t i) {
           hull.facets.items.data() + hull.facets.offsets[i + 1]};
 }
 
-}  // namespace
-
+/// The vertices of a facet in Qhull's order: det(v1 - v0, ..., x - v0) > 0 for x inside.
+/// `simplex`: one of its simplices.
 std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t i, std::uint64_t simplex) {
   const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
   std::vector<std::uint64_t> ids = facet_vertices(hull, i);
@@ -70,6 +75,7 @@ std::vector<std::uint64_t> qhull_facet(const Hull& hull, std::uint64_t i, std::u
   return ids;
 }
 
+/// The average of the points with these ids, summed so that huge coordinates do not overflow.
 std::vector<double> average_of(const Coordinates& points, const std::vector<std::uint64_t>& ids) {
   std::vector<double> average(points.dimension, 0);
   const auto n = static_cast<double>(ids.size());
@@ -77,8 +83,6 @@ std::vector<double> average_of(const Coordinates& points, const std::vector<std:
     for (const std::uint64_t id : ids) average[j] += points.at(id, j) / n;
   return average;
 }
-
-namespace {
 
 /// The k-measure of the simplex of these k + 1 points: the product of the edges' components
 /// orthogonal to those before (Gram-Schmidt, twice for slivers), over k!. Scaled by powers of two.
@@ -285,6 +289,16 @@ std::string facet_centres(const Coordinates& points, const Hull& hull) {
   return out;
 }
 
+/// The (k-1)-measure of each facet.
+std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) {
+  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 1));
+  std::vector<double> measures(hull.facet_count(), 0);
+  for (std::uint64_t s = 0; s < hull.simplex_count(); ++s)
+    measures[hull.simplex_facets[s]] +=
+        simplex_measure(points, hull.simplices.data() + s * k, static_cast<std::size_t>(k - 1));
+  return measures;
+}
+
 std::string facet_areas(const Coordinates& points, const Hull& hull) {
   std::string out;
   append_line(out, hull.facet_count());
@@ -394,29 +408,22 @@ std::string refused_word(std::string_view what) {
   if (what == "Fm") return "counts facets merged for being nearly coplanar, which nothing here is";
   if (what == "FO" || what == "FQ") return "prints Qhull's own options";
   if (what == "Fp") return "prints intersections of halfspaces (intersect_halfspaces has them)";
+  if (what == "G" || what == "m" || what == "FM")
+    return "is for Geomview, Mathematica or Maple; -o writes .obj, .off, .ply, .stl or .json";
   if (what == "Fd") return "says that the input is cdd's, which is seen without it";
   return "";
 }
 
 }  // namespace
 
-std::vector<double> facet_measures(const Coordinates& points, const Hull& hull) {
-  const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 1));
-  std::vector<double> measures(hull.facet_count(), 0);
-  for (std::uint64_t s = 0; s < hull.simplex_count(); ++s)
-    measures[hull.simplex_facets[s]] +=
-        simplex_measure(points, hull.simplices.data() + s * k, static_cast<std::size_t>(k - 1));
-  return measures;
-}
-
 }  // namespace cullhull::internal
 
 namespace cullhull {
 
 const std::vector<std::string>& qhull_formats() {
-  static const std::vector<std::string> words = {
-      "Fx", "i",  "o",  "n",  "p",  "f",  "s",  "m",  "G",  "Fa", "FA", "FC", "FD",
-      "FF", "Fi", "FI", "FM", "Fn", "FN", "Fo", "Fs", "FS", "Ft", "Fv", "FV"};
+  static const std::vector<std::string> words = {"Fx", "i",  "o",  "n",  "p",  "f",  "s",  "Fa",
+                                                 "FA", "FC", "FD", "FF", "Fi", "FI", "Fn", "FN",
+                                                 "Fo", "Fs", "FS", "Ft", "Fv", "FV"};
   return words;
 }
 
@@ -454,9 +461,6 @@ std::string qhull_text(const internal::Coordinates& points, const Hull& hull,
   if (what == "p") return vertex_coordinates(points, hull);
   if (what == "f" || what == "FF") return dump(points, hull);
   if (what == "s" || what == "FA") return summary(hull, what == "FA");
-  if (what == "m") return mathematica_text(points, hull);
-  if (what == "G") return geomview_text(points, hull);
-  if (what == "FM") return maple_text(points, hull);
   if (what == "Fa") return facet_areas(points, hull);
   if (what == "FC") return facet_centres(points, hull);
   if (what == "FD") return cdd_normals(hull);
