@@ -79,9 +79,7 @@ class DeviceFilter {
     run_.report("cull", 0);
     Filtered result;
     std::vector<std::uint64_t> ids = pseudo_hull_survivors_cuda(points_, {}, run_.control);
-    require_room(ids.size());
-    result.rows = download_points(points_, ids.data(), ids.size(), run_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
+    fetch_rows(ids, result);
     result.survivors.all = ids.size() == points_.count;
     if (!result.survivors.all) result.survivors.ids = std::move(ids);
     result.survivors.filter = UsedFilter::pseudo_hull;
@@ -119,27 +117,30 @@ class DeviceFilter {
     return all_points(std::move(result));
   }
 
+  /// Copies the rows of these points to the host.
+  void fetch_rows(const std::vector<std::uint64_t>& ids, Filtered& result) const {
+    require_room_for_survivors(ids.size(), d_, run_);
+    result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
+  }
+
   /// Copies ids and rows (`view`) to the host.
   void copy_survivors(const DevicePointView& view, const DeviceIds& left, Filtered& result) const {
-    require_room(left.count);
+    require_room_for_survivors(left.count, d_, run_);
     std::vector<std::uint64_t> ids(left.count);
-    download(ids.data(), left.ids.data(), left.count, static_cast<cudaStream_t>(points_.stream));
-    result.rows = download_points(view, nullptr, left.count, run_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
+    download(ids.data(), left.ids.data(), left.count, cuda_stream_of(points_));
+    result.rows = download_finite(view, nullptr, left.count, ids.data(), run_);
     result.survivors.ids = std::move(ids);
   }
 
   /// Copies all points to the host if no filter is worthwhile.
   Filtered all_points(Filtered&& result) const {
-    result.rows = fetch_all();
+    result.rows = download_all(points_, run_);
     return std::move(result);
   }
 
-  Array<double> fetch_all() const { return download_all(points_, run_); }
-
   /// Copies all points to the host and filters them there. `why` completes the reason reported.
   Filtered culled_on_host(const std::string& why) const {
-    Array<double> rows = fetch_all();
+    Array<double> rows = download_all(points_, run_);
     const PointView view = PointView::row_major(rows.data(), points_.count, d_);
     Options options = run_.options;
     options.backend = Backend::cpu;
@@ -153,33 +154,24 @@ class DeviceFilter {
     return result;
   }
 
+  /// Some of all points. Refused is the first point of all that is not finite, not the first of a
+  /// sample.
   SampledPoints sampled(const DevicePointView& points) const {
     return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
-              Array<double> rows = download_points(points, ids.data(), ids.size(), run_);
-              // As for every engine, -0 becomes +0 and points that are not finite are refused.
-              return gather_points(PointView::row_major(rows.data(), ids.size(), d_), nullptr,
-                                   ids.size(), run_);
+              return gather_from_device(points, ids, points_, run_);
             }};
   }
 
-  /// The map of a sample of all points. Names the first point of all that is not finite, not the
-  /// first of the sample.
+  /// The map of a sample of all points. In 2D and 3D a pseudo-hull follows, which needs no large
+  /// sample. In 3D, of 100M points of a ball, the map of a probe leaves 6 %, that of four times as
+  /// many points 2 %; each point left costs the surface's growth 1.2 ns, and the larger sample's
+  /// hull takes 0.6 ms (H200): as much at 16M points.
   SampledMap first_map() const {
-    try {
-      return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
-                           most_gauge_nodes(this_device()), run_,
-                           d_ == 3         ? 1
-                           : grows_later() ? 4
-                                           : ~std::uint64_t{0});
-    } catch (const Error& e) {
-      if (e.code() != ErrorCode::not_finite) throw;
-    }
-    refuse_first_not_finite(points_, run_);
-  }
-
-  void require_room(std::uint64_t count) const {
-    require_budget(run_.budget, count * (d_ + 2) * sizeof(double),
-                   std::to_string(count) + " points that survive the filter");
+    return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
+                         most_gauge_nodes(this_device()), run_,
+                         d_ == 3         ? 1
+                         : grows_later() ? 4
+                                         : ~std::uint64_t{0});
   }
 
   /// Whether a pseudo-hull instead of a second map filters the survivors of the first map. It needs
@@ -195,16 +187,6 @@ class DeviceFilter {
     return "with " + std::to_string(counts.aside) + " points aside and " +
            std::to_string(counts.end.reflex + counts.end.uncertain) +
            " edges that flips did not make convex";
-  }
-
-  /// How many times as large as the probe the map's sample may be. In 2D and 3D a pseudo-hull
-  /// follows, which needs no sample. In 3D, of 100M points of a ball, the map of a probe leaves 6
-  /// %, that of four times as many points 2 %; each point left costs the surface's growth 1.2 ns,
-  /// and the larger sample's hull takes 0.6 ms (H200): as much at 16M points.
-  std::uint64_t most_probes() const {
-    constexpr std::uint64_t many = std::uint64_t{1} << 24;
-    if (d_ == 3 && points_.count < many) return 1;
-    return grows_later() ? 4 : ~std::uint64_t{0};
   }
 
   /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
@@ -228,7 +210,7 @@ class DeviceFilter {
       return kept;
     }
     const SampledMap finer =
-        map_of_sample(finite_sample(view), Insist::late, most_gauge_nodes(this_device()), run_);
+        map_of_sample(sampled(view), Insist::late, most_gauge_nodes(this_device()), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
     result.survivors.filter = UsedFilter::gauge_twice;
@@ -238,9 +220,9 @@ class DeviceFilter {
   /// The usual case: both filters run on the device, and only the survivors of the second are
   /// copied to the host.
   void cull_there(const GaugeTable& table, Filtered& result) const {
-    const auto stream = static_cast<cudaStream_t>(points_.stream);
+    const cudaStream_t stream = cuda_stream_of(points_);
     DeviceIds left = survivors_of_device_points(table, points_);
-    require_room(left.count);
+    require_room_for_survivors(left.count, d_, run_);
     DeviceArray<std::byte> rows = rows_of(points_, left);
     DevicePointView view = packed(rows, left.count);
     run_.report("cull", 0.8);
@@ -261,23 +243,9 @@ class DeviceFilter {
     copy_survivors(view, left, result);
   }
 
-  /// A sample of the survivors. A point that is not finite is refused by its id among all points.
-  SampledPoints finite_sample(const DevicePointView& view) const {
-    SampledPoints s = sampled(view);
-    s.gather = [this, gather = std::move(s.gather)](const std::vector<std::uint64_t>& ids) {
-      try {
-        return gather(ids);
-      } catch (const Error& e) {
-        if (e.code() != ErrorCode::not_finite) throw;
-      }
-      refuse_first_not_finite(points_, run_);
-    };
-    return s;
-  }
-
   /// Gathers the rows of some points on the device.
   DeviceArray<std::byte> rows_of(const DevicePointView& points, const DeviceIds& which) const {
-    const auto stream = static_cast<cudaStream_t>(points_.stream);
+    const cudaStream_t stream = cuda_stream_of(points_);
     DeviceArray<std::byte> rows(which.count * d_ * scalar_size(points_.scalar), stream);
     check(gather_rows(points, which.ids.data(), which.count, rows.data(), stream),
           "gathering points");
@@ -297,9 +265,7 @@ class DeviceFilter {
   /// host, and the second filter runs there.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
     std::vector<std::uint64_t> ids = survivors_by_pieces(table, points_, run_.control);
-    require_room(ids.size());
-    result.rows = download_points(points_, ids.data(), ids.size(), run_);
-    check_rows_finite(result.rows.data(), ids.size(), d_, ids.data(), run_);
+    fetch_rows(ids, result);
     result.survivors.ids = std::move(ids);
     refine_survivors(result, d_, run_);
   }
@@ -311,9 +277,6 @@ class DeviceFilter {
 };
 
 }  // namespace
-}  // namespace cullhull::internal
-
-namespace cullhull::internal {
 
 Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   if (points.count == 0) {

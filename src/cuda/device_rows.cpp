@@ -32,7 +32,7 @@ int device_of(const DevicePointView& points) {
       points.point_stride % size != 0 || points.coordinate_stride % size != 0)
     throw Error(ErrorCode::invalid_argument,
                 "points and strides on a device must be aligned to the scalar's size");
-  refuse_capture(static_cast<cudaStream_t>(points.stream));
+  refuse_capture(cuda_stream_of(points));
   return device;
 }
 
@@ -49,13 +49,35 @@ Placement place_of_device_points(const DevicePointView& points, const Run& run) 
 Array<double> download_all(const DevicePointView& points, const Run& run) {
   require_budget(run.budget, points.count * points.dimension * 2 * sizeof(double),
                  std::to_string(points.count) + " points copied from the device");
-  Array<double> rows = download_points(points, nullptr, points.count, run);
-  check_rows_finite(rows.data(), points.count, points.dimension, nullptr, run);
+  return download_finite(points, nullptr, points.count, nullptr, run);
+}
+
+Array<double> download_finite(const DevicePointView& points, const std::uint64_t* ids,
+                              std::uint64_t count, const std::uint64_t* names, const Run& run) {
+  Array<double> rows = download_points(points, ids, count, run);
+  check_rows_finite(rows.data(), count, points.dimension, names, run);
   return rows;
 }
 
+Array<double> gather_from_device(const DevicePointView& view, const std::vector<std::uint64_t>& ids,
+                                 const DevicePointView& all, const Run& run) {
+  const Array<double> rows = download_points(view, ids.data(), ids.size(), run);
+  try {
+    return gather_points(PointView::row_major(rows.data(), ids.size(), view.dimension), nullptr,
+                         ids.size(), run);
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::not_finite) throw;
+  }
+  refuse_first_not_finite(all, run);
+}
+
+void require_room_for_survivors(std::uint64_t count, unsigned dimension, const Run& run) {
+  require_budget(run.budget, count * (dimension + 2) * sizeof(double),
+                 std::to_string(count) + " points that survive the filter");
+}
+
 void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
-  const auto stream = static_cast<cudaStream_t>(points.stream);
+  const cudaStream_t stream = cuda_stream_of(points);
   unsigned long long first = ~0ULL;
   const DeviceArray<unsigned long long> found(1, stream);
   upload(found.data(), &first, 1, stream);
@@ -63,8 +85,7 @@ void refuse_first_not_finite(const DevicePointView& points, const Run& run) {
   download(&first, found.data(), 1, stream);
   if (first < points.count) {
     const std::uint64_t id = first;
-    const Array<double> row = download_points(points, &id, 1, run);
-    check_rows_finite(row.data(), 1, points.dimension, &id, run);
+    (void)download_finite(points, &id, 1, &id, run);
   }
   throw Error(ErrorCode::internal, "points on the device changed during the call");
 }
@@ -91,8 +112,7 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
 DeviceMemory device_memory(const DevicePointView& points, std::uint64_t bytes) {
   using namespace internal;
   const DeviceScope scope(points.count > 0 ? device_of(points) : this_device().ordinal);
-  const auto memory =
-      std::make_shared<ResultMemory>(bytes, static_cast<cudaStream_t>(points.stream));
+  const auto memory = std::make_shared<ResultMemory>(bytes, cuda_stream_of(points));
   return {{memory, memory->data()}, memory->device()};
 }
 

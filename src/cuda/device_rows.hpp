@@ -28,6 +28,19 @@ Placement place_of_device_points(const DevicePointView& points, const Run& run);
 /// device memory.
 Array<double> download_all(const DevicePointView& points, const Run& run);
 
+/// download_points() that throws Error{not_finite} for the first row that is not finite; row i is
+/// called point names[i], or i if `names` is null.
+Array<double> download_finite(const DevicePointView& points, const std::uint64_t* ids,
+                              std::uint64_t count, const std::uint64_t* names, const Run& run);
+
+/// Copies these points of `view`, some of `all`, to packed rows as gather_points() does: -0 becomes
+/// +0. If one of them is not finite, throws Error{not_finite} for the first such point of `all`.
+Array<double> gather_from_device(const DevicePointView& view, const std::vector<std::uint64_t>& ids,
+                                 const DevicePointView& all, const Run& run);
+
+/// Throws Error{out_of_budget} if that many survivors exceed the budget.
+void require_room_for_survivors(std::uint64_t count, unsigned dimension, const Run& run);
+
 /// Throws Error{not_finite}, which names the first point that is not finite. There must be one.
 [[noreturn]] void refuse_first_not_finite(const DevicePointView& points, const Run& run);
 

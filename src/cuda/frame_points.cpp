@@ -13,8 +13,6 @@
 #include "cullhull/error.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
-#include "geometry/gather.hpp"
-#include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -50,7 +48,7 @@ class DeviceFrame final : public FramePoints {
   const PointView* on_host() const override { return here_ ? here_->on_host() : nullptr; }
 
   Array<double> gather(const std::vector<std::uint64_t>& ids) override {
-    return there_or_here([&] { return gather_there(ids); }, [&] { return here_->gather(ids); });
+    return there_or_here([&] { return gather_from_device(points_, ids, points_, run_); }, [&] { return here_->gather(ids); });
   }
 
   std::uint32_t most_nodes() override {
@@ -109,46 +107,28 @@ class DeviceFrame final : public FramePoints {
     here_.emplace(PointView::row_major(rows_.data(), count, dimension), *host_run_);
   }
 
-  Array<double> gather_there(const std::vector<std::uint64_t>& ids) const {
-    const Array<double> rows = download_points(points_, ids.data(), ids.size(), run_);
-    try {
-      return gather_points(PointView::row_major(rows.data(), ids.size(), dimension), nullptr,
-                           ids.size(), run_);
-    } catch (const Error& e) {
-      if (e.code() != ErrorCode::not_finite) throw;
-    }
-    refuse_first_not_finite(points_, run_);
-  }
-
   void scan_there(const GaugeMap& map, Survivors& result) const {
     result.all = false;
     result.backend = Backend::cuda;
     result.reason += "; " + reason_;
     try {
       const DeviceIds left = survivors_of_device_points(map.table(), points_);
-      require_room(left.count);
+      require_room_for_survivors(left.count, dimension, run_);
       result.ids.resize(left.count);
-      download(result.ids.data(), left.ids.data(), left.count,
-               static_cast<cudaStream_t>(points_.stream));
+      download(result.ids.data(), left.ids.data(), left.count, cuda_stream_of(points_));
       return;
     } catch (const OutOfMemory&) {
       result.reason += "; its memory is nearly full";
     }
     result.ids = survivors_by_pieces(map.table(), points_, run_.control);
-    require_room(result.ids.size());
+    require_room_for_survivors(result.ids.size(), dimension, run_);
   }
 
   void fetch_there(Filtered& result) const {
     const std::vector<std::uint64_t>& ids = result.survivors.ids;
     result.pass_survivors = ids.size();
-    result.rows = download_points(points_, ids.data(), ids.size(), run_);
-    check_rows_finite(result.rows.data(), ids.size(), dimension, ids.data(), run_);
+    result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
     run_.control.report("cull", 0.8);
-  }
-
-  void require_room(std::uint64_t left) const {
-    require_budget(run_.budget, left * (dimension + 2) * sizeof(double),
-                   std::to_string(left) + " points that survive the filter");
   }
 
   const DevicePointView points_;
@@ -162,9 +142,6 @@ class DeviceFrame final : public FramePoints {
 };
 
 }  // namespace
-}  // namespace cullhull::internal
-
-namespace cullhull::internal {
 
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run) {
   return std::make_unique<DeviceFrame>(points, run);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <memory>
 #include <type_traits>
 
 #include "cuda/kernels/gauge_kernel.hpp"
@@ -11,16 +12,6 @@
 
 namespace cullhull::internal {
 namespace {
-
-cudaStream_t stream_of(const DevicePointView& points) {
-  return static_cast<cudaStream_t>(points.stream);
-}
-
-DeviceArray<float> upload_nodes(const GaugeTable& table, cudaStream_t stream) {
-  DeviceArray<float> nodes(table.nodes.size(), stream);
-  upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
-  return nodes;
-}
 
 /// Appends first + i for every set bit i of the mask.
 void list_words(const std::uint32_t* mask, std::uint64_t words, std::uint64_t first,
@@ -123,7 +114,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
   const auto row_bytes = static_cast<std::size_t>(rows.point_stride);
 
   const CudaStream stream;
-  const DeviceArray<float> nodes = upload_nodes(table, stream.get());
+  const DeviceArray<float> nodes = uploaded(table.nodes, stream.get());
   std::vector<std::uint64_t> ids;
   {
     Slot slots[2] = {{piece, row_bytes}, {piece, row_bytes}};
@@ -170,8 +161,8 @@ std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
 // -------------------------------------------------------------- points of the device
 
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points) {
-  const cudaStream_t stream = stream_of(points);
-  const DeviceArray<float> nodes = upload_nodes(table, stream);
+  const cudaStream_t stream = cuda_stream_of(points);
+  const DeviceArray<float> nodes = uploaded(table.nodes, stream);
   const std::uint64_t words = mask_words(points.count);
   const DeviceArray<std::uint32_t> mask(mask_room(points.count), stream);
   check(gauge_mask(table, nodes.data(), points, mask.data(), this_device(), stream), "culling");
@@ -200,17 +191,14 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
                                                const DevicePointView& points,
                                                const Control& control) {
   constexpr std::uint64_t piece = 1 << 22;  // points; their mask takes half a megabyte
-  const cudaStream_t stream = stream_of(points);
-  const DeviceArray<float> nodes = upload_nodes(table, stream);
+  const cudaStream_t stream = cuda_stream_of(points);
+  const DeviceArray<float> nodes = uploaded(table.nodes, stream);
   const DeviceArray<std::uint32_t> device_mask(mask_room(piece), stream);
   std::vector<std::uint32_t> mask(mask_words(piece));
   std::vector<std::uint64_t> ids;
   for (std::uint64_t first = 0; first < points.count; first += piece) {
     control.check();
-    DevicePointView part = points;
-    part.count = std::min(piece, points.count - first);
-    part.data = static_cast<const std::byte*>(points.data) +
-                static_cast<std::ptrdiff_t>(first) * points.point_stride;
+    const DevicePointView part = part_of(points, first, std::min(piece, points.count - first));
     check(gauge_mask(table, nodes.data(), part, device_mask.data(), this_device(), stream),
           "culling");
     download(mask.data(), device_mask.data(), mask_words(part.count), stream);
@@ -222,8 +210,7 @@ std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
 namespace {
 
 const std::byte* point_address(const DevicePointView& points, std::uint64_t i) {
-  return static_cast<const std::byte*>(points.data) +
-         static_cast<std::ptrdiff_t>(i) * points.point_stride;
+  return static_cast<const std::byte*>(part_of(points, i, 1).data);
 }
 
 /// Copies the rows of a view, or of some of its points, to the host. Packed rows are copied
@@ -237,8 +224,8 @@ class Rows {
       : points_(points), ids_(ids), gathers_(ids != nullptr || !points.packed_rows()) {
     if (!gathers_) return;
     try {
-      packed_ = DeviceArray<T>(most * points.dimension, stream_of(points));
-      if (ids != nullptr) piece_ids_ = DeviceArray<std::uint64_t>(most, stream_of(points));
+      packed_ = DeviceArray<T>(most * points.dimension, cuda_stream_of(points));
+      if (ids != nullptr) piece_ids_ = DeviceArray<std::uint64_t>(most, cuda_stream_of(points));
     } catch (const OutOfMemory&) {
       packed_ = {};
       gathers_ = false;
@@ -248,19 +235,16 @@ class Rows {
   /// Starts copying rows [first, first + n) of the selected ones to `to`, on the points' stream.
   void copy(std::uint64_t first, std::uint64_t n, T* to) const {
     if (!gathers_) return copy_records(first, n, to);
-    const cudaStream_t stream = stream_of(points_);
-    DevicePointView part = points_;
-    if (ids_ == nullptr)
-      part.data = point_address(points_, first);
-    else
-      upload(piece_ids_.data(), ids_ + first, n, stream);
+    const cudaStream_t stream = cuda_stream_of(points_);
+    const DevicePointView part = ids_ == nullptr ? part_of(points_, first, n) : points_;
+    if (ids_ != nullptr) upload(piece_ids_.data(), ids_ + first, n, stream);
     check(gather_rows(part, piece_ids_.data(), n, packed_.data(), stream), "gathering points");
     copy_packed(packed_.data(), n * points_.dimension, to);
   }
 
  private:
   void copy_packed(const void* from, std::uint64_t values, T* to) const {
-    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost, stream_of(points_)),
+    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost, cuda_stream_of(points_)),
           "copying points from the device");
   }
 
@@ -291,7 +275,7 @@ class Rows {
     const std::size_t row = points_.dimension * sizeof(T), bytes = width * sizeof(T);
     if (pitch >= static_cast<std::ptrdiff_t>(bytes) && pitch <= longest_pitch) {
       check(cudaMemcpy2DAsync(to, row, from, static_cast<std::size_t>(pitch), bytes, n,
-                              cudaMemcpyDeviceToHost, stream_of(points_)),
+                              cudaMemcpyDeviceToHost, cuda_stream_of(points_)),
             "copying points from the device");
       return;
     }
@@ -311,19 +295,19 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
                           std::uint64_t count, const Run& run) {
   const unsigned d = points.dimension;
   const std::uint64_t piece = std::max<std::uint64_t>(1, (std::uint64_t{1} << 20) / d);
-  const cudaStream_t stream = stream_of(points);
-  const Landing<T> landing(std::min(piece, count) * d);
+  const cudaStream_t stream = cuda_stream_of(points);
+  const std::shared_ptr<T> here = landing<T>(std::min(piece, count) * d);
   Rows<T> source(points, ids, std::min(piece, count));
-  // Where a copy is refused, others may be on their way to `landing`.
+  // Where a copy is refused, others may be on their way to `here`.
   const Settled settled(stream);
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     run.check();
     const std::uint64_t n = std::min(piece, count - first);
-    source.copy(first, n, landing.data());
+    source.copy(first, n, here.get());
     synchronise(stream, "copying points from the device");
     run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      std::copy(landing.data() + begin, landing.data() + end, rows.data() + first * d + begin);
+      std::copy(here.get() + begin, here.get() + end, rows.data() + first * d + begin);
     });
   }
   return rows;

@@ -2,6 +2,7 @@
 // kernels/gauge_kernel.hpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,17 @@ namespace cullhull::internal {
 /// short, the pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
 std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
                                                     const PointView& points, const Run& run);
+
+inline cudaStream_t cuda_stream_of(const DevicePointView& points) {
+  return static_cast<cudaStream_t>(points.stream);
+}
+/// The points [first, first + count).
+inline DevicePointView part_of(DevicePointView points, std::uint64_t first, std::uint64_t count) {
+  points.data = static_cast<const std::byte*>(points.data) +
+                static_cast<std::ptrdiff_t>(first) * points.point_stride;
+  points.count = count;
+  return points;
+}
 
 /// Ascending ids in the device's memory.
 struct DeviceIds {

@@ -18,11 +18,7 @@ template <class T>
 class Table {
  public:
   const T* on_device(std::span<const T> numbers, cudaStream_t stream) {
-    if (there_.size() == 0 && !numbers.empty()) {
-      DeviceArray<T> there(numbers.size(), stream);
-      upload(there.data(), numbers.data(), numbers.size(), stream);
-      there_ = std::move(there);
-    }
+    if (there_.size() == 0) there_ = uploaded(numbers, stream);
     return there_.data();
   }
 
@@ -44,18 +40,14 @@ T* room_in(DeviceArray<T>& array, std::uint64_t count, cudaStream_t stream) {
 
 struct QuestionsOnDevice::State {
   State(const DevicePointView& view, const HullTables* tables)
-      : points(view), hull(tables), stream(static_cast<cudaStream_t>(view.stream)) {
+      : points(view), hull(tables), stream(cuda_stream_of(view)) {
     const int ordinal = device_of(view);
     (void)device(ordinal);
     scope.emplace(ordinal);
   }
 
   DevicePointView part(std::uint64_t first, std::uint64_t count) const {
-    DevicePointView view = points;
-    view.data = static_cast<const std::byte*>(points.data) +
-                static_cast<std::ptrdiff_t>(first) * points.point_stride;
-    view.count = count;
-    return view;
+    return part_of(points, first, count);
   }
   TablesThere tables() const {
     TablesThere t = {};
@@ -178,10 +170,8 @@ namespace {
 
 template <class T>
 void put_each(T* out, const std::vector<std::uint64_t>& ids, const T* items, cudaStream_t stream) {
-  const DeviceArray<std::uint64_t> ids_there(ids.size(), stream);
-  const DeviceArray<T> items_there(ids.size(), stream);
-  upload(ids_there.data(), ids.data(), ids.size(), stream);
-  upload(items_there.data(), items, ids.size(), stream);
+  const DeviceArray<std::uint64_t> ids_there = uploaded(ids, stream);
+  const DeviceArray<T> items_there = uploaded(std::span(items, ids.size()), stream);
   check(scatter_items(ids_there.data(), items_there.data(), ids.size(), out, stream),
         "copying answers");
   synchronise(stream, "copying answers");

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "cuda/backend.hpp"
@@ -180,6 +182,15 @@ void upload(T* to, const T* from, std::size_t count, cudaStream_t stream) {
   synchronise(stream, "copying to the device");
 }
 
+/// A copy of these items in the device's memory.
+template <class Items>
+auto uploaded(const Items& items, cudaStream_t stream) {
+  DeviceArray<std::remove_cv_t<std::remove_reference_t<decltype(*items.data())>>> there(
+      items.size(), stream);
+  upload(there.data(), items.data(), items.size(), stream);
+  return there;
+}
+
 /// Copies from the device to the host, and returns when the copy is complete.
 template <class T>
 void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
@@ -191,21 +202,15 @@ void download(T* to, const T* from, std::size_t count, cudaStream_t stream) {
 
 /// Host memory for copies from the device: pinned or, if none is available, pageable.
 template <class T>
-class Landing {
- public:
-  explicit Landing(std::size_t count) {
-    try {
-      pinned_ = PinnedArray<T>(count);
-    } catch (const OutOfMemory&) {
-      pageable_ = Array<T>(count);
-    }
+std::shared_ptr<T> landing(std::size_t count) {
+  try {
+    const auto pinned = std::make_shared<PinnedArray<T>>(count);
+    return {pinned, pinned->data()};
+  } catch (const OutOfMemory&) {
+    const auto pageable = std::make_shared<Array<T>>(count);
+    return {pageable, pageable->data()};
   }
-  T* data() const { return pinned_.data() != nullptr ? pinned_.data() : pageable_.data(); }
-
- private:
-  PinnedArray<T> pinned_;
-  mutable Array<T> pageable_;
-};
+}
 
 /// download() of many items: by pinned memory, from which the threads of `run` copy, as the driver
 /// copies to other memory at a tenth of the link's rate.
@@ -213,13 +218,13 @@ template <class T>
 void download_many(T* to, const T* from, std::size_t count, cudaStream_t stream, const Run& run) {
   constexpr std::size_t piece = (std::size_t{4} << 20) / sizeof(T);
   if (count == 0) return;
-  const Landing<T> landing(std::min(piece, count));
+  const std::shared_ptr<T> here = landing<T>(std::min(piece, count));
   for (std::size_t first = 0; first < count; first += piece) {
     run.check();
     const std::size_t n = std::min(piece, count - first);
-    download(landing.data(), from + first, n, stream);
+    download(here.get(), from + first, n, stream);
     run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      std::copy(landing.data() + begin, landing.data() + end, to + first + begin);
+      std::copy(here.get() + begin, here.get() + end, to + first + begin);
     });
   }
 }

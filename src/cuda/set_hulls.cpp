@@ -13,17 +13,6 @@
 namespace cullhull::internal {
 namespace {
 
-/// Host memory for copies from the device: pinned or, if none is available, pageable.
-std::shared_ptr<std::byte> landing(std::size_t bytes) {
-  try {
-    const auto pinned = std::make_shared<PinnedArray<std::byte>>(bytes);
-    return {pinned, pinned->data()};
-  } catch (const OutOfMemory&) {
-    const auto pageable = std::make_shared<Array<std::byte>>(bytes);
-    return {pageable, pageable->data()};
-  }
-}
-
 /// Starts a copy from the device. `to` may be read after the stream has been waited for.
 template <class T>
 void send_back(T* to, const T* from, std::size_t count, cudaStream_t stream) {
@@ -36,14 +25,6 @@ template <class T>
 void fill(T* to, std::size_t count, int byte, cudaStream_t stream) {
   if (count == 0) return;
   check(cudaMemsetAsync(to, byte, count * sizeof(T), stream), "filling device memory");
-}
-
-/// A copy of the items on the device.
-template <class T>
-DeviceArray<T> uploaded(const std::vector<T>& items, cudaStream_t stream) {
-  DeviceArray<T> there(items.size(), stream);
-  upload(there.data(), items.data(), items.size(), stream);
-  return there;
 }
 
 /// Runs of items to copy within the device's memory: `length` items from `from` to `to`.
@@ -174,7 +155,7 @@ struct ResultArrays {
 
 struct SetsOnDevice::State {
   State(const DevicePointView& view, const Run& caller)
-      : points(view), run(caller), stream(static_cast<cudaStream_t>(view.stream)) {
+      : points(view), run(caller), stream(cuda_stream_of(view)) {
     if (view.count == 0) {
       (void)this_device();
       return;
@@ -199,11 +180,7 @@ struct SetsOnDevice::State {
   unsigned d() const { return points.dimension; }
   std::size_t row_bytes() const { return d() * scalar_size(points.scalar); }
   DevicePointView from(std::uint64_t first) const {
-    DevicePointView view = points;
-    view.data = static_cast<const std::byte*>(points.data) +
-                static_cast<std::ptrdiff_t>(first) * points.point_stride;
-    view.count -= first;
-    return view;
+    return part_of(points, first, points.count - first);
   }
   WarpSets sets() const {
     return {starts.data(), count, device_counts.data(), vertices.data(), simplices.data()};
@@ -314,7 +291,7 @@ void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool m
     s.exponents = DeviceArray<std::int8_t>(sets, s.stream);
     check(measure_sets(s.from(first), s.sets(), s.measures_of_sets(), s.stream), "measuring hulls");
   }
-  s.arriving = landing(sets * sizeof(std::uint16_t));
+  s.arriving = landing<std::byte>(sets * sizeof(std::uint16_t));
   send_back(reinterpret_cast<std::uint16_t*>(s.arriving.get()), s.device_counts.data(), sets,
             s.stream);
 }
@@ -339,7 +316,7 @@ FoundLists SetsOnDevice::fetch() const {
                        ids.data(), simplices.data(), rows.data(), s.stream),
         "packing hulls");
   const bool space = s.d() == 3;  // in 2D the order of the vertices determines the edges
-  const std::shared_ptr<std::byte> memory = landing(rows.size() + vertices + (space ? corners : 0));
+  const std::shared_ptr<std::byte> memory = landing<std::byte>(rows.size() + vertices + (space ? corners : 0));
   state_->lists_arriving = memory;
   Cutter cutter(memory.get());
   auto* const rows_here = cutter.take<std::byte>(rows.size());
@@ -387,7 +364,7 @@ SetRows SetsOnDevice::State::rows_by_kernel(const std::vector<std::uint32_t>& wh
   const DeviceArray<std::byte> there(bytes, stream);
   runs.run(stream,
            [&](const ItemRuns& all) { return copy_point_runs(points, all, there.data(), stream); });
-  const std::shared_ptr<std::byte> memory = landing(bytes);
+  const std::shared_ptr<std::byte> memory = landing<std::byte>(bytes);
   const Settled settled(stream);
   send_back(memory.get(), there.data(), bytes, stream);
   synchronise(stream, "copying points from the device");
@@ -408,9 +385,8 @@ SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& wh
   for (std::size_t begin = 0, end = 1; begin < which.size(); begin = end++) {
     while (end < which.size() && which[end] == which[end - 1] + 1) ++end;
     const std::uint64_t n = rows.starts[end] - rows.starts[begin];
-    DevicePointView part = from(offsets[which[begin]]);
-    part.count = n;
-    const Array<double> copied = download_points(part, nullptr, n, run);
+    const Array<double> copied =
+        download_points(part_of(points, offsets[which[begin]], n), nullptr, n, run);
     std::copy(copied.begin(), copied.end(),
               memory->begin() + static_cast<std::ptrdiff_t>(rows.starts[begin] * d()));
   }
