@@ -774,8 +774,7 @@ class Passes {
     const CudaStream stream;
     const DeviceArray<float> points = repeated(rows, rows.size(), stream.get());
     const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
-    const CellTables tables = internal::cell_tables(cells->table());
-    const CellsOnDevice cells_there(tables, stream.get());
+    const CellsOnDevice cells_there(cells->table(), stream.get());
     const DeviceArray<std::uint8_t> sides(n, stream.get());
     const DeviceArray<std::uint32_t> open(1 + n, stream.get());
     std::uint32_t left = 0;

@@ -111,7 +111,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable* inner, Sid
   return s.listed(first);
 }
 
-std::vector<std::uint64_t> QuestionsOnDevice::sides(const CellTables& cells, SideCodes codes,
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const FacetCellTable& cells, SideCodes codes,
                                                     std::uint64_t first, std::uint64_t count,
                                                     std::uint8_t* out) const {
   State& s = *state_;

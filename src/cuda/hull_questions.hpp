@@ -5,12 +5,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "cullhull/array.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/gauge/gauge_table.hpp"
+#include "geometry/facet_cells.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -29,20 +29,6 @@ struct HullTables {
   double vertex_reach = 0;       ///< largest absolute coordinate in `vertices`
 
   std::size_t simplex_count() const { return simplices.size() / (2 * dimension + 1); }
-};
-
-/// Facets by cells of directions, of a hull of dimension d = 2, 3 or 4: the FacetCellTable of
-/// query/facet_search.hpp, whose arrays must outlive this.
-struct CellTables {
-  static constexpr unsigned most_dimensions = 4;
-  static constexpr unsigned group = 4;
-  unsigned dimension = 0;
-  double low[most_dimensions] = {}, high[most_dimensions] = {};
-  double factor[most_dimensions] = {}, centre[most_dimensions] = {};
-  std::uint32_t resolution = 0;
-  double error_factor = 0, value_tiny = 0, least_reach = 0;
-  std::span<const double> normals;
-  std::span<const std::uint32_t> starts, facets;
 };
 
 /// The bytes that stand for the sides of a point.
@@ -71,7 +57,7 @@ class QuestionsOnDevice {
   std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
                                    std::uint64_t count, std::uint8_t* out) const;
   /// `cells`: the same for every call.
-  std::vector<std::uint64_t> sides(const CellTables& cells, SideCodes codes, std::uint64_t first,
+  std::vector<std::uint64_t> sides(const FacetCellTable& cells, SideCodes codes, std::uint64_t first,
                                    std::uint64_t count, std::uint8_t* out) const;
   /// `ids[v]`: the id of vertex v, for every call the same. Writes the id of the vertex with the
   /// largest scalar product.

@@ -48,7 +48,7 @@ std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable*, SideCodes
                                                     std::uint64_t, std::uint8_t*) const {
   return {};
 }
-std::vector<std::uint64_t> QuestionsOnDevice::sides(const CellTables&, SideCodes, std::uint64_t,
+std::vector<std::uint64_t> QuestionsOnDevice::sides(const FacetCellTable&, SideCodes, std::uint64_t,
                                                     std::uint64_t, std::uint8_t*) const {
   return {};
 }

@@ -10,6 +10,7 @@
 #include "exact/determinants/cofactors.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -77,42 +78,8 @@ std::optional<HullTables> hull_tables(const InnerPolytope& hull,
     mean[i % d] += relative / count;
   }
   for (unsigned j = 0; j < d; ++j) mean[j] += centre[j];
-  switch (d) {
-    case 2:
-      add_simplices<2>(hull, mean.data(), tables);
-      break;
-    case 3:
-      add_simplices<3>(hull, mean.data(), tables);
-      break;
-    case 4:
-      add_simplices<4>(hull, mean.data(), tables);
-      break;
-    case 5:
-      add_simplices<5>(hull, mean.data(), tables);
-      break;
-    default:
-      add_simplices<6>(hull, mean.data(), tables);
-  }
+  with_dimension<2, 5, 6>(d, [&](auto k) { add_simplices<k()>(hull, mean.data(), tables); });
   return tables;
-}
-
-CellTables cell_tables(const FacetCellTable& table) {
-  static_assert(CellTables::most_dimensions == FacetCellTable::max_k &&
-                CellTables::group == FacetCellTable::group);
-  CellTables t;
-  t.dimension = table.k;
-  std::copy_n(table.low, FacetCellTable::max_k, t.low);
-  std::copy_n(table.high, FacetCellTable::max_k, t.high);
-  std::copy_n(table.factor, FacetCellTable::max_k, t.factor);
-  std::copy_n(table.centre, FacetCellTable::max_k, t.centre);
-  t.resolution = static_cast<std::uint32_t>(table.resolution);
-  t.error_factor = table.error_factor;
-  t.value_tiny = FacetSearch::value_tiny;
-  t.least_reach = FacetCellTable::least_reach;
-  t.normals = table.normals;
-  t.starts = table.starts;
-  t.facets = table.facets;
-  return t;
 }
 
 namespace {
@@ -221,7 +188,6 @@ void DeviceQuestions::sides(const SideTables& tables, Out* out, const Here<Out>&
   asked.cells = tables.cells;
   asked.cells_built = tables.cells_built;
   asked.asked_before = tables.asked_before;
-  std::optional<CellTables> cells;
   answer(
       out, asked,
       [&](Answerer way, std::uint64_t first, std::uint64_t count, Out* found) {
@@ -231,8 +197,7 @@ void DeviceQuestions::sides(const SideTables& tables, Out* out, const Here<Out>&
       return device_->sides(inner != nullptr ? &inner->table() : nullptr, codes_of<Out>(), first,
                             count, bytes);
     }
-    if (!cells) cells = cell_tables(tables.facet_cells(run_)->table());
-    return device_->sides(*cells, codes_of<Out>(), first, count, bytes);
+    return device_->sides(tables.facet_cells(run_)->table(), codes_of<Out>(), first, count, bytes);
       },
       here);
 }

@@ -19,9 +19,6 @@ namespace cullhull::internal {
 /// The tables that kernels test points against; nullopt for hulls that kernels do not support.
 std::optional<HullTables> hull_tables(const InnerPolytope& hull, const std::vector<double>& planes);
 
-/// The table of cells as a device reads it. `table` must outlive it.
-CellTables cell_tables(const FacetCellTable& table);
-
 /// What a device can find sides with, besides HullTables; made when the way that needs it is
 /// chosen.
 struct SideTables {

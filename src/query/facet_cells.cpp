@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "filter/planner.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -67,13 +68,14 @@ HWY_INLINE bool find_cells(const FacetCellTable& t, const double* HWY_RESTRICT c
     other[j] = hn::IfThenElse(at_or_after, y[j + 1], y[j]);
   }
   face = hn::Add(face, hn::IfThenElseZero(hn::Lt(dominant, hn::Zero(d)), hn::Set(d, 1.0)));
-  const V half = hn::Set(d, 0.5 * t.resolution), top = hn::Set(d, t.resolution - 1);
+  const V resolution = hn::Set(d, static_cast<double>(t.resolution));
+  const V half = hn::Mul(hn::Set(d, 0.5), resolution), top = hn::Sub(resolution, hn::Set(d, 1.0));
   const V scale = hn::Div(half, hn::Max(largest, hn::Set(d, least_reach)));
   V cell = face;
   for (unsigned j = 0; j + 1 < K; ++j) {
     const V at = hn::Add(hn::Mul(other[j], scale), half);
     const V column = hn::Floor(hn::Min(hn::Max(at, hn::Zero(d)), top));
-    cell = hn::Add(hn::Mul(cell, hn::Set(d, t.resolution)), column);  // integers: exact
+    cell = hn::Add(hn::Mul(cell, resolution), column);  // integers: exact
   }
   const hn::Rebind<std::int32_t, D> d32;
   hn::StoreU(hn::DemoteTo(d32, cell), d32, b.cells + i);
@@ -151,14 +153,7 @@ bool sides_as(const FacetCellTable& t, double* columns, std::uint32_t count, std
 
 bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, std::int8_t* out) {
 #if HWY_HAVE_FLOAT64
-  switch (t.k) {
-    case 2:
-      return sides_as<2>(t, columns, count, out);
-    case 3:
-      return sides_as<3>(t, columns, count, out);
-    default:
-      return sides_as<4>(t, columns, count, out);
-  }
+  return with_dimension<2, 3, 4>(t.k, [&](auto k) { return sides_as<k()>(t, columns, count, out); });
 #else
   // Without vectors of doubles every point is left undecided.
   std::fill(out, out + count, std::int8_t{0});
@@ -350,7 +345,6 @@ std::unique_ptr<FacetCells> FacetCells::build(const FacetSearch& search, const Q
       t.error_factor = std::max(t.error_factor, search.error_factor(f));
   }
   t.resolution = cube.resolution();
-  t.per_face = static_cast<double>(cube.size() / (2 * std::size_t{k}));
   return cells;
 }
 

@@ -13,6 +13,7 @@
 
 #include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
+#include "geometry/facet_cells.hpp"
 #include "parallel/index.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
@@ -53,9 +54,7 @@ QueryPoints make_query_points(const PointView* points, const Hull& hull, const C
 /// largest value, given their error bounds, are reached from some facet through such facets alone.
 class FacetSearch {
  public:
-  /// An upper bound of what underflow adds to a value: determinant_tiny over the least denominator
-  /// allowed, with room.
-  static constexpr double least_denominator = 0x1p-900, value_tiny = 0x1p-90;
+  static constexpr double least_denominator = 0x1p-900, value_tiny = FacetCellFrame::value_tiny;
 
   FacetSearch(const QueryPoints& points, const Hull& hull, const Control& control);
 
@@ -170,24 +169,6 @@ class PlaneTree {
 
 // For each cell of directions, the facets through which a ray in it may leave: in batches, points
 // are tested against these few facets instead of climbing.
-
-/// The data of the kernel.
-struct FacetCellTable {
-  static constexpr unsigned max_k = 4;
-  static constexpr unsigned group = 4;  // facets compared at a time
-  /// Points whose largest |coordinate|, localised, is smaller are left undecided: see
-  /// FacetCells::build.
-  static constexpr double least_reach = 0x1p-500;
-
-  unsigned k = 0;
-  double low[max_k] = {}, high[max_k] = {};       // the vertices' bounding box
-  double factor[max_k] = {}, centre[max_k] = {};  // of FacetSearch::localise
-  double resolution = 0, per_face = 0;
-  double error_factor = 0;            // the largest of all listed facets
-  std::vector<double> normals;        // facets x k
-  std::vector<std::uint32_t> starts;  // cells + 1, in groups; an empty list: undecided
-  std::vector<std::uint32_t> facets;  // groups x `group`; the last group is padded with the first
-};
 
 class FacetCells {
  public:

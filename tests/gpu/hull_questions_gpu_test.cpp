@@ -185,7 +185,7 @@ class Celled {
     const internal::QuestionsOnDevice questions(there, nullptr);
     auto* const out = static_cast<std::uint8_t*>(questions.room(n));
     const std::vector<std::uint64_t> open =
-        questions.sides(internal::cell_tables(cells_->table()), {7, 9}, 0, n, out);
+        questions.sides(cells_->table(), {7, 9}, 0, n, out);
     std::vector<std::uint8_t> answers(n);
     questions.fetch(answers.data(), out, n);
     std::vector<std::uint64_t> expected_open;

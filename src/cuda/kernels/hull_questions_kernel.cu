@@ -166,7 +166,7 @@ __device__ PointAnswer side_by_cells(const CellsThere& hull, const double (&q)[D
     reach = fabs(x[j]) > reach ? fabs(x[j]) : reach;
   }
   if (!in_box) return PointAnswer::outside;
-  if (!(reach >= hull.least_reach)) return PointAnswer::open;
+  if (!(reach >= CellsThere::least_reach)) return PointAnswer::open;
   const std::uint32_t cell = cell_of<D>(x, reach, hull.resolution);
   const std::uint32_t begin = __ldg(hull.starts + cell), end = __ldg(hull.starts + cell + 1);
   if (begin == end) return PointAnswer::open;
@@ -176,15 +176,15 @@ __device__ PointAnswer side_by_cells(const CellsThere& hull, const double (&q)[D
   for (std::uint32_t g = begin; g < end; ++g) {
     const uint4 group = __ldg(groups + g);
     if (g == begin) first = group.x;
-    const std::uint32_t facets[CellTables::group] = {group.x, group.y, group.z, group.w};
+    const std::uint32_t facets[CellsThere::group] = {group.x, group.y, group.z, group.w};
 #pragma unroll
-    for (unsigned m = 0; m < CellTables::group; ++m) {
+    for (unsigned m = 0; m < CellsThere::group; ++m) {
       if (m > 0 && facets[m] == first) break;  // the last group is filled up with the first facet
       const double value = facet_value<D>(hull.normals, facets[m], x);
       most = value > most ? value : most;
     }
   }
-  const double error = hull.error_factor * (reach + fabs(most)) + hull.value_tiny;
+  const double error = hull.error_factor * (reach + fabs(most)) + CellsThere::value_tiny;
   if (most - error > 1) return PointAnswer::outside;
   return most + error < 1 ? PointAnswer::inside : PointAnswer::open;
 }
@@ -303,7 +303,7 @@ cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& 
                                cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
   const unsigned blocks = blocks_for(points.count, cell_threads);
-  return with_types<CellTables::most_dimensions>(points, [&]<unsigned D, class T>() {
+  return with_types<CellsThere::max_k>(points, [&]<unsigned D, class T>() {
     hull_cell_sides<D, T><<<blocks, cell_threads, 0, stream>>>(points, cells, codes, out, open);
   });
 }

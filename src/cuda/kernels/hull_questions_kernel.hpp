@@ -24,15 +24,11 @@ struct TablesThere {
 /// in one sector of 32 bytes and is loaded by pairs.
 constexpr unsigned normal_stride(unsigned dimension) { return dimension == 2 ? 2 : 4; }
 
-/// CellTables in the device's memory.
-struct CellsThere {
-  double low[CellTables::most_dimensions], high[CellTables::most_dimensions];
-  double factor[CellTables::most_dimensions], centre[CellTables::most_dimensions];
-  std::uint32_t resolution;
-  double error_factor, value_tiny, least_reach;
-  const double* normals;        ///< normal_stride() doubles a facet
-  const std::uint32_t* starts;  ///< cells + 1, in groups
-  const std::uint32_t* facets;  ///< groups of CellTables::group
+/// A FacetCellTable in the device's memory.
+struct CellsThere : FacetCellFrame {
+  const double* normals = nullptr;  ///< normal_stride() doubles a facet
+  const std::uint32_t* starts = nullptr;
+  const std::uint32_t* facets = nullptr;
 };
 
 /// Where kernels list the points that they leave open: *count points, which begins as 0, in any
