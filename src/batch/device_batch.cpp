@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,7 +25,7 @@ class DeviceBatch {
       : points_(checked(points)),
         options_(on_host(options)),
         run_(options_),
-        there_(points, run_),
+        device_(sets_on_device(points, run_)),
         starts_(there_.fetch_offsets(offsets, sets + 1)),
         sets_(sets),
         must_(options.backend == Backend::cuda),
@@ -226,7 +227,8 @@ class DeviceBatch {
   const DevicePointView points_;
   const Options options_;
   const Run run_;
-  SetsOnDevice there_;
+  const std::unique_ptr<SetsOnDevice> device_;
+  SetsOnDevice& there_ = *device_;
   const std::vector<std::uint64_t> starts_;
   const std::uint64_t sets_;
   const bool must_, warps_;

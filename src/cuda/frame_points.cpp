@@ -48,7 +48,8 @@ class DeviceFrame final : public FramePoints {
   const PointView* on_host() const override { return here_ ? here_->on_host() : nullptr; }
 
   Array<double> gather(const std::vector<std::uint64_t>& ids) override {
-    return there_or_here([&] { return gather_from_device(points_, ids, points_, run_); }, [&] { return here_->gather(ids); });
+    return there_or_here([&] { return gather_from_device(points_, ids, points_, run_); },
+                         [&] { return here_->gather(ids); });
   }
 
   std::uint32_t most_nodes() override {

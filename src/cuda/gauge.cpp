@@ -244,7 +244,8 @@ class Rows {
 
  private:
   void copy_packed(const void* from, std::uint64_t values, T* to) const {
-    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost, cuda_stream_of(points_)),
+    check(cudaMemcpyAsync(to, from, values * sizeof(T), cudaMemcpyDeviceToHost,
+                          cuda_stream_of(points_)),
           "copying points from the device");
   }
 

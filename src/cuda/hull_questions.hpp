@@ -36,15 +36,12 @@ struct SideCodes {
   std::uint8_t inside, outside;
 };
 
-/// Answers queries about points on their device. The constructor makes that device current for its
-/// thread, and the destructor restores the former one. Functions throw OutOfMemory and Failure.
+/// Answers queries about points on their device, which is current for its thread from creation to
+/// destruction. Functions throw OutOfMemory and Failure.
 class QuestionsOnDevice {
  public:
-  /// `hull` must outlive the object; null: only sides() by cells and the functions after
-  /// distances() are used. Throws Failure if there is no device, and Error{invalid_argument} for
-  /// memory that the device cannot read.
-  QuestionsOnDevice(const DevicePointView& points, const HullTables* hull);
-  ~QuestionsOnDevice();
+  QuestionsOnDevice() = default;
+  virtual ~QuestionsOnDevice() = default;
   QuestionsOnDevice(const QuestionsOnDevice&) = delete;
   QuestionsOnDevice& operator=(const QuestionsOnDevice&) = delete;
 
@@ -54,41 +51,47 @@ class QuestionsOnDevice {
   // 0.
 
   /// `inner`: a map of the hull that is tested first; may be null.
-  std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
-                                   std::uint64_t count, std::uint8_t* out) const;
+  virtual std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes,
+                                           std::uint64_t first, std::uint64_t count,
+                                           std::uint8_t* out) = 0;
   /// `cells`: the same for every call.
-  std::vector<std::uint64_t> sides(const FacetCellTable& cells, SideCodes codes, std::uint64_t first,
-                                   std::uint64_t count, std::uint8_t* out) const;
+  virtual std::vector<std::uint64_t> sides(const FacetCellTable& cells, SideCodes codes,
+                                           std::uint64_t first, std::uint64_t count,
+                                           std::uint8_t* out) = 0;
   /// `ids[v]`: the id of vertex v, for every call the same. Writes the id of the vertex with the
   /// largest scalar product.
-  std::vector<std::uint64_t> supports(const std::vector<std::uint64_t>& ids, std::uint64_t first,
-                                      std::uint64_t count, std::uint64_t* out) const;
+  virtual std::vector<std::uint64_t> supports(const std::vector<std::uint64_t>& ids,
+                                              std::uint64_t first, std::uint64_t count,
+                                              std::uint64_t* out) = 0;
   /// Minus the distance to the boundary of points certainly inside: the largest value of a facet's
   /// plane. All others are open.
-  std::vector<std::uint64_t> distances(std::uint64_t first, std::uint64_t count, double* out) const;
+  virtual std::vector<std::uint64_t> distances(std::uint64_t first, std::uint64_t count,
+                                               double* out) = 0;
 
   /// Memory on the device for `bytes` of answers, valid until the next call or destruction.
-  void* room(std::uint64_t bytes) const;
+  virtual void* room(std::uint64_t bytes) = 0;
   /// Throws Error{invalid_argument} unless the memory is the points' device's, aligned for items of
   /// this size.
-  void require_room(const void* answers, std::size_t item) const;
+  virtual void require_room(const void* answers, std::size_t item) const = 0;
   /// Copies answers to the host, or to the device.
-  void fetch(void* to, const void* from, std::uint64_t bytes) const;
-  void put(void* to, const void* from, std::uint64_t bytes) const;
+  virtual void fetch(void* to, const void* from, std::uint64_t bytes) const = 0;
+  virtual void put(void* to, const void* from, std::uint64_t bytes) const = 0;
   /// out[ids[k]] = items[k] of an array on the device; complete on return.
-  void put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
-                 const std::uint8_t* items) const;
-  void put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
-                 const std::uint64_t* items) const;
+  virtual void put_items(std::uint8_t* out, const std::vector<std::uint64_t>& ids,
+                         const std::uint8_t* items) const = 0;
+  virtual void put_items(std::uint64_t* out, const std::vector<std::uint64_t>& ids,
+                         const std::uint64_t* items) const = 0;
   /// Copies these points to the host, as packed rows.
-  Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const;
+  virtual Array<double> rows(const std::vector<std::uint64_t>& ids, const Run& run) const = 0;
   /// Copies all points to the host. Throws Error{not_finite} for the first point that is not
   /// finite.
-  Array<double> all_rows(const Run& run) const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  virtual Array<double> all_rows(const Run& run) const = 0;
 };
+
+/// `hull` must outlive the result; null: only sides() by cells and the functions after distances()
+/// are used. Throws Failure if there is no device, and Error{invalid_argument} for memory that the
+/// device cannot read.
+std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView& points,
+                                                       const HullTables* hull);
 
 }  // namespace cullhull::internal

@@ -27,69 +27,27 @@ std::vector<std::uint64_t> survivors_there(const GaugeMap&, const PointView&, co
   return {};
 }
 
-struct SetsOnDevice::State {};
-SetsOnDevice::SetsOnDevice(const DevicePointView&, const Run&) { require_cuda(); }
-SetsOnDevice::~SetsOnDevice() = default;
-std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t*, std::uint64_t) const {
-  return {};
+std::unique_ptr<SetsOnDevice> sets_on_device(const DevicePointView&, const Run&) {
+  require_cuda();
+  return nullptr;
 }
-void SetsOnDevice::find(const std::uint64_t*, std::uint32_t, bool) {}
-void SetsOnDevice::find_nothing(const std::uint64_t*, std::uint32_t) {}
-std::vector<std::uint32_t> SetsOnDevice::open_sets() const { return {}; }
-FoundLists SetsOnDevice::fetch() const { return {}; }
-void SetsOnDevice::settle() const {}
-SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>&) const { return {}; }
-DeviceHullBatch SetsOnDevice::join(const HullBatch&, const DeviceBatchOptions&) const { return {}; }
 
-struct QuestionsOnDevice::State {};
-QuestionsOnDevice::QuestionsOnDevice(const DevicePointView&, const HullTables*) { require_cuda(); }
-QuestionsOnDevice::~QuestionsOnDevice() = default;
-std::vector<std::uint64_t> QuestionsOnDevice::sides(const GaugeTable*, SideCodes, std::uint64_t,
-                                                    std::uint64_t, std::uint8_t*) const {
-  return {};
+std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, const HullTables*) {
+  require_cuda();
+  return nullptr;
 }
-std::vector<std::uint64_t> QuestionsOnDevice::sides(const FacetCellTable&, SideCodes, std::uint64_t,
-                                                    std::uint64_t, std::uint8_t*) const {
-  return {};
-}
-std::vector<std::uint64_t> QuestionsOnDevice::supports(const std::vector<std::uint64_t>&,
-                                                       std::uint64_t, std::uint64_t,
-                                                       std::uint64_t*) const {
-  return {};
-}
-std::vector<std::uint64_t> QuestionsOnDevice::distances(std::uint64_t, std::uint64_t,
-                                                        double*) const {
-  return {};
-}
-void* QuestionsOnDevice::room(std::uint64_t) const { return nullptr; }
-void QuestionsOnDevice::require_room(const void*, std::size_t) const {}
-void QuestionsOnDevice::fetch(void*, const void*, std::uint64_t) const {}
-void QuestionsOnDevice::put(void*, const void*, std::uint64_t) const {}
-void QuestionsOnDevice::put_items(std::uint8_t*, const std::vector<std::uint64_t>&,
-                                  const std::uint8_t*) const {}
-void QuestionsOnDevice::put_items(std::uint64_t*, const std::vector<std::uint64_t>&,
-                                  const std::uint64_t*) const {}
-Array<double> QuestionsOnDevice::rows(const std::vector<std::uint64_t>&, const Run&) const {
-  return {};
-}
-Array<double> QuestionsOnDevice::all_rows(const Run&) const { return {}; }
 
-}  // namespace cullhull::internal
-
-namespace cullhull::internal {
 Filtered run_device_filter(const DevicePointView&, const Run&) {
   require_cuda();
   return {};
 }
 
-}  // namespace cullhull::internal
-
-namespace cullhull::internal {
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
   check_arguments(points);
   require_cuda();
   return nullptr;
 }
+
 }  // namespace cullhull::internal
 
 namespace cullhull {

@@ -151,10 +151,9 @@ struct ResultArrays {
   std::int32_t *vertices, *simplices, *vertex_counts, *simplex_counts, *affine_dimensions;
 };
 
-}  // namespace
-
-struct SetsOnDevice::State {
-  State(const DevicePointView& view, const Run& caller)
+class SetsThere final : public SetsOnDevice {
+ public:
+  SetsThere(const DevicePointView& view, const Run& caller)
       : points(view), run(caller), stream(cuda_stream_of(view)) {
     if (view.count == 0) {
       (void)this_device();
@@ -165,10 +164,21 @@ struct SetsOnDevice::State {
     scope.emplace(ordinal);
   }
 
-  ~State() {
+  ~SetsThere() override {
     if (arriving || lists_arriving) (void)cudaStreamSynchronize(stream);
   }
 
+  std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* from,
+                                           std::uint64_t number) const override;
+  void find(const std::uint64_t* of, std::uint32_t sets, bool measured) override;
+  void find_nothing(const std::uint64_t* of, std::uint32_t sets) override;
+  std::vector<std::uint32_t> open_sets() override;
+  FoundLists fetch() override;
+  void settle() override;
+  SetRows fetch_rows(const std::vector<std::uint32_t>& which) const override;
+  DeviceHullBatch join(const HullBatch& rest, const DeviceBatchOptions& wanted) const override;
+
+ private:
   /// Waits for the kernels of find() and takes the counts that they have written.
   void wait() {
     if (!arriving) return;
@@ -182,7 +192,7 @@ struct SetsOnDevice::State {
   DevicePointView from(std::uint64_t first) const {
     return part_of(points, first, points.count - first);
   }
-  WarpSets sets() const {
+  WarpSets this_sets() const {
     return {starts.data(), count, device_counts.data(), vertices.data(), simplices.data()};
   }
   SetRows rows_by_kernel(const std::vector<std::uint32_t>& which, SetRows&& rows) const;
@@ -192,7 +202,7 @@ struct SetsOnDevice::State {
             exponents.data()};
   }
   ListLengths lengths(const HullBatch& rest) const;
-  void write(const HullBatch& rest, const ListLengths& lengths, const DeviceBatchOptions& wanted,
+  void write(const HullBatch& rest, const ListLengths& listed, const DeviceBatchOptions& wanted,
              const DeviceHullBatch& all, const ResultArrays& to) const;
   void copy_rest(const HullBatch& rest, const std::vector<std::int64_t>& vertex_at,
                  const std::vector<std::int64_t>& simplex_at, const ResultArrays& to) const;
@@ -214,117 +224,111 @@ struct SetsOnDevice::State {
   DeviceArray<std::int8_t> exponents;
 };
 
-SetsOnDevice::SetsOnDevice(const DevicePointView& points, const Run& run)
-    : state_(std::make_unique<State>(points, run)) {}
-SetsOnDevice::~SetsOnDevice() = default;
-
-std::vector<std::uint64_t> SetsOnDevice::fetch_offsets(const std::uint64_t* offsets,
-                                                       std::uint64_t count) const {
-  if (offsets == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
+std::vector<std::uint64_t> SetsThere::fetch_offsets(const std::uint64_t* from,
+                                                    std::uint64_t number) const {
+  if (from == nullptr) throw Error(ErrorCode::invalid_argument, "offsets is null");
   cudaPointerAttributes attributes = {};
-  check(cudaPointerGetAttributes(&attributes, offsets), "asking where the offsets are");
+  check(cudaPointerGetAttributes(&attributes, from), "asking where the offsets are");
   if (attributes.type != cudaMemoryTypeDevice) {
     // Pinned and managed memory: work on the stream may still be writing it.
-    if (attributes.type != cudaMemoryTypeUnregistered && state_->scope)
-      synchronise(state_->stream, "waiting for the offsets");
-    return {offsets, offsets + count};
+    if (attributes.type != cudaMemoryTypeUnregistered && scope)
+      synchronise(stream, "waiting for the offsets");
+    return {from, from + number};
   }
-  if (state_->scope && attributes.device != this_device().ordinal)
+  if (scope && attributes.device != this_device().ordinal)
     throw Error(ErrorCode::invalid_argument, "points and offsets are on different devices");
-  std::vector<std::uint64_t> here(count);
-  download(here.data(), offsets, count, state_->stream);
+  std::vector<std::uint64_t> here(number);
+  download(here.data(), from, number, stream);
   return here;
 }
 
-std::vector<std::uint32_t> SetsOnDevice::open_sets() const {
-  state_->wait();
+std::vector<std::uint32_t> SetsThere::open_sets() {
+  wait();
   std::vector<std::uint32_t> open;
-  for (std::uint32_t i = 0; i < state_->count; ++i)
-    if (state_->counts[i] == 0) open.push_back(i);
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (counts[i] == 0) open.push_back(i);
   return open;
 }
 
-void SetsOnDevice::find_nothing(const std::uint64_t* offsets, std::uint32_t sets) {
-  State& s = *state_;
-  s.wait();
-  s.starts = {};
-  s.device_counts = {};
-  s.vertices = {};
-  s.simplices = {};
-  s.measures = {};
-  s.exponents = {};
-  s.offsets = offsets;
-  s.count = sets;
-  s.counts.assign(sets, 0);
+void SetsThere::find_nothing(const std::uint64_t* of, std::uint32_t sets) {
+  wait();
+  starts = {};
+  device_counts = {};
+  vertices = {};
+  simplices = {};
+  measures = {};
+  exponents = {};
+  offsets = of;
+  count = sets;
+  counts.assign(sets, 0);
 }
 
-void SetsOnDevice::find(const std::uint64_t* offsets, std::uint32_t sets, bool measured) {
-  find_nothing(offsets, sets);
-  State& s = *state_;
+void SetsThere::find(const std::uint64_t* of, std::uint32_t sets, bool measured) {
+  find_nothing(of, sets);
   // One launch each for sets of up to 32, 64, 96 and 128 points, since the warps of a launch have
   // the same amount of shared memory.
   constexpr unsigned step = 32;
   bool wanted[most_warp_points / step] = {};
   for (std::uint32_t i = 0; i < sets; ++i) {
     const std::uint64_t n = offsets[i + 1] - offsets[i];
-    if (n > s.d() && n <= most_warp_points) wanted[(n - 1) / step] = true;
+    if (n > d() && n <= most_warp_points) wanted[(n - 1) / step] = true;
   }
   if (std::none_of(std::begin(wanted), std::end(wanted), [](bool w) { return w; })) return;
 
   const std::uint64_t first = offsets[0], total = offsets[sets] - first;
-  std::vector<std::uint64_t> starts(offsets, offsets + sets + 1);
-  for (std::uint64_t& start : starts) start -= first;
-  s.starts = uploaded(starts, s.stream);
-  s.device_counts = DeviceArray<std::uint16_t>(sets, s.stream);
-  s.vertices = DeviceArray<std::uint8_t>(total, s.stream);
-  s.simplices = DeviceArray<std::uint8_t>(total * simplex_room(s.d()), s.stream);
-  fill(s.device_counts.data(), sets, 0, s.stream);
+  std::vector<std::uint64_t> starts_here(offsets, offsets + sets + 1);
+  for (std::uint64_t& start : starts_here) start -= first;
+  starts = uploaded(starts_here, stream);
+  device_counts = DeviceArray<std::uint16_t>(sets, stream);
+  vertices = DeviceArray<std::uint8_t>(total, stream);
+  simplices = DeviceArray<std::uint8_t>(total * simplex_room(d()), stream);
+  fill(device_counts.data(), sets, 0, stream);
   for (unsigned c = 0; c < std::size(wanted); ++c)
     if (wanted[c])
-      check(find_set_hulls(s.from(first), s.sets(), std::max(step * c + 1, s.d() + 1),
-                           step * (c + 1), s.stream),
+      check(find_set_hulls(from(first), this_sets(), std::max(step * c + 1, d() + 1),
+                           step * (c + 1), stream),
             "hulling sets");
   if (measured) {
-    s.measures = DeviceArray<double>(std::size_t{sets} * (s.d() + 2), s.stream);
+    measures = DeviceArray<double>(std::size_t{sets} * (d() + 2), stream);
     // The kernel leaves out open sets; `write` copies all and then replaces theirs.
-    fill(s.measures.data(), s.measures.size(), 0, s.stream);
-    s.exponents = DeviceArray<std::int8_t>(sets, s.stream);
-    check(measure_sets(s.from(first), s.sets(), s.measures_of_sets(), s.stream), "measuring hulls");
+    fill(measures.data(), measures.size(), 0, stream);
+    exponents = DeviceArray<std::int8_t>(sets, stream);
+    check(measure_sets(from(first), this_sets(), measures_of_sets(), stream), "measuring hulls");
   }
-  s.arriving = landing<std::byte>(sets * sizeof(std::uint16_t));
-  send_back(reinterpret_cast<std::uint16_t*>(s.arriving.get()), s.device_counts.data(), sets,
-            s.stream);
+  arriving = landing<std::byte>(sets * sizeof(std::uint16_t));
+  send_back(reinterpret_cast<std::uint16_t*>(arriving.get()), device_counts.data(), sets, stream);
 }
 
-FoundLists SetsOnDevice::fetch() const {
-  state_->wait();
-  const State& s = *state_;
+FoundLists SetsThere::fetch() {
+  wait();
   FoundLists found;
   found.vertex_at.assign(1, 0);
   found.simplex_at.assign(1, 0);
-  for (const std::uint16_t c : s.counts) {
+  for (const std::uint16_t c : counts) {
     found.vertex_at.push_back(found.vertex_at.back() + (c & 0xFF));
     found.simplex_at.push_back(found.simplex_at.back() + (c >> 8));
   }
-  const std::uint64_t vertices = found.vertex_at.back(), corners = found.simplex_at.back() * s.d();
-  if (vertices == 0) return found;
-  const DeviceArray<std::uint64_t> vertex_at = uploaded(found.vertex_at, s.stream),
-                                   simplex_at = uploaded(found.simplex_at, s.stream);
-  const DeviceArray<std::byte> rows(vertices * s.row_bytes(), s.stream);
-  const DeviceArray<std::uint8_t> ids(vertices, s.stream), simplices(corners, s.stream);
-  check(pack_set_hulls(s.from(s.offsets[0]), s.sets(), {vertex_at.data(), simplex_at.data()},
-                       ids.data(), simplices.data(), rows.data(), s.stream),
+  const std::uint64_t vertex_count = found.vertex_at.back(),
+                      corners = found.simplex_at.back() * d();
+  if (vertex_count == 0) return found;
+  const DeviceArray<std::uint64_t> vertex_at = uploaded(found.vertex_at, stream),
+                                   simplex_at = uploaded(found.simplex_at, stream);
+  const DeviceArray<std::byte> rows(vertex_count * row_bytes(), stream);
+  const DeviceArray<std::uint8_t> ids(vertex_count, stream), lists(corners, stream);
+  check(pack_set_hulls(from(offsets[0]), this_sets(), {vertex_at.data(), simplex_at.data()},
+                       ids.data(), lists.data(), rows.data(), stream),
         "packing hulls");
-  const bool space = s.d() == 3;  // in 2D the order of the vertices determines the edges
-  const std::shared_ptr<std::byte> memory = landing<std::byte>(rows.size() + vertices + (space ? corners : 0));
-  state_->lists_arriving = memory;
+  const bool space = d() == 3;  // in 2D the order of the vertices determines the edges
+  const std::shared_ptr<std::byte> memory =
+      landing<std::byte>(rows.size() + vertex_count + (space ? corners : 0));
+  lists_arriving = memory;
   Cutter cutter(memory.get());
   auto* const rows_here = cutter.take<std::byte>(rows.size());
-  auto* const ids_here = cutter.take<std::uint8_t>(vertices);
+  auto* const ids_here = cutter.take<std::uint8_t>(vertex_count);
   auto* const simplices_here = cutter.take<std::uint8_t>(space ? corners : 0);
-  send_back(rows_here, rows.data(), rows.size(), s.stream);
-  send_back(ids_here, ids.data(), vertices, s.stream);
-  send_back(simplices_here, simplices.data(), space ? corners : 0, s.stream);
+  send_back(rows_here, rows.data(), rows.size(), stream);
+  send_back(ids_here, ids.data(), vertex_count, stream);
+  send_back(simplices_here, lists.data(), space ? corners : 0, stream);
   found.rows = rows_here;
   found.vertices = ids_here;
   found.simplices = simplices_here;
@@ -332,31 +336,29 @@ FoundLists SetsOnDevice::fetch() const {
   return found;
 }
 
-void SetsOnDevice::settle() const {
-  if (!state_->lists_arriving) return;
-  synchronise(state_->stream, "copying hulls from the device");
-  state_->lists_arriving = {};
+void SetsThere::settle() {
+  if (!lists_arriving) return;
+  synchronise(stream, "copying hulls from the device");
+  lists_arriving = {};
 }
 
-SetRows SetsOnDevice::fetch_rows(const std::vector<std::uint32_t>& which) const {
-  const State& s = *state_;
+SetRows SetsThere::fetch_rows(const std::vector<std::uint32_t>& which) const {
   SetRows rows;
-  rows.points.dimension = s.d();
+  rows.points.dimension = d();
   rows.starts.assign(1, 0);
   for (const std::uint32_t i : which)
-    rows.starts.push_back(rows.starts.back() + s.offsets[i + 1] - s.offsets[i]);
+    rows.starts.push_back(rows.starts.back() + offsets[i + 1] - offsets[i]);
   rows.points.count = rows.starts.back();
   if (rows.points.count == 0) return rows;
   try {
-    return s.rows_by_kernel(which, SetRows(rows));
+    return rows_by_kernel(which, SetRows(rows));
   } catch (const OutOfMemory&) {
-    return s.rows_by_copies(which, std::move(rows));
+    return rows_by_copies(which, std::move(rows));
   }
 }
 
 /// Gathers the points of all these sets by one kernel, then copies them to the host at once.
-SetRows SetsOnDevice::State::rows_by_kernel(const std::vector<std::uint32_t>& which,
-                                            SetRows&& rows) const {
+SetRows SetsThere::rows_by_kernel(const std::vector<std::uint32_t>& which, SetRows&& rows) const {
   Runs runs;
   for (std::size_t k = 0; k < which.size(); ++k)
     runs.add(offsets[which[k]], rows.starts[k], rows.starts[k + 1] - rows.starts[k]);
@@ -379,8 +381,7 @@ SetRows SetsOnDevice::State::rows_by_kernel(const std::vector<std::uint32_t>& wh
 
 /// Copies each run of consecutive sets to the host by one copy. Packed points need no additional
 /// device memory.
-SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& which,
-                                            SetRows&& rows) const {
+SetRows SetsThere::rows_by_copies(const std::vector<std::uint32_t>& which, SetRows&& rows) const {
   const auto memory = std::make_shared<Array<double>>(rows.points.count * d());
   for (std::size_t begin = 0, end = 1; begin < which.size(); begin = end++) {
     while (end < which.size() && which[end] == which[end - 1] + 1) ++end;
@@ -396,7 +397,7 @@ SetRows SetsOnDevice::State::rows_by_copies(const std::vector<std::uint32_t>& wh
 }
 
 /// The lengths of all sets' lists: of those found, and of the others from `rest`.
-ListLengths SetsOnDevice::State::lengths(const HullBatch& rest) const {
+ListLengths SetsThere::lengths(const HullBatch& rest) const {
   ListLengths all;
   std::size_t k = 0;
   for (const std::uint16_t c : counts) {
@@ -412,30 +413,29 @@ ListLengths SetsOnDevice::State::lengths(const HullBatch& rest) const {
   return all;
 }
 
-DeviceHullBatch SetsOnDevice::join(const HullBatch& rest, const DeviceBatchOptions& wanted) const {
-  const State& s = *state_;
-  const ListLengths lengths = s.lengths(rest);
+DeviceHullBatch SetsThere::join(const HullBatch& rest, const DeviceBatchOptions& wanted) const {
+  const ListLengths listed = lengths(rest);
   DeviceHullBatch all;
-  all.dimension = s.d();
-  all.sets = s.count;
+  all.dimension = d();
+  all.sets = count;
   all.device = this_device().ordinal;
-  all.vertex_count = lengths.vertices.total;
-  all.simplex_count = lengths.simplices.total;
+  all.vertex_count = listed.vertices.total;
+  all.simplex_count = listed.simplices.total;
   if (wanted.padded) {
-    all.vertex_width = lengths.vertices.width(wanted.most_vertices, "vertices");
-    all.simplex_width = lengths.simplices.width(wanted.most_simplices, "simplices");
+    all.vertex_width = listed.vertices.width(wanted.most_vertices, "vertices");
+    all.simplex_width = listed.simplices.width(wanted.most_simplices, "simplices");
     const double row = std::max(static_cast<double>(all.vertex_width),
-                                static_cast<double>(all.simplex_width) * (s.d() + 1.0));
-    if (row * s.count > 0x1p50) throw OutOfMemory("no device has memory for rows of this length");
+                                static_cast<double>(all.simplex_width) * (d() + 1.0));
+    if (row * count > 0x1p50) throw OutOfMemory("no device has memory for rows of this length");
   }
   Cutter size(nullptr);
   (void)ResultArrays(all, wanted, size);
   // At least a byte, so that empty arrays differ from those not asked for.
   const auto memory =
-      std::make_shared<ResultMemory>(std::max<std::size_t>(size.bytes(), 1), s.stream);
+      std::make_shared<ResultMemory>(std::max<std::size_t>(size.bytes(), 1), stream);
   Cutter cutter(memory->data());
   const ResultArrays to(all, wanted, cutter);
-  s.write(rest, lengths, wanted, all, to);
+  write(rest, listed, wanted, all, to);
   all.vertex_offsets = to.vertex_offsets;
   all.simplex_offsets = to.simplex_offsets;
   all.vertices = to.vertices;
@@ -453,17 +453,17 @@ DeviceHullBatch SetsOnDevice::join(const HullBatch& rest, const DeviceBatchOptio
   return all;
 }
 
-void SetsOnDevice::State::write(const HullBatch& rest, const ListLengths& lengths,
-                                const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
-                                const ResultArrays& to) const {
-  const std::vector<std::int64_t> vertex_at = lengths.vertices.places(all.vertex_width),
-                                  simplex_at = lengths.simplices.places(all.simplex_width);
+void SetsThere::write(const HullBatch& rest, const ListLengths& listed,
+                      const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
+                      const ResultArrays& to) const {
+  const std::vector<std::int64_t> vertex_at = listed.vertices.places(all.vertex_width),
+                                  simplex_at = listed.simplices.places(all.simplex_width);
   DeviceArray<std::int64_t> vertex_rows, simplex_rows;
   if (wanted.padded) {
     vertex_rows = uploaded(vertex_at, stream);
     simplex_rows = uploaded(simplex_at, stream);
-    upload(to.vertex_counts, lengths.vertices.counts().data(), count, stream);
-    upload(to.simplex_counts, lengths.simplices.counts().data(), count, stream);
+    upload(to.vertex_counts, listed.vertices.counts().data(), count, stream);
+    upload(to.simplex_counts, listed.simplices.counts().data(), count, stream);
     fill(to.vertices, to.vertex_room, 0xFF, stream);
     fill(to.simplices, to.simplex_room * d(), 0xFF, stream);
     fill(to.planes, wanted.planes ? to.simplex_room * (d() + 1) : 0, 0, stream);
@@ -471,17 +471,19 @@ void SetsOnDevice::State::write(const HullBatch& rest, const ListLengths& length
     upload(to.vertex_offsets, vertex_at.data(), vertex_at.size(), stream);
     upload(to.simplex_offsets, simplex_at.data(), simplex_at.size(), stream);
   }
-  upload(to.affine_dimensions, lengths.affine_dimensions.data(), count, stream);
+  upload(to.affine_dimensions, listed.affine_dimensions.data(), count, stream);
   if (rest.size() < count) {
     const PackedLists at{reinterpret_cast<const std::uint64_t*>(wanted.padded ? vertex_rows.data()
                                                                               : to.vertex_offsets),
                          reinterpret_cast<const std::uint64_t*>(
                              wanted.padded ? simplex_rows.data() : to.simplex_offsets)};
     const DevicePointView there = from(offsets[0]);
-    check(pack_set_hulls(there, sets(), at, to.vertices, to.simplices, stream), "packing hulls");
+    check(pack_set_hulls(there, this_sets(), at, to.vertices, to.simplices, stream),
+          "packing hulls");
     if (wanted.planes)
-      check(write_set_planes(there, sets(), exponents.data(), at.simplex_at, to.planes, stream),
-            "writing planes");
+      check(
+          write_set_planes(there, this_sets(), exponents.data(), at.simplex_at, to.planes, stream),
+          "writing planes");
     if (wanted.measures)
       check(cudaMemcpyAsync(to.measures, measures.data(), measures.size() * sizeof(double),
                             cudaMemcpyDeviceToDevice, stream),
@@ -492,10 +494,9 @@ void SetsOnDevice::State::write(const HullBatch& rest, const ListLengths& length
 }
 
 /// Copies what the result has of the open sets' hulls from `rest`.
-void SetsOnDevice::State::copy_rest(const HullBatch& rest,
-                                    const std::vector<std::int64_t>& vertex_at,
-                                    const std::vector<std::int64_t>& simplex_at,
-                                    const ResultArrays& to) const {
+void SetsThere::copy_rest(const HullBatch& rest, const std::vector<std::int64_t>& vertex_at,
+                          const std::vector<std::int64_t>& simplex_at,
+                          const ResultArrays& to) const {
   RunsOf<std::int32_t> ids, corners;
   RunsOf<double> planes, numbers;
   const std::size_t n = d();
@@ -523,6 +524,12 @@ void SetsOnDevice::State::copy_rest(const HullBatch& rest,
   corners.copy(to.simplices, stream);
   planes.copy(to.planes, stream);
   numbers.copy(to.measures, stream);
+}
+
+}  // namespace
+
+std::unique_ptr<SetsOnDevice> sets_on_device(const DevicePointView& points, const Run& run) {
+  return std::make_unique<SetsThere>(points, run);
 }
 
 }  // namespace cullhull::internal

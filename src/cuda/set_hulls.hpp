@@ -37,47 +37,45 @@ struct SetRows {
   }
 };
 
-/// Computes the hulls of the sets of one call on the device that holds their points. The
-/// constructor makes that device current for its thread, and the destructor restores the former
-/// one.
+/// Computes the hulls of the sets of one call on the device that holds their points, which is
+/// current for its thread from creation to destruction.
 class SetsOnDevice {
  public:
-  /// Throws Failure if there is no device, and Error{invalid_argument} for memory that the device
-  /// cannot read.
-  SetsOnDevice(const DevicePointView& points, const Run& run);
-  ~SetsOnDevice();
+  SetsOnDevice() = default;
+  virtual ~SetsOnDevice() = default;
   SetsOnDevice(const SetsOnDevice&) = delete;
   SetsOnDevice& operator=(const SetsOnDevice&) = delete;
 
   /// Copies offsets, from the memory of the host or of a device, to the host.
-  std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* offsets, std::uint64_t count) const;
+  virtual std::vector<std::uint64_t> fetch_offsets(const std::uint64_t* from,
+                                                   std::uint64_t number) const = 0;
 
   /// Finds the hulls of the sets [offsets[i], offsets[i + 1]), i < sets, and forgets those found
   /// before. Returns when the work is queued: open_sets() and fetch() wait for it. `offsets`, in
   /// the host's memory, must stay valid until the next call of find() or find_nothing().
   /// `measured`: also measures them, for join(); sets that this leaves uncertain are open. Throws
   /// OutOfMemory, Failure.
-  void find(const std::uint64_t* offsets, std::uint32_t sets, bool measured = false);
+  virtual void find(const std::uint64_t* offsets, std::uint32_t sets, bool measured) = 0;
   /// Takes these sets without computing hulls: all of them are open.
-  void find_nothing(const std::uint64_t* offsets, std::uint32_t sets);
+  virtual void find_nothing(const std::uint64_t* offsets, std::uint32_t sets) = 0;
   /// The numbers of the open sets, ascending: those whose hulls the device has not found.
-  std::vector<std::uint32_t> open_sets() const;
+  virtual std::vector<std::uint32_t> open_sets() = 0;
   /// Starts to copy the hulls found to the host. The lists may be read, and sets found anew, after
   /// settle(). Throws OutOfMemory, Failure.
-  FoundLists fetch() const;
+  virtual FoundLists fetch() = 0;
   /// Waits for these copies. Throws Failure.
-  void settle() const;
+  virtual void settle() = 0;
   /// Copies the points of these sets to the host. If the device's memory is exhausted, packed
   /// points are copied without additional memory.
-  SetRows fetch_rows(const std::vector<std::uint32_t>& which) const;
+  virtual SetRows fetch_rows(const std::vector<std::uint32_t>& which) const = 0;
   /// Makes the result on the device from the hulls found and from `rest`, the hulls of open_sets().
   /// Planes and measures need hulls that are `measured`. Throws OutOfMemory, Failure,
   /// Error{invalid_argument} for a set that does not fit the padded shape.
-  DeviceHullBatch join(const HullBatch& rest, const DeviceBatchOptions& wanted) const;
-
- private:
-  struct State;
-  std::unique_ptr<State> state_;
+  virtual DeviceHullBatch join(const HullBatch& rest, const DeviceBatchOptions& wanted) const = 0;
 };
+
+/// Throws Failure if there is no device, and Error{invalid_argument} for memory that the device
+/// cannot read.
+std::unique_ptr<SetsOnDevice> sets_on_device(const DevicePointView& points, const Run& run);
 
 }  // namespace cullhull::internal

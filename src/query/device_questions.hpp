@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -65,7 +66,7 @@ class DeviceQuestions {
   const Options options_;  // for queries on the host
   const Run run_;
   const bool device_allowed_, must_, answers_stay_;
-  std::optional<QuestionsOnDevice> device_;
+  std::unique_ptr<QuestionsOnDevice> device_;
 };
 
 }  // namespace cullhull::internal

@@ -153,7 +153,8 @@ bool sides_as(const FacetCellTable& t, double* columns, std::uint32_t count, std
 
 bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, std::int8_t* out) {
 #if HWY_HAVE_FLOAT64
-  return with_dimension<2, 3, 4>(t.k, [&](auto k) { return sides_as<k()>(t, columns, count, out); });
+  return with_dimension<2, 3, 4>(t.k,
+                                 [&](auto k) { return sides_as<k()>(t, columns, count, out); });
 #else
   // Without vectors of doubles every point is left undecided.
   std::fill(out, out + count, std::int8_t{0});

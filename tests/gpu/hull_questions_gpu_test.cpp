@@ -182,12 +182,11 @@ class Celled {
   /// included. Returns how many are open.
   std::size_t expect_the_same(const PointView& here, const DevicePointView& there) const {
     const std::size_t n = here.count;
-    const internal::QuestionsOnDevice questions(there, nullptr);
-    auto* const out = static_cast<std::uint8_t*>(questions.room(n));
-    const std::vector<std::uint64_t> open =
-        questions.sides(cells_->table(), {7, 9}, 0, n, out);
+    const auto questions = internal::questions_on_device(there, nullptr);
+    auto* const out = static_cast<std::uint8_t*>(questions->room(n));
+    const std::vector<std::uint64_t> open = questions->sides(cells_->table(), {7, 9}, 0, n, out);
     std::vector<std::uint8_t> answers(n);
-    questions.fetch(answers.data(), out, n);
+    questions->fetch(answers.data(), out, n);
     std::vector<std::uint64_t> expected_open;
     for (std::uint64_t i = 0; i < n; ++i) {
       const int side = side_by_cells(here, i);
@@ -316,12 +315,12 @@ TEST_F(GpuQuestions, DistancesOfPointsThatAreNotInsideAreOpen) {
   ASSERT_TRUE(tables);
   const std::vector<double> rows{1, 1, 5, 5, 2, 0};  // inside, outside, on an edge
   const OnDevice copy(rows);
-  const internal::QuestionsOnDevice questions(DevicePointView::row_major(copy.data<double>(), 3, 2),
-                                              &*tables);
-  auto* const out = static_cast<double*>(questions.room(3 * sizeof(double)));
-  EXPECT_EQ(questions.distances(0, 3, out), (std::vector<std::uint64_t>{1, 2}));
+  const auto questions = internal::questions_on_device(
+      DevicePointView::row_major(copy.data<double>(), 3, 2), &*tables);
+  auto* const out = static_cast<double*>(questions->room(3 * sizeof(double)));
+  EXPECT_EQ(questions->distances(0, 3, out), (std::vector<std::uint64_t>{1, 2}));
   double distance[3];
-  questions.fetch(distance, out, sizeof distance);
+  questions->fetch(distance, out, sizeof distance);
   EXPECT_EQ(distance[0], -1);
   EXPECT_EQ(distance[1], 0);
   EXPECT_EQ(distance[2], 0);

@@ -108,9 +108,9 @@ std::size_t open_sets(const Sets<T>& sets, bool measured = false) {
   const auto view = DevicePointView::row_major(there.data<T>(), sets.offsets.back(), sets.d);
   const Options options;
   const internal::Run run(options);
-  internal::SetsOnDevice device(view, run);
-  device.find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()), measured);
-  return device.open_sets().size();
+  const auto device = internal::sets_on_device(view, run);
+  device->find(sets.offsets.data(), static_cast<std::uint32_t>(sets.count()), measured);
+  return device->open_sets().size();
 }
 
 TEST_F(GpuSets, OrdinarySetsAreDecidedThere) {

@@ -283,7 +283,7 @@ PLANTED = {
     "sets-other-stream": Planted(
         "lists packed on another stream",
         "src/cuda/set_hulls.cpp",
-        "simplices.data(), rows.data(), «s.stream»)",
+        "lists.data(), rows.data(), «stream»)",
         "nullptr",
         "emulated_tests",
         "GpuSets.AnyStrides*",
@@ -326,7 +326,7 @@ PLANTED = {
     "early-lists": Planted(
         "the host does not wait for the lists of a piece",
         "src/cuda/set_hulls.cpp",
-        '«synchronise(state_->stream, "copying hulls from the device");»',
+        '«synchronise(stream, "copying hulls from the device");»',
         "",
         "emulated_tests",
         "EmulatedSets.TheNextPiece*",
