@@ -793,7 +793,7 @@ class Passes {
     if (different > left) throw std::runtime_error("the device's answers are not the CPU's");
     return {{"count", n},
             {"facets", hull.facet_count()},
-            {"cells", tables.starts.size() - 1},
+            {"cells", cells->table().starts.size() - 1},
             {"build_seconds", build},
             {"kernel_seconds", kernel},
             {"points_per_second", static_cast<double>(n) / kernel},

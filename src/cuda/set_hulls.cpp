@@ -478,7 +478,7 @@ void SetsThere::write(const HullBatch& rest, const ListLengths& listed,
                          reinterpret_cast<const std::uint64_t*>(
                              wanted.padded ? simplex_rows.data() : to.simplex_offsets)};
     const DevicePointView there = from(offsets[0]);
-    check(pack_set_hulls(there, this_sets(), at, to.vertices, to.simplices, stream),
+    check(pack_set_hulls(there, this_sets(), at, to.vertices, to.simplices, nullptr, stream),
           "packing hulls");
     if (wanted.planes)
       check(

@@ -1,10 +1,11 @@
-// Coordinates of a view, read by kernels where they lie.
+// Coordinates of a view, read by kernels where they lie, and launches by its types.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
 #include "cullhull/device_points.hpp"
+#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 
@@ -13,6 +14,26 @@ __device__ T coordinate(const DevicePointView& p, std::uint64_t point, unsigned 
   return *reinterpret_cast<const T*>(static_cast<const std::byte*>(p.data) +
                                      static_cast<std::ptrdiff_t>(point) * p.point_stride +
                                      static_cast<std::ptrdiff_t>(axis) * p.coordinate_stride);
+}
+
+/// use.operator()<T>() for the scalar of points on a device, f32 or f64.
+template <class Use>
+auto with_device_scalar(const DevicePointView& points, const Use& use) {
+  return points.scalar == ScalarType::f32 ? use.template operator()<float>()
+                                          : use.template operator()<double>();
+}
+/// use.operator()<D, T>() for the points' dimension, from `low` to `high`, and scalar.
+template <unsigned low, unsigned high, class Use>
+auto with_point_types(const DevicePointView& points, const Use& use) {
+  return with_dimension<low, high - 1, high>(points.dimension, [&](auto d) {
+    return with_device_scalar(points, [&]<class T>() { return use.template operator()<d(), T>(); });
+  });
+}
+
+/// Blocks of `size` threads for `threads` threads, at most `most`.
+inline unsigned blocks_for(std::uint64_t threads, unsigned size, std::uint64_t most = 0x7FFFFFFF) {
+  const std::uint64_t blocks = (threads + size - 1) / size;
+  return static_cast<unsigned>(blocks < most ? blocks : most);
 }
 
 }  // namespace cullhull::internal

@@ -136,10 +136,9 @@ cudaError_t launch_mask(const GaugeTable& table, const float* nodes, const Layou
     status = cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, mask_threads, shared);
   if (status != cudaSuccess) return status;
   if (blocks == 0) return cudaErrorLaunchOutOfResources;
-  constexpr std::uint64_t block_points = Layout::group_points * (mask_threads / warp_lanes);
-  const std::uint64_t needed = (count + block_points - 1) / block_points;
-  const std::uint64_t resident = std::uint64_t{device.multiprocessors} * blocks;
-  const auto grid = static_cast<unsigned>(needed < resident ? needed : resident);
+  constexpr unsigned block_points = Layout::group_points * (mask_threads / warp_lanes);
+  const unsigned grid =
+      blocks_for(count, block_points, std::uint64_t{device.multiprocessors} * blocks);
   kernel<<<grid, mask_threads, shared, stream>>>(gauge_constants<Layout::D, C>(table), nodes,
                                                  static_cast<std::uint32_t>(table.nodes.size()),
                                                  layout, count, mask);
@@ -188,10 +187,6 @@ __global__ void __launch_bounds__(tile_threads)
       *out++ = (first + k) * 32 + static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1);
 }
 
-unsigned tiles_of(std::uint64_t words) {
-  return static_cast<unsigned>((words + tile_words - 1) / tile_words);
-}
-
 // ---------------------------------------------------------------- gathering
 
 /// One thread a coordinate: rows are written without gaps.
@@ -233,13 +228,7 @@ __global__ void not_finite_kernel(const __grid_constant__ DevicePointView points
 }
 
 constexpr unsigned plain_threads = 256;
-
-/// Number of blocks for a grid-stride loop over `items`.
-unsigned blocks_for(std::uint64_t items) {
-  constexpr std::uint64_t most = 8192;
-  const std::uint64_t blocks = (items + plain_threads - 1) / plain_threads;
-  return static_cast<unsigned>(blocks < most ? blocks : most);
-}
+constexpr std::uint64_t most_plain_blocks = 8192;
 
 }  // namespace
 
@@ -270,7 +259,7 @@ cudaError_t gauge_mask(const GaugeTable& table, const float* nodes, const Device
 cudaError_t count_bits(const std::uint32_t* mask, std::uint64_t words, std::uint64_t* counts,
                        cudaStream_t stream) {
   if (words == 0) return cudaSuccess;
-  count_kernel<<<tiles_of(words), tile_threads, 0, stream>>>(mask, words, counts);
+  count_kernel<<<blocks_for(words, tile_words), tile_threads, 0, stream>>>(mask, words, counts);
   return cudaGetLastError();
 }
 
@@ -282,7 +271,8 @@ cudaError_t sum_counts(void* scratch, std::size_t& scratch_bytes, const std::uin
 cudaError_t list_bits(const std::uint32_t* mask, std::uint64_t words, const std::uint64_t* offsets,
                       std::uint64_t* ids, cudaStream_t stream) {
   if (words == 0) return cudaSuccess;
-  list_kernel<<<tiles_of(words), tile_threads, 0, stream>>>(mask, words, offsets, ids);
+  list_kernel<<<blocks_for(words, tile_words), tile_threads, 0, stream>>>(mask, words, offsets,
+                                                                          ids);
   return cudaGetLastError();
 }
 
@@ -290,30 +280,29 @@ cudaError_t gather_rows(const DevicePointView& points, const std::uint64_t* ids,
                         std::uint64_t count, void* rows, cudaStream_t stream) {
   const std::uint64_t values = count * points.dimension;
   if (values == 0) return cudaSuccess;
-  if (points.scalar == ScalarType::f64)
-    gather_kernel<<<blocks_for(values), plain_threads, 0, stream>>>(points, ids, values,
-                                                                    static_cast<double*>(rows));
-  else
-    gather_kernel<<<blocks_for(values), plain_threads, 0, stream>>>(points, ids, values,
-                                                                    static_cast<float*>(rows));
+  with_device_scalar(points, [&]<class T>() {
+    gather_kernel<<<blocks_for(values, plain_threads, most_plain_blocks), plain_threads, 0,
+                    stream>>>(points, ids, values, static_cast<T*>(rows));
+  });
   return cudaGetLastError();
 }
 
 cudaError_t gather_ids(const std::uint64_t* of, const std::uint64_t* at, std::uint64_t count,
                        std::uint64_t* out, cudaStream_t stream) {
   if (count == 0) return cudaSuccess;
-  gather_ids_kernel<<<blocks_for(count), plain_threads, 0, stream>>>(of, at, count, out);
+  gather_ids_kernel<<<blocks_for(count, plain_threads, most_plain_blocks), plain_threads, 0,
+                      stream>>>(of, at, count, out);
   return cudaGetLastError();
 }
 
 cudaError_t first_not_finite(const DevicePointView& points, unsigned long long* first,
                              cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
-  if (points.scalar == ScalarType::f64)
-    not_finite_kernel<double>
-        <<<blocks_for(points.count), plain_threads, 0, stream>>>(points, first);
-  else
-    not_finite_kernel<float><<<blocks_for(points.count), plain_threads, 0, stream>>>(points, first);
+  with_device_scalar(points, [&]<class T>() {
+    not_finite_kernel<T>
+        <<<blocks_for(points.count, plain_threads, most_plain_blocks), plain_threads, 0, stream>>>(
+            points, first);
+  });
   return cudaGetLastError();
 }
 

@@ -264,26 +264,7 @@ __global__ void scatter_kernel(const std::uint64_t* __restrict__ ids, const T* _
     out[ids[k]] = items[k];
 }
 
-unsigned blocks_for(std::uint64_t threads, unsigned in_block) {
-  constexpr std::uint64_t most = std::uint64_t{1} << 20;
-  const std::uint64_t blocks = (threads + in_block - 1) / in_block;
-  return static_cast<unsigned>(blocks < most ? blocks : most);
-}
-
-/// call.operator()<D, T>() for the points' dimension, at most Most, and scalar.
-template <unsigned Most, class Call, unsigned D = 2>
-cudaError_t with_types(const DevicePointView& points, const Call& call) {
-  if constexpr (D > Most) {
-    return cudaErrorInvalidValue;
-  } else {
-    if (points.dimension != D) return with_types<Most, Call, D + 1>(points, call);
-    if (points.scalar == ScalarType::f64)
-      call.template operator()<D, double>();
-    else
-      call.template operator()<D, float>();
-    return cudaGetLastError();
-  }
-}
+constexpr std::uint64_t most_blocks = std::uint64_t{1} << 20;
 
 }  // namespace
 
@@ -291,55 +272,57 @@ cudaError_t ask_sides(const DevicePointView& points, const std::uint64_t* ids, s
                       const TablesThere& hull, SideCodes codes, std::uint8_t* out,
                       const OpenList& open, cudaStream_t stream) {
   if (count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(count, ask_threads);
-  return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
+  const unsigned blocks = blocks_for(count, ask_threads, most_blocks);
+  with_point_types<2, HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
     hull_sides<D, T>
         <<<blocks, ask_threads, 0, stream>>>(points, ids, count, hull, codes, out, open);
   });
+  return cudaGetLastError();
 }
 
 cudaError_t ask_sides_by_cells(const DevicePointView& points, const CellsThere& cells,
                                SideCodes codes, std::uint8_t* out, const OpenList& open,
                                cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(points.count, cell_threads);
-  return with_types<CellsThere::max_k>(points, [&]<unsigned D, class T>() {
+  const unsigned blocks = blocks_for(points.count, cell_threads, most_blocks);
+  with_point_types<2, CellsThere::max_k>(points, [&]<unsigned D, class T>() {
     hull_cell_sides<D, T><<<blocks, cell_threads, 0, stream>>>(points, cells, codes, out, open);
   });
+  return cudaGetLastError();
 }
 
 cudaError_t ask_distances(const DevicePointView& points, const TablesThere& hull, double* out,
                           const OpenList& open, cudaStream_t stream) {
   if (points.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(points.count, ask_threads);
-  return with_types<HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
+  const unsigned blocks = blocks_for(points.count, ask_threads, most_blocks);
+  with_point_types<2, HullTables::most_dimensions>(points, [&]<unsigned D, class T>() {
     hull_distances<D, T><<<blocks, ask_threads, 0, stream>>>(points, hull, out, open);
   });
+  return cudaGetLastError();
 }
 
 cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& hull,
                          const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream) {
   if (directions.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_for(directions.count, ask_threads);
-  return with_types<HullTables::most_dimensions>(directions, [&]<unsigned D, class T>() {
+  const unsigned blocks = blocks_for(directions.count, ask_threads, most_blocks);
+  with_point_types<2, HullTables::most_dimensions>(directions, [&]<unsigned D, class T>() {
     hull_supports<D, T><<<blocks, ask_threads, 0, stream>>>(directions, hull, ids, out, open);
   });
+  return cudaGetLastError();
 }
 
-cudaError_t scatter_items(const std::uint64_t* ids, const std::uint8_t* items, std::uint64_t count,
-                          std::uint8_t* out, cudaStream_t stream) {
+template <class T>
+cudaError_t scatter_items(const std::uint64_t* ids, const T* items, std::uint64_t count, T* out,
+                          cudaStream_t stream) {
   if (count == 0) return cudaSuccess;
-  scatter_kernel<<<blocks_for(count, ask_threads), ask_threads, 0, stream>>>(ids, items, count,
-                                                                             out);
+  scatter_kernel<<<blocks_for(count, ask_threads, most_blocks), ask_threads, 0, stream>>>(
+      ids, items, count, out);
   return cudaGetLastError();
 }
-cudaError_t scatter_items(const std::uint64_t* ids, const std::uint64_t* items, std::uint64_t count,
-                          std::uint64_t* out, cudaStream_t stream) {
-  if (count == 0) return cudaSuccess;
-  scatter_kernel<<<blocks_for(count, ask_threads), ask_threads, 0, stream>>>(ids, items, count,
-                                                                             out);
-  return cudaGetLastError();
-}
+template cudaError_t scatter_items(const std::uint64_t*, const std::uint8_t*, std::uint64_t,
+                                   std::uint8_t*, cudaStream_t);
+template cudaError_t scatter_items(const std::uint64_t*, const std::uint64_t*, std::uint64_t,
+                                   std::uint64_t*, cudaStream_t);
 
 }  // namespace cullhull::internal

@@ -57,10 +57,9 @@ cudaError_t ask_supports(const DevicePointView& directions, const TablesThere& h
                          const std::uint64_t* ids, std::uint64_t* out, const OpenList& open,
                          cudaStream_t stream);
 
-/// out[ids[k]] = items[k], k < count.
-cudaError_t scatter_items(const std::uint64_t* ids, const std::uint8_t* items, std::uint64_t count,
-                          std::uint8_t* out, cudaStream_t stream);
-cudaError_t scatter_items(const std::uint64_t* ids, const std::uint64_t* items, std::uint64_t count,
-                          std::uint64_t* out, cudaStream_t stream);
+/// out[ids[k]] = items[k], k < count. T: std::uint8_t or std::uint64_t.
+template <class T>
+cudaError_t scatter_items(const std::uint64_t* ids, const T* items, std::uint64_t count, T* out,
+                          cudaStream_t stream);
 
 }  // namespace cullhull::internal

@@ -1,11 +1,11 @@
 #include <algorithm>
 
+#include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/device_subset.hpp"
 #include "cuda/kernels/executor.cuh"
 #include "cuda/kernels/pseudo_hull.hpp"
 #include "cullhull/error.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
-#include "parallel/dispatch.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -47,26 +47,21 @@ class SubsetFilter {
   PseudoHullGrowth<D, CudaExecutor, RowsInPlace<D, T>> growth_;
 };
 
-/// Calls use.template operator()<D, T>() with the points' dimension and scalar.
-template <class Use>
-auto with_point_types(const DevicePointView& points, const Use& use) {
+void require_types(const DevicePointView& points) {
   if (points.dimension < 2 || points.dimension > 6)
     throw Error(ErrorCode::invalid_argument,
                 "the pseudo-hull filter on a device is for 2 to 6 dimensions");
   if (points.scalar != ScalarType::f32 && points.scalar != ScalarType::f64)
     throw Error(ErrorCode::invalid_argument,
                 "the pseudo-hull filter on a device is for f32 and f64 points");
-  return with_dimension<2, 5, 6>(points.dimension, [&](auto d) {
-    return points.scalar == ScalarType::f32 ? use.template operator()<d, float>()
-                                            : use.template operator()<d, double>();
-  });
 }
 
 std::vector<std::uint64_t> survivors_of(const DevicePointView& points, unsigned subsets,
                                         unsigned max_rounds, const Control& control,
                                         std::vector<PseudoHullRound>& rounds) {
   rounds.clear();
-  return with_point_types(points, [&]<unsigned D, class T>() {
+  require_types(points);
+  return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
     SubsetFilter<D, T> filter(points);
     CudaArray<std::uint64_t> ids;
     std::vector<std::vector<std::uint64_t>> kept(subsets);
@@ -113,7 +108,8 @@ DeviceIds pseudo_hull_survivors_there(const DevicePointView& points, unsigned ma
   std::vector<PseudoHullRound> unread;
   if (points.count > pseudo_hull_most_points)
     throw Error(ErrorCode::out_of_budget, "too many points for a single pseudo-hull");
-  return with_point_types(points, [&]<unsigned D, class T>() {
+  require_types(points);
+  return with_point_types<2, 6>(points, [&]<unsigned D, class T>() {
     SubsetFilter<D, T> filter(points);
     const PseudoSubset all{points.count, 0, 1};
     DeviceIds left;

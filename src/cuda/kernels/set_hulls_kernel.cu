@@ -132,63 +132,13 @@ __global__ void item_runs(const Item* __restrict__ items, const __grid_constant_
 constexpr unsigned copying_warps = 4;       // a guess
 constexpr unsigned measuring_threads = 64;  // few, so that small batches reach many processors
 
-unsigned blocks_of(std::uint64_t warps, unsigned in_block) {
-  return static_cast<unsigned>((warps + in_block - 1) / in_block);
-}
-
 template <unsigned D, class T>
 void launch_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                   unsigned most, cudaStream_t stream) {
   const unsigned room = (most + lanes - 1) / lanes * lanes, warps = warps_of<D>(room);
   const std::size_t shared = warps * WarpMemory<D>::bytes(room);
-  set_hulls<D, T><<<blocks_of(sets.sets, warps), warps * lanes, shared, stream>>>(
+  set_hulls<D, T><<<blocks_for(sets.sets, warps), warps * lanes, shared, stream>>>(
       points, sets, least, most, room);
-}
-
-template <class T, class Id>
-void launch_packing(const DevicePointView& points, const WarpSets& sets, const PackedLists& at,
-                    Id* vertices, Id* simplices, T* rows, cudaStream_t stream) {
-  const unsigned blocks = blocks_of(sets.sets, copying_warps), threads = copying_warps * lanes;
-  if (points.dimension == 2)
-    pack_lists<2, T, Id>
-        <<<blocks, threads, 0, stream>>>(points, sets, at, vertices, simplices, rows);
-  else
-    pack_lists<3, T, Id>
-        <<<blocks, threads, 0, stream>>>(points, sets, at, vertices, simplices, rows);
-}
-
-template <class Id>
-cudaError_t pack(const DevicePointView& points, const WarpSets& sets, const PackedLists& at,
-                 Id* vertices, Id* simplices, void* rows, cudaStream_t stream) {
-  if (sets.sets == 0) return cudaSuccess;
-  if (points.scalar == ScalarType::f64)
-    launch_packing(points, sets, at, vertices, simplices, static_cast<double*>(rows), stream);
-  else
-    launch_packing(points, sets, at, vertices, simplices, static_cast<float*>(rows), stream);
-  return cudaGetLastError();
-}
-
-/// Calls launch.operator()<D, T>() for the dimension and the scalar type of the points.
-template <class Launch>
-cudaError_t of_type(const DevicePointView& points, const Launch& launch) {
-  const bool wide = points.scalar == ScalarType::f64;
-  if (points.dimension == 2 && wide)
-    launch.template operator()<2, double>();
-  else if (points.dimension == 2)
-    launch.template operator()<2, float>();
-  else if (wide)
-    launch.template operator()<3, double>();
-  else
-    launch.template operator()<3, float>();
-  return cudaGetLastError();
-}
-
-template <class Item>
-cudaError_t copy_items(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream) {
-  if (runs.count == 0) return cudaSuccess;
-  item_runs<Item><<<blocks_of(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(
-      items, runs, out);
-  return cudaGetLastError();
 }
 
 }  // namespace
@@ -196,60 +146,68 @@ cudaError_t copy_items(const Item* items, const ItemRuns& runs, Item* out, cudaS
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
-  return of_type(points, [&]<unsigned D, class T>() {
+  with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
     launch_hulls<D, T>(points, sets, least, most, stream);
   });
+  return cudaGetLastError();
 }
 
 cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
                          const SetMeasures& measures, cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
-  return of_type(points, [&]<unsigned D, class T>() {
-    measure_hulls<D, T><<<blocks_of(sets.sets, measuring_threads), measuring_threads, 0, stream>>>(
+  with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
+    measure_hulls<D, T><<<blocks_for(sets.sets, measuring_threads), measuring_threads, 0, stream>>>(
         points, sets, measures);
   });
+  return cudaGetLastError();
 }
 
 cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets,
                              const std::int8_t* exponents, const std::uint64_t* simplex_at,
                              double* planes, cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
-  return of_type(points, [&]<unsigned D, class T>() {
-    write_planes<D, T><<<blocks_of(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
+  with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
+    write_planes<D, T><<<blocks_for(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
         points, sets, exponents, simplex_at, planes);
   });
+  return cudaGetLastError();
 }
 
+template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, std::uint8_t* vertices, std::uint8_t* simplices,
-                           void* rows, cudaStream_t stream) {
-  return pack(points, sets, at, vertices, simplices, rows, stream);
-}
-
-cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, std::int32_t* vertices, std::int32_t* simplices,
+                           const PackedLists& at, Id* vertices, Id* simplices, void* rows,
                            cudaStream_t stream) {
-  return pack(points, sets, at, vertices, simplices, nullptr, stream);
+  if (sets.sets == 0) return cudaSuccess;
+  with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
+    pack_lists<D, T, Id>
+        <<<blocks_for(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
+            points, sets, at, vertices, simplices, static_cast<T*>(rows));
+  });
+  return cudaGetLastError();
 }
+template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PackedLists&,
+                                    std::uint8_t*, std::uint8_t*, void*, cudaStream_t);
+template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PackedLists&,
+                                    std::int32_t*, std::int32_t*, void*, cudaStream_t);
 
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
                             cudaStream_t stream) {
   if (runs.count == 0) return cudaSuccess;
-  const unsigned blocks = blocks_of(runs.count, copying_warps), threads = copying_warps * lanes;
-  if (points.scalar == ScalarType::f64)
-    point_runs<<<blocks, threads, 0, stream>>>(points, runs, static_cast<double*>(rows));
-  else
-    point_runs<<<blocks, threads, 0, stream>>>(points, runs, static_cast<float*>(rows));
+  with_device_scalar(points, [&]<class T>() {
+    point_runs<<<blocks_for(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(
+        points, runs, static_cast<T*>(rows));
+  });
   return cudaGetLastError();
 }
 
-cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
-                      cudaStream_t stream) {
-  return copy_items(items, runs, out, stream);
+template <class Item>
+cudaError_t copy_runs(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream) {
+  if (runs.count == 0) return cudaSuccess;
+  item_runs<<<blocks_for(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(items,
+                                                                                         runs, out);
+  return cudaGetLastError();
 }
-
-cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cudaStream_t stream) {
-  return copy_items(items, runs, out, stream);
-}
+template cudaError_t copy_runs(const std::int32_t*, const ItemRuns&, std::int32_t*, cudaStream_t);
+template cudaError_t copy_runs(const double*, const ItemRuns&, double*, cudaStream_t);
 
 }  // namespace cullhull::internal

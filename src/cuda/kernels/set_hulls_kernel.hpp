@@ -45,14 +45,11 @@ struct PackedLists {
   const std::uint64_t* vertex_at;
   const std::uint64_t* simplex_at;
 };
-/// Copies the lists of the decided sets as bytes, with ascending vertices, and the vertices' packed
-/// rows in the points' scalar type.
+/// Copies the lists of the decided sets as numbers of type Id, std::uint8_t or std::int32_t. With
+/// `rows`, vertices ascend, and their packed rows in the points' scalar type are written there.
+template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, std::uint8_t* vertices, std::uint8_t* simplices,
-                           void* rows, cudaStream_t stream);
-/// Copies the lists of the decided sets as 32-bit integers.
-cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, std::int32_t* vertices, std::int32_t* simplices,
+                           const PackedLists& at, Id* vertices, Id* simplices, void* rows,
                            cudaStream_t stream);
 
 /// Volume, area and centroid of each set's hull, and the exponent by which its coordinates are
@@ -84,9 +81,8 @@ struct ItemRuns {
 /// Copies runs of points to packed rows of the points' scalar type.
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
                             cudaStream_t stream);
-/// Copies runs of numbers.
-cudaError_t copy_runs(const std::int32_t* items, const ItemRuns& runs, std::int32_t* out,
-                      cudaStream_t stream);
-cudaError_t copy_runs(const double* items, const ItemRuns& runs, double* out, cudaStream_t stream);
+/// Copies runs of numbers: std::int32_t or double.
+template <class Item>
+cudaError_t copy_runs(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream);
 
 }  // namespace cullhull::internal

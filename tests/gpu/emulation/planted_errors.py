@@ -275,9 +275,9 @@ PLANTED = {
     ),
     "one-block-less": Planted(
         "the last sets of a batch get no block",
-        KERNELS + "set_hulls_kernel.cu",
-        "static_cast<unsigned>(«(warps + in_block - 1) / in_block»);",
-        "warps < in_block ? 1 : warps / in_block",
+        KERNELS + "coordinate.cuh",
+        "blocks = «(threads + size - 1) / size»;",
+        "threads < size ? 1 : threads / size",
         *SIZES,
     ),
     "sets-other-stream": Planted(
