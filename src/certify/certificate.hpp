@@ -10,7 +10,6 @@
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/adjacency.hpp"
-#include "parallel/prefetch.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::certify {
@@ -72,44 +71,6 @@ struct Subject {
   }
   std::uint64_t position(std::uint64_t id) const;  ///< index in `ids`; ids.size() if not a vertex
   void index_ids();                                ///< builds id_bucket; call when ids are set
-
-  /// Prefetches the data of higher-numbered neighbours of simplices a few after f, which are
-  /// scattered in memory.
-  void prefetch(std::uint64_t f) const {
-    constexpr std::uint64_t far = 24, near = 12;
-    const std::uint32_t* facets = hull.simplex_facets.data();  // null if facets are simplices
-    if (f + far < simplex_count())
-      for (unsigned j = 0; j < k; ++j) {
-        const std::size_t g = hull.simplex_neighbours[(f + far) * k + j];
-        if (g < f) continue;
-        prefetch_line(index.data() + g * k);
-        prefetch_line(hull.simplex_neighbours.data() + g * k);
-        if (facets != nullptr) prefetch_line(facets + g);
-      }
-    if (f + near < simplex_count() && k <= 4)  // else vertices are few, and stay cached
-      for (unsigned j = 0; j < k; ++j) {
-        const std::uint32_t g = neighbour(static_cast<std::uint32_t>(f + near), j);
-        if (g < f) continue;
-        for (unsigned c = 0; c < k; ++c) prefetch_line(row(simplex(g)[c]));
-      }
-  }
-
-  /// Prefetches what `position` reads: buckets for the ids in row `far`, ids for those in row
-  /// `near`.
-  void prefetch_positions(const std::uint64_t* far, const std::uint64_t* near) const {
-    for (unsigned j = 0; j < k; ++j) {
-      if (const std::uint64_t b = far[j] >> id_shift; b < id_bucket.size())
-        prefetch_line(id_bucket.data() + b);
-      if (const std::uint64_t b = near[j] >> id_shift; b < id_bucket.size())
-        prefetch_line(ids.data() + id_bucket[b]);
-    }
-  }
-
-  void prefetch_corners(std::uint64_t f) const {
-    constexpr std::uint64_t ahead = 16;  // simplices, about a memory latency; untested
-    if (f + ahead < simplex_count())
-      for (unsigned j = 0; j < k; ++j) prefetch_line(row(index[(f + ahead) * k + j]));
-  }
 
   /// The side of the plane of simplex f that x is on; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;

@@ -54,7 +54,6 @@ void Cones::build() {
   check_chunks(s_.run, s_.simplex_count(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
     double most = 0;
     for (std::uint64_t i = begin; i < end; ++i) {
-      s_.prefetch_corners(i);
       const auto f = static_cast<std::uint32_t>(i);
       double* out = plane(f);
       if (!build_plane<K>(f, out)) {

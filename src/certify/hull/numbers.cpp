@@ -231,7 +231,6 @@ class MeasureCheck {
       FacetTerms terms;
       std::vector<double> reach(d_);
       for (std::uint64_t i = begin; i < end; ++i) {
-        s_.prefetch_corners(i);
         if (k_ > 8) s_.run.check();
         add(static_cast<std::uint32_t>(i), terms, reach, parts[begin / chunk]);
       }

@@ -73,7 +73,6 @@ void read_simplices(Subject& s) {
   check_chunks(s.run, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t* row = h.simplices.data() + i * k;
-      if (i + 24 < count) s.prefetch_positions(row + 24 * k, row + 12 * k);
       for (unsigned j = 0; j < k; ++j) {
         const std::uint64_t at = s.position(row[j]);
         if (at == s.ids.size()) fault("simplex ", i, " uses point ", row[j], ", not a vertex");
@@ -158,7 +157,6 @@ class RidgeCheck {
     std::uint64_t pairs = 0;
     for (std::uint64_t wide = begin; wide < end; ++wide) {
       const auto f = static_cast<std::uint32_t>(wide);
-      s_.prefetch(f);
       for (unsigned i = 0; i < k; ++i) {
         const std::uint32_t g = s_.neighbour(f, i);
         if (g == f) not_neighbours(f, g);
