@@ -1,7 +1,6 @@
 #include "certify/hull/facet_terms.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -332,140 +331,6 @@ mp_bitcnt_t CheckedFacets::wide_bits(std::uint32_t simplex) const {
   return static_cast<mp_bitcnt_t>(2 * k_) * static_cast<mp_bitcnt_t>(high - low + 8) + 256;
 }
 
-/// The cofactor normal of a simplex of codimension 1 whose first vertex is `from`. Every product of
-/// a minor has one factor from each other axis, so each component is right to 2^-(bits - 16) of its
-/// permanent for axes of any proportions. The bound on a component of the unit normal is at least
-/// 2^-53 times its permanent over the edges' lengths, while the error is divided by the measure: a
-/// share of 2^-(bits - 80) leaves an error of 2^-11 of the bound. The exponents of these numbers
-/// are unbounded.
-class CheckedFacets::WideCofactors {
- public:
-  WideCofactors(unsigned k, mp_bitcnt_t bits)
-      : k_(k),
-        bits_(bits),
-        minors_(std::size_t{1} << k, mpf_class(0, bits)),
-        permanents_(minors_) {}
-
-  /// False if the rounding error may exceed the normal, or its height over every offered vertex or
-  /// over `origin` (null if that is on the plane): then more bits are needed.
-  bool find(const std::vector<const double*>& corners, const std::vector<const double*>& apexes,
-            const double* origin) {
-    for (unsigned j = 1; j < k_; ++j) add_edge(corners[0], corners[j]);
-    expand();
-    mpf_class square(0, bits_), spread(0, bits_);
-    for (unsigned c = 0; c < k_; ++c) {
-      const unsigned rest = ((1U << k_) - 1) & ~(1U << c);
-      normal.push_back((k_ - 1 + c) % 2 != 0 ? mpf_class(-minors_[rest]) : minors_[rest]);
-      spread_.push_back(permanents_[rest]);
-      square += normal[c] * normal[c];
-      spread += spread_[c] * spread_[c];
-    }
-    if (!(square > 0) || lost(square, spread)) return false;
-    measure = sqrt(square);
-    mpf_class least(lengths, 64);
-    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ - 80);
-    if (measure < least) return false;
-    const int side = side_of(corners[0], apexes);
-    for (mpf_class& n : normal) n = side > 0 ? mpf_class(-n / measure) : mpf_class(n / measure);
-    return side != 0 && (origin == nullptr || find_height(corners[0], origin));
-  }
-
-  std::vector<mpf_class> normal;
-  mpf_class measure, height = mpf_class(0, 256), lengths = mpf_class(1, 256);
-  std::vector<double> unit_edges;
-
- private:
-  /// Whether `part` may be just the rounding error of terms that add up to `whole`.
-  bool lost(const mpf_class& part, const mpf_class& whole) const {
-    mpf_class least(whole, 64);
-    mpf_div_2exp(least.get_mpf_t(), least.get_mpf_t(), bits_ / 2);
-    return part <= least;
-  }
-
-  mpf_class difference(double a, double b) const {
-    return mpf_class(a, bits_) - mpf_class(b, bits_);
-  }
-
-  void add_edge(const double* from, const double* to) {
-    mpf_class square(0, bits_);
-    for (unsigned c = 0; c < k_; ++c) {
-      edges_.push_back(difference(to[c], from[c]));
-      square += edges_.back() * edges_.back();
-    }
-    const mpf_class length = sqrt(square);
-    lengths = lengths * length;
-    for (unsigned c = 0; c < k_; ++c)
-      unit_edges.push_back(length > 0 ? mpf_class(edges_[edges_.size() - k_ + c] / length).get_d()
-                                      : 0);
-  }
-
-  /// Minors of the first rows on every set of columns, expanded along the last row
-  /// (exact/determinants).
-  void expand() {
-    minors_[0] = permanents_[0] = 1;
-    for (unsigned set = 1; set + 1 < 1U << k_; ++set) {
-      const auto size = static_cast<unsigned>(std::popcount(set));
-      bool negative = size % 2 == 0;
-      mpf_class &sum = minors_[set], &bound = permanents_[set];
-      for (unsigned c = 0; c < k_; ++c) {
-        if ((set >> c & 1) == 0) continue;
-        const mpf_class& entry = edges_[std::size_t{size - 1} * k_ + c];
-        const mpf_class term = entry * minors_[set & ~(1U << c)];
-        sum += negative ? mpf_class(-term) : term;
-        bound += abs(entry) * permanents_[set & ~(1U << c)];
-        negative = !negative;
-      }
-    }
-  }
-
-  bool find_height(const double* from, const double* origin) {
-    height.set_prec(bits_);
-    mpf_class bound(0, bits_);
-    for (unsigned c = 0; c < k_; ++c) {
-      const mpf_class step = difference(from[c], origin[c]);
-      height += normal[c] * step;
-      bound += spread_[c] * abs(step);
-    }
-    return !lost(height, mpf_class(bound / measure));
-  }
-
-  /// The side of the plane that the vertices are on; 0: none is far enough from it.
-  int side_of(const double* from, const std::vector<const double*>& apexes) const {
-    for (const double* apex : apexes) {
-      mpf_class above(0, bits_), bound(0, bits_);
-      for (unsigned c = 0; c < k_; ++c) {
-        const mpf_class step = difference(apex[c], from[c]);
-        above += normal[c] * step;
-        bound += spread_[c] * abs(step);
-      }
-      if (above != 0 && !lost(abs(above), bound)) return sgn(above);
-    }
-    return 0;
-  }
-
-  unsigned k_;
-  mp_bitcnt_t bits_;
-  std::vector<mpf_class> edges_, minors_, permanents_, spread_;
-};
-
-bool CheckedFacets::wide_cofactors(std::uint32_t i, const double* origin, WideTerms& out) const {
-  const auto row = [&](std::uint32_t v) { return s_.full.data() + std::size_t{v} * d_; };
-  std::vector<const double*> corners, apexes;
-  for (unsigned j = 0; j < k_; ++j) corners.push_back(row(s_.simplex(i)[j]));
-  for (const std::uint32_t b : s_.basis) apexes.push_back(row(b));
-  const mp_bitcnt_t enough = wide_bits(i);
-  for (mp_bitcnt_t bits = 256;; bits = std::min(2 * bits, enough)) {
-    WideCofactors cofactors(k_, bits);
-    if (cofactors.find(corners, apexes, origin)) {
-      out = {std::move(cofactors.normal), std::move(cofactors.lengths),
-             std::move(cofactors.measure), std::move(cofactors.height),
-             std::move(cofactors.unit_edges)};
-      return true;
-    }
-    if (bits == enough) return false;
-  }
-}
-
 /// The cofactor normal in integers: axes of any proportions need no more bits, and nothing is
 /// rounded.
 WideTerms CheckedFacets::exact_cofactors(std::uint32_t i, const double* origin) const {
@@ -520,14 +385,7 @@ WideTerms CheckedFacets::wide_terms(std::uint32_t i) const {
   std::vector<const double*> scratch(k_ + 1);
   const bool level = s_.side(i, s_.row(0), scratch.data()) == Sign::zero;
   const double* const origin = level ? nullptr : row(0);
-  if (k_ == d_ && k_ >= 2) {
-    // Short integers take a tenth of the time of floats of 256 bits, long ones several times it.
-    constexpr mp_bitcnt_t short_integers = 256;
-    if (WideTerms w;
-        k_ <= 8 && wide_bits(i) > 2 * k_ * short_integers && wide_cofactors(i, origin, w))
-      return w;
-    return exact_cofactors(i, origin);
-  }
+  if (k_ == d_ && k_ >= 2) return exact_cofactors(i, origin);
   const std::uint32_t* v = s_.simplex(i);
   const mp_bitcnt_t enough = wide_bits(i);
   // Flats of frames whose axes differ extremely are tested by a bound for each component; the

@@ -91,11 +91,8 @@ class CheckedFacets {
   bool by_cofactors(std::uint32_t simplex, FacetTerms& out) const;
   bool quickly(std::uint32_t simplex, FacetTerms& out) const;
   bool orthogonally(std::uint32_t simplex, FacetTerms& out) const;
-  class WideCofactors;
   /// In full dimension. `origin`: null if that is on the plane.
   WideTerms exact_cofactors(std::uint32_t simplex, const double* origin) const;
-  /// False if more bits are needed than Gram-Schmidt uses.
-  bool wide_cofactors(std::uint32_t simplex, const double* origin, WideTerms& out) const;
   template <unsigned K>
   void fill_spread(const WideTerms& w, FacetTerms& out) const;
   bool in_range(std::uint32_t from, std::uint32_t to) const;
