@@ -7,6 +7,7 @@
 
 #include "certify/certificate.hpp"
 #include "certify/hull/cones.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -334,25 +335,12 @@ bool rational_cone(const Subject& s, std::uint32_t f, std::uint32_t target) {
   }
   // Solves sum lambda_j (corner j - centroid) = ray; the matrix is regular, as f is strictly
   // beneath.
-  std::vector<std::vector<mpq_class>> m(k, std::vector<mpq_class>(k + 1));
+  RationalRows m(k, std::vector<mpq_class>(k + 1));
   for (unsigned c = 0; c < k; ++c) {
     for (unsigned j = 0; j < k; ++j) m[c][j] = mpq_class(s.row(s.simplex(f)[j])[c]) - centroid[c];
     m[c][k] = ray[c];
   }
-  for (unsigned c = 0; c < k; ++c) {
-    unsigned pivot = c;
-    while (pivot < k && m[pivot][c] == 0) ++pivot;
-    if (pivot == k) return true;
-    std::swap(m[pivot], m[c]);
-    for (unsigned r = 0; r < k; ++r) {
-      if (r == c || m[r][c] == 0) continue;
-      const mpq_class factor = m[r][c] / m[c][c];
-      for (unsigned j = c; j <= k; ++j) m[r][j] -= factor * m[c][j];
-    }
-  }
-  for (unsigned c = 0; c < k; ++c)
-    if (m[c][k] * m[c][c] < 0) return false;
-  return true;
+  return solves_without_negatives(m);
 }
 
 }  // namespace

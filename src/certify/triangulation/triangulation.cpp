@@ -6,14 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
-#include <optional>
 
 #include "certify/certificate.hpp"
-#include "certify/triangulation/group_corners.hpp"
 #include "certify/triangulation/side_filter.hpp"
 #include "exact/insphere/lifted_rows.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "exact/planes/exact_plane.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
@@ -438,12 +439,58 @@ class TriangulationSubject {
   }
 
   /// With weights: checks that every vertex is a corner of its merged cells, so that its lifted
-  /// point is an extreme point of the lower hull.
+  /// point is an extreme point of the lower hull. It is a corner of one of its groups if and only
+  /// if it is a corner of all.
   void check_extreme() const {
     if (t_.cell_groups.empty()) return;
-    const GroupCorners corners_of(t_, [&](std::uint32_t id) { return row(id); });
-    const std::optional<std::uint32_t> bad = corners_of.first_that_is_none(run_);
-    if (bad) fault("point ", *bad, " is a vertex, but no extreme point of the lower hull");
+    std::vector<std::uint32_t> size(t_.size());
+    for (const std::uint32_t g : t_.cell_groups) ++size[g];
+    // A vertex of a group with one cell is a corner of it.
+    std::vector<bool> proved(t_.point_count);
+    for (std::uint64_t c = 0; c < t_.size(); ++c)
+      if (size[t_.cell_groups[c]] == 1)
+        for (const std::uint32_t v : t_.cell(c)) proved[v] = true;
+    std::map<std::uint32_t, std::vector<std::uint32_t>> cells;  // of each vertex's first group
+    for (std::uint32_t c = 0; c < t_.size(); ++c)
+      for (const std::uint32_t v : t_.cell(c)) {
+        if (proved[v]) continue;
+        auto& list = cells[v];
+        if (list.empty() || t_.cell_groups[list[0]] == t_.cell_groups[c]) list.push_back(c);
+      }
+    for (const auto& [v, list] : cells) {
+      run_.check();
+      if (!is_corner(v, list))
+        fault("point ", v, " is a vertex, but no extreme point of the lower hull");
+    }
+  }
+
+  /// The merged cells of a group are a convex polytope in the flat. A vertex is a corner of it if
+  /// and only if the normals of the polytope's facets at the vertex have full rank. `cells`: those
+  /// of a group around v. In rational arithmetic.
+  bool is_corner(std::uint32_t v, const std::vector<std::uint32_t>& cells) const {
+    RationalRows normals;
+    std::vector<const double*> facet;
+    ExactPlane plane;
+    for (const std::uint32_t c : cells)
+      for (unsigned j = 0; j <= k_; ++j) {
+        const std::uint32_t o = t_.neighbours_of(c)[j];
+        if (t_.cell(c)[j] == v || (o != no_cell && t_.group(o) == t_.group(c))) continue;
+        std::vector<mpq_class>& normal = normals.emplace_back(k_, mpq_class(1));
+        if (k_ == 1) continue;
+        facet.clear();
+        for (unsigned i = 0; i <= k_; ++i)
+          if (i != j) facet.push_back(row(t_.cell(c)[i]));
+        plane.set(k_, facet.data());
+        for (unsigned a = 0; a < k_; ++a) {
+          const ExactPlane::ScaledInteger n = plane.cofactor(a);
+          normal[a] = mpz_class(n.value);
+          if (n.exponent >= 0)
+            normal[a] <<= static_cast<mp_bitcnt_t>(n.exponent);
+          else
+            normal[a] >>= static_cast<mp_bitcnt_t>(-n.exponent);
+        }
+      }
+    return eliminate(normals, k_);
   }
 
   /// Checks that lifted hidden points are on or above the lower hull.
