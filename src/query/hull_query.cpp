@@ -11,7 +11,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/query.hpp"
-#include "exact/orientation/orientation.hpp"
+#include "exact/orientation/flat_test.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
@@ -31,42 +31,12 @@ static_assert(chunk <= gauge_chunk);
 /// climb, but costs its construction once. Untested.
 constexpr std::uint64_t worth_a_map = 2048;
 
-/// Whether points lie in the flat of a flat hull: on the flat's axes and any other one, the simplex
-/// of the basis and the point must be degenerate.
-class FlatTest {
- public:
-  explicit FlatTest(const QueryPoints& points) : points_(points) {
-    const unsigned d = points.dimension, k = points.k;
-    for (unsigned c = 0; c < d && k < d; ++c) {
-      if (std::find(points.axes.begin(), points.axes.end(), c) != points.axes.end()) continue;
-      others_.push_back(c);
-      for (const std::uint32_t v : points.basis) {
-        const double* p = points.full.data() + std::size_t{v} * d;
-        for (const unsigned a : points.axes) rows_.push_back(p[a]);
-        rows_.push_back(p[c]);
-      }
-    }
-  }
-  bool contains(const double* q) const {
-    const unsigned k = points_.k;
-    std::vector<double> row(k + 1);
-    std::vector<const double*> rows(k + 2);
-    for (std::size_t o = 0; o < others_.size(); ++o) {
-      const double* block = rows_.data() + o * (k + 1) * (k + 1);
-      for (unsigned j = 0; j < k; ++j) row[j] = q[points_.axes[j]];
-      row[k] = q[others_[o]];
-      for (unsigned i = 0; i <= k; ++i) rows[i] = block + std::size_t{i} * (k + 1);
-      rows[k + 1] = row.data();
-      if (orientation(k + 1, rows.data()) != Sign::zero) return false;
-    }
-    return true;
-  }
-
- private:
-  const QueryPoints& points_;
-  std::vector<unsigned> others_;
-  std::vector<double> rows_;
-};
+FlatTest flat_of(const QueryPoints& points) {
+  std::vector<const double*> basis;
+  for (const std::uint32_t v : points.basis)
+    basis.push_back(points.full.data() + std::size_t{v} * points.dimension);
+  return {points.dimension, points.axes, basis};
+}
 
 /// The hull as an InnerPolytope; moves the corners out of `points`.
 InnerPolytope polytope_of(QueryPoints& points, const Hull& hull) {
@@ -115,7 +85,7 @@ using namespace internal;
 struct HullQuery::State {
   State(const PointView* view, const Hull& hull, const Control& control)
       : points(make_query_points(view, hull, control)),
-        flat(points),
+        flat(flat_of(points)),
         vertices(points, control),
         planes(hull.facet_planes.begin(), hull.facet_planes.end()),
         facet_start(hull.facets.offsets.begin(), hull.facets.offsets.end()) {

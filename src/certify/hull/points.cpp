@@ -9,6 +9,7 @@
 #include "certify/certificate.hpp"
 #include "certify/hull/cones.hpp"
 #include "certify/hull/inner_ball.hpp"
+#include "exact/orientation/flat_test.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal::certify {
@@ -16,57 +17,12 @@ namespace {
 
 constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work
 
-/// Detects points outside the flat of the basis: on the chosen axes together with any other axis,
-/// the simplex of the basis and the point must be degenerate.
-class FlatCheck {
- public:
-  explicit FlatCheck(const Subject& s) : s_(s) {
-    const unsigned d = s.hull.dimension;
-    for (unsigned c = 0; c < d; ++c) {
-      if (std::binary_search(s.axes.begin(), s.axes.end(), c)) continue;
-      Column column{c, true, at(s.basis[0])[c], {}};
-      for (const std::uint32_t v : s.basis) {
-        column.constant &= at(v)[c] == column.value;
-        for (const unsigned a : s.axes) column.rows.push_back(at(v)[a]);
-        column.rows.push_back(at(v)[c]);
-      }
-      columns_.push_back(std::move(column));
-    }
-  }
-  bool contains(const double* x) const {
-    const unsigned k = s_.k;
-    std::vector<double> row(k + 1);
-    std::vector<const double*> rows(k + 2);
-    for (const Column& column : columns_) {
-      if (column.constant) {
-        if (x[column.axis] != column.value) return false;
-        continue;
-      }
-      for (unsigned j = 0; j < k; ++j) row[j] = x[s_.axes[j]];
-      row[k] = x[column.axis];
-      for (unsigned i = 0; i <= k; ++i) rows[i] = column.rows.data() + std::size_t{i} * (k + 1);
-      rows[k + 1] = row.data();
-      Rung rung = Rung::filter;
-      const Sign sign = orientation(k + 1, rows.data(), &rung);
-      if (rung == Rung::exact) s_.exact_decisions.fetch_add(1, std::memory_order_relaxed);
-      if (sign != Sign::zero) return false;
-    }
-    return true;
-  }
-
- private:
-  struct Column {
-    unsigned axis;
-    bool constant;
-    double value;
-    std::vector<double> rows;
-  };
-  const double* at(std::uint32_t v) const {
-    return s_.full.data() + std::size_t{v} * s_.hull.dimension;
-  }
-  const Subject& s_;
-  std::vector<Column> columns_;
-};
+FlatTest flat_of(const Subject& s) {
+  std::vector<const double*> basis;
+  for (const std::uint32_t v : s.basis)
+    basis.push_back(s.full.data() + std::size_t{v} * s.hull.dimension);
+  return {s.hull.dimension, s.axes, basis};
+}
 
 /// Skips most points that are strictly inside: a grid on the cube of directions around the centre,
 /// with an inner radius for each cell. docs/exactness.md, "Certificate", has the proof.
@@ -270,7 +226,7 @@ class PointCheck::Scan {
  public:
   Scan(const Subject& s, const Cones& cones)
       : s_(s),
-        flat_(s),
+        flat_(flat_of(s)),
         cones_(cones),
         ball_(make_ball(s, cones)),
         filter_(s, cones, count_outside_ball()) {
@@ -355,7 +311,10 @@ class PointCheck::Scan {
     check_finite(i, x);
     if (k == s_.hull.dimension) return;
     const bool spans = std::find(s_.basis.begin(), s_.basis.end(), vertex) != s_.basis.end();
-    if (!spans && !flat_.contains(x))
+    std::uint64_t exact = 0;
+    const bool inside = spans || flat_.contains(x, &exact);
+    if (exact > 0) s_.exact_decisions.fetch_add(exact, std::memory_order_relaxed);
+    if (!inside)
       fault("point ", i, " is not in the flat of the vertices: affine dimension ", k,
             " is too low");
   }
@@ -419,7 +378,7 @@ class PointCheck::Scan {
   }
 
   const Subject& s_;
-  const FlatCheck flat_;
+  const FlatTest flat_;
   const Cones& cones_;
   const InnerBall ball_;
   const InnerFilter filter_;
