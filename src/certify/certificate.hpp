@@ -10,6 +10,7 @@
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/adjacency.hpp"
+#include "parallel/id_places.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::certify {
@@ -58,8 +59,7 @@ struct Subject {
   FacetSimplices members;            ///< set once simplex_facets has been checked
   mutable std::atomic<std::uint64_t> exact_decisions{0};
   mutable std::atomic<std::uint64_t> vertices_met{0};  ///< vertices found among the points so far
-  unsigned id_shift = 0;                               ///< an id's bucket is id >> id_shift
-  std::vector<std::uint32_t> id_bucket;                ///< index in `ids` of each bucket's first id
+  IdPlaces position;  ///< index in `ids`; ids.size() if not a vertex
 
   Subject(const PointView& p, const Hull& h, const Run& r) : points(p), hull(h), run(r) {}
 
@@ -69,8 +69,6 @@ struct Subject {
   std::uint32_t neighbour(std::uint32_t f, unsigned j) const {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
-  std::uint64_t position(std::uint64_t id) const;  ///< index in `ids`; ids.size() if not a vertex
-  void index_ids();                                ///< builds id_bucket; call when ids are set
 
   /// The side of the plane of simplex f that x is on; positive is outside. scratch: k + 1 pointers.
   Sign side(std::uint32_t f, const double* x, const double** scratch) const;

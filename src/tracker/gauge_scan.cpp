@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -8,6 +7,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
+#include "parallel/id_places.hpp"
 #include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal {
@@ -34,30 +34,6 @@ std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
   return marks;
 }
 
-/// Finds the place of an id in an ascending list, in constant time where the ids are spread evenly.
-/// (Binary searches over the whole list took a seventh of a frame of 10,000 points.)
-class Places {
- public:
-  explicit Places(const std::vector<std::uint64_t>& ids)
-      : ids_(ids), shift_(static_cast<unsigned>(std::bit_width(ids.back() / ids.size()))) {
-    first_.reserve((ids.back() >> shift_) + 2);
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      first_.resize((ids[i] >> shift_) + 1, static_cast<std::uint32_t>(i));
-    first_.push_back(static_cast<std::uint32_t>(ids.size()));
-  }
-  /// `id` must be in the list.
-  std::uint32_t operator()(std::uint64_t id) const {
-    const std::uint64_t bucket = id >> shift_;
-    const auto begin = ids_.begin() + first_[bucket], end = ids_.begin() + first_[bucket + 1];
-    return static_cast<std::uint32_t>(std::lower_bound(begin, end, id) - ids_.begin());
-  }
-
- private:
-  const std::vector<std::uint64_t>& ids_;
-  unsigned shift_;
-  std::vector<std::uint32_t> first_;  ///< of each bucket of ids the place of its first
-};
-
 /// The last hull's surface with its vertices at their new positions, `rows`. `leaders`, ascending,
 /// are the vertices' ids: vertex i of the surface is leader i.
 InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
@@ -67,7 +43,7 @@ InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& 
   p.vertices = std::move(rows);
   p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   p.facets.resize(hull.simplices.size());
-  const Places place(leaders);
+  const IdPlaces place(leaders);
   run.each(hull.simplices.size(), 8192, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) p.facets[i] = place(hull.simplices[i]);
   });

@@ -33,23 +33,6 @@ void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
     if (!f.empty()) throw Fault{std::move(f)};
 }
 
-std::uint64_t Subject::position(std::uint64_t id) const {
-  const std::uint64_t bucket = id >> id_shift;
-  if (bucket + 1 >= id_bucket.size()) return ids.size();
-  const auto begin = ids.begin() + id_bucket[bucket], end = ids.begin() + id_bucket[bucket + 1];
-  const auto it = std::lower_bound(begin, end, id);
-  return it != end && *it == id ? static_cast<std::uint64_t>(it - ids.begin()) : ids.size();
-}
-
-void Subject::index_ids() {
-  // At most twice as many buckets as ids.
-  id_shift = 0;
-  while (ids.back() >> id_shift >= 2 * ids.size()) ++id_shift;
-  id_bucket.assign((ids.back() >> id_shift) + 2, 0);
-  for (const std::uint64_t id : ids) ++id_bucket[(id >> id_shift) + 1];
-  for (std::size_t b = 1; b < id_bucket.size(); ++b) id_bucket[b] += id_bucket[b - 1];
-}
-
 Sign Subject::side(std::uint32_t f, const double* x, const double** scratch) const {
   for (unsigned j = 0; j < k; ++j) scratch[j] = row(simplex(f)[j]);
   scratch[k] = x;

@@ -205,8 +205,7 @@ class FacetCheck {
     listed_.resize(h_.facets.items.size());
     check_chunks(s_.run, listed_.size(), std::uint64_t{1} << 14,
                  [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i)
-        listed_[i] = static_cast<std::uint32_t>(s_.position(h_.facets.items[i]));
+      for (std::uint64_t i = begin; i < end; ++i) listed_[i] = s_.position(h_.facets.items[i]);
     });
     on_ = Adjacency<std::uint32_t>(s_.ids.size(), [&](const auto& add) {
       for (std::uint32_t f = 0; f < h_.facets.size(); ++f)

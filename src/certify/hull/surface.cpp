@@ -53,7 +53,7 @@ void read_vertices(Subject& s) {
     if (s.ids[i] >= s.points.count) fault("vertex ", s.ids[i], " is out of range");
     if (i > 0 && s.ids[i - 1] >= s.ids[i]) fault("vertices are not in ascending order");
   }
-  s.index_ids();
+  s.position = IdPlaces(s.ids);
   const unsigned d = h.dimension;
   s.full.resize(s.ids.size() * d);
   check_chunks(s.run, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
@@ -75,9 +75,9 @@ void read_simplices(Subject& s) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t* row = h.simplices.data() + i * k;
       for (unsigned j = 0; j < k; ++j) {
-        const std::uint64_t at = s.position(row[j]);
+        const std::uint32_t at = s.position(row[j]);
         if (at == s.ids.size()) fault("simplex ", i, " uses point ", row[j], ", not a vertex");
-        s.index[i * k + j] = static_cast<std::uint32_t>(at);
+        s.index[i * k + j] = at;
         // Ascending; the last two may be swapped.
         if (j > 0 && (j + 1 < k ? row[j - 1] >= row[j] : row[j - 1] == row[j]))
           fault("the ids of simplex ", i, " are not in order");
