@@ -56,31 +56,17 @@ inline BigNumbers& kept_numbers(std::size_t count) {
   return kept;
 }
 
-/// Returns the determinant's sign by fraction-free elimination (Bareiss 1968), where every division
-/// is exact.
+/// Returns the determinant's sign by fraction-free elimination.
 template <class Rows>
 Sign determinant_sign_big(const Rows& rows) {
   const unsigned n = rows.columns();
   BigNumbers& m = kept_numbers(std::size_t{n} * n + 1);
-  mpz_ptr t = m[std::size_t{n} * n];
-  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * n + j]; };
   for (unsigned i = 0; i < n; ++i)
-    for (unsigned j = 0; j < n; ++j) rows.big(i, j, at(i, j), t);
-  int flips = 1;
-  for (unsigned k = 0; k + 1 < n; ++k) {
-    unsigned pivot = k;
-    while (pivot < n && mpz_sgn(at(pivot, k)) == 0) ++pivot;
-    if (pivot == n) return Sign::zero;
-    if (pivot != k) {
-      for (unsigned j = 0; j < n; ++j) mpz_swap(at(pivot, j), at(k, j));
-      flips = -flips;
-    }
-    for (unsigned i = k + 1; i < n; ++i)
-      for (unsigned j = k + 1; j < n; ++j)
-        fraction_free_step(at(i, j), at(k, k), at(i, k), at(k, j),
-                           k > 0 ? at(k - 1, k - 1) : nullptr, t);
-  }
-  return static_cast<Sign>(flips * mpz_sgn(at(n - 1, n - 1)));
+    for (unsigned j = 0; j < n; ++j)
+      rows.big(i, j, m[std::size_t{i} * n + j], m[std::size_t{n} * n]);
+  int sign = 1;
+  if (echelon_form(m, n, n, true, nullptr, &sign) < n) return Sign::zero;
+  return static_cast<Sign>(sign * mpz_sgn(m[std::size_t{n} * n - 1]));
 }
 
 template <class Rows>

@@ -226,32 +226,14 @@ unsigned affine_rank_exact(unsigned d, const double* const* p, unsigned count, u
   if (count < 2) return 0;
   const unsigned rows = count - 1;
   const Differences a(d, p, rows);
-  BigNumbers& m = kept_numbers(std::size_t{rows} * d + 2);
-  mpz_ptr t = m[std::size_t{rows} * d];
-  mpz_ptr previous = m[std::size_t{rows} * d + 1];
-  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * d + j]; };
+  BigNumbers& m = kept_numbers(std::size_t{rows} * d + 1);
   for (unsigned i = 0; i < rows; ++i)
-    for (unsigned j = 0; j < d; ++j) a.big(i, j, at(i, j), t);
-  if (std::min(rows, d) >= ranks_by_primes) return rank_by_primes(m, rows, d, columns);
+    for (unsigned j = 0; j < d; ++j)
+      a.big(i, j, m[std::size_t{i} * d + j], m[std::size_t{rows} * d]);
   // Columns from left to right: the pivots are those of the row echelon form, which depend on the
   // flat alone, not on the points that span it.
-  unsigned rank = 0;
-  mpz_set_ui(previous, 1);
-  for (unsigned c = 0; c < d && rank < rows; ++c) {
-    unsigned pivot = rank;
-    while (pivot < rows && mpz_sgn(at(pivot, c)) == 0) ++pivot;
-    if (pivot == rows) continue;
-    for (unsigned j = 0; j < d; ++j) mpz_swap(at(pivot, j), at(rank, j));
-    for (unsigned i = rank + 1; i < rows; ++i) {
-      for (unsigned j = c + 1; j < d; ++j)
-        fraction_free_step(at(i, j), at(rank, c), at(i, c), at(rank, j), previous, t);
-      mpz_set_ui(at(i, c), 0);
-    }
-    mpz_set(previous, at(rank, c));
-    if (columns != nullptr) columns[rank] = c;
-    ++rank;
-  }
-  return rank;
+  return std::min(rows, d) >= ranks_by_primes ? rank_by_primes(m, rows, d, columns)
+                                              : echelon_form(m, rows, d, false, columns);
 }
 
 bool plane_exact(unsigned d, const double* const* p, double* normal) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace cullhull::internal {
 
@@ -15,76 +14,69 @@ void BigNumbers::resize(std::size_t count) {
   while (values_.size() < count) mpz_init(values_.emplace_back().data);
 }
 
-/// Fraction-free elimination (Bareiss 1968) with exchanges of rows and columns, then substitution
-/// for the null vector whose entry in the column without a pivot is the last pivot: all its entries
-/// are minors, hence integers, and every division is exact.
+unsigned echelon_form(BigNumbers& m, unsigned rows, unsigned columns, bool full, unsigned* pivots,
+                      int* sign) {
+  const auto at = [&](unsigned i, unsigned j) { return m[std::size_t{i} * columns + j]; };
+  mpz_ptr scratch = m[std::size_t{rows} * columns], previous = nullptr;
+  if (sign != nullptr) *sign = 1;
+  unsigned rank = 0;
+  for (unsigned c = 0; c < columns && rank < rows; ++c) {
+    unsigned pivot = rank;
+    while (pivot < rows && mpz_sgn(at(pivot, c)) == 0) ++pivot;
+    if (pivot == rows) {
+      if (full && columns - c - 1 < rows - rank) return rank;
+      continue;
+    }
+    if (pivot != rank) {
+      for (unsigned j = 0; j < columns; ++j) mpz_swap(at(pivot, j), at(rank, j));
+      if (sign != nullptr) *sign = -*sign;
+    }
+    for (unsigned i = rank + 1; i < rows; ++i) {
+      for (unsigned j = c + 1; j < columns; ++j) {  // (x pivot - factor top) / previous
+        mpz_mul(scratch, at(i, c), at(rank, j));
+        mpz_mul(at(i, j), at(i, j), at(rank, c));
+        mpz_sub(at(i, j), at(i, j), scratch);
+        if (previous != nullptr) mpz_divexact(at(i, j), at(i, j), previous);
+      }
+      mpz_set_ui(at(i, c), 0);
+    }
+    previous = at(rank, c);
+    if (pivots != nullptr) pivots[rank] = c;
+    ++rank;
+  }
+  return rank;
+}
+
+/// Elimination, then substitution for the null vector whose entry in the column without a pivot is
+/// the last pivot: all its entries are minors, hence integers, and every division is exact.
 void ExactPlane::set(unsigned d, const double* const* p) {
   d_ = d;
   p_ = p;
-  sign_ = 1;
   const unsigned m = d - 1;
   const Differences edges(d, p, m);
-  matrix_.resize(std::size_t{m} * d);
+  matrix_.resize(std::size_t{m} * d + 1);
   normal_.resize(d);
   scratch_.resize(2);
-  column_.resize(d);
+  pivots_.resize(m);
   exponent_.resize(d);
-  row_.resize(m);
-  for (unsigned j = 0; j < d; ++j) {
-    column_[j] = j;
-    exponent_[j] = edges.exponent(j);
-  }
-  for (unsigned i = 0; i < m; ++i) {
-    row_[i] = std::size_t{i} * d;
-    for (unsigned j = 0; j < d; ++j) edges.big(i, j, matrix_[row_[i] + j], scratch_[0]);
-  }
-  degenerate_ = false;
-  for (unsigned r = 0; r < m; ++r) {
-    if (!find_pivot(r)) {
-      degenerate_ = true;
-      return;
-    }
-    eliminate(r);
-  }
-  substitute();
-}
-
-bool ExactPlane::find_pivot(unsigned r) {
-  for (unsigned c = r; c < d_; ++c)
-    for (unsigned i = r; i + 1 < d_; ++i) {
-      if (mpz_sgn(matrix_[row_[i] + column_[c]]) == 0) continue;
-      if (i != r) sign_ = -sign_;
-      if (c != r) sign_ = -sign_;
-      std::swap(row_[i], row_[r]);
-      std::swap(column_[c], column_[r]);
-      return true;
-    }
-  return false;
-}
-
-void ExactPlane::eliminate(unsigned r) {
-  mpz_ptr t = scratch_[0];
-  mpz_ptr pivot = matrix_[row_[r] + column_[r]];
-  mpz_ptr previous = r > 0 ? matrix_[row_[r - 1] + column_[r - 1]] : nullptr;
-  for (unsigned i = r + 1; i + 1 < d_; ++i) {
-    mpz_ptr factor = matrix_[row_[i] + column_[r]];
-    for (unsigned j = r + 1; j < d_; ++j)
-      fraction_free_step(matrix_[row_[i] + column_[j]], pivot, factor,
-                         matrix_[row_[r] + column_[j]], previous, t);
-  }
-}
-
-void ExactPlane::substitute() {
-  const unsigned m = d_ - 1;
-  mpz_set(normal_[column_[m]], matrix_[row_[m - 1] + column_[m - 1]]);
+  for (unsigned j = 0; j < d; ++j) exponent_[j] = edges.exponent(j);
+  for (unsigned i = 0; i < m; ++i)
+    for (unsigned j = 0; j < d; ++j) edges.big(i, j, matrix_[std::size_t{i} * d + j], scratch_[0]);
+  int sign = 1;
+  degenerate_ = echelon_form(matrix_, m, d, true, pivots_.data(), &sign) < m;
+  if (degenerate_) return;
+  unsigned open = 0;  // the column without a pivot
+  while (open < m && pivots_[open] == open) ++open;
+  if ((m - open) % 2 == 1) sign = -sign;
+  const auto at = [&](unsigned i, unsigned j) { return matrix_[std::size_t{i} * d + j]; };
+  mpz_set(normal_[open], at(m - 1, pivots_[m - 1]));
   mpz_ptr sum = scratch_[0];
   for (unsigned r = m; r-- > 0;) {
     mpz_set_ui(sum, 0);
-    for (unsigned j = r + 1; j <= m; ++j)
-      mpz_submul(sum, matrix_[row_[r] + column_[j]], normal_[column_[j]]);
-    mpz_divexact(normal_[column_[r]], sum, matrix_[row_[r] + column_[r]]);
+    for (unsigned j = pivots_[r] + 1; j < d; ++j) mpz_submul(sum, at(r, j), normal_[j]);
+    mpz_divexact(normal_[pivots_[r]], sum, at(r, pivots_[r]));
   }
-  if (sign_ > 0) return;
+  if (sign > 0) return;
   for (unsigned j = 0; j < d_; ++j) mpz_neg(normal_[j], normal_[j]);
 }
 

@@ -11,17 +11,6 @@
 
 namespace cullhull::internal {
 
-/// Computes one entry of a step of fraction-free elimination (Bareiss 1968): x = (x pivot - factor
-/// top) / previous, where previous is the previous pivot (null in the first step). Every division
-/// is exact.
-inline void fraction_free_step(mpz_ptr x, mpz_srcptr pivot, mpz_srcptr factor, mpz_srcptr top,
-                               mpz_srcptr previous, mpz_ptr scratch) {
-  mpz_mul(scratch, factor, top);
-  mpz_mul(x, x, pivot);
-  mpz_sub(x, x, scratch);
-  if (previous != nullptr) mpz_divexact(x, x, previous);
-}
-
 /// GMP integers that keep their memory from one computation to the next.
 class BigNumbers {
  public:
@@ -41,6 +30,15 @@ class BigNumbers {
   };
   std::vector<Number> values_;
 };
+
+/// Brings the matrix of integers m[i * columns + j] to row echelon form by fraction-free
+/// elimination (Bareiss 1968), whose divisions are exact: entry j of row r becomes a minor of the
+/// first r + 1 rows, on the pivots' columns before it and column j. Returns the rank. `pivots`, if
+/// given, receives the pivots' columns, ascending, `sign` the parity of the exchanges of rows as 1
+/// or -1. `full`: ends early if the rank is certainly less than `rows`. m has room for one number
+/// more.
+unsigned echelon_form(BigNumbers& m, unsigned rows, unsigned columns, bool full, unsigned* pivots,
+                      int* sign = nullptr);
 
 /// Scales the components mantissa[j] 2^exponent[j] (the mantissas 0 or in [0.5, 1) in magnitude)
 /// alike so that the largest is in [0.5, 1], into `mantissa`. Returns false if all are zero.
@@ -69,18 +67,12 @@ class ExactPlane {
   void normal(double* out);
 
  private:
-  bool find_pivot(unsigned r);
-  void eliminate(unsigned r);
-  void substitute();
-
   unsigned d_ = 0;
   const double* const* p_ = nullptr;
   bool degenerate_ = false;
-  int sign_ = 1;  // parity of the exchanges
-  std::vector<unsigned> column_;
+  std::vector<unsigned> pivots_;
   std::vector<int> exponent_;
-  std::vector<std::size_t> row_;  // where each row of the matrix begins
-  BigNumbers matrix_, normal_;    // (d - 1) x d; by axis
+  BigNumbers matrix_, normal_;  // (d - 1) x d, in echelon form; by axis
   BigNumbers scratch_;
 };
 
