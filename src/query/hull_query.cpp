@@ -150,15 +150,11 @@ struct HullQuery::State {
     std::call_once(tables_once, [this] { device_tables = hull_tables(polytope, planes); });
     return device_tables ? &*device_tables : nullptr;
   }
-  // Points on a device; `query` is this state's, which the CPU's answers come from.
-  void sides_there(const HullQuery& query, const DevicePointView& view, Side* out,
-                   const Options& options, AnswersIn answers_in) const;
-  void contains_there(const HullQuery& query, const DevicePointView& view, std::uint8_t* out,
-                      const Options& options, AnswersIn answers_in) const;
-  void supports_there(const HullQuery& query, const DevicePointView& view, std::uint64_t* out,
-                      const Options& options, AnswersIn answers_in) const;
-  void distances_there(const HullQuery& query, const DevicePointView& view, double* out,
-                       const Options& options, AnswersIn answers_in) const;
+  DeviceQuestions there(const DevicePointView& view, const Options& options,
+                        AnswersIn answers_in) const {
+    check_dimension(view);
+    return {view, tables(), options, answers_in};
+  }
   RayHit ray(const double* origin, const double* direction) const;
   RayHit ray_on_line(double origin, double direction) const;  // d = 1
   RayHit ray_past_all(const double* origin, const double* direction) const;
@@ -456,51 +452,6 @@ void HullQuery::State::sides(const PointView& view, Out* out, const Options& opt
   }
 }
 
-// ------------------------------------------------------------------- points in a device's memory
-
-void HullQuery::State::sides_there(const HullQuery& query, const DevicePointView& view, Side* out,
-                                   const Options& options, AnswersIn answers_in) const {
-  check_dimension(view);
-  DeviceQuestions(view, tables(), options, answers_in)
-      .sides<Side>(side_tables(view.count), out,
-                   [&](const PointView& points_here, Side* answers, const Options& here) {
-    query.sides(points_here, answers, here);
-      });
-}
-
-void HullQuery::State::contains_there(const HullQuery& query, const DevicePointView& view,
-                                      std::uint8_t* out, const Options& options,
-                                      AnswersIn answers_in) const {
-  check_dimension(view);
-  DeviceQuestions(view, tables(), options, answers_in)
-      .sides<std::uint8_t>(
-          side_tables(view.count), out,
-          [&](const PointView& points_here, std::uint8_t* answers, const Options& here) {
-    query.contains(points_here, answers, here);
-          });
-}
-
-void HullQuery::State::supports_there(const HullQuery& query, const DevicePointView& view,
-                                      std::uint64_t* out, const Options& options,
-                                      AnswersIn answers_in) const {
-  check_dimension(view);
-  DeviceQuestions(view, tables(), options, answers_in)
-      .supports(points.ids, out,
-                [&](const PointView& points_here, std::uint64_t* answers, const Options& here) {
-    query.supports(points_here, answers, here);
-      });
-}
-
-void HullQuery::State::distances_there(const HullQuery& query, const DevicePointView& view,
-                                       double* out, const Options& options,
-                                       AnswersIn answers_in) const {
-  check_dimension(view);
-  DeviceQuestions(view, tables(), options, answers_in)
-      .distances(out, [&](const PointView& points_here, double* answers, const Options& here) {
-        query.signed_distances(points_here, answers, here);
-      });
-}
-
 // ------------------------------------------------------------------------------ the public face
 
 HullQuery::HullQuery(const PointView& points, const Hull& hull, const Options& options) {
@@ -585,39 +536,65 @@ void HullQuery::signed_distances(const PointView& points, double* out,
                [&](std::uint64_t i, const double* p) { out[i] = state_->nearest(p).distance; });
 }
 
+// Points in a device's memory.
+
+namespace {
+
+/// The CPU's answers to a question, for what a device leaves open.
+template <class Out>
+DeviceQuestions::Here<Out> cpu_answers(const HullQuery& query,
+                                       void (HullQuery::*question)(const PointView&, Out*,
+                                                                   const Options&) const) {
+  return [&query, question](const PointView& points, Out* out, const Options& options) {
+    (query.*question)(points, out, options);
+  };
+}
+
+}  // namespace
+
 void HullQuery::sides(const DevicePointView& points, Side* out, const Options& options) const {
-  state_->sides_there(*this, points, out, options, AnswersIn::host);
+  state_->there(points, options, AnswersIn::host)
+      .sides(state_->side_tables(points.count), out, cpu_answers<Side>(*this, &HullQuery::sides));
 }
 void HullQuery::sides_on_device(const DevicePointView& points, Side* out,
                                 const Options& options) const {
-  state_->sides_there(*this, points, out, options, AnswersIn::device);
+  state_->there(points, options, AnswersIn::device)
+      .sides(state_->side_tables(points.count), out, cpu_answers<Side>(*this, &HullQuery::sides));
 }
 
 void HullQuery::contains(const DevicePointView& points, std::uint8_t* out,
                          const Options& options) const {
-  state_->contains_there(*this, points, out, options, AnswersIn::host);
+  state_->there(points, options, AnswersIn::host)
+      .sides(state_->side_tables(points.count), out,
+             cpu_answers<std::uint8_t>(*this, &HullQuery::contains));
 }
 void HullQuery::contains_on_device(const DevicePointView& points, std::uint8_t* out,
                                    const Options& options) const {
-  state_->contains_there(*this, points, out, options, AnswersIn::device);
+  state_->there(points, options, AnswersIn::device)
+      .sides(state_->side_tables(points.count), out,
+             cpu_answers<std::uint8_t>(*this, &HullQuery::contains));
 }
 
 void HullQuery::supports(const DevicePointView& directions, std::uint64_t* out,
                          const Options& options) const {
-  state_->supports_there(*this, directions, out, options, AnswersIn::host);
+  state_->there(directions, options, AnswersIn::host)
+      .supports(state_->points.ids, out, cpu_answers<std::uint64_t>(*this, &HullQuery::supports));
 }
 void HullQuery::supports_on_device(const DevicePointView& directions, std::uint64_t* out,
                                    const Options& options) const {
-  state_->supports_there(*this, directions, out, options, AnswersIn::device);
+  state_->there(directions, options, AnswersIn::device)
+      .supports(state_->points.ids, out, cpu_answers<std::uint64_t>(*this, &HullQuery::supports));
 }
 
 void HullQuery::signed_distances(const DevicePointView& points, double* out,
                                  const Options& options) const {
-  state_->distances_there(*this, points, out, options, AnswersIn::host);
+  state_->there(points, options, AnswersIn::host)
+      .distances(out, cpu_answers<double>(*this, &HullQuery::signed_distances));
 }
 void HullQuery::signed_distances_on_device(const DevicePointView& points, double* out,
                                            const Options& options) const {
-  state_->distances_there(*this, points, out, options, AnswersIn::device);
+  state_->there(points, options, AnswersIn::device)
+      .distances(out, cpu_answers<double>(*this, &HullQuery::signed_distances));
 }
 
 void HullQuery::rays(const PointView& origins, const PointView& directions, RayHit* out,
