@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "geometry/box_of_rows.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -41,28 +42,13 @@ class CurveFrame {
   /// keys are 0, if the box is a point, or too small for keys.
   template <class Row>
   bool measure(std::uint32_t n, const Row& row, const Run& run) {
-    const std::uint64_t chunks = chunk_count(n, light_grain);
-    std::vector<double> lows(chunks * axes_), highs(chunks * axes_);
-    run.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-      double *low = lows.data() + c * axes_, *high = highs.data() + c * axes_;
-      std::copy_n(row(begin), axes_, low);
-      std::copy_n(low, axes_, high);
-      for (std::uint64_t i = begin; i < end; ++i)
-        for (unsigned j = 0; j < axes_; ++j) {
-          low[j] = std::min(low[j], row(i)[j]);
-          high[j] = std::max(high[j], row(i)[j]);
-        }
-    });
     low_.assign(axes_, 0);
     widest_ = 0;
-    for (unsigned j = 0; j < axes_ && n > 0; ++j) {
-      double low = lows[j], high = highs[j];
-      for (std::uint64_t c = 1; c < chunks; ++c) {
-        low = std::min(low, lows[c * axes_ + j]);
-        high = std::max(high, highs[c * axes_ + j]);
-      }
-      low_[j] = low * 0.5;
-      widest_ = std::max(widest_, high * 0.5 - low * 0.5);
+    if (n == 0) return false;
+    const BoxOfRows box = box_of_rows(n, axes_, row, run);
+    for (unsigned j = 0; j < axes_; ++j) {
+      low_[j] = box.low[j] * 0.5;
+      widest_ = std::max(widest_, box.high[j] * 0.5 - low_[j]);
     }
     return widest_ > 0;
   }

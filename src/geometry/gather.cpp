@@ -66,20 +66,28 @@ std::uint64_t first_bad(const double* values, std::uint64_t begin, std::uint64_t
               (std::isnan(value) ? "NaN" : "infinite"), "; remove or repair such points first");
 }
 
-/// Keeps the lowest of the values that several threads report.
-class Lowest {
- public:
-  void offer(std::uint64_t v) {
-    std::uint64_t now = value_.load();
-    while (v < now && !value_.compare_exchange_weak(now, v)) {
+/// Throws Error{not_finite} for the first of `count` rows with a NaN or an infinity, which is point
+/// names[i], or i if `names` is null. rows_of(begin, end, memory): the rows of a chunk of `grain`,
+/// perhaps in the memory.
+template <class RowsOf>
+void require_finite(std::uint64_t count, unsigned d, std::uint64_t grain,
+                    const std::uint64_t* names, const Run& run, const RowsOf& rows_of) {
+  std::atomic<std::uint64_t> lowest{~std::uint64_t{0}};
+  run.each(count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    std::vector<double> memory;
+    const std::uint64_t values = (end - begin) * d;
+    const std::uint64_t bad = first_bad(rows_of(begin, end, memory), 0, values);
+    if (bad == values) return;
+    std::uint64_t now = lowest.load();
+    while (begin * d + bad < now && !lowest.compare_exchange_weak(now, begin * d + bad)) {
     }
-  }
-  bool any() const { return value() != ~std::uint64_t{0}; }
-  std::uint64_t value() const { return value_.load(); }
-
- private:
-  std::atomic<std::uint64_t> value_{~std::uint64_t{0}};
-};
+  });
+  if (lowest == ~std::uint64_t{0}) return;
+  const std::uint64_t i = lowest / d;
+  const auto j = static_cast<unsigned>(lowest % d);
+  std::vector<double> memory;
+  refuse(names != nullptr ? names[i] : i, j, rows_of(i, i + 1, memory)[j]);
+}
 
 }  // namespace
 
@@ -147,49 +155,32 @@ Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std
                             const Run& run) {
   const unsigned d = view.dimension;
   Array<double> out(count * d);
-  Lowest bad;
-  run.each(count, chunk_size, [&](std::uint64_t begin, std::uint64_t end) {
+  require_finite(count, d, chunk_size, ids, run,
+                 [&](std::uint64_t begin, std::uint64_t end, std::vector<double>&) {
     gather_rows(view, ids, begin, end, out.data() + begin * d);
-    const std::uint64_t b = first_bad(out.data(), begin * d, end * d);
-    if (b != end * d) bad.offer(b);
+    return out.data() + begin * d;
   });
-  if (bad.any()) {
-    const std::uint64_t b = bad.value();
-    refuse(ids != nullptr ? ids[b / d] : b / d, static_cast<unsigned>(b % d), out[b]);
-  }
   return out;
 }
 
 void check_rows_finite(const double* rows, std::uint64_t count, unsigned dimension,
                        const std::uint64_t* names, const Run& run) {
-  Lowest bad;
-  run.each(count, chunk_size, [&](std::uint64_t begin, std::uint64_t end) {
-    const std::uint64_t b = first_bad(rows, begin * dimension, end * dimension);
-    if (b != end * dimension) bad.offer(b);
+  require_finite(count, dimension, chunk_size, names, run,
+                 [&](std::uint64_t begin, std::uint64_t, std::vector<double>&) {
+    return rows + begin * dimension;
   });
-  if (!bad.any()) return;
-  const std::uint64_t i = bad.value() / dimension;
-  refuse(names != nullptr ? names[i] : i, static_cast<unsigned>(bad.value() % dimension),
-         rows[bad.value()]);
 }
 
 void check_finite(const PointView& view, const std::vector<std::uint64_t>* ids, const Run& run) {
   if (view.scalar != ScalarType::f32 && view.scalar != ScalarType::f64) return;
-  const unsigned d = view.dimension;
   constexpr std::uint64_t block = 1 << 12;  // rows, copied to the cache before they are tested
-  Lowest bad;
-  run.each(ids != nullptr ? ids->size() : view.count, block,
-           [&](std::uint64_t begin, std::uint64_t end) {
-    std::vector<double> rows((end - begin) * d);
-    gather_rows(view, ids != nullptr ? ids->data() : nullptr, begin, end, rows.data());
-    const std::uint64_t b = first_bad(rows.data(), 0, rows.size());
-    if (b != rows.size()) bad.offer(begin * d + b);
+  const std::uint64_t* const which = ids != nullptr ? ids->data() : nullptr;
+  require_finite(ids != nullptr ? ids->size() : view.count, view.dimension, block, which, run,
+                 [&](std::uint64_t begin, std::uint64_t end, std::vector<double>& rows) {
+    rows.resize((end - begin) * view.dimension);
+    gather_rows(view, which, begin, end, rows.data());
+    return rows.data();
   });
-  if (!bad.any()) return;
-  const std::uint64_t i = bad.value() / d;
-  const auto j = static_cast<unsigned>(bad.value() % d);
-  const std::uint64_t point = ids != nullptr ? (*ids)[i] : i;
-  refuse(point, j, view.at(point, j));
 }
 
 }  // namespace cullhull::internal

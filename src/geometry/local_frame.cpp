@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <type_traits>
@@ -15,6 +14,7 @@
 #include "exact/orientation/difference_products.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/exact_plane.hpp"
+#include "geometry/box_of_rows.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -152,36 +152,10 @@ void LocalFrame::each_chunk(const Body& body) const {
 
 void LocalFrame::measure_axes() {
   const unsigned d = dimension_;
-  const std::uint64_t chunks = chunk_count(count_, sweep);
-  std::vector<double> lows(chunks * d), highs(chunks * d);
-  each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
-    double* low = lows.data() + c * d;
-    double* high = highs.data() + c * d;
-    std::copy_n(raw_.data() + begin * d, d, low);
-    std::copy_n(low, d, high);
-    const auto widen = [&](auto dimension) {
-      for (std::uint64_t i = begin; i < end; ++i)
-        for (unsigned j = 0; j < dimension; ++j) {
-          const double v = raw_[i * dimension + j];
-          low[j] = std::min(low[j], v);
-          high[j] = std::max(high[j], v);
-        }
-    };
-    if (d == 2)
-      widen(std::integral_constant<unsigned, 2>());
-    else if (d == 3)
-      widen(std::integral_constant<unsigned, 3>());
-    else if (d == 4)
-      widen(std::integral_constant<unsigned, 4>());
-    else
-      widen(d);
-  });
+  const BoxOfRows box = box_of_rows(
+      count_, d, [&](std::uint64_t i) { return raw_.data() + i * d; }, run_);
   for (unsigned j = 0; j < d; ++j) {
-    double low = lows[j], high = highs[j];
-    for (std::uint64_t c = 1; c < chunks; ++c) {
-      low = std::min(low, lows[c * d + j]);
-      high = std::max(high, highs[c * d + j]);
-    }
+    const double low = box.low[j], high = box.high[j];
     Axis& a = frame_[j];
     a.constant = low == high;
     // Subtraction is exact for numbers of one sign within a factor of two of one another (Sterbenz
@@ -230,27 +204,21 @@ void LocalFrame::scale_rows(Array<double>& rows) const {
   }
   if (identity) return;
   each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    const auto scale = [&](auto dimension) {
-      for (std::uint64_t i = begin; i < end; ++i) {
-        double* p = rows.data() + i * dimension;
-        for (unsigned j = 0; j < dimension; ++j) p[j] = (p[j] - shift[j]) * factor[j];
-      }
-    };
     if (!plain) {
       for (std::uint64_t i = begin; i < end; ++i)
         for (unsigned j = 0; j < d; ++j) {
           double& v = rows[i * d + j];
           v = std::ldexp(v - shift[j], -frame_[j].exponent);
         }
-    } else if (d == 2) {
-      scale(std::integral_constant<unsigned, 2>());
-    } else if (d == 3) {
-      scale(std::integral_constant<unsigned, 3>());
-    } else if (d == 4) {
-      scale(std::integral_constant<unsigned, 4>());
-    } else {
-      scale(d);
+      return;
     }
+    with_dimension<2, 4, 0>(d, [&](auto known) {
+      const unsigned dimension = known() != 0 ? known() : d;
+      for (std::uint64_t i = begin; i < end; ++i) {
+        double* p = rows.data() + i * dimension;
+        for (unsigned j = 0; j < dimension; ++j) p[j] = (p[j] - shift[j]) * factor[j];
+      }
+    });
   });
 }
 
@@ -446,8 +414,6 @@ void LocalFrame::detect_lattice() {
     sum += most;
   }
   points_.small_lattice = sum <= allowed;
-  // Rows (k + 1) p - (sum of k + 1 points) are larger by up to k + 1 in each of k columns.
-  points_.centroid_lattice = sum + static_cast<int>(k * std::bit_width(k)) <= allowed;
 }
 
 }  // namespace cullhull::internal

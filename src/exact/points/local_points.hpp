@@ -23,8 +23,6 @@ struct LocalPoints {
   /// Every operation of a d x d determinant of differences is exact in doubles (small integer
   /// grids).
   bool small_lattice = false;
-  /// The same holds for determinants of rows (d + 1) p - sum of d + 1 points.
-  bool centroid_lattice = false;
 
   const double* row(std::uint32_t i) const { return coordinates + std::size_t{i} * dimension; }
   const double* exact_row(std::uint32_t i) const { return exact + std::size_t{i} * dimension; }
