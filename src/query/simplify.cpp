@@ -8,12 +8,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "parallel/adjacency.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/run.hpp"
 #include "query/hull_arguments.hpp"
-#include "query/vertex_links.hpp"
 #include "query/vertex_search.hpp"
 
 namespace cullhull::internal {
@@ -22,6 +24,35 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double up(double value) { return std::nextafter(value, infinity); }
+
+/// The simplices and the other vertices around each vertex of a hull.
+/// `hull`: its `count` vertices are numbered 0, 1, ...; it must outlive this object. Time and
+/// memory: O(simplices).
+class VertexLinks {
+ public:
+  VertexLinks(const Hull& hull, std::size_t count)
+      : corners_(hull.simplices),
+        width_(static_cast<std::size_t>(hull.affine_dimension)),
+        simplices_(rows_by_id(corners_, width_, count)) {}
+
+  std::span<const std::uint32_t> simplices(std::uint32_t v) const { return simplices_[v]; }
+
+  /// The other vertices of the simplices around v, ascending.
+  void neighbours(std::uint32_t v, std::vector<std::uint32_t>& out) const {
+    out.clear();
+    for (const std::uint32_t s : simplices(v))
+      for (std::size_t j = 0; j < width_; ++j)
+        if (corners_[s * width_ + j] != v)
+          out.push_back(static_cast<std::uint32_t>(corners_[s * width_ + j]));
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
+  }
+
+ private:
+  std::span<const std::uint64_t> corners_;
+  std::size_t width_;
+  Adjacency<std::uint32_t> simplices_;  ///< by vertex
+};
 
 class Simplifier {
  public:

@@ -183,7 +183,7 @@ std::vector<std::string> strays(const fs::path& root) {
 /// argument, or there. (src/certify has arithmetic of its own, on purpose.)
 const std::map<std::string, std::string> bounds_elsewhere = {
     {"src/cuda/kernels/hull_questions_kernel.cu", "what is in doubt is left to vertex_search"},
-    {"src/cuda/kernels/set_measures.cuh", "measures in doubt are left to the CPU"},
+    {"src/cuda/kernels/set_hulls_kernel.cu", "measures in doubt are left to the CPU"},
     {"src/delaunay/final_cells.hpp", "a cell in doubt is not final"},
     {"src/delaunay/lift_planes.cpp", "lanes of lift_side; what is in doubt is left to it"},
     {"src/delaunay/lift_planes.hpp", "the bound of lift_planes.cpp and when it is zero"},
