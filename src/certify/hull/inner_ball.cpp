@@ -1,5 +1,6 @@
 #include "certify/hull/inner_ball.hpp"
 
+#include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
@@ -10,7 +11,7 @@
 #include <hwy/highway.h>
 
 #include <bit>
-#include <cstring>
+#include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::certify::HWY_NAMESPACE {
@@ -24,6 +25,13 @@ using V = hn::Vec<Tag>;
 template <unsigned K>
 void load_rows(const double* at, V (&x)[K]) {
   const Tag tag;
+  if constexpr (K > 4) {
+    double column[hn::MaxLanes(Tag())];
+    for (unsigned j = 0; j < K; ++j) {
+      for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane) column[lane] = at[lane * K + j];
+      x[j] = hn::LoadU(tag, column);
+    }
+  }
   if constexpr (K == 2) hn::LoadInterleaved2(tag, at, x[0], x[1]);
   if constexpr (K == 3) hn::LoadInterleaved3(tag, at, x[0], x[1], x[2]);
   if constexpr (K == 4) hn::LoadInterleaved4(tag, at, x[0], x[1], x[2], x[3]);
@@ -74,37 +82,20 @@ std::uint32_t rows_outside(const InnerBall::Test& test, const T* rows, std::uint
 }
 
 template <unsigned K>
-std::uint32_t columns_outside(const InnerBall::Test& test, const double* columns,
-                              std::uint32_t count, std::uint16_t* out) {
-  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(Tag()));
-  std::uint32_t kept = 0, i = 0;
-  V x[K];
-  for (; i + lanes <= count; i += lanes) {
-    for (unsigned j = 0; j < K; ++j)
-      x[j] = hn::LoadU(Tag(), columns + std::size_t{j} * InnerBall::block + i);
-    kept = append_outside<K>(test, x, i, out, kept);
-  }
-  for (; i < count; ++i) out[kept++] = static_cast<std::uint16_t>(i);
-  return kept;
-}
-
-template <unsigned K>
 std::uint32_t outside_in(const InnerBall::Test& test, const PointView& points, std::uint64_t begin,
                          std::uint32_t count, std::uint16_t* out) {
+  if (const double* const rows = packed_doubles(points))
+    return rows_outside<K>(test, rows + begin * K, count, out);
   if constexpr (K <= 4) {
     // Vectors can be loaded from any address, but a typed pointer must be aligned.
     const std::byte* at = points.address(begin, 0);
-    const auto aligned = [&](std::size_t size) {
-      return reinterpret_cast<std::uintptr_t>(at) % size == 0;
-    };
-    if (points.packed_rows() && points.scalar == ScalarType::f64 && aligned(sizeof(double)))
-      return rows_outside<K>(test, reinterpret_cast<const double*>(at), count, out);
-    if (points.packed_rows() && points.scalar == ScalarType::f32 && aligned(sizeof(float)))
+    if (points.packed_rows() && points.scalar == ScalarType::f32 &&
+        reinterpret_cast<std::uintptr_t>(at) % sizeof(float) == 0)
       return rows_outside<K>(test, reinterpret_cast<const float*>(at), count, out);
   }
-  double columns[K * InnerBall::block];
-  load_points(points, begin, count, columns, 1, InnerBall::block);
-  return columns_outside<K>(test, columns, count, out);
+  double rows[K * InnerBall::block];
+  load_rows_as_given(points, begin, begin + count, rows);
+  return rows_outside<K>(test, rows, count, out);
 }
 
 std::uint32_t outside(const InnerBall::Test& test, const PointView& points, std::uint64_t begin,
@@ -136,29 +127,6 @@ InnerBall::InnerBall(const std::vector<double>& centre, const std::vector<double
 std::uint32_t InnerBall::outside(const PointView& points, std::uint64_t begin, std::uint32_t count,
                                  std::uint16_t* out) const {
   return HWY_DYNAMIC_DISPATCH(outside)(test_, points, begin, count, out);
-}
-
-namespace {
-
-template <class T>
-void load_as(const PointView& p, std::uint64_t begin, std::uint64_t count, double* out,
-             std::size_t step, std::size_t stride) {
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const std::byte* at = p.address(begin + i, 0);
-    for (unsigned j = 0; j < p.dimension; ++j) {
-      T v;
-      std::memcpy(&v, at + static_cast<std::ptrdiff_t>(j) * p.coordinate_stride, sizeof v);
-      out[i * step + j * stride] = static_cast<double>(v);
-    }
-  }
-}
-
-}  // namespace
-
-void load_points(const PointView& p, std::uint64_t begin, std::uint64_t count, double* out,
-                 std::size_t step, std::size_t stride) {
-  with_scalar(p.scalar,
-              [&](auto type) { load_as<decltype(type)>(p, begin, count, out, step, stride); });
 }
 
 }  // namespace cullhull::internal::certify

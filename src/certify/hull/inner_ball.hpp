@@ -36,9 +36,4 @@ class InnerBall {
   Test test_;
 };
 
-/// Converts the points [begin, begin + count) to doubles: coordinate j of point i at out[(i -
-/// begin) * step + j * stride].
-void load_points(const PointView& points, std::uint64_t begin, std::uint64_t count, double* out,
-                 std::size_t step, std::size_t stride);
-
 }  // namespace cullhull::internal::certify

@@ -10,6 +10,7 @@
 #include "certify/hull/cones.hpp"
 #include "certify/hull/inner_ball.hpp"
 #include "exact/orientation/flat_test.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 
 namespace cullhull::internal::certify {
@@ -280,11 +281,11 @@ class PointCheck::Scan {
       std::uint32_t kept = count;
       if (ball_.usable()) kept = ball_.outside(points, b, count, left);
       const bool all = kept == count;
-      if (all) load_points(points, b, count, rows.data(), d, 1);
+      if (all) load_rows_as_given(points, b, b + count, rows.data());
       for (std::uint32_t r = 0; r < kept; ++r) {
         const std::uint64_t at = b + (all ? r : left[r]), i = first + at;
         double* x = rows.data() + std::size_t{r} * d;
-        if (!all) load_points(points, at, 1, x, d, 1);
+        if (!all) load_rows_as_given(points, at, at + 1, x);
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
         const auto v = static_cast<std::uint32_t>(vertex - s_.ids.begin());
