@@ -23,7 +23,6 @@ namespace {
 
 constexpr double least_reach = FacetCellTable::least_reach;
 
-#if HWY_HAVE_FLOAT64
 namespace hn = hwy::HWY_NAMESPACE;
 using D = hn::ScalableTag<double>;
 using V = hn::Vec<D>;
@@ -147,20 +146,12 @@ bool sides_as(const FacetCellTable& t, double* columns, std::uint32_t count, std
   for (std::uint32_t i = 0; i < whole; i += lanes) decide(t, columns, i, b, out);
   return finite;
 }
-#endif  // HWY_HAVE_FLOAT64
 
 }  // namespace
 
 bool cell_sides(const FacetCellTable& t, double* columns, std::uint32_t count, std::int8_t* out) {
-#if HWY_HAVE_FLOAT64
   return with_dimension<2, 3, 4>(t.k,
                                  [&](auto k) { return sides_as<k()>(t, columns, count, out); });
-#else
-  // Without vectors of doubles every point is left undecided.
-  std::fill(out, out + count, std::int8_t{0});
-  return std::all_of(columns, columns + FacetCells::block * t.k,
-                     [](double v) { return std::isfinite(v); });
-#endif
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
