@@ -11,12 +11,6 @@
 namespace cullhull::internal {
 
 void require_cuda(int device) { (void)device_or_current(device); }
-bool cuda_started() noexcept { return started(); }
-std::size_t kept_pinned_memory() noexcept { return kept_pinned(); }
-void drop_device_memory() noexcept {
-  drop_kept_pinned();
-  trim_pools();
-}
 
 // Checks for the device files of Linux, WSL and Jetson boards. Starting the driver would take
 // longer than many hulls.

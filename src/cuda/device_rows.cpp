@@ -5,7 +5,6 @@
 
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
-#include "cuda/result_memory.hpp"
 #include "cuda/runtime.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
@@ -112,8 +111,7 @@ Array<double> fetch_points(const DevicePointView& points, std::span<const std::u
 DeviceMemory device_memory(const DevicePointView& points, std::uint64_t bytes) {
   using namespace internal;
   const DeviceScope scope(points.count > 0 ? device_of(points) : this_device().ordinal);
-  const auto memory = std::make_shared<ResultMemory>(bytes, cuda_stream_of(points));
-  return {{memory, memory->data()}, memory->device()};
+  return {result_memory(bytes, cuda_stream_of(points)), this_device().ordinal};
 }
 
 void wait_for_cuda_device_of(const void* memory) {

@@ -196,7 +196,7 @@ const Device& this_device() {
   return device(ordinal);
 }
 
-bool started() noexcept { return found_one; }
+bool cuda_started() noexcept { return found_one; }
 
 DeviceScope::DeviceScope(int ordinal, Unread unread) {
   // Such an error would be taken for that of the next launch. It is not cleared: it is the
@@ -214,12 +214,6 @@ void refuse_capture(cudaStream_t stream) {
   cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
   check(cudaStreamIsCapturing(stream, &status), "asking for the state of a stream");
   if (status != cudaStreamCaptureStatusNone) throw Failure(capture_refused);
-}
-
-void trim_pools() noexcept {
-  const std::lock_guard lock(devices_mutex());
-  for (const auto& [ordinal, device] : known_devices())
-    if (device != nullptr && device->pool != nullptr) (void)cudaMemPoolTrimTo(device->pool, 0);
 }
 
 DeviceScope::~DeviceScope() { (void)cudaSetDevice(before_); }
@@ -242,6 +236,19 @@ void release(void* memory, cudaStream_t stream) noexcept {
   } catch (const Error&) {
     // The context is lost, and its memory with it.
   }
+}
+
+std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream) {
+  const int ordinal = this_device().ordinal;
+  return {static_cast<std::byte*>(allocate(bytes, stream)), [ordinal](std::byte* memory) {
+            try {
+              const DeviceScope scope(ordinal, Unread::ignored);
+              (void)cudaDeviceSynchronize();  // work on any stream may still read the memory
+              release(memory, nullptr);
+            } catch (const Error&) {
+              // The context is lost, and its memory with it.
+            }
+          }};
 }
 
 namespace {
@@ -311,9 +318,9 @@ void* allocate_pinned(std::size_t bytes) {
   if (void* memory = pinned_pool().take(block)) return memory;
   void* memory = nullptr;
   cudaError_t status = cudaMallocHost(&memory, block);
-  if (status == cudaErrorMemoryAllocation && kept_pinned() > 0) {
+  if (status == cudaErrorMemoryAllocation && kept_pinned_memory() > 0) {
     (void)cudaGetLastError();
-    drop_kept_pinned();
+    pinned_pool().drop();
     status = cudaMallocHost(&memory, block);
   }
   check(status, "allocating pinned memory");
@@ -330,7 +337,12 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
   (void)cudaFreeHost(memory);
 }
 
-std::size_t kept_pinned() noexcept { return pinned_pool().kept(); }
-void drop_kept_pinned() noexcept { pinned_pool().drop(); }
+std::size_t kept_pinned_memory() noexcept { return pinned_pool().kept(); }
+void drop_device_memory() noexcept {
+  pinned_pool().drop();
+  const std::lock_guard lock(devices_mutex());
+  for (const auto& [ordinal, device] : known_devices())
+    if (device != nullptr && device->pool != nullptr) (void)cudaMemPoolTrimTo(device->pool, 0);
+}
 
 }  // namespace cullhull::internal

@@ -45,9 +45,6 @@ inline const Device& device_or_current(int ordinal) {
   return ordinal < 0 ? this_device() : device(ordinal);
 }
 
-/// Whether a usable device was found before.
-bool started() noexcept;
-
 /// What DeviceScope does about an error of the run-time library that the caller has left unread.
 enum class Unread {
   reported,  ///< throws Failure; the error stays unread, and the caller can still ask for it
@@ -99,17 +96,14 @@ class DeviceArray {
   cudaStream_t stream_ = nullptr;
 };
 
+/// Memory of the current device that may outlive the call and the stream.
+std::shared_ptr<std::byte> result_memory(std::size_t bytes, cudaStream_t stream);
+
 /// Pinned memory: host memory that the device can access. The system allocates it slowly, so freed
 /// blocks are kept for later calls, up to a limit. No copy from or to a block may be in flight when
 /// it is released.
 void* allocate_pinned(std::size_t bytes);
 void release_pinned(void* memory, std::size_t bytes) noexcept;
-/// Returns the freed memory that the devices' pools keep to the devices. Starts no device.
-void trim_pools() noexcept;
-/// Bytes of released pinned memory that are kept.
-std::size_t kept_pinned() noexcept;
-/// Returns that memory to the system.
-void drop_kept_pinned() noexcept;
 
 /// An array in pinned memory.
 template <class T>

@@ -7,7 +7,6 @@
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/set_hulls_kernel.hpp"
-#include "cuda/result_memory.hpp"
 #include "cuda/runtime.hpp"
 
 namespace cullhull::internal {
@@ -431,9 +430,9 @@ DeviceHullBatch SetsThere::join(const HullBatch& rest, const DeviceBatchOptions&
   Cutter size(nullptr);
   (void)ResultArrays(all, wanted, size);
   // At least a byte, so that empty arrays differ from those not asked for.
-  const auto memory =
-      std::make_shared<ResultMemory>(std::max<std::size_t>(size.bytes(), 1), stream);
-  Cutter cutter(memory->data());
+  const std::shared_ptr<std::byte> memory =
+      result_memory(std::max<std::size_t>(size.bytes(), 1), stream);
+  Cutter cutter(memory.get());
   const ResultArrays to(all, wanted, cutter);
   write(rest, listed, wanted, all, to);
   all.vertex_offsets = to.vertex_offsets;
