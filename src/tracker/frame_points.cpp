@@ -20,14 +20,19 @@ CullPass& HostFrame::pass() {
   return *pass_;
 }
 
-Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
+Array<double> gather_of_frame(const PointView& points, const std::vector<std::uint64_t>& ids,
+                              const Run& run) {
   try {
-    return gather_points(points_, ids.data(), ids.size(), run_);
+    return gather_points(points, ids.data(), ids.size(), run);
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points_, nullptr, run_);  // names the first bad point of all points
+    check_finite(points, nullptr, run);  // names the first bad point of all points
     throw;
   }
+}
+
+Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
+  return gather_of_frame(points_, ids, run_);
 }
 
 std::uint32_t HostFrame::most_nodes() { return pass().most_nodes(); }

@@ -15,6 +15,10 @@
 
 namespace cullhull::internal {
 
+/// gather_points() that names the first bad point of all points, if one of these is bad.
+Array<double> gather_of_frame(const PointView& points, const std::vector<std::uint64_t>& ids,
+                              const Run& run);
+
 class FramePoints {
  public:
   FramePoints(std::uint64_t n, unsigned d) : count(n), dimension(d) {}

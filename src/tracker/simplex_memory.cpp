@@ -110,22 +110,6 @@ std::vector<std::uint64_t> outside_simplices(const PointView& points,
   return ids;
 }
 
-template <unsigned D>
-bool scan_as(const PointView& points, std::vector<std::uint32_t>& simplex_of,
-             Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
-  MovedSimplices<D> simplices;
-  if (!simplices.build(corners, run)) return false;
-  ids = outside_simplices<D>(points, simplex_of, simplices, run);
-  return true;
-}
-
-bool scan_as(unsigned d, const PointView& points, std::vector<std::uint32_t>& simplex_of,
-             Array<double>&& corners, const Run& run, std::vector<std::uint64_t>& ids) {
-  return with_dimension<2, 7, 8>(d, [&](auto k) {
-    return scan_as<decltype(k)::value>(points, simplex_of, std::move(corners), run, ids);
-  });
-}
-
 }  // namespace
 
 void SimplexMemory::clear() {
@@ -163,16 +147,15 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
 
 /// Ids of the points outside their simplices; all ids if the corners are in a flat.
 std::vector<std::uint64_t> SimplexMemory::scan(const PointView& points, const Run& run) {
-  Array<double> corners;
-  try {
-    corners = gather_points(points, corners_.data(), corners_.size(), run);
-  } catch (const Error& e) {
-    if (e.code() != ErrorCode::not_finite) throw;
-    check_finite(points, nullptr, run);  // names the first bad point, not the first bad corner
-    throw;
-  }
+  Array<double> corners = gather_of_frame(points, corners_, run);
   std::vector<std::uint64_t> ids;
-  if (scan_as(dimension_, points, simplex_of_, std::move(corners), run, ids)) return ids;
+  const bool scanned = with_dimension<2, 7, 8>(dimension_, [&](auto d) {
+    MovedSimplices<d()> simplices;
+    if (!simplices.build(corners, run)) return false;
+    ids = outside_simplices<d()>(points, simplex_of_, simplices, run);
+    return true;
+  });
+  if (scanned) return ids;
   ids.resize(points.count);
   for (std::uint64_t i = 0; i < points.count; ++i) ids[i] = i;
   return ids;
