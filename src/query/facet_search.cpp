@@ -17,18 +17,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// As normal_and_reach.
-template <unsigned K>
-void plane_of(const double* points, const std::uint32_t* corners, double* normal, double& reach) {
-  double n[K];
-  reach = normal_and_reach<K>([&](unsigned i) { return points + std::size_t{corners[i]} * K; }, n);
-  std::copy_n(n, K, normal);
-}
-
-using PlaneOf = void (*)(const double*, const std::uint32_t*, double*, double&);
-constexpr PlaneOf planes_of[] = {nullptr,     nullptr,     plane_of<2>, plane_of<3>, plane_of<4>,
-                                 plane_of<5>, plane_of<6>, plane_of<7>, plane_of<8>};
-
 /// The vertices of a simplex of the boundary and one off its facet: they span the flat.
 std::vector<std::uint32_t> flat_basis(const QueryPoints& points, const Hull& hull) {
   if (points.k == 0) return {0};
@@ -102,9 +90,11 @@ QueryPoints make_query_points(const PointView* points, const Hull& hull, const C
 }
 
 FacetSearch::FacetSearch(const QueryPoints& points, const Hull& hull, const Control& control)
-    : points_(&points), k_(points.k) {
+    : points_(&points),
+      k_(points.k),
+      neighbour_start_(hull.facet_neighbours.offsets.begin(), hull.facet_neighbours.offsets.end()),
+      neighbours_(hull.facet_neighbours.items.begin(), hull.facet_neighbours.items.end()) {
   scale_points();
-  copy_neighbours(hull);
   choose_simplices(hull, control);
   exhaustive_ = k_ > 8 || !centre_inside();
   if (!exhaustive_) fill_hints(control);
@@ -131,12 +121,6 @@ void FacetSearch::scale_points() {
   }
 }
 
-void FacetSearch::copy_neighbours(const Hull& hull) {
-  neighbour_start_.assign(hull.facet_neighbours.offsets.begin(),
-                          hull.facet_neighbours.offsets.end());
-  neighbours_.assign(hull.facet_neighbours.items.begin(), hull.facet_neighbours.items.end());
-}
-
 /// Chooses for each facet the simplex with the smallest error bound of its plane.
 void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
   corners_.resize(count() * k_);
@@ -158,17 +142,22 @@ void FacetSearch::choose_simplices(const Hull& hull, const Control& control) {
   }
 }
 
-/// With M = max|v0 - c| <= 2, reach as in plane_of and b the computed N . (v0 - c), positive
-/// inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding per product, so
-/// |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at most 3.03 e
-/// (max|x| + |value|) + value_tiny.
+/// With M = max|v0 - c| <= 2, reach that of normal_and_reach and b the computed N . (v0 - c),
+/// positive inside: |b - exact| <= reach M. Dividing N by b first costs one more rounding per
+/// product, so |value - exact| <= e (1.5 max|x| + 2 |exact|), e = reach / b, and for e <= 1/8 at
+/// most 3.03 e (max|x| + |value|) + value_tiny.
 void FacetSearch::set_plane(std::uint32_t f, const std::uint32_t* corners) {
   double* plane = planes_.data() + f * stride();
   std::fill(plane, plane + k_, 0.0);
   plane[k_] = infinity;
   if (k_ > 8) return;
   double normal[8], reach = 0;
-  planes_of[k_](scaled_.data(), corners, normal, reach);
+  with_dimension<2, 7, 8>(k_, [&](auto k) {
+    double n[k()];
+    reach = normal_and_reach<k()>(
+        [&](unsigned i) { return scaled_.data() + std::size_t{corners[i]} * k(); }, n);
+    std::copy_n(n, k(), normal);
+  });
   const double* origin = scaled_.data() + std::size_t{corners[0]} * k_;
   // The stored orientation is negative inside, so N . (v0 - c) is positive.
   double b = 0;
@@ -208,7 +197,7 @@ void FacetSearch::localise_direction(const double* direction, double* x) const {
 
 // ------------------------------------------------------------------------------ where to start
 
-std::uint32_t FacetSearch::hint(const double* x) const {
+std::uint32_t FacetSearch::start(const double* x) const {
   return hints_.empty() ? 0 : hints_[cube_.cell(x)];
 }
 
@@ -228,11 +217,11 @@ std::uint32_t FacetSearch::climb_as(std::uint32_t f, const double* x) const {
   double best = value<K>(f, x);
   for (;;) {
     std::uint32_t next = f;
-    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
-      const double v = value<K>(neighbours_[i], x);
+    for (const std::uint32_t g : neighbours(f)) {
+      const double v = value<K>(g, x);
       if (v > best) {
         best = v;
-        next = neighbours_[i];
+        next = g;
       }
     }
     if (next == f) return f;
@@ -255,7 +244,7 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
     return value_error(error_factor(f), reach, v);
   };
   // Steepest ascent, stopping at the first facet visible from x.
-  std::uint32_t f = hint(x);
+  std::uint32_t f = start(x);
   double best = value<K>(f, x), rival = 0;  // an upper bound for the neighbours of f
   for (;;) {
     if (best > 1 && best - error(f, best) > 1) {
@@ -264,12 +253,12 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
     }
     std::uint32_t next = f;
     rival = 0;
-    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
-      const double v = value<K>(neighbours_[i], x);
-      rival = std::max(rival, v + error(neighbours_[i], v));
+    for (const std::uint32_t g : neighbours(f)) {
+      const double v = value<K>(g, x);
+      rival = std::max(rival, v + error(g, v));
       if (v > best) {
         best = v;
-        next = neighbours_[i];
+        next = g;
       }
     }
     if (next == f) break;
@@ -294,8 +283,7 @@ bool FacetSearch::explore(const double* x, Doubt& doubt) const {
       return false;
     }
     if (!(v + e < 1)) found.push_back(g);
-    for (std::uint32_t i = neighbour_start_[g]; i < neighbour_start_[g + 1]; ++i) {
-      const std::uint32_t h = neighbours_[i];
+    for (const std::uint32_t h : neighbours(g)) {
       const double w = value<K>(h, x);
       if (w + error(h, w) < floor) continue;
       const auto at = std::lower_bound(seen.begin(), seen.end(), h);
@@ -372,8 +360,7 @@ std::vector<std::uint32_t> FacetSearch::visible(const double* q) const {
     const std::uint32_t f = stack.back();
     stack.pop_back();
     out.push_back(f);
-    for (std::uint32_t i = neighbour_start_[f]; i < neighbour_start_[f + 1]; ++i) {
-      const std::uint32_t g = neighbours_[i];
+    for (const std::uint32_t g : neighbours(f)) {
       if (seen[g]) continue;
       seen[g] = 1;
       if (exact_side(g, q) == Side::outside) stack.push_back(g);

@@ -89,7 +89,7 @@ class FacetSearch {
     std::copy(centre_.begin(), centre_.end(), centre);
   }
   /// A facet to start climbing from.
-  std::uint32_t start(const double* x) const { return hint(x); }
+  std::uint32_t start(const double* x) const;
   /// The facet of largest value at x, up to rounding, from `start`, by steepest ascent.
   std::uint32_t climb(std::uint32_t start, const double* x) const;
 
@@ -104,9 +104,7 @@ class FacetSearch {
   void choose_simplices(const Hull& hull, const Control& control);
   void set_plane(std::uint32_t f, const std::uint32_t* corners);
   bool centre_inside() const;
-  void copy_neighbours(const Hull& hull);
   void fill_hints(const Control& control);
-  std::uint32_t hint(const double* x) const;
   template <unsigned K>
   std::uint32_t climb_as(std::uint32_t f, const double* x) const;
   template <unsigned K>
