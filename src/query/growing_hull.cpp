@@ -84,19 +84,10 @@ std::uint64_t GrowingHull::add(const PointView& points, const Options& options) 
   next.point_count = before + points.count;
   std::vector<std::uint64_t> kept = next.vertices;
   std::sort(kept.begin(), kept.end());
-  std::vector<double> coordinates;
-  coordinates.reserve(kept.size() * d);
-  for (const std::uint64_t id : kept) {
-    if (before == 0) {
-      for (unsigned j = 0; j < d; ++j) coordinates.push_back(points.at(id, j));
-      continue;
-    }
-    const auto at =
-        static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
-    coordinates.insert(coordinates.end(), rows.begin() + static_cast<std::ptrdiff_t>(at * d),
-                       rows.begin() + static_cast<std::ptrdiff_t>((at + 1) * d));
-  }
-  s.rows = std::move(coordinates);
+  std::vector<std::uint64_t> places;  // of the vertices among the candidates
+  for (const std::uint64_t id : kept)
+    places.push_back(before == 0 ? id : internal::place_of(ids, id));
+  s.rows = internal::rows_of(before == 0 ? points : s.view(rows), places);
   s.hull = std::move(next);
   s.query.reset();
   return outside;
