@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "exact/determinants/minors.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
@@ -23,7 +24,10 @@ namespace {
 using DoubleDoubles = WideLanes<true>;
 static_assert(centres_block == 8);  // as many lanes as Lanes has at most
 
-/// The first two steps of a division: within 16 u^2, as quotient() of circumcentre.cpp.
+/// a / b within 16 u^2, u = 2^-53, barring overflow and underflow; faster than operator/, whose
+/// last correction it omits. The remainder of the first step is at most 2.1 u |a|, known within 8
+/// u^2 |a|; the quotient of its leading part and that of b has three roundings: 6.3 u^2 of the
+/// result.
 HWY_INLINE DoubleDoubles short_quotient(const DoubleDoubles& a, const DoubleDoubles& b) {
   const Lanes q = a.high / b.high;
   return DoubleDoubles::sum(q, (a - b * DoubleDoubles(q)).high / b.high);
@@ -38,30 +42,43 @@ struct Offsets {
   M good;
 };
 
-HWY_INLINE Lanes corner_of(const double* corners, unsigned k, unsigned i, unsigned j) {
-  return Lanes(hn::LoadU(D(), corners + (i * k + j) * centres_block));
-}
+/// The corners of a vector of cells; `width`: numbers of a corner.
+struct Corners {
+  const double* first;
+  unsigned width;
+  HWY_INLINE Lanes at(unsigned i, unsigned j) const {
+    return hn::LoadU(D(), first + (i * width + j) * centres_block);
+  }
+};
 
-/// Computes the offsets of one vector of cells: the text, the limits and the bounds are those of
-/// circumcentre.cpp. `corners`: the data of the first cell.
+/// Computes the offsets by Cramer's rule over the edges e_i = p_i - p_0 and their lifts |e_i|^2 -
+/// (w_i - w_0): coordinate j is a quotient of minors. Every operation of double-doubles errs by
+/// less than 2^-101, so a minor is within roundings x 2^-101 x k! x the product of its columns'
+/// largest magnitudes; the quotient's error follows.
 template <unsigned K>
-HWY_INLINE void offsets_of_vector(const double* corners, Offsets<K>& out) {
+HWY_INLINE void offsets_of_vector(bool weighted, const Corners& corners, Offsets<K>& out) {
   constexpr unsigned columns = K + 1, full = 1U << columns;
   DoubleDoubles m[K][columns];
   Lanes largest[columns];
   for (Lanes& v : largest) v = 0.0;
   for (unsigned i = 0; i < K; ++i) {
     for (unsigned j = 0; j < K; ++j) {
-      const DoubleDoubles v =
-          DoubleDoubles::sum(corner_of(corners, K, i + 1, j), -corner_of(corners, K, 0, j));
+      const DoubleDoubles v = DoubleDoubles::sum(corners.at(i + 1, j), -corners.at(0, j));
       largest[j] = greater_of(largest[j], absolute(v.high));
       const DoubleDoubles square = v * v;
       m[i][j] = v;
       m[i][K] = j == 0 ? square : m[i][K] + square;
     }
     // A sum of squares: its leading part is within a few roundings of the sum of theirs.
-    largest[K] = greater_of(largest[K], Lanes(1.0 + 0x1p-40) * m[i][K].high);
+    Lanes size = Lanes(1.0 + 0x1p-40) * m[i][K].high;
+    if (weighted) {
+      const DoubleDoubles w = DoubleDoubles::sum(corners.at(i + 1, K), -corners.at(0, K));
+      m[i][K] = m[i][K] - w;
+      size = size + absolute(w.high);
+    }
+    largest[K] = greater_of(largest[K], size);
   }
+  // Within these limits nothing overflows, and underflow adds up to less than 2^-300.
   out.good = largest[K] < Lanes(0x1p164);
   Lanes product = 1.0;
   for (unsigned j = 0; j < K; ++j) {
@@ -88,12 +105,14 @@ HWY_INLINE void offsets_of_vector(const double* corners, Offsets<K>& out) {
   }
 }
 
+/// The rounded centres. A coordinate is known if everything within its error rounds alike (Ziv
+/// 1991).
 template <unsigned K>
-HWY_INLINE void centres_of_vector(const double* corners, double* centres) {
+HWY_INLINE void centres_of_vector(bool weighted, const Corners& corners, double* centres) {
   Offsets<K> y;
-  offsets_of_vector(corners, y);
+  offsets_of_vector(weighted, corners, y);
   for (unsigned j = 0; j < K; ++j) {
-    const Lanes at = corner_of(corners, K, 0, j);
+    const Lanes at = corners.at(0, j);
     const DoubleDoubles x = y.value[j] + DoubleDoubles(at);
     const Lanes doubt = y.error[j] + Lanes(0x1p-96) * (absolute(y.value[j].high) + absolute(at));
     const Lanes above = x.high + (x.low + doubt), below = x.high + (x.low - doubt);
@@ -111,11 +130,11 @@ HWY_INLINE Lanes neighbour(Lanes v, std::int64_t steps) {
 }
 
 /// The radii: the least double r with |offset|^2 < r^2 certainly, if the one below is certainly
-/// less; compared as by compare_radius() of circumcentre.cpp.
+/// less.
 template <unsigned K>
-HWY_INLINE void radii_of_vector(const double* corners, double* radii) {
+HWY_INLINE void radii_of_vector(const Corners& corners, double* radii) {
   Offsets<K> y;
-  offsets_of_vector(corners, y);
+  offsets_of_vector(false, corners, y);
   DoubleDoubles square;
   Lanes doubt = 0x1p-300, squares = 0.0;
   for (unsigned j = 0; j < K; ++j) {
@@ -144,26 +163,26 @@ HWY_INLINE void radii_of_vector(const double* corners, double* radii) {
   hn::StoreU(chosen(known, radius, Lanes(std::numeric_limits<double>::quiet_NaN())).v, D(), radii);
 }
 
-}  // namespace
-
-void centres_of_cells(unsigned k, const double* corners, double* centres) {
-  for (std::size_t lane = 0; lane < centres_block; lane += lane_count())
-    if (k == 2)
-      centres_of_vector<2>(corners + lane, centres + lane);
-    else if (k == 3)
-      centres_of_vector<3>(corners + lane, centres + lane);
-    else
-      centres_of_vector<4>(corners + lane, centres + lane);
+template <unsigned K>
+void centres_of_block(bool weighted, const double* corners, std::size_t cells, double* centres) {
+  for (std::size_t lane = 0; lane < cells; lane += lane_count())
+    centres_of_vector<K>(weighted, {corners + lane, K + (weighted ? 1 : 0)}, centres + lane);
+}
+template <unsigned K>
+void radii_of_block(const double* corners, std::size_t cells, double* radii) {
+  for (std::size_t lane = 0; lane < cells; lane += lane_count())
+    radii_of_vector<K>({corners + lane, K}, radii + lane);
 }
 
-void radii_of_cells(unsigned k, const double* corners, double* radii) {
-  for (std::size_t lane = 0; lane < centres_block; lane += lane_count())
-    if (k == 2)
-      radii_of_vector<2>(corners + lane, radii + lane);
-    else if (k == 3)
-      radii_of_vector<3>(corners + lane, radii + lane);
-    else
-      radii_of_vector<4>(corners + lane, radii + lane);
+}  // namespace
+
+void centres_of_cells(unsigned k, bool weighted, const double* corners, std::size_t cells,
+                      double* centres) {
+  with_dimension<1, 5, 6>(
+      k, [&](auto d) { centres_of_block<d()>(weighted, corners, cells, centres); });
+}
+void radii_of_cells(unsigned k, const double* corners, std::size_t cells, double* radii) {
+  with_dimension<1, 5, 6>(k, [&](auto d) { radii_of_block<d()>(corners, cells, radii); });
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -175,12 +194,13 @@ namespace cullhull::internal {
 HWY_EXPORT(centres_of_cells);
 HWY_EXPORT(radii_of_cells);
 
-void circumcentres_double_double(unsigned k, const double* corners, double* centres) {
-  HWY_DYNAMIC_DISPATCH(centres_of_cells)(k, corners, centres);
+void centres_double_double(unsigned k, bool weighted, const double* corners, std::size_t cells,
+                           double* centres) {
+  HWY_DYNAMIC_DISPATCH(centres_of_cells)(k, weighted, corners, cells, centres);
 }
 
-void circumradii_double_double(unsigned k, const double* corners, double* radii) {
-  HWY_DYNAMIC_DISPATCH(radii_of_cells)(k, corners, radii);
+void radii_double_double(unsigned k, const double* corners, std::size_t cells, double* radii) {
+  HWY_DYNAMIC_DISPATCH(radii_of_cells)(k, corners, cells, radii);
 }
 
 }  // namespace cullhull::internal
