@@ -45,10 +45,6 @@ class FacetCheck {
  private:
   using Simplices = std::span<const std::uint32_t>;
 
-  std::pair<const std::uint64_t*, const std::uint64_t*> list(std::uint32_t f) const {
-    return {h_.facets.items.data() + h_.facets.offsets[f],
-            h_.facets.items.data() + h_.facets.offsets[f + 1]};
-  }
   std::uint64_t id(std::uint32_t v) const { return s_.ids[v]; }
 
   void check_connected() {
@@ -82,9 +78,9 @@ class FacetCheck {
       corners.insert(corners.end(), s_.simplex(i), s_.simplex(i) + k_);
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    const auto [first, last] = list(f);
-    if (static_cast<std::size_t>(last - first) != corners.size())
-      fault("facet ", f, " lists ", last - first, " vertices, its simplices have ", corners.size());
+    const std::size_t listed = h_.facets[f].size();
+    if (listed != corners.size())
+      fault("facet ", f, " lists ", listed, " vertices, its simplices have ", corners.size());
     for (const std::uint32_t i : own)
       if (k_ > 1 && std::find(s_.simplex(i), s_.simplex(i) + k_, corners[0]) == s_.simplex(i) + k_)
         fault("simplex ", i, " is not pulled from vertex ", id(corners[0]), " of facet ", f);
@@ -98,53 +94,49 @@ class FacetCheck {
 
   /// Checks a facet that is simplex i: the usual case, without the sets that other facets need.
   void check_simplex(std::uint32_t f, std::uint32_t i) const {
-    const auto [first, last] = list(f);
+    const auto listed = h_.facets[f];
     const std::uint64_t* v = h_.simplices.data() + std::size_t{i} * k_;
     // Its ids ascend; for k > 3 the simplex's last two may be swapped.
     const bool swap = k_ > 3 && v[k_ - 2] > v[k_ - 1];
-    bool same = last - first == static_cast<std::ptrdiff_t>(k_);
+    bool same = listed.size() == k_;
     for (unsigned j = 0; j < k_ && same; ++j)
-      same = first[j] == v[swap && j + 2 >= k_ ? 2 * k_ - 3 - j : j];
+      same = listed[j] == v[swap && j + 2 >= k_ ? 2 * k_ - 3 - j : j];
     if (!same) fault("facet ", f, " is not its simplex");
-    const std::uint64_t at = h_.facet_neighbours.offsets[f];
-    const std::uint32_t* across = h_.facet_neighbours.items.data() + at;
-    bool right = h_.facet_neighbours.offsets[f + 1] - at <= k_;
+    const auto across = h_.facet_neighbours[f];
+    bool right = across.size() <= k_;
     if (k_ == 3) {
-      right = right && h_.facet_neighbours.offsets[f + 1] - at == 3;
+      right = across.size() == 3;
       for (unsigned j = 0; j < 3 && right; ++j)
         right = across[j] == h_.simplex_facets[s_.neighbour(i, (j + 2) % 3)];
     } else if (right) {
       // A strictly ascending list of the right length that contains every neighbour.
-      const std::uint32_t* end = across + (h_.facet_neighbours.offsets[f + 1] - at);
-      for (const std::uint32_t* n = across; n != end && right; ++n) {
+      for (std::size_t n = 0; n < across.size() && right; ++n) {
         bool met = false;
-        for (unsigned j = 0; j < k_; ++j) met |= h_.simplex_facets[s_.neighbour(i, j)] == *n;
-        right = met && (n == across || n[-1] < *n);
+        for (unsigned j = 0; j < k_; ++j) met |= h_.simplex_facets[s_.neighbour(i, j)] == across[n];
+        right = met && (n == 0 || across[n - 1] < across[n]);
       }
       for (unsigned j = 0; j < k_ && right; ++j)
-        right = std::find(across, end, h_.simplex_facets[s_.neighbour(i, j)]) != end;
+        right = std::count(across.begin(), across.end(), h_.simplex_facets[s_.neighbour(i, j)]) > 0;
     }
     if (!right) fault("the neighbours of facet ", f, " are wrong");
   }
 
   void check_edge(std::uint32_t f, std::uint32_t i, std::uint32_t simplices) const {
-    const std::uint64_t* v = list(f).first;
+    const auto v = h_.facets[f];
+    const auto across = h_.facet_neighbours[f];
     const std::uint64_t* w = h_.simplices.data() + std::size_t{i} * 2;
     if (simplices != 1 || v[0] != w[1] || v[1] != w[0]) fault("facet ", f, " is not its simplex");
-    const std::uint64_t at = h_.facet_neighbours.offsets[f];
-    if (h_.facet_neighbours.offsets[f + 1] - at != 2 ||
-        h_.facet_neighbours.items[at] != h_.simplex_facets[s_.neighbour(i, 1)] ||
-        h_.facet_neighbours.items[at + 1] != h_.simplex_facets[s_.neighbour(i, 0)])
+    if (across.size() != 2 || across[0] != h_.simplex_facets[s_.neighbour(i, 1)] ||
+        across[1] != h_.simplex_facets[s_.neighbour(i, 0)])
       fault("the neighbours of facet ", f, " are wrong");
   }
 
   void check_polygon(std::uint32_t f, Simplices own, std::uint32_t lowest) const {
-    const auto [first, last] = list(f);
-    const auto n = static_cast<std::size_t>(last - first);
-    const std::uint64_t at = h_.facet_neighbours.offsets[f];
-    if (h_.facet_neighbours.offsets[f + 1] - at != n)
-      fault("facet ", f, " has a wrong neighbour list");
-    if (*first != id(lowest)) fault("facet ", f, " does not begin with its lowest id");
+    const auto first = h_.facets[f];
+    const auto beside = h_.facet_neighbours[f];
+    const std::size_t n = first.size();
+    if (beside.size() != n) fault("facet ", f, " has a wrong neighbour list");
+    if (first[0] != id(lowest)) fault("facet ", f, " does not begin with its lowest id");
     struct Edge {
       std::uint64_t from, to;
       std::uint32_t across;
@@ -166,13 +158,12 @@ class FacetCheck {
                                        [](const Edge& e, std::uint64_t v) { return e.from < v; });
       if (it == edges.end() || it->from != first[j] || it->to != first[(j + 1) % n])
         fault("facet ", f, " is not in cyclic order at vertex ", first[j]);
-      if (it->across != h_.facet_neighbours.items[at + j])
-        fault("the neighbours of facet ", f, " are wrong");
+      if (it->across != beside[j]) fault("the neighbours of facet ", f, " are wrong");
     }
   }
 
   void check_sets(std::uint32_t f, Simplices own, const Set& corners) const {
-    const std::uint64_t* v = list(f).first;
+    const auto v = h_.facets[f];
     for (std::size_t j = 0; j < corners.size(); ++j)
       if (v[j] != id(corners[j])) fault("facet ", f, " does not list its vertices in order");
     Set across;
@@ -183,9 +174,8 @@ class FacetCheck {
       }
     std::sort(across.begin(), across.end());
     across.erase(std::unique(across.begin(), across.end()), across.end());
-    const auto* n = h_.facet_neighbours.items.data();
-    if (!std::equal(across.begin(), across.end(), n + h_.facet_neighbours.offsets[f],
-                    n + h_.facet_neighbours.offsets[f + 1]))
+    const auto n = h_.facet_neighbours[f];
+    if (!std::equal(across.begin(), across.end(), n.begin(), n.end()))
       fault("the neighbours of facet ", f, " are wrong");
   }
 
@@ -193,11 +183,11 @@ class FacetCheck {
   void check_winding() const {
     if (h_.facets.size() != h_.vertices.size()) fault("a polygon has as many facets as vertices");
     std::uint32_t f = 0;
-    while (f < h_.facets.size() && list(f).first[0] != h_.vertices[0]) ++f;
+    while (f < h_.facets.size() && h_.facets[f][0] != h_.vertices[0]) ++f;
     for (const std::uint64_t v : h_.vertices) {
-      if (f >= h_.facets.size() || list(f).first[0] != v)
+      if (f >= h_.facets.size() || h_.facets[f][0] != v)
         fault("vertices are not in counter-clockwise order at vertex ", v);
-      f = h_.facet_neighbours.items[h_.facet_neighbours.offsets[f]];
+      f = h_.facet_neighbours[f][0];
     }
   }
 
@@ -213,9 +203,7 @@ class FacetCheck {
           add(listed_[i], f);
     });
   }
-  std::size_t size(std::uint32_t f) const {
-    return h_.facets.offsets[f + 1] - h_.facets.offsets[f];
-  }
+  std::size_t size(std::uint32_t f) const { return h_.facets[f].size(); }
   Set facets_of(std::uint32_t v) const { return {on_[v].begin(), on_[v].end()}; }
   bool on_all(std::uint32_t w, const Set& facets) const {
     return std::includes(on_[w].begin(), on_[w].end(), facets.begin(), facets.end());
