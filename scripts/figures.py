@@ -67,7 +67,7 @@ class Lines:
         return self.only(found, f"{workload} {part or ''}")["values"][series]
 
     def ratios(self, best):
-        """Of all workloads: the least time of the other programs over that of the series `best`."""
+        """For each workload, least time of the other programs over that of `best`."""
         for line in self.lines:
             values = line["values"]
             if line["part"] != "lost":

@@ -37,8 +37,8 @@ class Positions {
 std::uint32_t position(const Positions& positions, std::uint64_t id) {
   const std::uint32_t p = positions.of(id);
   if (p == absent)
-    throw Error(ErrorCode::bad_file,
-                "the hull names point " + std::to_string(id) + ", which is none of its vertices");
+    throw Error(ErrorCode::bad_file, "the hull names point " + std::to_string(id) +
+                                         ", which is not one of its vertices");
   return p;
 }
 

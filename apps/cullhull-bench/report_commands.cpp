@@ -67,7 +67,7 @@ struct RunsArguments : ReportArguments {
 
   void add_to(Parser& command) {
     add_outputs(command);
-    const std::string sizes = fmt::format("Of every size; {:g} if not given", scale);
+    const std::string sizes = fmt::format("Factor on every size; {:g} if not given", scale);
     allow_real_range(*command.add_option("--scale", scale, sizes)->type_name("S"), 1e-6, 100);
     allow_range(*command.add_option("--repeat", repeat, "Runs of ours; the median counts"), 1,
                 1000);
@@ -401,14 +401,15 @@ Command add_calls(Parser& parent) {
     needs_value(*command.add_option(name, value, what)).type_name("LIST");
   };
   list("--threads", a->threads, "For ours, 0 the default; 0,1 if not given");
-  list("--callers", a->callers, "So many threads call at once; 1 if not given");
-  list("--busy", a->busy, "So many other processes keep a core each busy; 0,1 if not given");
+  list("--callers", a->callers, "Threads that call at once; 1 if not given");
+  list("--busy", a->busy, "Other processes that keep a core busy each; 0,1 if not given");
   a->sets.add_to(command);
   allow_real_range(
-      *command.add_option("--seconds", a->seconds, "Of calls for each value; 0.5 if not given")
+      *command
+           .add_option("--seconds", a->seconds, "Seconds of calls for each value; 0.5 if not given")
            ->type_name("S"),
       0, 1e6);
-  command.add_option("--seed", a->seed, "Of the sets; 1 if not given");
+  command.add_option("--seed", a->seed, "Seed of the random sets; 1 if not given");
   add_programs(command, a->rivals);
   add_without(command, a->without);
   command.footer(calls_help());
@@ -436,7 +437,8 @@ Command add_stream(Parser& parent) {
       "stream", "Files hulled in blocks, beside a plain read of the same file");
   a->add_outputs(command);
   allow_real_range(
-      *command.add_option("--scale", a->scale, "Of 20M points (.csv, .gz: 2M); 1 if not given")
+      *command
+           .add_option("--scale", a->scale, "Factor on 20M points (.csv, .gz: 2M); 1 if not given")
            ->type_name("S"),
       1e-6, 1000);
   allow_range(*command.add_option("--repeat", a->repeat, "Runs; the median counts"), 1, 1000);
@@ -445,7 +447,8 @@ Command add_stream(Parser& parent) {
   needs_value(*command.add_option("--folder", a->folder,
                                   "Where the files are made and removed; else the system's"))
       .type_name("FOLDER");
-  needs_value(*command.add_option("--memory", a->memory, "Of a run; 1GiB if not given"))
+  needs_value(
+      *command.add_option("--memory", a->memory, "Memory limit of a run; 1GiB if not given"))
       .type_name("BYTES");
   command.footer(std::string("Files come from the page cache; --folder on a disk and a --scale "
                              "beyond memory\nmeasure the disk.\n\n") +

@@ -104,9 +104,7 @@ double given_alpha(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value >= 0))
     throw Error(ErrorCode::invalid_argument,
-                fmt::format("--alpha {}: known are one-region, all-points, and numbers that are "
-                            "not negative",
-                            text));
+                fmt::format("--alpha {}: expected one-region, all-points or a number >= 0", text));
   return value;
 }
 

@@ -23,8 +23,8 @@ struct AxisRanges {
   void add(const AxisRanges& other);
 };
 
-/// Of all points, on `threads` threads, at the speed of memory if the rows are packed; a NaN is in
-/// no range. `first_id`: the id of the first point.
+/// The ranges of all points, found on `threads` threads, at the speed of memory if the rows are
+/// packed; a NaN is in no range. `first_id`: the id of the first point.
 AxisRanges axis_ranges(const cullhull::PointView& points, unsigned threads,
                        std::uint64_t first_id = 0);
 

@@ -35,7 +35,7 @@ std::string checksum(std::string_view bytes) {
 
 /// What follows the line with the check sum, once that is found right.
 std::string_view checked(const std::string& path, std::string_view text) {
-  if (!text.starts_with(kind)) broken(path, "is no checkpoint");
+  if (!text.starts_with(kind)) broken(path, "is not a checkpoint");
   const std::size_t line = text.find('\n');
   const std::string_view found = text.substr(kind.size(), line - kind.size());
   if (found != version) broken(path, "is a checkpoint that another version of the program wrote");

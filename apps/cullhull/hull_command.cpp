@@ -376,7 +376,7 @@ Certificate certify_streamed(const HullArguments& arguments, const Streamed& str
   return check.finish();
 }
 
-/// Of its ids and coordinates, which --memory has to hold as well.
+/// The bytes of its ids and coordinates, which --memory has to hold as well.
 std::uint64_t bytes_of(const cullhull::HullState& state) {
   return state.ids().size() * (8 + state.dimension() * cullhull::scalar_size(state.scalar()));
 }

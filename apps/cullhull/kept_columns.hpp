@@ -18,7 +18,7 @@ void check_keep(const std::string& keep, const std::vector<std::string>& files,
                 const std::vector<std::string>& outputs, const std::vector<std::string>& endings,
                 std::uint64_t first_id = 0);
 
-/// Of these outputs the maps, which hold columns.
+/// The maps among these outputs: they hold columns.
 std::vector<std::string> maps_among(const std::vector<std::string>& outputs);
 
 /// The columns that --keep names, of all points; the inputs are read once more for each. Throws

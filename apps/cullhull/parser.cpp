@@ -57,7 +57,8 @@ void allow_real_range(Option& option, double least, double greatest) {
   // CLI::Range would write its limits with all their digits, up to 309.
   option.option_->check([least, greatest](const std::string& text) {
     double value = 0;
-    if (!CLI::detail::lexical_cast(text, value) || std::isnan(value)) return text + " is no number";
+    if (!CLI::detail::lexical_cast(text, value) || std::isnan(value))
+      return text + " is not a number";
     if (value >= least && value <= greatest) return std::string();
     return greatest < std::numeric_limits<double>::max()
                ? fmt::format("Value {} not in range {:g} to {:g}", text, least, greatest)
@@ -191,7 +192,7 @@ const CLI::Validator& decimal_digits() {
     if (read.ec == std::errc::result_out_of_range)
       return "'" + text + "' is more than " +
              std::to_string(std::numeric_limits<std::uint64_t>::max());
-    if (read.ec != std::errc() || read.ptr != end) return "'" + text + "' is no whole number";
+    if (read.ec != std::errc() || read.ptr != end) return "'" + text + "' is not a whole number";
     text = std::to_string(value);
     return std::string();
       },

@@ -17,7 +17,7 @@ namespace app {
 class Skipped {
  public:
   Skipped() = default;
-  /// Of the points with a NaN coordinate.
+  /// Leaves out the points with a NaN coordinate.
   explicit Skipped(const cullhull::PointView& points);
 
   bool any() const { return !rows_.empty(); }

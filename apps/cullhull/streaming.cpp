@@ -38,7 +38,7 @@ std::string identity_of(const InputArguments& input, const std::vector<std::stri
     const system::FileIdentity found = system::identify(cullhull::file_of_input(file));
     if (!found.regular)
       throw Error(ErrorCode::invalid_argument, "--checkpoint ", stream.checkpoint, ": ",
-                  input_name(file), " is no file that could be read from its middle");
+                  input_name(file), " is not a file that could be read from its middle");
     text += fmt::format("{} {} {}\n", file, found.bytes, found.changed);
   }
   return text;

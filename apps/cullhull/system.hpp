@@ -13,7 +13,7 @@ inline constexpr int standard_input = 0, standard_output = 1, standard_error = 2
 /// As many bytes as can be written at once; negative and errno.
 std::ptrdiff_t write_some(int fd, const char* data, std::size_t size);
 bool is_terminal(int fd);
-/// Of the terminal's window; 0 if unknown.
+/// The width of the terminal's window; 0 if unknown.
 std::size_t terminal_columns(int fd);
 /// Opens a null device for a standard stream that was closed.
 void open_if_closed(int fd);

@@ -39,7 +39,7 @@ inline constexpr const char* out_of_memory =
 class TerminalProgress {
  public:
   explicit TerminalProgress(bool quiet);
-  /// Of the phase of this name the total is known: what is done of it and the rate are shown, too.
+  /// Also shows the amount done and the rate of the phase named `counted`, whose total is known.
   /// "read" counts bytes, other phases what they are called ("frames").
   TerminalProgress(bool quiet, std::string counted, double total);
   ~TerminalProgress();

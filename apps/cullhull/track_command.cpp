@@ -356,10 +356,11 @@ std::string summary(const cullhull::PointSequence& sequence, const TrackOutcome&
   if (o.done > 0) {
     text += fmt::format("points     {} x {}, {}\n", grouped(o.count), o.dimension,
                         cullhull::scalar_name(o.scalar));
-    text += fmt::format(
-        "reused     {} frames: the hull of the frame before left {:.3g} % of their points, the "
-        "whole filter {:.3g} %\n",
-        grouped(o.led), 100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
+    text += fmt::format("filter     {} frames reused the last hull", grouped(o.led));
+    if (o.led > 0)
+      text += fmt::format("; it left {:.3g} % of their points, the whole filter {:.3g} %",
+                          100 * o.share(o.scan_survivors), 100 * o.share(o.survivors));
+    text += "\n";
     text += fmt::format("vertices   {} to {}\n", grouped(o.fewest), grouped(o.most));
     text += fmt::format("seconds    {:.6f} = cull {:.6f} + hull {:.6f}; reading {:.6f}\n",
                         o.compute, o.cull, o.hull, o.read);

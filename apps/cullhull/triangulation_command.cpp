@@ -104,7 +104,7 @@ std::vector<std::string> words_of(const std::vector<std::string>& given,
     for (std::string word; in >> word;) {
       if (std::find(known.begin(), known.end(), word) == known.end())
         throw Error(ErrorCode::invalid_argument,
-                    fmt::format("--format {}: known are {}", word, fmt::join(known, " ")));
+                    fmt::format("--format {}: expected {}", word, fmt::join(known, " ")));
       words.push_back(word);
     }
   }
@@ -116,7 +116,7 @@ bool names_file(const std::string& given) {
   return !given.empty() && std::filesystem::exists(given, ignored);
 }
 
-/// Of a file of one number a point, or of a column of the input; `given` is what `option` names.
+/// The numbers of a file with one a point, or of a column of the input; `option` names `given`.
 std::vector<double> read_numbers(const DualArguments& a, const char* option,
                                  const std::string& given, std::uint64_t count) {
   if (given.empty()) return {};
@@ -369,8 +369,8 @@ double share_of_diagram(const DualArguments& a, std::uint32_t d) {
   return std::max(1.0, static_cast<double>(most) / static_cast<double>(alone));
 }
 
-/// Of what is left of the limit, `share` times as much as the triangulation may need is kept for
-/// the diagram, so that it is refused before any work.
+/// Triangulates within the memory limit less `share` times the triangulation's need, which is kept
+/// for the diagram: a diagram that does not fit is refused before any work.
 Triangulation within_share(const DualArguments& a, double share, const Input& input,
                            const std::vector<double>& weights) {
   const auto make = [&](cullhull::Options options) {

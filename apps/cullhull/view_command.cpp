@@ -71,7 +71,7 @@ struct ViewArguments {
   std::string only_word() const { return input.words.size() == 1 ? input.words[0] : ""; }
   std::string title() const;
 
-  /// Of the cells of `--delaunay`; nothing without it.
+  /// Options of the triangulation of `--delaunay`; nothing without it.
   std::optional<cullhull::TriangulationOptions> triangulation(
       const cullhull::Options& given) const {
     if (!cells) return std::nullopt;

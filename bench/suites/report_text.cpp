@@ -12,8 +12,8 @@ namespace {
 using Line = std::vector<std::string>;
 
 constexpr const char* bandwidth_note =
-    "Of read bandwidth: bytes of the points over the seconds of the whole filter (sample, map and "
-    "passes), as a share of what as many threads read from memory here";
+    "Of read bandwidth: bytes of the points divided by the seconds of the whole filter (sample, "
+    "map and passes), as a share of the read bandwidth of as many threads on this machine";
 
 constexpr const char* reads_note =
     "Reads: the whole hull's time over that of reading its points once, by as many threads";

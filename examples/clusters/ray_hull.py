@@ -38,7 +38,7 @@ print(f"{len(points):,} rows: {len(hull.vertices)} vertices, volume {hull.volume
 
 @ray.remote
 def volumes(block, keys):
-    """Of groups that lie in one block each: all of its hulls in one call."""
+    """All hulls of a block in one call; each group lies in one block."""
     names, counts = np.unique(keys, return_counts=True)
     rows = block[np.argsort(keys, kind="stable")]
     batch = cullhull.convex_hulls(rows, np.cumsum([0, *counts]))

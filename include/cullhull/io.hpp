@@ -142,7 +142,7 @@ class PointFile {
   const std::vector<std::uint64_t>& rows() const noexcept;
   /// The number of points that ReadOptions::skip_nan left out.
   std::uint64_t skipped() const noexcept;
-  /// Of a text with NaN or infinities the first such point.
+  /// The first point with a NaN or an infinity in a text file.
   std::optional<PointLine> first_not_finite() const noexcept;
   double read_seconds() const noexcept;
   /// The bytes of memory that the points take, beyond the pages of a mapped file.

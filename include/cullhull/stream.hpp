@@ -39,7 +39,7 @@ class HullState {
   /// extreme_points(); not_finite names the global id.
   explicit HullState(const PointView& points, std::uint64_t first_id = 0,
                      const Options& options = {});
-  /// Of the points a hull was computed from, with Options::with_coordinates. O(vertices).
+  /// State of the points that a hull was computed from with Options::with_coordinates. O(vertices).
   /// Error{invalid_argument} if the hull has no coordinates.
   explicit HullState(const Hull& hull);
 
@@ -82,7 +82,7 @@ class HullState {
   int decimals() const noexcept { return decimals_; }
   /// The binary places of its grid; -1: no such grid.
   int places() const noexcept { return places_; }
-  /// Of `bits` above.
+  /// The `bits` of set_binary_grid.
   int bits() const noexcept { return bits_; }
 
   /// Equal to convex_hull() of all the points, with global ids, bit for bit except for

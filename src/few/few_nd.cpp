@@ -184,7 +184,7 @@ bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64
     auto& memory = thread_memory<Memory<k>>();
     const bool done = memory.surface.build(rows.data(), n) &&
                       memory.writer.run(view, ids, n, memory.surface, hull);
-    // What follows needs the memory more than the next small set.
+    // Free large surfaces: small sets rarely need them.
     if (!done && memory.surface.slots() > 1024) memory = {};
     return done;
   });

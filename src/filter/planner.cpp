@@ -70,7 +70,8 @@ bool cpu_has_cells(const AskedPoints& points) {
          (points.cells_built || points.count >= sides_worth_a_cell * points.cells);
 }
 
-/// Of a question on the CPU. By cells where it has them or would build them, which is not counted.
+/// Seconds for a question on the CPU: by cells where it has them or would build them (building is
+/// not counted).
 double question_seconds(const AskedPoints& points) {
   const QuestionCosts& c = question_costs_of(points.dimension);
   if (points.question == Question::supports) return 1e-9 * c.support;

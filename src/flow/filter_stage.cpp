@@ -47,7 +47,7 @@ std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
   if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension)
     return "the gauge map is for 2D to 6D";
   if (count <= d + 1 || (method == CullMethod::automatic && count < smallest_worth_culling(d)))
-    return std::to_string(count) + " points are hulled sooner than a map is laid";
+    return "too few points for the filter to pay (" + std::to_string(count) + ")";
   return "";
 }
 

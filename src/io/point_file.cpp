@@ -189,7 +189,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
   if (!options.format.empty()) {
     if (!is_known(options.format))
       throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
-                  "; known are npy ply las pcd obj off stl xyz txt csv pts ptx node geojson wkt "
+                  "; expected npy ply las pcd obj off stl xyz txt csv pts ptx node geojson wkt "
                   "raw");
     return options.format;
   }
@@ -336,7 +336,7 @@ std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
     const char* const end = p + word.size();
     if (scan_number(p, end, numbers[i]) != Scan::ok || skip_blanks(p, end) != end)
       throw Error(ErrorCode::bad_file, name, ": column ", quoted_text(column), " of point ", i,
-                  " is no number: ", quoted_text(std::string(word)));
+                  " is not a number: ", quoted_text(std::string(word)));
   }
   return numbers;
 }
@@ -390,7 +390,7 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 
 namespace {
 
-/// Of a view that is in place, row after row or axis after axis.
+/// Touches the pages of a view in place, row after row or axis after axis.
 void prefault(const MappedFile& file, const PointView& view, const ReadOptions& options) {
   if (view.count == 0) return;
   const auto row = static_cast<std::uint64_t>(std::abs(view.point_stride));

@@ -30,7 +30,7 @@ struct QueryPoints {
   std::vector<double> full;        // vertices x dimension, exact
   std::vector<double> on_axes;     // vertices x k, exact
   std::vector<double> low, high;   // of every axis of `full`
-  /// Of a flat hull (k < dimension): k + 1 vertices that span the flat.
+  /// k + 1 vertices that span the flat of a flat hull (k < dimension).
   std::vector<std::uint32_t> basis;
   std::vector<std::uint32_t> corners;  // of the simplices, by index; for construction only
 

@@ -18,7 +18,7 @@ void check_hull_arguments(const PointView& points, const Hull& hull, double dist
           "points of dimension " + std::to_string(points.dimension) + " with a hull in dimension " +
               std::to_string(hull.dimension));
   for (const std::uint64_t id : hull.vertices)
-    require(id < points.count, "the hull's vertex " + std::to_string(id) + " is none of the " +
+    require(id < points.count, "the hull's vertex " + std::to_string(id) + " is not one of the " +
                                    std::to_string(points.count) + " points");
 }
 

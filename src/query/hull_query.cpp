@@ -207,7 +207,7 @@ Side HullQuery::State::side(const double* p) const {
   return facets->side(q.data());
 }
 
-/// Of the facets through all corners, the one that p is farthest above.
+/// The facet through all corners that p is farthest above.
 std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corners,
                                          const double* p) const {
   std::uint32_t best = RayHit::no_facet;

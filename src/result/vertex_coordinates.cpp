@@ -50,7 +50,7 @@ Certificate certify(const Hull& hull, const Options& options) {
     for (const std::uint64_t id : *list)
       if (!std::binary_search(own.ids.begin(), own.ids.end(), id)) {
         Certificate bad;
-        bad.reason = "point " + std::to_string(id) + " of a facet is no vertex";
+        bad.reason = "point " + std::to_string(id) + " of a facet is not a vertex";
         return bad;
       }
   // Ids become places among the vertices, in the same order, so all canonical orders stay.

@@ -233,8 +233,8 @@ TEST(CliAlpha, FewPointsAndRefusals) {
   const Ran ran = run_app({"alpha", f / "line.txt", "-o", f / "a.wkt", "-o", f / "a.ply"});
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_EQ(read_file(f / "a.wkt"), "GEOMETRYCOLLECTION (LINESTRING (0 0, 2 2))\n");
-  expect_error({"alpha", f / "line.txt", "--alpha", "-1"}, 2, "numbers that are not negative");
-  expect_error({"alpha", f / "line.txt", "--alpha", "auto"}, 2, "known are one-region");
+  expect_error({"alpha", f / "line.txt", "--alpha", "-1"}, 2, "a number >= 0");
+  expect_error({"alpha", f / "line.txt", "--alpha", "auto"}, 2, "expected one-region");
   expect_error({"alpha", f / "line.txt", "-o", f / "a.xyz"}, 2, "");
   expect_error({"alpha", f / "none.txt"}, 1, "none.txt");
 }

@@ -41,7 +41,7 @@ TEST(CliTriangulation, PrintsAsQhullDoes) {
   EXPECT_EQ(run_app({"voronoi", f / "p.txt", "--format", "o"}).out,
             "2\n5 5 1\n-10.101 -10.101\n1 0\n0 1\n2 1\n1 2\n3 0 1 2\n3 0 3 1\n3 0 2 4\n3 0 4 3\n"
             "4 1 3 4 2\n");
-  expect_error({"delaunay", f / "p.txt", "--format", "Fv"}, 2, "known are i Fn Fx p");
+  expect_error({"delaunay", f / "p.txt", "--format", "Fv"}, 2, "expected i Fn Fx p");
 }
 
 TEST(CliTriangulation, WritesFiles) {
@@ -271,7 +271,8 @@ TEST(CliTriangulation, RefusesRegionsThatAreNone) {
   refused(R"({"type": "Topology"})", 1, "its type is \"Topology\"");
   refused(R"({"type": "Point", "coordinates": [1, 2]})", 1, "there is no polygon in it");
   refused(polygon + "[[[0,0],[1]]]}", 1, "ring 0 has a position without x and y");
-  refused(polygon + "[[[0,0],[1,\"a\"]]]}", 1, "ring 0 has a coordinate that is no finite number");
+  refused(polygon + "[[[0,0],[1,\"a\"]]]}", 1,
+          "ring 0 has a coordinate that is not a finite number");
   refused(polygon + "[[[0,0],[1,1]]]}", 1, "ring 0 of the polygon has 2 corners");
   refused(polygon + "[[[0,0],[1,1],[0,1],[1,0]]]}", 1, "c.geojson: the boundary of the polygon");
   refused(polygon + "[[[0,0],[1,1],[2,2]]]}", 1, "spans dimension 1 only");
@@ -324,7 +325,7 @@ TEST(CliTriangulation, WeightsFromFilesAndColumns) {
   EXPECT_EQ(run_app({"delaunay", f / "q.csv", "--weights", "w", "--format", "i"}).out, column.out);
   write_file(f / "word.csv", "x,y,w\n0,0,0\n2,0,heavy\n0,2,0\n");
   expect_error({"delaunay", f / "word.csv", "--weights", "w"}, 1,
-               "column 'w' of point 1 is no number: 'heavy'");
+               "column 'w' of point 1 is not a number: 'heavy'");
   write_file(f / "few.txt", "0\n0\n");
   expect_error({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", f / "few.txt"}, 2,
                "2 numbers for 4 points");

@@ -578,7 +578,7 @@ TEST(CliUsage, RangesAreShort) {
   expect_error({"alpha", p, "--edge-length", "-1"}, 2,
                "--edge-length: Value -1 is not a finite number from 0 on");
   expect_error({"alpha", p, "--edge-length", "inf"}, 2, "Value inf is not a finite number");
-  expect_error({"alpha", p, "--edge-length", "nan"}, 2, "nan is no number");
+  expect_error({"alpha", p, "--edge-length", "nan"}, 2, "nan is not a number");
   expect_error({"alpha", p, "--ratio", "1.5"}, 2, "--ratio: Value 1.5 not in range 0 to 1");
 }
 

@@ -78,7 +78,7 @@ void expect_agreement() {
 
 TEST(StarHullGpu, EqualsTheHost) {
   CULLHULL_NEEDS_DEVICE();
-  // Flips come to an end before all edges are convex, and vertices are doomed.
+  // Flipping stalls before all edges are convex, and vertices are marked for removal.
   const std::vector<double> stuck = generate("ball", 2000, 3, 57);
   expect_as_on_the_host(stuck, PointView::row_major(stuck.data(), 2000, 3), "stuck");
   expect_agreement<float>();

@@ -191,7 +191,7 @@ TEST(IoFields, PropertiesOfGeoJson) {
   EXPECT_EQ(read_blocks(parts, options_of("", "on")).keys,
             (std::vector<std::string>{"true", "true", "true", "", ""}));
   for (const auto& [columns, why] :
-       {std::pair{"x,y,on", ":1: property 'on' of this feature is no number: 'true'"},
+       {std::pair{"x,y,on", ":1: property 'on' of this feature is not a number: 'true'"},
         {"x,region", ":1: property 'region' of this feature has no value"},
         {"x,nope", "no column 'nope'; there are 'x', 'y', 'Region', 'on', 'region'"},
         {"x,REGION", "more than one column 'REGION'"}})

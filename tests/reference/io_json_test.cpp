@@ -180,7 +180,7 @@ TEST(Json, HostileFilesAreRefused) {
   EXPECT_EQ(changed("simplex_facets", {0}, 6),
             "F: simplex_facets: item 0 is 6, but must be below 6");
   EXPECT_EQ(changed("facet_neighbours", {0, 0}, 4294967296UL),
-            "F: facet_neighbours: 4294967296 is no index");
+            "F: facet_neighbours: 4294967296 is not an index");
   EXPECT_EQ(changed("simplices", {4}, {1, 2}), "F: simplices: entry 4 needs 3 items");
   EXPECT_EQ(changed("facet_planes", {4}, {1, 2, 3}), "F: facet_planes: entry 4 needs 4 items");
   EXPECT_EQ(changed("facets", {0}, {1, 2}), "F: facets: entry 0 has 2 vertices");
@@ -251,15 +251,16 @@ TEST(Json, OtherKindsAndMeasuresAreRefused) {
     const std::string text = bad.dump();
     return error_of(ErrorCode::bad_file, [&] { read(text); });
   };
-  EXPECT_EQ(refused("kind", "voronoi"), "F: JSON of the kind 'voronoi', which is no hull");
+  EXPECT_EQ(refused("kind", "voronoi"), "F: JSON of the kind 'voronoi', which is not a hull");
   EXPECT_EQ(refused("kind", 3), "F: kind: a value of the wrong kind");
   EXPECT_EQ(refused("schema", 3), "F: JSON of schema 3, newer than this program's 2");
   EXPECT_EQ(refused("schema", "2"), "F: schema: a value of the wrong kind");
   EXPECT_EQ(refused("volume", 1), "F: perimeter: no measure of a hull of dimension 2");
   EXPECT_EQ(refused("length", 1), "F: length: no measure of a hull of dimension 2");
-  EXPECT_EQ(refused("kind", "hull", "area"), "F: area: missing, so this is no hull with its lists");
+  EXPECT_EQ(refused("kind", "hull", "area"),
+            "F: area: missing, so this is not a hull with its lists");
   EXPECT_EQ(refused("kind", "hull", "perimeter"),
-            "F: perimeter: missing, so this is no hull with its lists");
+            "F: perimeter: missing, so this is not a hull with its lists");
 }
 
 TEST(Json, TheWritersLayout) {

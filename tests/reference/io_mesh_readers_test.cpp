@@ -141,7 +141,7 @@ TEST(Stl, AsciiInCapitals) {
 TEST(Stl, AsciiRefusals) {
   EXPECT_EQ(refusal("solid\n" + triangle, "stl"), "F:8: ends without 'endsolid'");
   EXPECT_EQ(refusal("solid\nvertex 1 2 3\nendsolid\n", "stl"),
-            "F:3: 1 vertices are no whole number of triangles");
+            "F:3: 1 vertices are not a whole number of triangles");
   EXPECT_EQ(refusal("solid\nvertex 1 2\nendsolid\n", "stl"),
             "F:2: vertex has 2 coordinates, not 3");
   EXPECT_EQ(refusal("solid\nvertex 1 2 3 4\nendsolid\n", "stl"), "F:2: '4' after a vertex");

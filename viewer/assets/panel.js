@@ -81,7 +81,7 @@ const placedNumbers = { grid: "exact on the grid", rounded: "rounded to doubles"
 function figureText(key, value) {
   if (key === "placement.numbers") return placedNumbers[value] || value;
   if (key === "placement.extent") return value.map(([low, high]) => `${numberText(low)} to ${numberText(high)}`).join("; ");
-  if (value === null) return "not asked";
+  if (value === null) return key === "certified" ? "not certified (use --certify)" : "not computed";
   if (typeof value === "boolean") return value ? "yes" : "no";
   if (Array.isArray(value)) return value.map((v) => figureText(key, v)).join(", ");
   if (typeof value === "string") return value.replace("inf", "beyond the doubles");

@@ -227,7 +227,7 @@ def _convert_options(words: list[str], folder: _Folder) -> tuple[list[str], set[
         if not os.path.isfile(_file_of(value)):
             continue  # which the program says
         if os.path.splitext(_file_of(value))[1].lower() not in (*_vectors.ENDINGS, ".parquet"):
-            raise ValueError(f"{name} {value}: is no file of polygons or lines")
+            raise ValueError(f"{name} {value}: is not a file of polygons or lines")
         target = folder.place(value, ".geojson")
         if value.lower().endswith(".parquet"):
             from . import _parquet

@@ -80,7 +80,7 @@ def alpha_shape(
     if isinstance(alpha, str):
         if alpha not in ("all-points", "one-region"):
             raise InvalidArgument(
-                f'alpha {alpha!r}: known are "one-region", "all-points" and numbers'
+                f'alpha {alpha!r}: expected "one-region", "all-points" or a number >= 0'
             )
         alpha = _core.critical_alpha(found._cells, alpha == "one-region", chosen)
     return AlphaShape(found, float(alpha), *_core.alpha_shape(found._cells, alpha, chosen))

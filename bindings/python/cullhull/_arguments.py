@@ -246,7 +246,7 @@ def settings(
         if not isinstance(value, str):
             raise TypeError(f"{name} must be a string, not {type(value).__name__}")
         if value not in _CHOICES[name]:
-            raise InvalidArgument(f"unknown {name} {value!r}; known are {', '.join(_CHOICES[name])}")
+            raise InvalidArgument(f"unknown {name} {value!r}; expected {', '.join(_CHOICES[name])}")
     return _core.Settings(
         backend,
         cull,

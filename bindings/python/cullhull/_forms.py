@@ -81,7 +81,7 @@ class VertexIndex:
             raise TypeError("vertex_index takes integers: indices of vertices")
         inside = np.isin(asked, self._ids)
         if not inside.all():
-            raise IndexError(f"point {asked[~inside].flat[0]} is no vertex of the hull")
+            raise IndexError(f"point {asked[~inside].flat[0]} is not a vertex of the hull")
         rows = places(self._ids, asked)
         return int(rows) if rows.ndim == 0 else rows
 

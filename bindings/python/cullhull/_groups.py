@@ -267,7 +267,7 @@ def _as_they_are(keys: Any) -> npt.NDArray[Any]:
 
 
 def _codes(keys: Any) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
-    """The keys there are, ascending, and for each point the place of its own among them."""
+    """The distinct keys, ascending, and each point's index into them."""
     refuse_mask(keys, "keys")
     if hasattr(keys, "combine_chunks"):  # an Arrow column, maybe in chunks
         keys = keys.combine_chunks()

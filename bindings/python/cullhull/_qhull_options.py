@@ -54,8 +54,8 @@ TABLE: tuple[tuple[str, Kind, str], ...] = (
     (
         f"QJ({_NUMBER})?",
         Kind.warned,
-        "joggles the input until rounding does no harm; here none does, with any input, and the "
-        "hull is that of the points as they are",
+        "joggles the input; no joggling is needed: the result is exact, the hull of the points as "
+        "they are",
     ),
     (
         "QbB|Qbb",
@@ -104,9 +104,9 @@ LIFTED_TABLE: tuple[tuple[str, Kind, str], ...] = (
     (
         f"QJ({_NUMBER})?",
         Kind.warned,
-        "joggles the input until rounding does no harm; here none does, and the triangulation is "
-        "that of the points as they are: equal points share a vertex, and flat ones are "
-        "triangulated in their flat",
+        "joggles the input; no joggling is needed: the result is exact, the triangulation of the "
+        "points as they are: equal points share a vertex, and flat ones are triangulated in their "
+        "flat",
     ),
     (
         "QbB",

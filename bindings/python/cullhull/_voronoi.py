@@ -94,7 +94,7 @@ class Voronoi(Shown, Saved, Lifted):
         )
         return VoronoiDiagram._of(self.triangulation, diagram)
 
-    #: Of a subclass what its attributes are made of, where that is no native diagram.
+    #: Source of the attributes in subclasses without a native diagram.
     _shown: Any = None
 
     @Lazy

@@ -32,7 +32,7 @@ class Mailbox {
     bool done = false;
   };
 
-  /// Of several reports of a phase that were not fetched yet, only the last is kept.
+  /// Keeps only the last of several reports of a phase that were not fetched yet.
   void report(const char* phase, double share) {
     {
       const std::lock_guard lock(mutex_);

@@ -71,7 +71,7 @@ cullhull::AlphaShape shape_of(const Cells& cells, Numbers cell_numbers, Numbers 
           copied_back(std::move(facet_cells), t.size())};
 }
 
-/// Of the shape, and of its boundary.
+/// The measures of the shape and of its boundary.
 std::tuple<double, double> shape_measures(const Cells& cells, Numbers cell_numbers, Numbers facets,
                                           Numbers facet_cells) {
   const cullhull::AlphaShape shape =

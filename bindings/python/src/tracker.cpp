@@ -54,7 +54,7 @@ class Tracker {
     frames_ = frame_ = 0;
   }
   std::uint64_t frames() const { return frames_; }
-  /// Of the last update that succeeded.
+  /// The report of the last update that succeeded.
   nb::typed<nb::dict, nb::str, nb::any> report() {
     const Busy busy(busy_, updating);
     const FrameReport& r = tracker_->report();

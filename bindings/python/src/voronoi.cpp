@@ -142,7 +142,7 @@ IntegerLists nested(std::size_t count, const nb::list& numbers, const ListAt& li
   return nb::steal<IntegerLists>(result.release());
 }
 
-/// Of lists that lie end to end in `items`.
+/// Nested lists of numbers; `items` stores them end to end.
 IntegerLists nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items,
                           const Integers& numbers) {
   if (!offsets.is_list() || !items.is_list() || offsets.size() == 0)

@@ -295,5 +295,5 @@ def test_in_worker_processes(method):
 @pytest.mark.parametrize("choice", [{"cull": "gauge-map"}, {"backend": "gpu"}, {"cull": ""}])
 def test_unknown_choices_are_invalid_arguments(choice):
     (name, value) = next(iter(choice.items()))
-    with pytest.raises(cullhull.InvalidArgument, match=f"unknown {name} '{value}'; known are auto"):
+    with pytest.raises(cullhull.InvalidArgument, match=f"unknown {name} '{value}'; expected auto"):
         cullhull.convex_hull([[0, 0], [1, 0], [0, 1]], **choice)

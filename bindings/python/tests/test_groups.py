@@ -236,7 +236,7 @@ def test_batches_are_saved_by_the_number_of_the_set(tmp_path):
     single = cullhull.convex_hulls(points.astype(np.float32), [0, 300])
     single.save(tmp_path / "b.json")
     assert json.loads((tmp_path / "b.json").read_text())["points"]["scalar"] == "f32"
-    with pytest.raises(cullhull.InvalidArgument, match="known are .geojson .csv .json"):
+    with pytest.raises(cullhull.InvalidArgument, match="expected .geojson .csv .json"):
         batch.save(tmp_path / "a.ply")
     with pytest.raises(cullhull.InvalidArgument, match="not 3D"):
         cullhull.convex_hulls(np.zeros((2, 4, 3))).save(tmp_path / "c.geojson")

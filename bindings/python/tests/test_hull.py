@@ -275,7 +275,7 @@ def test_vertex_index_refuses_other_points():
     assert index[[[3, 0], [2, 2]]].tolist() == [[2, 0], [1, 1]]
     assert index[[]].shape == (0,) and len(index) == 3
     for wrong in (1, 4, -1, [0, 1], np.array([10**15])):
-        with pytest.raises(IndexError, match="is no vertex of the hull"):
+        with pytest.raises(IndexError, match="is not a vertex of the hull"):
             index[wrong]
     with pytest.raises(TypeError, match="integers"):
         index[1.0]

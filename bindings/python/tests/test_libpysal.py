@@ -25,7 +25,7 @@ ORDERED = (
 
 
 def test_libpysals_own_tests():
-    """Of alpha shapes, Voronoi cells, Gabriel and Delaunay graphs; its wheel has them."""
+    """Its wheel has tests of alpha shapes, Voronoi cells, Gabriel and Delaunay graphs."""
     arguments = ["-pstand_in", *(f"libpysal/{module}" for module in MODULES)]
     arguments += [word for test in ORDERED for word in ("--deselect", f"libpysal/{test}")]
     passed, failed = passed_and_failed(FOLDER.parent, "libpysal_tests", arguments)

@@ -71,7 +71,7 @@ def test_every_public_name_is_documented(name):
 
 @pytest.mark.parametrize("needed", ["", "dask"])
 def test_the_documentation_is_true(needed):
-    """Of the modules that need no package of others, and of the one that does."""
+    """The modules that need no package of others, and the one that does."""
     import importlib
     import pkgutil
 

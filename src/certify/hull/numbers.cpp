@@ -384,7 +384,7 @@ class MeasureCheck {
     if (given < low || given > high)
       fault("coordinate ", c, " of the centroid, ", number(given), ", is outside of the hull");
     const mpf_class expected = mpf_class(origin, shift.get_prec()) + shift;
-    // Of 4 units of the value two are for a file's hull, converted from a grid to world
+    // Two of the 4 units of the value are for a file's hull, converted from a grid to world
     // coordinates and back.
     const mpf_class allowed =
         (2 * relative + f_.beta() * unit) * with_own * extent + 4 * unit * abs(expected) + least();

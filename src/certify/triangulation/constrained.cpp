@@ -164,7 +164,7 @@ class ConstrainedSubject {
     for (const DuplicatePoint& p : t_.duplicates) {
       if (p.id >= points_.count || p.representative >= p.id || !equal(p.id, p.representative) ||
           accounted_for[p.id])
-        fault("point ", p.id, " is no duplicate");
+        fault("point ", p.id, " is not a duplicate");
       accounted_for[p.id] = true;
     }
     for (std::uint32_t v = 0; v < points_.count; ++v)
@@ -179,7 +179,7 @@ class ConstrainedSubject {
     for (std::uint32_t i = 0; i < c_.piece_sources.size(); ++i) {
       const Edge e(c_.pieces[2 * std::size_t{i}], c_.pieces[2 * std::size_t{i} + 1]);
       const auto* edge = edges_of_cells_.find(e);
-      if (e.first >= e.second || edge == nullptr) fault("piece ", i, " is no edge");
+      if (e.first >= e.second || edge == nullptr) fault("piece ", i, " is not an edge");
       if (i > 0 && !(Edge(c_.pieces[2 * i - 2], c_.pieces[2 * i - 1]) < e))
         fault("piece ", i, " is out of order");
       edges_of_cells_.items()[static_cast<std::size_t>(edge - edges_of_cells_.items().data())]

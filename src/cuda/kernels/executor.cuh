@@ -240,7 +240,7 @@ class CudaExecutor {
     if (count.owner_ == nullptr) return {nullptr, count.most_};
     return {count.owner_->word(count), count.each_};
   }
-  /// A look at the numbers takes as long as half a round.
+  /// Copying the counters to the host costs half a round.
   static constexpr std::uint32_t rounds_ahead = 4;
 
   template <class Body>

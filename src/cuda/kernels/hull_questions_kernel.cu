@@ -206,8 +206,8 @@ __global__ void __launch_bounds__(cell_threads)
 
 constexpr std::uint32_t no_vertex = 0xFFFFFFFFU;
 
-/// Of the vertices' products with u, scaled by a power of two, the largest, if no other comes
-/// within the errors of both: docs/exactness.md, "Queries".
+/// The vertex with the largest product with u, which is scaled by a power of two; no_vertex if
+/// another product comes within the errors of both: docs/exactness.md, "Queries".
 template <unsigned D>
 __device__ std::uint32_t support_of(const TablesThere& hull, double (&u)[D]) {
   double largest = 0;

@@ -144,7 +144,7 @@ class ChainSweep {
     return parted(a, b) && parted(b, a);
   }
 
-  /// Of the four ends the one nearest to the crossing becomes a corner of the other segment. It is
+  /// The end nearest to the crossing, of the four, becomes a corner of the other segment. It is
   /// nearer to that segment than the end that rounding moved across it, and both new edges are
   /// shorter than the one that they replace.
   ChainMend mend_crossing(std::uint32_t a, std::uint32_t b) const {

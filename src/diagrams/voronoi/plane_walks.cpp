@@ -96,7 +96,7 @@ class PlaneWalk {
   void add_ridge(std::uint32_t v, std::uint32_t other, std::uint32_t left, std::uint32_t right) {
     if (other > v && left != right) higher_.push_back({other, left, right});
   }
-  /// Of a closed region, which is a cycle.
+  /// Rotates the cycle of a closed region so that its lowest number is first.
   void begin_with_lowest(std::size_t begin) {
     std::vector<std::uint32_t>& regions = out_.regions;
     if (regions.size() > begin + 1 && regions.back() == regions[begin]) regions.pop_back();

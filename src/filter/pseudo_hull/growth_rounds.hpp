@@ -25,12 +25,12 @@ class GrowthRounds {
   }
   const Count& exterior() const { return exterior_; }  ///< points outside of the surface
   const Count& facets() const { return facets_; }      ///< the facets that they are assigned to
-  /// Of the rounds that have been read: points that are not culled, and facets that were replaced.
+  /// Points not culled, and facets replaced, in the rounds whose counters have been read.
   std::uint32_t left() const { return left_; }
   std::uint32_t replaced() const { return replaced_; }
   bool done() const { return Executor::most(exterior_) == 0; }
 
-  /// A round ends: so many points were culled, and these facets and points remain.
+  /// Records a finished round: points culled, facets and points left.
   void add(std::uint32_t round, const Count& culled, const Count& facets, const Count& exterior) {
     unread_.push_back({round, facets_, exterior_, culled, exterior});
     facets_ = facets;

@@ -36,8 +36,8 @@ struct StarFlips {
   unsigned char* culled;  ///< by row: a vertex that a flip removes is strictly inside
   unsigned char* doomed;  ///< by row: a vertex proved to be strictly inside; null: none
 
-  /// Of a side's claims: later rounds before earlier ones, and within a round each side its own
-  /// number, in an order that changes from round to round.
+  /// Claim priority: newest round first, then a permutation of the side numbers that differs from
+  /// round to round.
   CULLHULL_HD static std::uint64_t key(std::uint32_t side, std::uint32_t round) {
     std::uint32_t h =
         side * 0x9E3779B1U + round * 0x85EBCA6BU;  // odd factors and shifts: one to one
@@ -89,7 +89,7 @@ struct StarFlips {
     e.second_has_3 = here.across[next_corner(k)].facet() == there.across[last_corner(m)].facet();
     return e;
   }
-  /// Of two rows the lowest that is doomed, or no_item.
+  /// The lower of two rows that is doomed; no_item if neither is.
   CULLHULL_HD std::uint32_t lowest_doomed(std::uint32_t v, std::uint32_t w) const {
     const std::uint32_t low = v < w ? v : w;
     return is_doomed(low) ? low : is_doomed(v + w - low) ? v + w - low : no_item;
@@ -191,15 +191,15 @@ struct StarFlips {
 /// Rounds of flips. In a round first every side that waits finds its flip and claims the facets
 /// around; then the flips that got all of their claims are done, which touch nothing in common. A
 /// flip needs the facets that it replaces: no stronger flip may replace one of them or change one
-/// of its sides. So nobody replaces what it only borders on; others may border on it, too, each of
-/// which changes another side.
+/// of its sides. So no accepted flip replaces a facet that another accepted flip borders on.
+/// Several accepted flips may border on one facet: each of them changes another side of it.
 ///
 /// Two facets share a side; the lower of them looks at it. After a flip the sides of the new facets
 /// wait. A vertex of three triangles that is beneath its neighbours' has three reflex edges: two of
 /// them are such sides, so the third need not wait.
 ///
 /// A round is for all sides that wait or, with lists, for those of the facets that are listed for
-/// it. The order of a list shows in nothing: claims know sides by their numbers.
+/// it. The result does not depend on list order: claims know sides by their numbers.
 template <class Executor, class Rows>
 struct FlipRounds {
   StarFlips<Rows> flips;
@@ -273,13 +273,13 @@ struct FlipRounds {
   CULLHULL_HD bool owns(std::uint32_t f, std::uint64_t key) const {
     return claim[f].own == key && claim[f].beside < key;
   }
-  /// Of the j-th side of two facets the one that is looked at.
+  /// The side that stands for side j (0 to 5) of facets f and g: the one at the lower facet.
   CULLHULL_HD StarSide looking(std::uint32_t f, std::uint32_t g, unsigned j) const {
     const std::uint32_t own = j < 3 ? f : g;
     const StarSide other = flips.facet[own].across[j % 3];
     return other.facet() < own ? other : side_of_facet(own, j % 3);
   }
-  /// All that is asked of other threads is asked before an answer is waited for.
+  /// Lists the facets that have the sides around f and g. Issues all loads before using the first.
   CULLHULL_HD void list_around(std::uint32_t f, std::uint32_t g, unsigned sides,
                                std::uint32_t round) const {
     std::uint32_t is_new = 0, count_new = 0;
@@ -339,10 +339,11 @@ struct FlipStep {
   }
 };
 
-/// Where flips have come to an end at a certainly reflex edge a b: if, seen from the centre, an end
-/// is in the triangle of the other three vertices, it is beneath it, too: strictly inside. Such a
-/// vertex is doomed: its edges are flipped away, whether they are reflex or not, until it has three
-/// triangles and is removed (the flop of Flip-Flop). Returns 1 where it dooms an end.
+/// Run when flipping has stalled, on each certainly reflex edge a b: if one of its ends lies, seen
+/// from the centre, in the triangle of the other three vertices, that end is also beneath the
+/// triangle, so it is strictly inside. It is marked as doomed: later flips remove its edges, reflex
+/// or not, until it has three triangles and is removed (the flop of Flip-Flop). Returns 1 where it
+/// marks an end.
 template <class Rows>
 struct DoomEnds {
   StarFlips<Rows> flips;
@@ -380,7 +381,7 @@ struct WakeDoomed {
   }
 };
 
-/// What is left in the end.
+/// Facets, and edges that are still reflex or undecided.
 struct StarReport {
   std::uint32_t facets = 0, reflex = 0, uncertain = 0;
 };

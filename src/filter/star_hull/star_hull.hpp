@@ -26,7 +26,7 @@ struct StarCounts {
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
   std::uint32_t flip_rounds = 0;
   std::uint32_t flips = 0;  ///< counted on the host alone
-  std::uint32_t dooms = 0;  ///< how often flips had come to an end where vertices were doomed
+  std::uint32_t dooms = 0;  ///< times flipping stalled and vertices were marked for removal
   double growth_seconds = 0, flip_seconds = 0;
   StarReport end;
   /// Every edge is certainly convex, and every row is a vertex or inside.
@@ -193,8 +193,8 @@ class StarHull {
                   Executor::many_threads ? nullptr : count + most_rounds + 2};
     executor.for_each(facets, StartFlips<Executor, Rows>{rounds});
     std::uint32_t round = 1;
-    // Flips that come to an end before all is convex are rare, and one doomed vertex seldom leads
-    // to the next.
+    // Flipping rarely stalls before all edges are convex, and seldom again after vertices were
+    // marked for removal.
     constexpr unsigned most_dooms = 16;
     for (unsigned dooms = 0;; ++dooms) {
       flip_while_sides_wait(rounds, facets, round, most_rounds, control);

@@ -340,7 +340,7 @@ class WholeInput : public BlockSource {
   }
 
  private:
-  /// Of a state: dimension and grid are in its first bytes.
+  /// Reads a state's dimension and grid from its first bytes.
   void note_grid() {
     constexpr std::size_t dimension_at = 12, grid_at = 20, head = 24;
     if (from_.head.size() < head) return;

@@ -64,7 +64,7 @@ class BlockSource {
   virtual void finish() const {}
   const std::string& name() const { return name_; }
   const std::string& format() const { return format_; }
-  /// Of the file's numbers: of a state on a grid its unit on each axis.
+  /// Placement of the file's numbers; for a state on a grid, its unit on each axis.
   const Placement& placement() const { return placement_; }
   /// The grid of a hull state.
   const GridOfState& of_state() const { return of_state_; }

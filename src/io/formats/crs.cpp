@@ -65,7 +65,7 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-/// Of systems that Esri's programs write, which have no codes.
+/// The codes of systems that Esri's programs write without a code.
 std::string code_of_name(std::string_view name) {
   static constexpr std::pair<std::string_view, std::string_view> known[] = {
       {"wgs84", "EPSG:4326"},

@@ -90,7 +90,7 @@ class PropertyColumns {
     if (number == asked_.size()) asked_.push_back(name);
     return number;
   }
-  /// Of the positions [first, end) of the feature at `at`.
+  /// Adds the values of the feature at `at`, which has the positions [first, end).
   void add(std::uint64_t first, std::uint64_t end, std::vector<std::string>&& values,
            const char* at) {
     if (wanted_.empty() || first == end) return;
@@ -191,7 +191,7 @@ class PropertyColumns {
         fail_at_line(
             source, 1 + static_cast<std::uint64_t>(std::count(source.data, f.at, '\n')),
             "property ", quoted_text(name), " of this feature ",
-            text.empty() ? std::string("has no value") : "is no number: " + quoted_text(text));
+            text.empty() ? std::string("has no value") : "is not a number: " + quoted_text(text));
       for (; next < f.end; ++next) out[next * step] = value;
     }
     if (next < count)
@@ -550,7 +550,7 @@ class RowsReader : public nlohmann::json_sax<json> {
     --depth_;
     return true;
   }
-  /// A value that is no number.
+  /// A value that is not a number.
   bool other(const char* what) const {
     if (rows_ > 0)
       fail_here("row " + std::to_string(seen_) + " of a list of points: " + what +

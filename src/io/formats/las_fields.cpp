@@ -89,8 +89,9 @@ void append(PointKeys& keys, double value) {
 
 /// Sets data.view to the chosen columns of all points, in storage of its own. Columns are axes (x,
 /// y, z), which data.view has already, and other fields of the records (intensity, GPS time), read
-/// from `records`, `record` bytes each. Beside a field of doubles axes are in the world, as there
-/// is no grid of all columns, unless the numbers are raw; else data.placement keeps the axes' grid.
+/// from `records`, `record` bytes each. If any chosen field is a double, axes are world coordinates
+/// unless options.numbers is file, as there is no grid of all columns; else data.placement keeps
+/// the axes' grid.
 void gather(PointData& data, const Columns& all, const char* records, std::size_t record,
             const std::vector<std::uint32_t>& columns, const ReadOptions& options) {
   const PointView from = data.view;

@@ -24,8 +24,8 @@ struct LasField {
 const std::vector<LasField>& las_fields(unsigned format);
 
 /// choose_columns for `data.view.count` records of `record` bytes whose x, y and z `data` views:
-/// columns and keys may be fields, too. Coordinates of which one is no whole number (gps_time) are
-/// made doubles in the world at once, and have no placement.
+/// columns and keys may be fields, too. If one of them is not an integer (gps_time), all become
+/// doubles in world coordinates at once, without a placement.
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options);
 

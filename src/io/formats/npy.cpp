@@ -16,7 +16,7 @@
 namespace cullhull::internal {
 namespace {
 
-/// Of a structured array.
+/// A field of a structured array.
 struct NpyField {
   std::string name, descr;
   std::uint64_t offset = 0;  ///< in the record
@@ -125,7 +125,7 @@ class HeaderParser {
     }
     if (h.fields.empty() || h.record == 0) fault("a structured dtype without fields");
   }
-  /// Of one item of a type such as <f8, |V4, <U3 or <M8[ns].
+  /// Bytes of one item of a type such as <f8, |V4, <U3 or <M8[ns].
   std::uint64_t item_bytes(const std::string& descr) const {
     std::size_t at = 0;
     if (at < descr.size() && std::strchr("<>|=", descr[at]) != nullptr) ++at;

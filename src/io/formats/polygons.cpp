@@ -78,7 +78,7 @@ class PolygonReader {
         fault(which + " has a position without x and y");
       for (unsigned j = 0; j < 2; ++j) {
         if (!position[j].is_number() || !std::isfinite(position[j].get<double>()))
-          fault(which + " has a coordinate that is no finite number");
+          fault(which + " has a coordinate that is not a finite number");
         out_.corners.push_back(position[j].get<double>());
       }
     }

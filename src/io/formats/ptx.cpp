@@ -44,7 +44,7 @@ class PtxReader {
     if (!parse_unsigned(word, count) ||
         skip_blanks(word.data() + word.size(), lines_.end()) != lines_.end())
       fail_here("a scan begins with its numbers of columns and rows; ", quoted_text(word),
-                " is no number of ", what);
+                " is not a number of ", what);
     return count;
   }
 

@@ -437,7 +437,7 @@ void check_qhull_format(std::string_view what) {
   for (const std::string_view ending : {"geojson", "json", "obj", "off", "ply", "stl", "wkt"})
     if (what == ending) list += "; -o FILE." + std::string(ending) + " writes a file";
   throw Error(ErrorCode::invalid_argument, "unknown text format ", internal::quoted_text(what),
-              "; known are", list);
+              "; expected", list);
 }
 
 namespace {

@@ -69,7 +69,8 @@ PointData read_ascii(const Source& source, const ReadOptions& options) {
   if (!is_keyword(last_keyword(source), "endsolid"))
     fail_at_line(source, index.lines, "ends without 'endsolid'");
   if (index.points % 3 != 0)
-    fail_at_line(source, index.lines, index.points, " vertices are no whole number of triangles");
+    fail_at_line(source, index.lines, index.points,
+                 " vertices are not a whole number of triangles");
   data.not_finite = line_of_not_finite(index, data.view, is_corner);
   return data;
 }

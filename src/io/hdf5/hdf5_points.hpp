@@ -27,9 +27,9 @@ class Hdf5Points {
   const std::string& name() const;  ///< of file and datasets, for messages
   std::uint64_t count() const;
   std::uint32_t dimension() const;
-  /// Of what read() makes. 64-bit integers become doubles, columns of different types too.
+  /// The type that read() makes. 64-bit integers become doubles, columns of different types too.
   ScalarType scalar() const;
-  /// Of a point, in memory.
+  /// Bytes of a point in memory.
   std::uint64_t record_bytes() const;
   /// The number of points stored together in the file: a good block size is a multiple of it.
   std::uint64_t chunk_points() const;

@@ -209,14 +209,15 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
   bool check_kind(const std::string& kind) const {
     if (kind == "hull" || kind == "hull_report") return true;
-    fail(source_, "JSON of the kind ", quoted_text(kind), ", which is no hull");
+    fail(source_, "JSON of the kind ", quoted_text(kind), ", which is not a hull");
   }
   bool check_schema(std::uint64_t v) const {
     if (v <= json_schema_version) return true;
     fail(source_, "JSON of schema ", v, ", newer than this program's ", json_schema_version);
   }
   std::uint32_t narrow(std::uint64_t v) const {
-    if (v > std::numeric_limits<std::uint32_t>::max()) fault(std::to_string(v) + " is no index");
+    if (v > std::numeric_limits<std::uint32_t>::max())
+      fault(std::to_string(v) + " is not an index");
     return static_cast<std::uint32_t>(v);
   }
   bool whole(std::uint64_t v) {
@@ -382,7 +383,7 @@ class HullChecker {
     for (const Field field : {Field::length, Field::perimeter, Field::area, Field::volume}) {
       const char* const name = field_names[static_cast<int>(field)];
       if (wanted(field) && !raw_.has(field))
-        fault(name, "missing, so this is no hull with its lists");
+        fault(name, "missing, so this is not a hull with its lists");
       if (!wanted(field) && raw_.has(field))
         fault(name, "no measure of a hull of dimension " + std::to_string(k));
     }
@@ -396,7 +397,7 @@ class HullChecker {
   void check_header() {
     for (std::size_t i = 1; i < field_total; ++i) {
       if (!is_required(static_cast<Field>(i))) continue;
-      if (!raw_.seen[i]) fault(field_names[i], "missing, so this is no hull with its lists");
+      if (!raw_.seen[i]) fault(field_names[i], "missing, so this is not a hull with its lists");
     }
     if (!raw_.has_count || !raw_.has_dimension || !raw_.has_scalar)
       fault("points", "needs count, dimension and scalar");

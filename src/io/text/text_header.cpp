@@ -10,7 +10,7 @@ namespace cullhull::internal {
 namespace {
 
 /// The integers at the beginning of a line, two at most, and whether a comment ends it: words of
-/// which the first is no number ("3 rbox 10 D3 P0.5,0.5"). The words themselves are ignored.
+/// which the first is not a number ("3 rbox 10 D3 P0.5,0.5"). The words themselves are ignored.
 struct LeadingIntegers {
   std::uint64_t values[2] = {0, 0};
   unsigned count = 0;

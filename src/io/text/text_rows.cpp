@@ -455,7 +455,7 @@ class RowFinder {
     return text + (columns.size() > most ? ", ..." : "");
   }
 
-  /// Of the first row; empty where it has too few columns.
+  /// The cell of the first row; empty where it has too few columns.
   std::string cell_of_row(std::uint32_t column) const {
     const std::vector<std::string> cells = columns_of_line(source_, row_, separator_);
     return column < cells.size() ? cells[column] : "";
@@ -473,7 +473,7 @@ class RowFinder {
               printable_text(names_[known[i]]);
     if (known.size() == names_.size())
       return say(Remark::Kind::columns, text + " are taken as coordinates, in this order");
-    // The column of a key that was asked for is not missed.
+    // The column of a requested key does not count as missing.
     if (known.size() + (options_.key.empty() ? 0 : 1) >= names_.size()) return;
     std::vector<std::uint32_t> heights;
     for (const std::uint32_t j : without(all, known))

@@ -20,7 +20,7 @@ class VertexNumbers {
     const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{id, 0U});
     if (it == sorted_.end() || it->first != id)
       throw Error(ErrorCode::invalid_argument, "hull names point ", id,
-                  ", which is none of its vertices");
+                  ", which is not one of its vertices");
     return it->second;
   }
 

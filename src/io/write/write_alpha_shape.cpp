@@ -48,7 +48,7 @@ HullMesh mesh_of(const PointView& points, const Triangulation& t, const AlphaSha
   return mesh_of(points, triangles);
 }
 
-/// Of points on a line the ends of each connected part, two after each other; of equal points their
+/// The ends of each connected part of points on a line, two after each other; equal points have one
 /// representative.
 std::vector<std::uint32_t> ends_of_parts(const PointView& points, const Triangulation& t,
                                          const AlphaShape& shape) {

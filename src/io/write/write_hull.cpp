@@ -25,7 +25,7 @@ void refuse_format(const std::string& path, const std::string& format, OutputFor
   std::string known;
   for (const std::string_view ending : output_endings(kinds)) (known += ' ') += ending;
   throw Error(ErrorCode::invalid_argument, display_name(path), ": cannot tell the format from ",
-              quoted_text("." + format), "; known are", known);
+              quoted_text("." + format), "; expected", known);
 }
 
 }  // namespace cullhull::internal

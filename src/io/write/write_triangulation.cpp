@@ -318,7 +318,7 @@ void refuse_word(std::string_view what, const std::vector<std::string>& known) {
   std::string words;
   for (const std::string& word : known) words += (words.empty() ? "" : " ") + word;
   throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(std::string(what)),
-              "; known are ", words);
+              "; expected ", words);
 }
 
 void add_line(std::string& out, std::uint64_t v) {
