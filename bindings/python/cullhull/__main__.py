@@ -20,7 +20,7 @@ from . import _vectors
 #: Points that are read at a time.
 _MANY = 1 << 20
 _CANCELLED = 130
-#: Of files that the program does not read.
+#: Endings of files that are converted for the program, which does not read them.
 _CONVERTED = (".laz", ".parquet", ".e57", *_vectors.ENDINGS)
 #: Options by what their values are: files that are written, files of polygons or lines, a column or a
 #: file of numbers, columns.

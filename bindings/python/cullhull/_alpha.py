@@ -179,7 +179,7 @@ class AlphaShape(Exported, Saved, Compared):
         return self._measures(3)[0]
 
     def _measures(self, *dimensions: int) -> tuple[float, float]:
-        """Of the shape and of its boundary. Points on a line, equal ones and none have neither."""
+        """The measures of shape and boundary; 0 for points on a line, equal ones and none."""
         found = self.triangulation
         if found.dimension not in dimensions and found.affine_dimension not in dimensions:
             known = " and ".join(f"{d}D" for d in dimensions)
@@ -478,7 +478,7 @@ def alpha_radii(
     memory_budget: int | None = None,
     progress: Progress = None,
 ) -> npt.NDArray[np.float64]:
-    """Of each Delaunay cell the smallest alpha whose alpha shape contains the cell.
+    """The smallest alpha whose alpha shape contains the cell, for each Delaunay cell.
 
     Parameters
     ----------

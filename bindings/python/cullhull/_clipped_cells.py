@@ -274,7 +274,7 @@ class ClippedCells(Exported, Native):
             raise InvalidArgument("clip() was called with shapes=False")
 
     def _owners(self) -> npt.NDArray[np.int64]:
-        """Of each corner the point of its cell."""
+        """The point whose cell each corner belongs to."""
         counts = np.diff(self._clipped.vertex_offsets)
         return np.repeat(np.arange(len(counts), dtype=np.int64), counts)
 
@@ -313,7 +313,7 @@ class ClippedCells(Exported, Native):
         return Surface(rows, owners, Lists(ends, items), whole, owners[whole[:, 0]], data)
 
     def _ring_numbers(self) -> list[list[npt.NDArray[np.int64]]]:
-        """Of each polygon of each cell its rings, by rows of all corners."""
+        """The rings of each polygon of each cell, by rows of all corners."""
         rings, starts = self._clipped.polygon_rings.tolist(), self._clipped.ring_starts.tolist()
         return [
             [np.arange(starts[r], starts[r + 1]) for r in range(begin, end)]
@@ -463,7 +463,7 @@ class ClippedCells(Exported, Native):
 
 
 def _following(starts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Of each corner of rings the next one."""
+    """The next corner in its ring, for each corner."""
     following = np.arange(1, int(starts[-1]) + 1 if len(starts) else 1, dtype=np.int64)
     filled = np.flatnonzero(np.diff(starts))
     following[starts[filled + 1] - 1] = starts[filled]

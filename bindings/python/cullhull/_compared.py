@@ -45,7 +45,7 @@ class Compared:
 
 
 def _key(part: Any) -> Any:
-    """Of an array its shape: the same for equal ones, and quickly found."""
+    """The shape of an array: the same for equal arrays, and quickly found."""
     if isinstance(part, np.ndarray):
         return part.shape
     return tuple(map(_key, part)) if isinstance(part, (list, tuple)) else part

@@ -55,7 +55,7 @@ class Table(NamedTuple):
 
 
 def places(ids: npt.NDArray[Any], numbers: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """Of each of ``numbers`` its place in ``ids``, which holds all of them, each once."""
+    """The place of each of ``numbers`` in ``ids``, which holds all of them, each once."""
     order = np.argsort(ids, kind="stable")
     found: npt.NDArray[np.int64] = order[np.searchsorted(ids, numbers, sorter=order)]
     return found
@@ -124,7 +124,7 @@ def polygon_geometry(rings: Sequence[Rows]) -> dict[str, Any]:
 
 
 def polygons_geometry(polygons: Sequence[Sequence[Rows]]) -> dict[str, Any]:
-    """Of a single one a Polygon, else a MultiPolygon."""
+    """A Polygon for a single polygon, else a MultiPolygon."""
     if len(polygons) == 1:
         return polygon_geometry(polygons[0])
     return multipolygon_geometry(polygons)

@@ -122,7 +122,7 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
         return surface._replace(ids=self._order[surface.ids + self._row_starts()])
 
     def _row_starts(self) -> npt.NDArray[np.int64]:
-        """Of each vertex of the batch the first row of its group's points."""
+        """The first row of its group's points, for each vertex of the batch."""
         return np.repeat(self._starts[:-1], self.batch.vertices.lengths())
 
     def _geometry(self) -> dict[str, Any]:

@@ -530,7 +530,7 @@ class Hull(Questions, Exported, Certified):
 
 
 def picture_of(hulls: Sequence[Hull]) -> Picture:
-    """Of hulls of points in the plane or in space; those on a line are drawn as such."""
+    """The picture of hulls of points in the plane or in space; lines are drawn as lines."""
     polygons = [outline for hull in hulls for outline in hull._outlines()]
     lines = [hull.vertex_points for hull in hulls if hull.affine_dimension == 1]
     flat = [hull.vertex_points for hull in hulls if hull.affine_dimension < 2]

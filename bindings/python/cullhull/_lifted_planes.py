@@ -20,7 +20,7 @@ _BLOCK = 2**14
 
 
 class Spheres(NamedTuple):
-    """Of each simplex the centre c of the sphere through its corners, of radius r, and the power
+    """For each simplex, the centre c of the sphere through its corners, of radius r, and the power
     ``|c|**2 - r**2`` of the origin; not finite where the simplex is flat in doubles."""
 
     centres: Doubles  # (s, d)
@@ -32,7 +32,7 @@ def _blocks(count: int) -> Iterator[slice]:
 
 
 def spheres(points: Doubles, cells: npt.NDArray[Any], weights: Doubles | None = None) -> Spheres:
-    """Of simplices of points; with weights the spheres that have equal power from all corners."""
+    """The spheres of simplices; with weights, spheres that have equal power from all corners."""
     centres, powers = np.empty((len(cells), points.shape[1])), np.empty(len(cells))
     for block in _blocks(len(cells)):
         corners = points[cells[block]]
@@ -79,7 +79,7 @@ def transforms(points: Doubles, cells: npt.NDArray[Any]) -> Doubles:
 
 
 def _solutions(matrices: Doubles, right: Doubles) -> Doubles:
-    """Of each system the solution, of least length for fewer equations than unknowns; not finite
+    """The solution of each system, of least length for fewer equations than unknowns; not finite
     where the matrix is singular in doubles."""
     if matrices.shape[1] != matrices.shape[2]:
         inverses = np.linalg.pinv(matrices)

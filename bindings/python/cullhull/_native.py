@@ -12,7 +12,7 @@ C = TypeVar("C", bound="Certified")
 
 
 class Native(Compared):
-    """Of a result that a function makes and nobody can change: copies share it."""
+    """Base of results that a function makes and nobody can change: copies share them."""
 
     __slots__ = ("__weakref__",)
 

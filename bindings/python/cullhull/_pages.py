@@ -45,7 +45,7 @@ def _made(arguments: list[str]) -> str:
 
 
 def page_of_hull(hull: _core.Solid, points: Any) -> str:
-    """Of a hull, and of the points that it was computed from, if they are given."""
+    """The page of a hull, with the points that it was computed from if they are given."""
     import tempfile
 
     with tempfile.TemporaryDirectory() as folder:
@@ -59,7 +59,7 @@ def page_of_hull(hull: _core.Solid, points: Any) -> str:
 
 
 class Sites(NamedTuple):
-    """Of a diagram: its points, and the measure of the cell of each."""
+    """The points of a diagram, and the measure of the cell of each."""
 
     points: npt.NDArray[Any]
     measures: npt.NDArray[np.float64]
@@ -71,8 +71,8 @@ def page_of_surface(
     table: Table,
     sites: Sites | None = None,
 ) -> str:
-    """Of polygons, with their edges unless others are given; of the cells of sites, where the
-    numbers of the corners are those of the sites."""
+    """The page of polygons, with their own edges unless others are given, or of the cells of
+    sites: then the numbers of the corners are those of the sites."""
     if edges is None:
         edges = _edges(surface)
     points, ids, _, triangles, pieces, _ = surface
@@ -80,7 +80,7 @@ def page_of_surface(
 
 
 def page_of_cells(volume: Volume, boundary: npt.NDArray[np.int64], table: Table) -> str:
-    """Of tetrahedra, which a plane cuts, and their boundary."""
+    """The page of tetrahedra, which a plane cuts, and their boundary."""
     edges = np.unique(np.sort(boundary[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     numbers = np.arange(len(boundary))
     points, ids, tetrahedra, _ = volume

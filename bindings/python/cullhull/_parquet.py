@@ -28,12 +28,12 @@ _INDEX = "__index_level_0__"
 _NESTED = {"point": 0, "linestring": 1, "multipoint": 1, "polygon": 2, "multilinestring": 2,
            "multipolygon": 3}  # fmt: skip
 _EXTENSION = b"ARROW:extension:name"
-#: Of columns in WKB without metadata.
+#: Names of columns in WKB without metadata.
 _PLAIN = ("geometry", "geom", "the_geom", "wkb_geometry", "wkb", "shape")
 
 
 class Taken(NamedTuple):
-    """Of a batch of values their points, and the number in the batch of the value of each."""
+    """The points of a batch of values, and the number in the batch of each point's value."""
 
     rows: Rows
     owners: npt.NDArray[np.int64]
@@ -43,7 +43,8 @@ class Choice(NamedTuple):
     """The columns to read, and what makes (n, d) rows of a batch of them."""
 
     columns: list[str]
-    #: Of one column, its name and the number of its first row; None: each column is a coordinate.
+    #: Called with a column, its name and the number of its first row; None: each column is a
+    #: coordinate.
     rows: Callable[[Any, str, int], Taken] | None
     #: Whether the column holds geometries, of which some may be missing.
     geometries: bool = False
@@ -318,7 +319,7 @@ def _rows_of_nested(array: Any, column: str, first: int = 0, *, rings: bool = Fa
 
 
 def _rows_of_rings(array: Any, column: str, first: int = 0) -> Taken:
-    """Of polygons, without a ring's last position, which is its first again."""
+    """The rows of polygons, without a ring's last position, which is its first again."""
     return _rows_of_nested(array, column, first, rings=True)
 
 

@@ -37,8 +37,8 @@ def state_of_part(
 
 
 def merged(states: list[HullState], *, numbered: bool) -> HullState:
-    """Of parts that follow one another. Unless they are ``numbered`` through already, each one's
-    indices begin where those of the one before end."""
+    """The state of parts that follow one another. Unless they are ``numbered`` through already,
+    each part's indices begin where those of the part before end."""
     total = states[0]
     for state in states[1:]:
         total = total | (state if numbered else state.shifted(total.point_count))

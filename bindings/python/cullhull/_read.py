@@ -66,7 +66,7 @@ def read(
         name. A `ShapeWarning` says which columns were chosen or left out, and what else the reader
         passed over, such as faces that are cut short.
     chunks : int, optional
-        At most so many points at a time: an iterator of arrays instead of one. Text and what is
+        The most points at a time: an iterator of arrays instead of one. Text and what is
         compressed is read whole all the same.
     raw : bool
         The whole numbers of a .las or .laz as they are in the file, without its scale and offset:

@@ -17,7 +17,7 @@ from ._forms import Picture, Rows, Table
 MOST_SHAPES = 3000
 _SVG_SIZE = 220.0
 _FILLED = {"facecolor": "tab:blue", "edgecolor": "black", "linewidth": 0.5, "alpha": 0.4}
-#: Of so many polygons of a surface, translucent ones and black edges are a heap of lines.
+#: From this number of polygons on, translucent faces and black edges look like a heap of lines.
 _MANY_POLYGONS = 100
 _LINES = {"color": "tab:blue", "linewidth": 0.8}
 

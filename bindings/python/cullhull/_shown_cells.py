@@ -82,7 +82,7 @@ class ShownCells(Exported):
         return self._mesh_of(self._cells_shown())[0]
 
     def _mesh_of(self, simplices: npt.NDArray[Any]) -> tuple[Mesh, npt.NDArray[Any]]:
-        """Of some simplices of points, and the indices of their points, ascending."""
+        """A mesh of some simplices, and the indices of their points, ascending."""
         ids = np.unique(simplices)
         vertices = np.ascontiguousarray(self._coordinates()[ids], dtype=np.float64)
         return Mesh(vertices, places(ids, simplices)), ids
@@ -112,7 +112,7 @@ class ShownCells(Exported):
         return features(triangles, cell=range(len(triangles)))
 
     def _corners(self) -> list[Rows]:
-        """Of each triangle its corners."""
+        """The corners of each triangle."""
         if self._flat() != 2:
             return []
         return list(np.asarray(self._coordinates(), dtype=np.float64)[self._cells_shown()])

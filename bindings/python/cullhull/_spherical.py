@@ -211,7 +211,8 @@ class SphericalVoronoi:
 def _solid_angles(
     a: npt.NDArray[np.float64], b: npt.NDArray[np.float64], c: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.float64]:
-    """Of triangles of unit vectors, counter-clockwise from outside: Van Oosterom and Strackee."""
+    """Solid angles of triangles of unit vectors, counter-clockwise from outside (Van Oosterom and
+    Strackee)."""
     volume = (a * np.cross(b, c)).sum(axis=1)
     rest = 1 + (a * b).sum(axis=1) + (b * c).sum(axis=1) + (c * a).sum(axis=1)
     angles: npt.NDArray[np.float64] = 2 * np.arctan2(volume, rest)

@@ -230,7 +230,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
 
     @Lazy
     def _numbers(self) -> npt.NDArray[np.int32]:
-        """Of each native cell the simplex that it is here, or -1; the last for no cell."""
+        """The number here of each native cell's simplex, or -1; the last stands for no cell."""
         kept = self._peeled.kept
         number = np.full(len(kept) + 1, -1, dtype=np.int32)
         number[:-1][kept] = np.arange(kept.sum())

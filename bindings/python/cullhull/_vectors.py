@@ -23,7 +23,7 @@ from ._errors import BadFile, Error
 Rows = npt.NDArray[np.float64]
 
 ENDINGS = (".gpkg", ".shp", ".fgb", ".gml", ".kml")
-#: Of files that are written, with the names of their drivers.
+#: Endings of files that are written, with the names of their drivers.
 DRIVERS = {".gpkg": "GPKG", ".shp": "ESRI Shapefile", ".fgb": "FlatGeobuf"}
 
 _POINT, _LINE, _POLYGON, _TRIANGLE = 1, 2, 3, 17
@@ -112,8 +112,8 @@ def _parts(path: str, word: str) -> Iterator[list[Rows]]:
 def _binary_batches(
     stream: Any,
 ) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.uint8]]]:
-    """Of each batch of a pyarrow reader the first column of bytes: where each value begins and
-    ends, and the bytes of all values; of a missing one none. Nothing if there is no such column."""
+    """The first column of bytes in each batch of a pyarrow reader: where each value begins and
+    ends, and the bytes of all values (none for a missing one). Nothing without such a column."""
     wide = {"binary": False, "large_binary": True}
     kinds = [(i, wide[str(field.type)]) for i, field in enumerate(stream.schema)
              if str(field.type) in wide]
@@ -128,7 +128,7 @@ def _binary_batches(
 def binary_values(
     column: Any, large: bool
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint8]]:
-    """Of one pyarrow column: where each value begins and ends, and the bytes of all values."""
+    """Where each value of a pyarrow column begins and ends, and the bytes of all values."""
     _, ends, data = column.buffers()
     offsets = np.frombuffer(ends, dtype="<i8" if large else "<i4")
     offsets = offsets[column.offset : column.offset + len(column) + 1].astype(np.int64)
@@ -198,8 +198,8 @@ def plain_points(
 
 
 def wkb_head(data: bytes, at: int) -> tuple[int, bool, int, int]:
-    """Of the WKB geometry at byte `at`, of ISO or of PostGIS: its type, whether it has heights, the
-    numbers of a position (with a measure), and where its contents begin."""
+    """The head of the WKB geometry at byte `at`, of ISO or of PostGIS: its type, whether it has
+    heights, the numbers of a position (with a measure), and where its contents begin."""
     (kind,) = struct.unpack_from(("<" if data[at] == 1 else ">") + "I", data, at + 1)
     at += 9 if kind & 0x20000000 else 5  # an SRID follows
     base = kind & 0xFFFF

@@ -55,7 +55,7 @@ def state(
     columns : names, optional
         Of a data frame's columns; by default all.
     split_every : int
-        So many states are merged by one task.
+        The number of states that one task merges.
     memory_budget : int, optional
         Bytes for each task.
 
@@ -183,7 +183,7 @@ def cull(
     points, columns, split_every : as in `state`
         Sizes of chunks must be known (``compute_chunk_sizes`` of an array).
     sample : int
-        About so many points are hulled for the filter.
+        The approximate number of points whose hull makes the filter.
 
     Returns
     -------
