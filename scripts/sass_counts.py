@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Counts what our kernels are made of: instructions by class, registers, memory of threads and blocks.
 
-    scripts/sass_counts.py OBJECT... [--write docs/gpu.md | --check docs/gpu.md] [--json FILE]
+    scripts/sass_counts.py OBJECT... [--write bench/notes/gpu.md | --check FILE] [--json FILE]
                            [--fetch FOLDER]
 
 OBJECT: objects or cubins with machine code of our kernels, of any architectures. What is counted

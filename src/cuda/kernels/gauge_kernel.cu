@@ -1,5 +1,5 @@
 // The GaugeMap on a CUDA device: one pass over the points that writes one bit for each, then the
-// bits are converted to ids. docs/gpu.md counts bytes and operations.
+// bits are converted to ids. bench/notes/gpu.md counts bytes and operations.
 //
 // A mask instead of an appended list: a list needs room for every point or a second attempt, and
 // its order depends on the race of threads, so it must be sorted. The mask is a bit a point, 1 % of

@@ -16,7 +16,7 @@ struct Device;
 
 /// The greatest number of nodes of a table with which a multiprocessor of this device runs two
 /// blocks of the kernel at a time and keeps a quarter of its memory as cache for the points
-/// (docs/gpu.md).
+/// (bench/notes/gpu.md).
 std::uint32_t most_gauge_nodes(const Device& device);
 
 /// Words of 32 bits in the mask of `count` points.

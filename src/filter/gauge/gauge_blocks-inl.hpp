@@ -34,7 +34,7 @@ using MF = hn::Mask<F>;
 
 /// Points per block of the core and the map. A block of 32 points takes the core some
 /// 25 ns, and the processor overlaps reading the next block with testing this one; slower tests
-/// gain nothing from that, and blocks of 256 with prefetching were fastest (docs/performance.md,
+/// gain nothing from that, and blocks of 256 with prefetching were fastest (bench/notes/performance.md,
 /// "The pass over all points").
 constexpr std::uint32_t core_block = 32, many = 256;
 static_assert(gauge_chunk % many == 0 && many % core_block == 0);
@@ -116,6 +116,13 @@ HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
   out.inverse = hn::Div(hn::Set(f, 1.0F), hn::Max(out.norm, hn::Set(f, tiny)));
   return out;
 }
+
+// The interpolation, in 3D. The ray through y meets a face at a point in cell (i, j) with fractions
+// f >= f' of the two axes. Kuhn's triangle has the nodes of the cell's corner, of the corner plus
+// the axis of f, and of the opposite corner, with the weights 1 - f, f - f' and f'. They are not
+// negative, add up to 1, and combine the nodes to exactly that point, so by convexity of the gauge
+// the combination of upper bounds is one. Example: f = 0.7, f' = 0.2 and G = 1.00, 1.02, 1.01: 0.3
+// * 1.00 + 0.5 * 1.02 + 0.2 * 1.01 = 1.012, times |y|_inf.
 
 /// Returns an upper bound of g(y) from the map; NaN or infinity if a coordinate is NaN or infinite.
 template <unsigned D>

@@ -3,7 +3,7 @@
 
     planted_errors.py PROGRAMS [NAME ...]       run them: PROGRAMS is the folder of the test programs
     planted_errors.py --list                    the names
-    planted_errors.py PROGRAMS --write FILE     run all; write the table into FILE (docs/gpu.md)
+    planted_errors.py PROGRAMS --write FILE     run all; write the table into FILE (bench/notes/gpu.md)
     planted_errors.py PROGRAMS --seeds N        run them with N random orders of threads each
 
 rewrite_kernels.py writes all errors into the texts that the emulated tests are built of, each behind
