@@ -68,6 +68,15 @@ void write_pieces(std::vector<Piece>& pieces, ConstrainedTriangulation& out) {
   }
 }
 
+// Why flipping ends. The crossed edges are flipped away in an order that ends: of the vertices on
+// the left of the segment one is taken, w, that is higher over it than the one before and not lower
+// than the one after, along the crossed triangles. Its edges to the right go to points below the
+// segment, all in a half-plane below w, so that w is a convex corner of each quadrilateral around
+// them; and of those points one is convex in the polygon of w's triangles, as else all would lie in
+// the triangle of w and its neighbours, above the segment. Flipping that edge takes it from w and
+// gives w none; after the last w is no longer crossed over, and the vertices on the left are one
+// fewer. Heights are compared by the sign of (b - a) x (v - w), exactly.
+
 /// Inserts constraints into the triangulation. Vertices are numbered in the order of insertion, as
 /// the predicates require.
 class Forcing {

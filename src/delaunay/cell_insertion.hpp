@@ -2,6 +2,23 @@
 // one vertex at infinity. The cells in conflict with a new point form its cavity. They are replaced
 // by new cells that join the point to the facets of the cavity's boundary. Two new cells are linked
 // by walking around their common ridge through the cavity, or by tables of edges or ridges.
+//
+// Why a new cell is never flat: a facet F of the cavity's boundary lies between a cell in conflict
+// with p and one that is not. If p were in the hyperplane of F, both cells' planes would have the
+// same height over p (they share F), so both would be in conflict or neither.
+//
+// Why the cavity is connected: below the lifted point the lower hull's facets that it sees are, as
+// for any convex surface, one piece, and the cell that contains p is among them. So a search across
+// facets from that cell finds all of them.
+//
+// Example in the plane, cells (0, 1, 2) and (0, 2, 3) of a square and p = 4 inside of the first one
+// and of both circles: the cavity is both cells, its boundary the four sides, and the new cells are
+// (0, 1, 4), (1, 2, 4), (2, 3, 4) and (3, 0, 4). A point outside of the square is in conflict with
+// ghosts: cells of a hull facet and the infinite vertex, whose circle is the half plane beyond the
+// facet.
+//
+// Ghost cells make the hull's outside a part of the triangulation, so no case is special: every
+// facet has a cell on either side.
 #pragma once
 
 #include <algorithm>
@@ -252,6 +269,12 @@ class CellInsertion {
   unsigned k() const { return cells_.store.corners() - 1; }
   unsigned corners() const { return cells_.store.corners(); }
 
+  // Why the walk ends: order the cells by the height of their lifted planes over p. Crossing a
+  // facet that separates p from the cell leads to a plane that is strictly lower over p, because
+  // the lower hull is convex at every facet (strictly, once ties are perturbed). So no cell comes
+  // twice. Example: across n points of a square a walk takes about sqrt(n) steps; points of a round
+  // come in the order of a curve, so that walks from the last new cell are short.
+
   /// Visibility walk: crosses facets that separate p from the cell until it reaches the cell that
   /// contains p, or a ghost. It terminates because the perturbed triangulation is regular, so that
   /// no cell is visited twice. Returns no_index if another thread holds a cell on the way.
@@ -355,6 +378,11 @@ class CellInsertion {
     }
     undecided_.clear();
   }
+
+  // Cells are marked with `in_` or `in_ + 1`, a pair of stamps that no cell has from earlier
+  // searches, so nothing need be cleared. A facet is listed when its cell is in conflict and the
+  // cell across is not yet known to be: with cells put off for double-doubles some of these turn
+  // out to be inside, and their facets are removed afterwards.
 
   /// Collects the cells in conflict with the point, which are connected to `first` through facets,
   /// and the facets of their boundary. Returns false if another thread holds one of these cells or
@@ -584,6 +612,12 @@ class CellInsertion {
     if constexpr (with_planes) planes_.flush();
   }
 
+  // Why sums find partners: each ridge of the boundary belongs to exactly two new cells. Each adds
+  // its code, with a count, to the slot that the ridge hashes to. Where the count is 2, the slot
+  // has one ridge, and the sum less a cell's own code is its partner's, whatever the hash function
+  // is. Example: codes 12 and 40 at one slot: sum 52, count 2, so 12 finds 52 - 12 = 40. A count of
+  // 4 means two ridges: walk.
+
   /// 4D to 6D: links the new cells, two at each ridge of the cavity's boundary. A table holds for
   /// each ridge, by hash, the sum of the two cells' codes. Ridges with equal hashes are linked by
   /// walking (join).
@@ -634,6 +668,10 @@ class CellInsertion {
         if (n[i] == no_index) join(f, i);
     }
   }
+
+  // The walk turns about the ridge inside the cavity: each cell of the cavity that has the ridge
+  // has two facets at it; it enters by one and leaves by the other. The cavity is bounded, so the
+  // walk ends at a facet of its boundary, whose new cell is the partner.
 
   /// Links the new cell of f across its facet i: walks around the ridge of f without corner i, from
   /// cell to cell of the cavity, to the other facet of the boundary at this ridge.

@@ -42,6 +42,9 @@ class CellStore {
   std::uint32_t& mark(std::uint32_t c) { return marks_[c]; }
   void prefetch_mark(std::uint32_t c) const { prefetch_line(marks_.data() + c); }
 
+  // Example in space: shift() is 2, so the code 4 * 17 + 3 = 71 refers to slot 3 of cell 17. If
+  // slot j of cell c has that code, slot 3 of cell 17 has the code 4 * c + j: both cells lack each
+  // other's opposite corner and share the rest.
   std::uint32_t code(std::uint32_t cell, unsigned slot) const { return cell << shift() | slot; }
   std::uint32_t cell_of(std::uint32_t code) const { return code >> shift(); }
   unsigned slot_of(std::uint32_t code) const { return code & ((1U << shift()) - 1); }

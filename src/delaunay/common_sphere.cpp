@@ -1,3 +1,18 @@
+// Why powers may replace squared distances: E(c, p), the determinant of "Lifting" in
+// docs/exactness.md, does not change when an affine function of x is added to all lifts. |x|^2 and
+// the power |x - c|^2 - r^2 differ by 2 c . x + const, so any centre c and radius r will do. Near
+// the sphere powers are small, so rounding them costs little.
+//
+// The bound. Differences are exact as pairs, up to 3 in magnitude. k <= 6 squares of up to 9 err by
+// 7 * 2^-106 of themselves, five sums and the difference of r^2 by 3 * 2^-106 of at most 54: less
+// than 2^-95 in all. A power is then rounded to a double. A difference of two powers is off by at
+// most u |difference| + u (|a| + |b|) + 2^-93 <= 2 u S with S = |a| + |b| + 4 * 2^-94 / u, and S
+// takes the place of the lift's magnitude in the bounds (power_size).
+//
+// Example: directions on a unit sphere rounded to doubles have powers of about 1e-16. S is about
+// 2e-16 + 1.8e-12, the bound of a test some 1e-25 of the cell's volume, while determinants are
+// about 1e-16 of it: decided in doubles.
+
 #include "delaunay/common_sphere.hpp"
 
 #include <algorithm>

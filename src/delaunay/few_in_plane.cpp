@@ -65,6 +65,11 @@ class CurveTable {
 };
 constexpr CurveTable curve;
 
+// Why a path of its own for up to 16,384 points: the general path keeps ids of 64 bits, looks for
+// flats, weights and lattices of several axes and allocates per call. Here all arrays are kept by
+// the thread, keys are 14 bits of a table, and equal points share a cell of the curve. Results are
+// the same bits.
+
 /// Holds at most about 2.5 MB. Calls take a few milliseconds at most and cannot be cancelled.
 class FewInPlane {
  public:

@@ -15,6 +15,21 @@
 
 namespace cullhull::internal {
 
+// Why the order of threads does not matter. A thread holds all cells of its cavity and all around
+// it from before it changes the first until it lets go. So between taking and letting go nobody
+// else changes them, and the moments of letting go put all insertions in one order: the result is
+// what one thread would get by inserting in that order, and any order gives the one triangulation
+// that symbolic perturbation leaves.
+//
+// Why nobody waits for another for ever: a thread never waits for a cell. If a cell is held, it
+// releases all of its own and puts its point off. Two threads that want each other's cells both put
+// off, and one of them succeeds in the next round or, for the last few points, the one thread that
+// is left.
+//
+// Example: points p and q whose cavities share a cell. The thread of p holds it first; the thread
+// of q finds the mark, lets go, and inserts other points; in the next round q meets the cells that
+// p has made.
+
 /// Continues a triangulation that one thread has begun (`alone`). Each thread has a lane: a
 /// CellInsertion of its own on the same cells.
 template <unsigned K>

@@ -1,4 +1,7 @@
 // How much memory a triangulation takes: what is known before the work, and while cells are made.
+//
+// Sizes are those of what is allocated at once, so that a budget is refused before the work and not
+// by a failed allocation in the middle.
 #pragma once
 
 #include <cstdint>

@@ -34,6 +34,13 @@ bool find_triangle(const LiftedPoints& s, const Places& places, std::uint32_t* s
   return at.size() == 3;
 }
 
+// Parts of the plane, in one example. Points left of x = 0 are part A, the others part B, each
+// triangulated alone. A triangle of A whose circle stays left of B's box is final: no point of B is
+// in its circle, so it is Delaunay in the whole set. The rest, a strip along x = 0 and what has a
+// large circle, is found by triangulating the corners S of all triangles that are not final, once
+// more: every triangle of the whole set that is not final has all of its corners in S
+// (docs/exactness.md, "Parts"). S grows with the square root of the number of points where these
+// fill an area.
 class Parts {
  public:
   Parts(const LiftedPoints& s, const Run& run) : s_(s), run_(run) {}
@@ -258,6 +265,11 @@ class Parts {
     std::vector<Border>& borders_;
     std::vector<std::uint32_t> slots_;
   };
+
+  // The triangulation of S has triangles that the whole set has not, over the regions of final
+  // ones. Which are wanted? Start at the borders of final triangles, on the side away from them,
+  // and walk across edges that are no borders: the whole set's triangles that are not final are
+  // connected to a border, and no walk leaves their region, as its rim consists of borders.
 
   /// Flood fill that stops at borders: numbers the seam's cells that are reached from the borders,
   /// from `next` on, and sets the cell across each border.

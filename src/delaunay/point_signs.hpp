@@ -72,6 +72,19 @@ class PointSigns {
     return tied_conflict(v);
   }
 
+  // Symbolic perturbation, as an example. The corners of a square are a = (0, 0), b = (1, 0), c =
+  // (1, 1), d = (0, 1) with ids 0, 1, 2, 3. All four lie on one circle, so d is neither inside nor
+  // outside of the circle of a, b, c: E = 0. Lower the lift of id 0 by e_0. E is linear in each
+  // lift, and the coefficient of a's is the orientation of the cell with d in the place of a: (d,
+  // b, c) is turned left, so it is positive: no conflict. Indeed the lift of a went down, and the
+  // plane over a, b, c with it, so at d the plane is lower than before, and d is above it. The
+  // triangulation keeps (a, b, c) and adds (a, c, d): its diagonal is at the lowest id. If the
+  // coefficient were zero, id 1 would be asked next; the point's own coefficient is never zero (the
+  // cell is not flat), so the search ends.
+  //
+  // Any other order of insertion asks the same signs of the same ids, and so ends at the same
+  // diagonal.
+
   /// conflict() for a point on the lifted cell's plane. Symbolic perturbation lowers the lift of id
   /// i by an infinitesimal e_i, e_0 >> e_1 >> ...; the first nonzero coefficient in the order of
   /// ids decides. docs/exactness.md, "Ties".

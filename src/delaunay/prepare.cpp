@@ -94,6 +94,11 @@ class Sorter {
   CurveFrame frame_;
 };
 
+// Why rounds: a point of a random order is inserted in constant expected time whatever the points
+// are, but jumps about in memory; points along a curve stay in the cache, but a curve alone can
+// meet the worst case (a cavity of everything). Rounds have both (Amenta, Choi, Rote 2003).
+// Example: the last rounds of a million points have about 14,000, 109,000 and 875,000.
+
 /// Distributes ids to rounds; within a round they keep their order. Each round is expected to hold
 /// 8 times as many points as the one before. The choice is pseudorandom, the same in every run.
 void sort_into_rounds(Array<std::uint32_t>& ids) {
@@ -219,6 +224,18 @@ void measure(const LiftedPoints& s, Range& x, Range& w, const Run& run) {
     w.add(ws[c]);
   }
 }
+
+// What a lattice is worth: if all coordinates are multiples of 2^unit, a determinant of k
+// coordinates and a lift is a multiple of 2^(unit (k + 2)). While the sum of all products is below
+// 2^53 of these, doubles hold every partial result exactly, and a computed zero is a zero. Example:
+// a raster of 1,024 x 1,024 pixels is scaled to [0, 1) with unit = -10, exact_limit = 2^(53 - 40) =
+// 8192: that is far above any product of magnitudes (6 * 1 * 1 * 2 = 12), so all of its in-circle
+// tests, most of them ties, are decided in doubles.
+//
+// Why unscaled points keep their filters up to 2^64: with x = 2^l y every operation gives 2^(r l)
+// times what it gives on y, r being the degree of the result, and rounds alike. So relative bounds
+// hold as they are; an underflow of 2^-1074 in a result of degree r is one of 2^(-1074 - r l) on y,
+// and 2^(-1000 + (k + 2) l) covers all of them.
 
 /// Multiplies coordinates by 2^e and weights by 2^(2 e) so that none exceeds 1, and finds a lattice
 /// that all of them are on. If the product would not be exact, nothing is scaled, there is no

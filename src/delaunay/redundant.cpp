@@ -63,6 +63,13 @@ class Redundancy {
   Redundancy(const LiftedPoints& s, const Triangulation& t)
       : s_(s), t_(t), places_(places_of_ids(s, t.point_count)) {}
 
+  // Example in the plane without perturbation: lifted points (0, 0 | 0), (2, 0 | 0), (0, 2 | 0) and
+  // v = (1, 1 | 0), a power triangulation whose weights make all lifts 0. v lies on the edge
+  // between two others: perturbed, it may be a vertex, but it is no extreme point. The planes at v
+  // are one plane (z = 0), with the wall over the hull's edge x + y = 2 a second normal: rank 2 of
+  // 3, so v is redundant. At (0, 0 | 0) there are the plane and the two walls x = 0 and y = 0: rank
+  // 3, extreme.
+
   /// Whether v is not an extreme point of the lifted points. It is extreme if and only if the
   /// normals of the lower hull's planes at the lifted vertex, together with those of the vertical
   /// planes over the hull's facets at v, have full rank. `cells`, `facets`: all that contain v.

@@ -94,6 +94,10 @@ std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* k
   return all;
 }
 
+// Why buckets: a result of 20 million cells takes 640 MB; writing each cell straight to its sorted
+// place would touch a new line of memory each time. Buckets of 2,048 lowest ids have some 14,000
+// cells in 3D, 220 KB of corners, and are sorted in the second cache.
+
 /// Writes the finite cells of a store, sorted by their vertices. Ids are not in spatial order, so
 /// writing each cell to its sorted place would be a cache miss. Therefore the cells are copied
 /// sequentially to buckets of consecutive lowest ids and sorted there, within the cache. Neighbours
@@ -345,6 +349,11 @@ std::vector<std::uint32_t> places_of_ids(const LiftedPoints& s, std::uint64_t po
 }
 
 namespace {
+
+// Example: a grid of 3 x 3 points has four squares, each of one circle and cut in two by its
+// diagonal. The two triangles of a square are joined: their far corners are exactly on the circle.
+// Across a side the far corner is outside of it: not joined. Groups are what is independent of how
+// ties were broken: the Delaunay polygons themselves.
 
 /// Joins adjacent cells of one sphere. Computes the planes of lift_block cells at a time and tests
 /// by lift_side() what they leave in doubt.

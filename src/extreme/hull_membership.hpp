@@ -1,5 +1,25 @@
 // Decides whether a point is in the convex hull of others, without building the hull: by linear
 // programming, in floating point with exactly checked certificates, else in rational arithmetic.
+//
+// Inside: p is a convex combination of the corral. Corners q of a simplex make the columns (q, 1)
+// of a matrix A; M is its inverse, as computed. Let R = I - M A, b = (p, 1), A lambda = b: then
+// lambda = M b + R lambda. With n = d + 1 and S_i = Sum_j |M_ij| each entry of R is computed
+// within (n + 6) u S_i + (n + 4) u, as |A| <= 1; so rho = Sum_i (max_j |R~_ij| + that) bounds the
+// 1-norm of R. If rho < 2^-11, A is not singular, |lambda|_1 <= |M b|_1 / (1 - rho), and |lambda_i
+// - (M b)_i| <= rho |lambda|_1 <= 2 rho |M b|_1. The computed mu is off from M b by at most (n + 1)
+// u S_i. So mu_i - (n + 6) u S_i > 1.0625 * 2 rho (|mu|_1 + 1) for all i proves all lambda_i > 0: p
+// is strictly inside. Where that fails: exact orientations of the corral's simplex with p in each
+// corner's place, or a rational solution without a negative weight.
+//
+// Extreme: w*(q - p) > 0 for every other q. In f32 first, w being the direction rounded to f32: a
+// coordinate rounded once, d products and sums, so each term carries at most d + 1 factors 1 +
+// 2^-24 and w*q is within (d + 2) 2^-24 Sum |w_j| + 2^-120 (fused or not); w*p is computed in
+// double. If the least computed w*q exceeds it by (d + 3) 2^-24 Sum |w_j| + 2^-120, all are beyond.
+// Boxes change nothing: a box's bound comes from the same rounded operations at the corner that is
+// least along w, and rounded products and sums are monotone, so it is at most every computed value
+// of its block. Else in double: w*q and w*p are each off by at most gamma_d Sum |w_j|, so
+// differences beyond (2 d + 6) u Sum |w_j| + 2^-1000 are certain, the others are computed exactly.
+// Where neither is proved, Bland's rule over the rationals decides; it always ends.
 #pragma once
 
 #include <cstdint>

@@ -1,3 +1,11 @@
+// An edge's determinant u_a v_b - v_a u_b, from l and r as computed, is within 2^-49 (|l| + |r|) +
+// 2^-900 of l - r, whatever the size of u and v; only where all are positive is c inside at all,
+// and then |u|, |v| < 8, so that the edge's length is within 2^-46 of its computed value. Their
+// quotient bounds the distance of the origin from the edge's line from below, and the least of them
+// is the disc's radius rho > 2^-20. A point is inside if u^2 + v^2 < rho^2 (1 - 2^-46): the left
+// side is right to a relative 2^-49, rho^2 to 2^-51 of what was computed. What underflows is below
+// 2^-1000, far below 2^-46 rho^2. NaN and infinities fail the comparison.
+
 #include "filter/inner_ellipse.hpp"
 
 #include "parallel/simd_targets.hpp"

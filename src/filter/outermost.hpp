@@ -1,5 +1,10 @@
 // Finds the outermost point of a set in each cone of directions: a few points whose hull makes a
 // quick 3D filter.
+//
+// Any choice of points is right: the filter proves with the hull of these points that others are
+// inside, however they were chosen. Distances in single precision therefore need no bound. Example:
+// the cube has 6 * 8^2 = 384 cones; at most so many points are hulled, and all others are tested
+// against that hull.
 #pragma once
 
 #include <cstdint>

@@ -70,6 +70,9 @@ bool cpu_has_cells(const AskedPoints& points) {
          (points.cells_built || points.count >= sides_worth_a_cell * points.cells);
 }
 
+// The estimates need not be right: they choose the way, never the answer. Example: a million
+// points, 10,000 facets and cells that are built: 29 ns a side on the CPU are 29 ms on one thread.
+
 /// Seconds for a question on the CPU: by cells where it has them or would build them (building is
 /// not counted).
 double question_seconds(const AskedPoints& points) {

@@ -1,3 +1,19 @@
+// Hulls of dimension d <= 6 whose largest extent e lies in 2^-100 < e < 2^100; a point outside the
+// vertices' box is outside, for others no difference to a corner exceeds e. N is the cofactor
+// normal of a simplex as given, not scaled, so N*(x - a) is off by at most determinant_error(d) R
+// max|x - a|, R the product of the edges' largest entries (`normal_and_reach`). What underflows: d!
+// products of d factors below 2^100, each off by at most d 2^-1074 * 2^(100 (d - 1)): in all below
+// 720 * 6 * 2^-574 < 2^-561; used is 2^-540. The kernel rounds the bound itself, which the factor
+// 1.01 covers. N leads out where the mean of the vertices, any point near it, is certainly on the
+// other side; else the factor is infinite and the simplex certain of nothing. A point is inside
+// where it is certainly beneath all simplices, outside where it is certainly above one. Sides by
+// cells of directions do on the device what the CPU does, operation by operation, compiled without
+// fused multiply-adds (`-fmad=false`): docs/exactness.md, "Cells of directions", holds as it
+// stands, for hulls of any extent. Vertices for `supports` are taken relative to a centre, a
+// rounding each, so that a product is off by at most gamma_{d+1} Sum |u_j| E, E their largest
+// coordinate; 1.01 (d + 1) u Sum |u_j| E + 2^-900 is used (components of the scaled direction that
+// underflow lose less than 2^-970), and the best must be ahead of every other by 2.01 times that.
+
 #include "query/device_questions.hpp"
 
 #include <algorithm>

@@ -1,3 +1,17 @@
+// For weights w_i > 0 (doubles, m of them) the point q = Sum w_i x_i / W, W = Sum w_i, is in the
+// hull of the x_i, whatever the weights are: how good they are affects the quality only. |v - q| =
+// |Sum w_i (x_i - v)| / W. Each coordinate of the sum is computed from m differences, products and
+// additions: off by at most gamma_(m+1) S, S = Sum w_i |x_i - v|, and the computed S~ is at least
+// (1 - gamma_(m+1)) S. The allowance (m + 4) u S~ exceeds gamma_(m+1) S and its own rounding.
+// Squares, sum, root, the division by W~ >= (1 - gamma_(m-1)) W and the last product lose at most
+// (m + d / 2 + 8) u relatively; the factor 1 + (2 m + d + 16) u gives it back.
+//
+// Scale. Coordinates are multiplied by a power of two, 2^+-1022 at the utmost, that brings the
+// largest to [1, 4) at most: exact but where it underflows, by at most 2^-1075. Differences of
+// doubles do not underflow; products lose at most 2^-1075 each. 2^-1000 a coordinate covers both;
+// squares that underflow are covered by 2^-500 on the distance. With a requested distance below
+// 2^-490 of that scale no vertex is dropped.
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

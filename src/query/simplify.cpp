@@ -65,6 +65,9 @@ class Simplifier {
         rows_(rows_of(points, ids_)),
         scale_(power_to_unit(rows_)),
         distance_(distance * scale_ < 0x1p-490 ? 0 : distance * scale_) {
+    // Example: v is dropped within 1 mm of the middle of x1 and x2: both get the debt 1 mm. If x1
+    // is dropped within 2 mm of vertices y, these get the debt 3 mm; v is then within 0.5 * 1 + 0.5
+    // * 3 = 2 mm of the hull of those kept.
     debts_.assign(ids_.size(), 0);
     candidates_.resize(ids_.size());
     for (std::uint32_t v = 0; v < ids_.size(); ++v) candidates_[v] = v;

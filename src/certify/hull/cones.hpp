@@ -1,5 +1,18 @@
 // Side tests in doubles against the planes of the simplices: the fast stage of every check of
-// certify. docs/exactness.md, "Cones", has the proof.
+// certify. docs/exactness.md, "Cones"; the bounds:
+//
+// The centre o is a double. With y = fl(x - o) in units that bring every vertex to within 1 (powers
+// of two), M = N / (N*w) the plane of a simplex through w = v_0 - o, and cofactors N~ off by a_c =
+// (N(r) + 3) u P_c + 2^-1000, the height h = fl(N~*w) is off by b = 1.01 Sum (a_c |w_c| + (k + 3) u
+// |N~_c w_c|) and used if b < h / 2. Then m_c = fl(N~_c / h) is off by (a_c + (|N~_c| + a_c) b / (h
+// - b)) / h + u |m_c|, and the dot product m*y, with y's own rounding, by (k + 2) u Sum |m_c y_c|
+// more: together at most E = 1.02 Sum eps_c R_c for points within the box of half extents R_c. A
+// walk goes to the neighbour with the greatest m*y until none is greater. If there m_f*y - E_f
+// exceeds m_h*y + E_h for every neighbour h, x is in the open cone of f ("Cached planes"), and with
+// m_f*y + E_f < 1 it is strictly inside; a sum that begins with E is compared with 1 - 2^-50, which
+// covers the roundings of E itself. Else exact signs decide. A height used in this way is positive,
+// so o is strictly beneath that simplex. Ball: |M_f| <= |m_f| + 2 E_f since R_c >= 1/2; a point
+// nearer to o than the least 1 / (|m_f| + 2 E_f) is strictly inside.
 #pragma once
 
 #include <cmath>

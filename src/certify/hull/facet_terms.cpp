@@ -1,3 +1,16 @@
+// The check computes normals by cofactors in doubles, in double-doubles below lambda = 2^-12 (in
+// flats and from nine dimensions on by Gram-Schmidt with each projection done twice), and below
+// 2^-40 in b bits without a bound on exponents. Cofactors (k = d <= 8) then are off by 2^(16-b)
+// P_c, of the unit normal by 2^(16-b) p_c / lambda; b is doubled until lambda >= 2^(80-b), which
+// leaves 2^-11 of u p_c. For k = d > 8 cofactors are integers by elimination (`exact_plane.*`),
+// each rounded once to 256 bits. Gram-Schmidt in flats: with lambda >= 2^(-b/8) half of the bits
+// are right, and where axes differ as much as above b begins at 8192, so that what is lost is below
+// the least double. At the latest b makes a zero certain: what is left of an edge is a quotient of
+// Gram minors. Where all numbers are within 2^232 of each other, cofactors up to 8D are integers by
+// elimination as well: a tenth of the time. Sums of volumes and areas whose bounds exceed rho of
+// them (beyond eight dimensions 2^-38) are computed again from such terms, all positive.
+// `tests/exactness/certify_mutations_test.cpp` compares with rational arithmetic.
+
 #include "certify/hull/facet_terms.hpp"
 
 #include <algorithm>
@@ -189,7 +202,15 @@ CheckedFacets::CheckedFacets(const Subject& s)
   careful_share_ *= usual_share_;
   // Four times the check's own d + 4 roundings of a height, and more in the projection of a flat.
   loss_ = std::max((k_ == d_ ? 16 : 256) * k, 4.0 * (d_ + 4));
-  // docs/exactness.md, "Numbers": the greatest permanents of simplices computed in doubles.
+  // Why a volume is never off by more than rho: Sums in doubles count only where Sum u L max|w_c|
+  // <= 2^-42 of the volume (docs/exactness.md, "Measures") over simplices with lambda >= 2^-12. A
+  // share loses at most (N(r) + 3) u Lambda Sum p_c |w_c|, and Sum p_c <= k! k^{-(k - 1)/2}, as the
+  // permanent of k rows of length 1 is at most k! k^{-k/2} (Carlen, Lieb, Loss 2006; the last row
+  // is of k ones). So the sum loses at most 2^-30 (N(r) + 3) k! k^{-(k - 1)/2} of the volume, of
+  // which rho is twice: 2^-25 in space, 2^-19 in 8D. Areas and sums in double-doubles, which count
+  // with Lambda for L, lose less. Eliminations of k > 8 columns are done in doubles down to lambda
+  // = 2^-12 sqrt (k! / k^k) and lose a quarter of alpha: rho = 2^-23 k sqrt (k^k / k!), at most
+  // 1/4. docs/exactness.md, "Numbers": the greatest permanents of simplices computed in doubles.
   double spread = std::pow(k, -(k - 1) / 2);
   for (unsigned i = 2; i <= k_; ++i) spread *= i;
   relative_ = k_ <= 8 ? 0x1p-31 * terms * spread : std::min(0.25, 0x1p-36 * k / careful_share_);

@@ -25,8 +25,22 @@ FlatTest flat_of(const Subject& s) {
   return {s.hull.dimension, s.axes, basis};
 }
 
+// Scale each axis by a power of two (exact) so that P's half extents from o lie in [1/2, 1); norms
+// are maximum norms, u = 2^-53, m the largest |coordinate|. Box: all corners o +- r, rounded, were
+// found in P exactly; each is off by at most 2u (m + 1) < r/2, so P contains the box of radius rho
+// = r/2. Nodes: the cube of directions carries a grid of nodes v (exact doubles); for each a radius
+// t <= 2 such that y = o + t v, rounded, is in P exactly; |y - (o + t v)| <= eps = 2u (m + 2). Let
+// t_c be the least radius among the nodes of a cell. P contains o, so the points o + t_c v of the
+// cell's nodes are within eps of P, and so is o + t_c w for every w in the cell, the convex hull of
+// its nodes. Since P contains the box, P + eps box within o + (1 + eps/rho)(P - o): the gauge of w
+// is at most (1 + eps/rho) / t_c. Point: the differences x - o, the radius s and the quotients that
+// choose the cell are each rounded once; so x is within 8 u s of o + s w with w in the chosen cell,
+// and its gauge is at most s (1 + eps/rho) / t_c + 8 u s / rho. With s <= 2 this is below 1 if s <
+// t_c (1 - eta), eta = 2 (eps + 16 u) / rho <= 1/8. Then x is strictly inside. Points nearer to o
+// than r/4 are in the box.
+
 /// Skips most points that are strictly inside: a grid on the cube of directions around the centre,
-/// with an inner radius for each cell. docs/exactness.md, "Certificate", has the proof.
+/// with an inner radius for each cell. docs/exactness.md, "Certificate", says what it proves.
 class InnerFilter {
  public:
   InnerFilter(const Subject& s, const Cones& cones, std::uint64_t points)

@@ -1,6 +1,18 @@
 // The volumes that a new point's Voronoi cell steals from its neighbours' cells, as sums over the
 // simplices whose circumspheres contain the point. docs/exactness.md, "Natural neighbours", derives
 // the signs.
+//
+// The volume that vertex a loses is a sum over the surface of that part, seen from q: over polygons
+// of the faces towards its neighbours b and towards q, and over the edges of these, which are dual
+// to the facets of the cavity. A facet (a, b, c) that is positive with the opposite corner of its
+// cell has the edge from the centre s on its other side (at the cavity's boundary, of the sphere
+// through the facet and q) to the cell's own centre o; with m, any point of the plane between a and
+// b, that is det(s, o, m) for a and its negative for b, and likewise for (b, c) and (c, a). Two
+// facets (a, b, ..) and (b, a, ..) of the boundary with the centres n and n' close the polygon by
+// det(n', n, m), and give det(n, n', m_a) to a and det(n', n, m_b) to b for the faces towards q,
+// m_a being the middle of a and q. In the plane det(s, o), and det(n', n) at each corner. Corners
+// of the surface on either side cancel whatever the order, and no step decides anything: the
+// volumes are one rational formula.
 #pragma once
 
 #include <algorithm>

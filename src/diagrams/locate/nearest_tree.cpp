@@ -40,6 +40,21 @@ constexpr std::uint32_t worth_sorting = 32;
 /// Subtrees that threads build, unless they have few points.
 constexpr std::size_t most_parts = 64;
 constexpr std::ptrdiff_t points_of_a_part = std::ptrdiff_t{1} << 13;
+// A squared distance in doubles passes D + 2 roundings at most: one of the difference, which counts
+// twice, one of the square, D - 1 of the sum; so it is within (D + 3) u of exact, relatively, and
+// within 8 * 2^-1075 more for squares that underflow. With c the least one found, a point above c
+// (1 + 4 (D + 8) u) + 2^-1000 is farther than the point of c: both errors together are 2 (D + 3) u,
+// and the roundings of the bound itself fit into what is left. A subtree is left out by the same
+// bound: the distance from its halfspaces is computed by the same operations in the same order from
+// differences that are nowhere larger, and rounding is monotonous. All other candidates are
+// compared exactly, on the coordinates as given, by compare_lengths(); of equal ones the lowest id
+// stays. An overflow makes a square infinite, that is above every finite bound, as the distance is;
+// where the bound overflows as well, all infinite squares stay candidates. So the answer is exact
+// for all finite doubles. So that not all points stay candidates, a set whose largest coordinate is
+// above 2^400 or below 2^-400 is searched multiplied by 2^-600 or 2^900. This rounds, if at all, by
+// 2^-1075 in a coordinate: a difference above 2^-1000 changes by 2^-74 of itself, the square of a
+// smaller one by less than 2^-1000.
+
 /// Coordinates whose squares are far from overflow and underflow.
 constexpr double least_unscaled = 0x1p-400, most_unscaled = 0x1p400;
 /// More than all underflows together add to a squared distance.

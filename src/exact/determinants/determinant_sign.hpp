@@ -19,6 +19,12 @@ namespace cullhull::internal {
 // `Rows` below is a square matrix with columns(); narrow(), whether entries fit 64 bits; small(i,
 // j), valid if narrow; and big(i, j, out, scratch), always valid.
 
+// Hadamard without roots: a determinant is a sum of d! products with one entry of each column. If
+// entries of column j are below 2^b_j, each product is below 2^(b_1 + ... + b_d) and the sum below
+// that times d!. Minors of fewer rows have fewer factors. Example: 3D points on a grid of 2^40 x
+// 2^40 x 2^40 units: differences have 40 bits, 3 * 40 + 3 = 123 <= 126, so 128-bit integers decide;
+// on a grid of 2^42 units they need GMP.
+
 /// Computes the determinant in 128 bits, if it provably fits: the sum over columns of the bits of
 /// the largest entry, plus the bits of d!.
 template <unsigned D, class Rows>
@@ -55,6 +61,12 @@ inline BigNumbers& kept_numbers(std::size_t count) {
   kept.resize(count);
   return kept;
 }
+
+// Fraction-free elimination keeps integers: after step k every entry (i, j) is the minor of rows 0
+// .. k, i and columns 0 .. k, j, so dividing by the pivot of the step before is exact (Sylvester's
+// identity). Example: of [2 1; 4 5] the entry (1, 1) becomes 2 * 5 - 4 * 1 = 6, the determinant
+// itself. Numbers grow to the length of minors, not to products of lengths as they would without
+// the division.
 
 /// Returns the determinant's sign by fraction-free elimination.
 template <class Rows>

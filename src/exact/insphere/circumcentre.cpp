@@ -21,6 +21,11 @@ struct PackedCell {
   double corners[7 * 7 * centres_block] = {};
 };
 
+// Ziv's test. Let v be the double-double and e its error. If v - e and v + e round to the same
+// double, so does the exact number between them. Example: v = 0.3 + 1e-25 and e = 1e-28: the next
+// double is 5.6e-17 away and the middle between the two 2.8e-17, so 0.3 is right. Rational numbers
+// are needed only if the middle of two doubles is within e of v.
+
 mpq_class dot(const std::vector<mpq_class>& a, const std::vector<mpq_class>& b) {
   mpq_class sum = 0;
   for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];

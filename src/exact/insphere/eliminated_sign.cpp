@@ -75,6 +75,20 @@ Sign eliminate(unsigned size, double* m, double* doubt) {
   return negative ? Sign::negative : Sign::positive;
 }
 
+// The proof. With A = L U - F, A = L U (I - (L U)^-1 F). If every row sum of |(L U)^-1 F| is below
+// 1, I - s (L U)^-1 F has no kernel for 0 <= s <= 1, so its determinant keeps the sign that it has
+// at s = 0, where it is 1: det A has the sign of det(L U). F is what rounding did, |F| 1 <=
+// gamma_(n+1) |L||U| 1 + doubt + underflow, and |(L U)^-1| is bounded by the inverses of the
+// comparison matrices: of a triangular T the matrix with |t_ii| on the diagonal and -|t_ij| beside
+// it has an inverse without negative entries that is at least |T^-1|.
+//
+// Example: A = [1 1; 1 1 + 1e-10] gives U = [1 1; 0 1e-10], |L||U| 1 is about (2, 2), F 1 about
+// (7e-16, 7e-16), and the comparison matrices give (1.4e-5, 1.4e-5): below 1/2, so the sign of 1 *
+// 1e-10 is certain. With 1e-15 in place of 1e-10 they give 1.4 and decide nothing. Underflow:
+// within columns of 2^-900 to 2^900 an entry that lost 2^-1060 lost 2^-159 of its column; rows of
+// |U| stay below 2^60, so quotients and products that underflow add less than n 2^-1010: 2^-140
+// (entry_tiny) covers both.
+
 /// Whether |(L U)^-1| |L U - A| 1 < 1 in all rows, 1 being the vector of ones. `x`: the doubts of
 /// the last column, overwritten.
 template <unsigned N>

@@ -21,6 +21,11 @@ Sign double_double_side(const LiftedPoints& s, const double* const* c, const dou
   return value > bound ? Sign::positive : value < -bound ? Sign::negative : Sign::zero;
 }
 
+// Example, 8D without weights: a lift is the sum of 8 squares of differences. Each square is off by
+// 3 u of itself (the difference twice, the square), and passes up to 7 sums: (2 * 8 + 8) u = 24 u
+// of the sum of the squares covers these and the two roundings of a weight. Such a doubt of 24 u is
+// given to eliminated_sign() for the last column, where cancelling lifts would hide it.
+
 /// Computes the matrix of `lift_side_exact` in doubles, and error bounds of its lifts. They count a
 /// difference's error twice, a square, d - 1 sums, two errors of a weight, and those of the bound.
 void lifted_matrix(const LiftedPoints& s, const double* const* c, const double* p, double* m,

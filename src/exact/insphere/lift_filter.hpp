@@ -1,4 +1,17 @@
 // In-sphere and power tests in doubles, with bounds. docs/exactness.md, "Lifting", derives them.
+//
+// Example in the plane: the cell (0, 0), (1, 0), (0, 1) and p = (0.9, 0.9). The rows relative to
+// the first corner are (1, 0 | 1), (0, 1 | 1) and (0.9, 0.9 | 1.62), the determinant is 1.62 - 0.9
+// - 0.9 = -0.18: negative, so p is inside of the circle. Column maxima 1, 1 and 1.62 give the bound
+// lift_roundings(2, 2) u * 6 * 1.62 = 2.6e-14. p = (1, 1) gives exactly 0: the four points are on
+// one circle, and as all numbers are whole, 6 * 1 * 1 * 2 is far below 2^53 units, so the zero is
+// exact (s.exact_limit) and a tie.
+//
+// The count of roundings: a product of the expansion meets minor_roundings(k + 1) roundings, in
+// which each entry counts one for its difference. Where the entry is a lift it meets 2 d + 2 more:
+// both factors of a square have the error of the difference (one was counted), d squares are
+// rounded, then d - 1 sums and a weight. The maxima are of computed values, and their product is
+// rounded k + 1 times: k + 8 in all.
 #pragma once
 
 #include <algorithm>
@@ -94,6 +107,11 @@ inline bool lift_side_filtered(const LiftedPoints& s, const double* const* c, co
   if (s.furthest) sign = -sign;
   return true;
 }
+
+// Example: points on the unit sphere, rounded to doubles, are within about 1e-16 of it. Their lifts
+// |p - o|^2 differ from an affine function of p by as little, and squares of about 1 are rounded by
+// as much: they decide nothing. Powers are those small differences themselves, with errors of 2^-94
+// = 5e-29.
 
 /// Bounds the magnitude of the difference of two powers (LiftedPoints::powers) and 2^52 times its
 /// error. docs/exactness.md, "Common spheres".

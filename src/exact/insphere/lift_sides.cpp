@@ -23,6 +23,12 @@ namespace {
 using DoubleDoubles = WideLanes<true>;
 static_assert(sides_block == 8);  // as many lanes as Lanes has at most
 
+// Why the rows are c_i - p: the determinant of the k + 2 rows (x, lift(x), 1) does not change when
+// one row is subtracted from all others. Subtracting c_0 leaves E; subtracting p, which stands
+// last, leaves the rows c_0 - p .. c_k - p and the sign (-1)^(k + 1). The number of differences is
+// the same, and so is the bound. Example, k = 1: det [0 0 1; 2 4 1; p p^2 1] is E = 2 p^2 - 4 p by
+// c_0 = 0, and by p it is (-p)(4 - p^2) - (-p^2)(2 - p) = 2 p^2 - 4 p: (-1)^2 = 1.
+
 /// Computes the signs of one vector of cells. `corners`, `signs`: the data of the first cell.
 template <unsigned K>
 HWY_INLINE void sides_of_vector(const double* corners, const double* p, double tiny,

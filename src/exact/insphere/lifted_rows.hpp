@@ -14,6 +14,11 @@
 
 namespace cullhull::internal {
 
+// Example: points with coordinates 0.5, 0.75 and 2 have e = -2: integers 2, 3 and 8. Lifts are in
+// units of 2^-4: 4, 9 and 64. A determinant of k coordinates and a lift is then an integer times
+// 2^(e (k + 2)), and its sign that of the integer. With 20-bit coordinates in 3D, entries have 21,
+// 21, 21 and 42 bits and 4! has 5: 110 <= 126, so 128-bit integers suffice.
+
 /// The matrix of an in-sphere or power test: rows c_1 - c_0, ..., c_k - c_0, p - c_0, each with the
 /// difference of the lifts |x|^2 - w as its last entry. A point consists of k coordinates, then
 /// those up to `width` that only the lift uses, then, if weighted, the weight. Coordinates are in

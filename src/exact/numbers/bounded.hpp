@@ -30,6 +30,11 @@ const Real& divisor(const Real& x) {
   return x;
 }
 
+// How bounds propagate: with |a - A| <= s and |b - B| <= t the exact A B is within |a| t + |b| s +
+// s t of a b, to which the rounding of the product is added; quotients need |b| > 2 t, so that B is
+// not near 0. Example: a = 3 and b = 2, both within 1e-20: the product is 6 within (3 + 2) 1e-20 +
+// 1e-40. A sign is certain if |value| > error.
+
 /// A double-double with a bound: the exact number is within `error` of `value`. Operations err by
 /// less than 2^-101 relatively, and by 2^-1000 if something underflows; factors of 1 + 2^-40 cover
 /// the roundings of the bounds themselves. Overflow makes the bound infinite or NaN.
@@ -104,6 +109,9 @@ inline Sign certain_sign(const BoundedDoubleDouble& v) {
   if (!std::isfinite(high) || !std::isfinite(v.value.low)) return Sign::zero;
   return high > v.error ? Sign::positive : high < -v.error ? Sign::negative : Sign::zero;
 }
+
+// Example: value 1 + 2^-60 and error 2^-70: both ends round to 1. Value 1 + 2^-53 and error 2^-70:
+// the lower end rounds to 1, the upper one to 1 + 2^-52, so a rational number has to decide.
 
 /// Whether everything within the error rounds to the same double (Ziv 1991), which `out` receives.
 inline bool rounds_alike(const BoundedDoubleDouble& v, double& out) {

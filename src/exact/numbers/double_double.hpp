@@ -18,12 +18,19 @@ struct DoubleDouble {
   CULLHULL_HD DoubleDouble(double h, double l) : high(h), low(l) {}
   CULLHULL_HD double value() const { return high + low; }
 
+  // Example: sum(1, 2^-60) is {1, 2^-60}: 1 + 2^-60 rounds to 1, and what was lost is a double
+  // again. The six operations find it whatever the order of magnitudes is.
+
   /// Returns a + b exactly (Knuth).
   static CULLHULL_HD DoubleDouble sum(double a, double b) {
     const double s = a + b;
     const double t = s - a;
     return {s, (a - (s - t)) + (b - t)};
   }
+  // Veltkamp splits a into a high part of 26 bits and the rest by 2^27 + 1 = 134217729; products of
+  // parts are exact. Example: product(1 + 2^-30, 1 + 2^-30) is {1 + 2^-29, 2^-60}. Splitting
+  // overflows beyond 2^996.
+
   /// Returns a * b exactly (Dekker, Veltkamp), barring overflow and underflow.
   static CULLHULL_HD DoubleDouble product(double a, double b) {
     const double p = a * b;

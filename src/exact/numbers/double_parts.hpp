@@ -6,6 +6,9 @@
 
 namespace cullhull::internal {
 
+// Example: 0.75 = 3 * 2^-2 has the lowest bit exponent -2 and the parts {3, -2}; 1e-320, a
+// subnormal number, is 2024 * 2^-1074, so {253, -1071}.
+
 /// Returns the exponent of the lowest set bit; v is finite and not zero.
 inline int lowest_bit_exponent(double v) {
   const auto bits = std::bit_cast<std::uint64_t>(v);

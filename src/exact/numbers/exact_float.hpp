@@ -95,6 +95,10 @@ class WideFloat {
   mpf_t v_;
 };
 
+// The count of bits: a difference of two doubles is a multiple of 2^-1074 below 2^1025, so 4352
+// bits hold a product of two of them with more than 100 to spare for sums. Example: (2^1000 -
+// 2^-1000)^2 has bits from 2^-2000 to 2^2000 and is held exactly.
+
 /// Doubles span 2^-1074 to 2^1024: products of two differences take at most 2 * 2098 bits.
 using ExactFloat = WideFloat<4352>;
 /// For products, quotients and roots of exact values, and sums without cancellation, that become

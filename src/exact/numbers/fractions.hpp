@@ -14,6 +14,10 @@
 
 namespace cullhull::internal {
 
+// Example: volumes of parts of a cell are sums of a / D with one determinant D for all: 3 / 7 + 5 /
+// 7 is 8 / 7 by one addition, where rational numbers would look for a common divisor each time, of
+// integers with thousands of bits. A number is rounded once, at the end.
+
 /// The number numerator / denominator * 2^exponent; the denominator is positive. Fractions divided
 /// by the same number have the same denominator and are added without extending it.
 class Fraction {

@@ -41,6 +41,9 @@ inline double nearest_double(const mpq_class& x) {
 
 using RationalRows = std::vector<std::vector<mpq_class>>;
 
+// Example: the rows [1 2 | 5] and [3 4 | 11] become [1 0 | 1] and [0 -2 | -4]: the solution is (1,
+// 2), each entry a quotient of its row.
+
 /// Gauss-Jordan elimination: clears all but one entry of each of the first `columns` columns; row r
 /// keeps that of column r. Returns false, with the rows partly cleared, if a column depends on
 /// those before.

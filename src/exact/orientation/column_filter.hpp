@@ -11,6 +11,12 @@
 
 namespace cullhull::internal {
 
+// Example in the plane: c = (0, 0), a = (1, 1), b = (1 + 2^-30, 1). l = 1 and r = 1 + 2^-30, so l -
+// r = -9.3e-10; the bound is 6 u * 2 = 1.3e-15: certainly negative. With b = (1 + 2^-52, 1) the
+// difference is -2.2e-16, within the bound: the next rung decides. Example in 3D: columns with
+// largest entries 1, 1 and 1e-6 (a terrain's heights): the bound is (8 + 6) u * 6 * 1e-6 = 9e-21; a
+// scale of 1 on all axes would lose that factor of 1e-6.
+
 /// Computes the sign of the orientation of the K + 1 points p, K >= 2; returns false if doubles
 /// cannot decide. `tiny`: more than underflow adds to the determinant. `bounded`: no product of
 /// differences can overflow; else coordinates beyond 2^100 are left undecided for K > 2.

@@ -11,6 +11,11 @@
 namespace cullhull::internal {
 namespace {
 
+// Example: whether r is in the ball over the edge p q asks for the sign of (p - r) . (q - r), one
+// list of d products. For p = (0, 0), q = (2, 0) and r = (1, 1) the terms are (-1)(1) + (-1)(-1) =
+// 0: on the circle. Doubles that are whole numbers have differences and products without second
+// parts, so the zero is exact and no other rung is asked.
+
 /// Computes the sign in double-doubles, whose operations err by less than 2^-101: a term passes 1
 /// product and d sums per list entry. Returns zero if undecided. Underflow is negligible in
 /// products of magnitudes above 2^-900 or zero.

@@ -37,6 +37,13 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
 
 }  // namespace
 
+// The bound of double-doubles. Differences of doubles are exact as pairs (two-sum); products err by
+// 7 u^2 relatively, sums by 3 u^2 + 13 u^3. A 2 x 2 minor has two products and a sum: 7 + 3 +
+// (second order) = 10.1 u^2 of its permanent. Its product with an entry adds 7: 17.2 u^2. Two more
+// sums add 3 each: 23.5 u^2 of the permanent of the whole. 2^-101 = 32 u^2 is used, which also
+// covers computing the permanent from the high parts. Example: four points of size 1, 1e-20 off a
+// common plane that is across no axis: the permanent is about 2, the bound 1e-30 and the
+// determinant 1e-20: decided, where doubles, with a bound of 2e-15, are not.
 bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p,
                             double tiny, Sign& sign) {
   DoubleDouble m[3][3];
@@ -66,6 +73,9 @@ Orientation3D::Orientation3D(const LocalPoints& points, const std::uint32_t* sim
   }
   find_lattice();
 }
+
+// Example: coordinates that were floats in [1/2, 1) are multiples of 2^-24, so l = -24 and b = 25
+// on each axis: 75 <= 121. Doubles there have l = -53, b = 54: 162, so GMP decides them.
 
 /// Finds out whether 128-bit integers suffice. Coordinates are multiples of 2^l, |x| <= 1:
 /// differences are at most 2^(1 - l) units, and a determinant at most 3! times a product of three;
@@ -123,6 +133,13 @@ Sign Orientation3D::side_hard(Point a, Point b, Point c, Point p, RungCounts& ru
   return orientation_exact(3, rows);
 }
 
+// The bound in doubles. The centre O, rounded, is off by u and a - O by 4 u a coordinate. With the
+// 1-norms l_0, l_1, l_2 of the three rows the permanent is at most l_0 l_1 l_2, and the roundings
+// of the expansion cost 9 u l_0 l_1 l_2. The error of the first row is multiplied by 2 x 2 minors
+// of the other two, which add up to at most l_1 l_2: 4 u l_1 l_2. Used is u l_1 l_2 (11 l_0 + 9).
+// Example: with edges of length 0.001 (1-norms about 0.0015) and l_0 = 1 that is 5e-21: it shrinks
+// with the square of the edges, as the determinant does. In double-doubles O is a pair within 3
+// u^2: at most 27 u^2 l_0 l_1 l_2 + 4 u^2 l_1 l_2, and 2^-101 l_1 l_2 (l_0 + 1) is used.
 Sign Orientation3D::cone_side(Point a, Point b, Point p, RungCounts& rungs) const {
   // det [a - O; b - a; p - a]: only the first row depends on O, and the bound shrinks with the
   // edge.

@@ -1,4 +1,8 @@
 // Gaussian elimination with complete pivoting, in doubles.
+//
+// Why complete pivoting: with the largest remaining entry as the pivot no entry of L exceeds 1, no
+// entry of U its row's pivot, and elements hardly grow (less than 2^4 in all cases met up to tens
+// of dimensions), so the bound gamma |L||U| stays near u times the matrix itself.
 #pragma once
 
 #include <cstddef>

@@ -47,6 +47,11 @@ unsigned echelon_form(BigNumbers& m, unsigned rows, unsigned columns, bool full,
   return rank;
 }
 
+// Example in the plane: p_0 = (1, 2), p_1 = (4, 3). The only edge is (3, 1); its pivot is 3 in
+// column 0, so column 1 has none, and the null vector with the last pivot in that column is (-1,
+// 3): 3 * (-1) + 1 * 3 = 0. It is the normal, and the side of x = (0, 0) is the sign of (-1)(0 - 1)
+// + 3 (0 - 2) = -5. A second point costs only such a dot product.
+
 /// Elimination, then substitution for the null vector whose entry in the column without a pivot is
 /// the last pivot: all its entries are minors, hence integers, and every division is exact.
 void ExactPlane::set(unsigned d, const double* const* p) {

@@ -1,4 +1,8 @@
 // The hyperplane through d points in exact integers: one elimination, then a dot product per point.
+//
+// An OrientedPlane asks the cheapest rung first: a plane by elimination in doubles (O(d^3) once,
+// O(d) a point), then refined, then these exact cofactors. All of them answer the same question, so
+// which rung decides shows in the counts alone.
 #pragma once
 
 #include <gmp.h>

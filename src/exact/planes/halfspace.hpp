@@ -15,6 +15,9 @@ struct Halfspace {
   Real offset;
 };
 
+// Example: p = (0, 0) and q = (2, 0) without weights: e . x <= |e|^2 / 2 is 2 x <= 2, the half
+// plane x <= 1. With w_p = 2 it is 2 x <= 3: a heavier site has a larger cell.
+
 /// Returns the halfspace of points x, relative to p, with |x|^2 - w_p <= |x - e|^2 - w_q, where e =
 /// q - p: e . x <= (|e|^2 + w_p - w_q) / 2. Weights follow the coordinates in the rows.
 template <unsigned D, class Real>

@@ -24,6 +24,10 @@ struct Big {
   mpz_t value;
 };
 
+// Example: the values 0.5, 3 and -1.25 of an axis are 2, 12 and -5 in units of 2^-2. Dividing a
+// column by a positive number changes no sign of a determinant, so each axis has a unit of its own:
+// one axis in metres and one in nanometres need not be brought to one scale.
+
 /// Coordinates of points as exact integers, column j in units of 2^exponent(j).
 class IntegerPoints {
  public:

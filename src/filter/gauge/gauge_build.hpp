@@ -37,6 +37,9 @@ inline float round_up(double v) {
                                      : std::nextafter(f, std::numeric_limits<float>::infinity());
 }
 
+// Example, 3D: L = 1.8 gives kappa = 1.8 (2 * 2^-19 + 3 * 2^-23) = 7.5e-6: every node is raised by
+// that much, so that no point pays for it.
+
 /// Returns a bound of what the kernel's roundings add to a gauge (G3), to be added to every node.
 inline double gauge_allowance(unsigned d, double lipschitz) {
   return (1 + 0x1p-40) * lipschitz * ((d - 1) * 0x1p-19 + d * 0x1p-23);

@@ -11,6 +11,17 @@
 //   its fraction is a NaN, and so is the sum. Where all are NaN, so is the norm.
 // * The last of the d nodes is the corner plus all strides, whatever the order of the steps.
 // Only x * scale - offset is fused, where the product is exact (docs/exactness.md, G3).
+//
+// The reciprocal. The device's approximation r is off by at most 2^-23 r; the Newton step r + r (1
+// - a r), two fused operations, gives in 2^-100 <= a < 2^126 what the device's own correctly
+// rounded reciprocal gives. Even r itself would satisfy G3: its 2^-20 + 6 w, then 7 w, stays below
+// 2^-19. Beyond 2^126 the reciprocal is 0, places are in the middle of the face, and the sum
+// exceeds 1: the point survives. Of an infinity it is a NaN, and so is the sum.
+//
+// Node numbers are bounded as unsigned integers, so every look-up is in the table whatever the
+// coordinates are. Example, 3D: m = 36 cells, y = (0.9, -0.3, 0.6): the axis is x, the places are
+// (-1/3 + 1) 18 = 12 and (2/3 + 1) 18 = 30, both shortened by 2^-20: cell (12, 29) with the
+// fractions 0.00001 and 0.99999.
 #pragma once
 
 #include <bit>

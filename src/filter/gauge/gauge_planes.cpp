@@ -98,6 +98,26 @@ bool choose_frame(const InnerPolytope& p, double* centre, double* scale) {
   return true;
 }
 
+// The bound. Edges are differences of the points as given, each rounded once and scaled exactly:
+// off by u relatively. A product of two is off by 3 u, the difference of two products by one more.
+// With Pi the sum of the magnitudes of all six products the normal is off by at most 5 u Pi in all.
+// The corner q is off by u, and the products and sums of B = N . q add 3 u Sum |N_j q_j| <= 3 u (1
+// + 4 u) Pi: so |B~ - B| <= 10 u Pi, and |N~.y - N.y| <= 5 u Pi for |y|_inf <= 1. Both are below e
+// = 12 u Pi + 2^-990.
+//
+// B~ > 16 e is required. With eps = e / B~ < 1/16 and s = Sum |N~_j| / B~ a facet whose value is
+// positive has
+//
+//   N.y / B <= (N~.y / B~ + eps) / (1 - eps) <= N~.y / B~ + 1.067 eps (s + 1).
+//
+// The quotients are rounded to f32, and nodes are integers up to m, exact in f32. On its way each
+// term meets that rounding, a product and at most three sums, so the sum in f32 is an upper bound,
+// times m, if sigma >= (1.07 eps (s + 1) + 6 w s) 1.001 + 2^-100: 5.1 w (s + sigma) is needed for
+// the roundings.
+//
+// Example: the facet x + y + z = 1 of an octahedron. N = (1, 1, 1), B = 1, Pi = 3, e = 4e-15, s =
+// 3: sigma is about 6 w 3 = 1.1e-6, all of it from f32.
+
 /// Adds a facet's plane; docs/exactness.md, "GaugeMap", G2a, derives the bound. Returns false if
 /// the centre is not certainly beneath the plane.
 bool add_plane(const double* a, const double* b, const double* c, const double* centre,

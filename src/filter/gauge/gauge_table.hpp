@@ -1,4 +1,23 @@
 // The data that the GaugeMap's kernels read: the node values and the constants of the map.
+//
+// The threshold 1 - delta, delta = (d + 6) 2^-23. A computed value is at least the true one times
+// (1 - w)^(d + 2): each weight is one rounded difference of non-negative numbers, each term one
+// product, then d - 1 sums and the product with a. So a computed value below 1 - delta proves a
+// true one below 1 - (d + 5) w. Example, 3D: the threshold is 0.9999989.
+//
+// The counts of docs/exactness.md, G4 and G6. The place stays on the face. |y~_k fl(1/a)| <= 1 + 2
+// w + w^2; times h <= (m/2)(1 - 2^-20)(1 + w), rounded: at most (m/2)(1 - 2^-20 + 2^-22). So the
+// sum lies in [m 2^-21 (3/4), m - m 2^-21 (3/4)] before and, as f32 numbers up to m are at most
+// 2^-23 m apart there, strictly inside (0, m) after rounding: 0 <= i_k <= m - 1 without any clamp.
+// Node numbers are sums of integers below 2^23, exact in f32.
+//
+// Special values. Absolute values are compared as integers, where finite < inf < NaN; so a is NaN
+// or inf if any coordinate is, a Sum lambda G is NaN or inf (or NaN from inf * 0), and the
+// comparison "< 1 - delta" fails: such points survive. Node numbers are bounded as unsigned
+// integers, so that even then every look-up is in the table. Doubles beyond f32's range become inf
+// or the largest float; since |q| <= 1 (16 where sigma is clamped to 2^+-1020), every G > 1/17 and
+// any a >= 32 survives, however its reciprocal was rounded. For a < 2^-100 the divisor is 2^-100
+// instead: |y - a z|_1 <= 2 d 2^-100, again within delta; y = 0 is inside.
 #pragma once
 
 #include <cstddef>

@@ -22,6 +22,11 @@ struct GaugeBound {
   double residual;  ///< at least |v - sum mu q|_1
 };
 
+// Example in the plane: the centre is 0 and the polytope the square with corners (+-1, +-1). For v
+// = (1, 0.5) the facet x = 1 gives v = 0.75 (1, 1) + 0.25 (1, -1): Sum mu = 1, so g(v) <= 1, and v
+// is on the boundary. Had the weights come out as 0.7 and 0.25, the rest r = (0.05, 0.05) would be
+// reached by L |r|_1 with L = 1: g(v) <= 0.95 + 0.1 = 1.05: a weaker bound, and still a true one.
+
 /// The cones of a polytope's facets. Its frame is y = (x - centre) * scale, scale powers of two,
 /// |y| <= 1 on the polytope.
 ///
@@ -318,6 +323,12 @@ class ConeWalk {
     }
     return eliminate(a, mu);
   }
+
+  // Why L holds without any facet: for each +-e_j weights with e = Sum mu q + r, Sum mu <= s and
+  // |r|_1 <= rho <= 1/2 were found. For any u take the e with u . e = |u|_inf. With the support
+  // function h of the hull, |u|_inf <= s h(u) + rho |u|_inf, so h(u) >= |u|_inf (1 - rho) / s: the
+  // hull contains the 1-norm ball of radius (1 - rho) / s, and L = s / (1 - rho). It also proves
+  // that the centre is strictly inside.
 
   /// Computes L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
   bool bound_axes() {

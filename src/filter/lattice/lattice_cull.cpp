@@ -92,6 +92,10 @@ class HashBits {
   std::vector<std::uint64_t> words_;
 };
 
+// Example: 10^6 points of a 100 x 100 x 100 grid: a line along x has m = 100 points. A sample of
+// 1,000 has about 1000^2 * 100 / (2 * 10^6) = 50 pairs on common lines, where 10^6 random doubles
+// have none.
+
 /// Decides whether thinning along some axis will drop many points. With m points on the line of an
 /// average point, a sample of s of n points has about s^2 m / 2 n pairs on common lines; m = 2 is
 /// required. Lines are counted, not pairs, because a single full line or pair of equal points is no
@@ -138,6 +142,10 @@ bool looks_like_a_lattice(const Array<double>& rows, unsigned d,
 }
 
 // ------------------------------------------------------------------------ numbers for coordinates
+
+// Example: values 0.1, 0.2, 0.3 (rounded decimals) are nearly evenly spaced: round((v - 0.1) / 0.1)
+// numbers them 0, 1, 2. Storing each value under its number and reading all of them back shows that
+// no two values share one, so a line is a line: rounding can make the numbering fail, never wrong.
 
 /// Numbers for the values of one axis, in the same order: whether a point is between two others on
 /// a line depends on the order alone. Where values are nearly evenly spaced, the number is

@@ -1,5 +1,10 @@
 // A filter for points on small integer lattices, where equal coordinates are common and planes full
 // of points slow down every other filter and engine.
+//
+// Why thinning is right: a point strictly between two others on a line is not extreme, whatever
+// else there is, and no vertex of any simplex of the result. Example: the grid 0 .. 9 x 0 .. 9 has
+// 100 points; along x 20 are left (the two ends of each of ten lines), along y of these 4. Thinning
+// along an axis needs no arithmetic but comparisons: coordinates are replaced by their ranks.
 #pragma once
 
 #include <cstdint>

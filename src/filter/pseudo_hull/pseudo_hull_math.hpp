@@ -38,6 +38,9 @@ struct alignas(16) PseudoFan {
   PseudoPlane<D> plane[D];
 };
 
+// Example: D = 3 and K = 4 facets, j = 1: the new ones are at 1, 4 + 2 = 6 and 7. All 12 addresses
+// 0 .. 11 are used once, so threads write without asking one another.
+
 /// Returns the address of the i-th of the D facets that replace facet j of K: the first replaces it
 /// in place, the others are stored after the K facets. With k = K - 1, the address of the last
 /// facet, and D = 3 these are the paper's j, k + 2 j + 1, k + 2 j + 2.
@@ -65,6 +68,18 @@ CULLHULL_HD void set_uncertain(PseudoPlane<D>& plane) {
   for (unsigned k = 0; k < D; ++k) plane.normal[k] = 0;
   plane.error = std::numeric_limits<double>::infinity();
 }
+
+// The bound (docs/exactness.md, P2 and P3). The cofactors of D - 1 rows of differences are off by
+// e_j = (N + 2) u perm_j + 2^-1000, N = minor_path(D - 1). s = fl(1 / fl(sqrt(Sum N_j^2))) scales
+// them to length 1; it is below 2^451, as planes with a square of 2^-900 or less are not used. For
+// a point x of the subset, with T = Sum e_j and S the 1-norm of the scaled normal, the computed
+// distance is off by at most s T + (D + 2) u (1 + 2^-40) S + 2^-540: the cofactors' errors (|y_j|
+// <= 1), the rounding of scaled normal and of the difference y, and D roundings of the dot product.
+// Stored is 1.0625 (s T + (D + 3) u S) + 2^-400, which also covers the roundings of the bound.
+//
+// Example, 3D: a triangle with edges of 0.1 has cofactors of 0.01 and permanents of about 0.02: T =
+// 3 * 6 u * 0.02 = 4e-17, as minor_path(2) = 4. s = 58, s T = 2.3e-15, and (D + 3) u S = 6 u * 1.7
+// = 1.1e-15: points farther than about 4e-15 of the extent from the plane have a proved side.
 
 /// Computes the plane through the D points corner[0 .. D), outward if `inner` is on the inner side.
 /// Returns false, and an uncertain plane, if rounding could have reversed it.

@@ -85,6 +85,12 @@ struct ExtremesOfStep {
   }
 };
 
+// From h = fl(high / 2 - low / 2) < 2^e follows high - low <= 2^(e + 1): halving is exact but for
+// subnormal numbers, the difference is rounded once, and rounding does not cross a power of two.
+// Example: an axis from 1e6 to 1e6 + 3 has h = 1.5 and the scale 2^-2: the extent is 0.75. Nothing
+// is shifted: only differences of two points are computed, which have no more error far from the
+// origin.
+
 /// Computes powers of two that scale the extent of every axis into [1/2, 1], or below if the extent
 /// is less than 2^-1000. Returns false if an axis has no extent: the points lie in a flat.
 template <unsigned D>

@@ -1,6 +1,13 @@
 // The steps of a round as functors over plain arrays: loop bodies on the host, kernel bodies on a
 // device. Each writes only to its own items, except through `lower` and offers, which the executor
 // makes atomic.
+//
+// A point is dropped only by one simplex, conv(F, p): it was proved to be strictly outside of F, on
+// p's side, and is proved to be strictly on the inner side of the other D facets, those through p.
+// All D + 1 are hyperplanes of a simplex of input points, so it is strictly inside of that simplex,
+// whatever the other facets of the surface do. Example in the plane: F = (0, 0)-(1, 0), p = (0.5,
+// 1), a point (0.5, 0.2): outside of F (above it), inside of the edges (0, 0)-p and p-(1, 0):
+// dropped. (0.1, 0.5) is outside of the first of these edges and goes to its list.
 #pragma once
 
 #include <bit>

@@ -188,6 +188,24 @@ struct StarFlips {
   }
 };
 
+// Why flips end and lose nothing (docs/exactness.md, H4 and H5). At a proved reflex edge a b with
+// the opposite corners c and d the flip replaces (a, b, c) and (b, a, d) by the triangles of the
+// edge c d. If these are proved to be positive as seen from the centre, both pairs cover the same
+// cone, and the tetrahedron between them is added: the volume grows, so no surface comes twice. If
+// an end has three triangles, it is strictly beneath the plane of its neighbours and is removed:
+// strictly inside.
+//
+// Flips can stall at reflex edges of which no flip is star-shaped. Then an end v of such an edge is
+// strictly inside of the tetrahedron of centre and its three neighbours: it is doomed and may leave
+// whatever the surface becomes. Flips at doomed vertices may take volume away, but the lowest
+// doomed vertex of the four loses an edge and no lower one gets one: the list of degrees of doomed
+// vertices, the lowest first, becomes lexicographically less, so these flips end, too. Example:
+// degrees (5, 4) of doomed 7 and 9; a flip of an edge of 7 leaves (4, 4) or (4, 5); after (3, .)
+// vertex 7 is removed.
+//
+// What a flip is decided by are its own two or three triangles, which no other accepted flip of the
+// round changes, so it does not matter in which order the flips of a round are done.
+
 /// Rounds of flips. In a round first every side that waits finds its flip and claims the facets
 /// around; then the flips that got all of their claims are done, which touch nothing in common. A
 /// flip needs the facets that it replaces: no stronger flip may replace one of them or change one

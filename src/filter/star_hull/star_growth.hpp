@@ -2,6 +2,20 @@
 // data-parallel primitives: every point lies in the cone of one facet around a centre, and each
 // facet is replaced by three through the farthest point outside of it (Gao, Cao, Tan and Huang,
 // gHull, 2013; here the cones are tested, no Voronoi diagram is needed).
+//
+// What is proved (docs/exactness.md, H2 and H3). A facet (a, b, d) is used only where each of its
+// vertices is proved to be on the inner side of the plane through the centre c and the other two. A
+// point of its cone is assigned to the cone of the new facet (p, a, b) where it is proved to be on
+// b's side of the plane c p a and on a's side of c p b; as it was on the inner side of c a b
+// before, it is strictly in the new cone. It is dropped if it is also proved to be on c's side of
+// the plane p a b: strictly inside of the tetrahedron c p a b. c is strictly inside of the first
+// simplex, so of the hull, and so is the tetrahedron but for its boundary. What cannot be proved
+// leaves the point aside: it survives.
+//
+// Example: c = (0, 0, 0), the facet (1, 0, 0), (0, 1, 0), (0, 0, 1) and its farthest point p = (1,
+// 1, 1). The point (0.75, 0.5, 0.25) has its smallest coordinate in z: it is in the cone of (p, a,
+// b), a = (1, 0, 0) and b = (0, 1, 0). Their plane is x + y - z = 1; 0.75 + 0.5 - 0.25 = 1 is on it
+// and survives, (0.5, 0.375, 0.125) gives 0.75: dropped.
 #pragma once
 
 #include <algorithm>

@@ -43,6 +43,8 @@ struct EmitItem {
   std::uint32_t* list;
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { list[k] = i; }
 };
+// A curve's key only orders work and memory: any key would give the same hull.
+
 /// The place of a listed row along a Z-order curve around the centre.
 template <class Rows>
 struct CurveKey {

@@ -35,6 +35,10 @@ struct alignas(8) StarFacet {
 CULLHULL_HD constexpr unsigned next_corner(unsigned k) { return k == 2 ? 0 : k + 1; }
 CULLHULL_HD constexpr unsigned last_corner(unsigned k) { return k == 0 ? 2 : k - 1; }
 
+// Example: o = 0, a = (1, 0, 0), b = (0, 1, 0), c = (0, 0, 1e-14): the determinant and the
+// permanent are 1e-14, the bound 13 u of it: certain. What counts is not how small the determinant
+// is but how much of the permanent cancelled.
+
 /// The sign (1 or -1) of det [a - o; b - o; c - o] where its error bound proves it, else 0. The
 /// same filter as Orientation3D's.
 CULLHULL_HD_INLINE int star_sign(const double* o, const double* a, const double* b,

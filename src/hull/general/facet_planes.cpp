@@ -3,7 +3,22 @@
 // The facets share the apex p, so the rows of the matrix are v - p. Cofactors come from
 // complementary minors: minors of the first half of the rows, minors of the second half, and one
 // Laplace expansion over both. The bound uses products of the rows' 1-norms in place of permanents:
-// docs/exactness.md, "Cached planes".
+// docs/exactness.md, "Cached planes" and "Planes in single precision".
+//
+// The constant. Follow one of the r! signed products of r entries to its cofactor: r roundings of
+// differences; in the first a rows a - 1 of products and at most k - 1 of additions at each level k
+// <= a (the first term of a sum costs none), a (a - 1)/2 in all; the same with b; then one product
+// and at most C(r, a) - 1 additions:
+//
+//   N = r + (a - 1) + a (a - 1)/2 + (b - 1) + b (b - 1)/2 + C(r, a).
+//
+// (4D: 3 + 0 + 0 + 1 + 1 + 3 = 8; 5D: 14; 6D: 21; 7D: 36; 8D: 56. A fused multiply-add rounds
+// less.) So |N~_j - N_j| <= gamma_N perm_j, and the permanent of |rows| without column j is at most
+// the product Prod of the rows' 1-norms, since Prod multiplied out holds every product of one entry
+// a row. Prod ~ is computed by d^2 - 1 roundings a path, so Prod <= (1 - u)^(1 - d^2) Prod ~; as N
+// (N + d^2) u < 1/2, the second order is below u and
+//
+//   |N~_j - N_j| <= (N + 1) u Prod ~ + 2^-1000.
 
 #include "hull/general/facet_planes.hpp"
 

@@ -116,6 +116,30 @@ void facet_planes_any(const PlaneFrame& frame, const std::uint32_t* facets, std:
               wide == nullptr ? unused.data() : wide + i * stride);
 }
 
+// Let R be the ridge between f, which p sees, and h, which it does not: a = 1 - g_h(p) >= 0, b =
+// g_f(p) - 1 > 0. The plane through R and p has the gauge lambda g_f + (1 - lambda) g_h with lambda
+// = a / (a + b): it is 1 on R and at p. So a new plane takes O(d) operations from two that are kept
+// in doubles, with bounds e_f and e_h of |g~ - g| at every point. As computed at p, gauges are off
+// by at most M_f = e_f + r and M_h = e_h + r, r = (4 d + 16) u (1 + Sum |n|). With s = a~ + b~ and
+// lambda~ = a~ / s, lambda~ - lambda = (a~ b - a b~) / (s (a + b)) is a mean of both errors over s,
+// with the weights lambda and 1 - lambda. It is at most sigma_0 = max(M_f, M_h) / s, so lambda~ may
+// stand for lambda in the weights:
+//
+//   |lambda~ - lambda| <= sigma
+//       = (|lambda~| e_f + |1 - lambda~| e_h + r + sigma_0 max(M_f, M_h)) / s.
+//
+// The new gauge is off by lambda~ (g~_f - g_f) + (1 - lambda~) (g~_h - g_h) + (lambda~ - lambda)
+// (g_f - g_h). As |g_f - g_h| <= |n_f - n_h| rho + e_f + e_h with rho the farthest point's distance
+// from O, that is at most
+//
+//   e = |lambda~| e_f + |1 - lambda~| e_h + sigma (|n_f - n_h| rho + e_f + e_h)
+//       + 16 u (1 + Sum |n|),
+//
+// the last term for the new normal's rounding. Errors grow by some factor with each generation;
+// where e exceeds 2^-10 the plane is eliminated anew. Planes of the first simplex, and others whose
+// bound by elimination exceeds 2^-20, are refined ("Planes by elimination", rounded to doubles,
+// which adds 2^-52 |z|): with sharp bounds at the beginning more generations follow. |g~ - g| <= e
+// max(1, |g|), so rounding to f32 adds what it does in "Planes in single precision".
 bool plane_between(const PlaneFrame& frame, const double* seen, const double* unseen,
                    std::uint32_t point, float* plane, double* wide) {
   const unsigned d = frame.dimension;

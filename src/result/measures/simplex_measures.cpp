@@ -14,6 +14,17 @@
 namespace cullhull::internal {
 namespace {
 
+// With the edges E from point 0 as rows and G = E E^T, the rows g_i of G^-1 E are the gradients of
+// the barycentric coordinates. The facet beyond point i has the normal -g_i / |g_i|; g_0 = -Sum
+// g_i; the volume times k! is sqrt det G, and each facet's measure is that times |g_i|, but for (k
+// - 1)! in place of k!. E and G are exact integers, rows scaled by powers of two so that G's
+// diagonal is in [1/4, 1]. X ~ G^-1 in fixed-point numbers of b bits comes from a Cholesky factor
+// R, however right that is: I - X G is computed exactly, and where its rows add up to eps <= 1/2,
+// |G^-1 - X| <= 2 eps max|X| entry by entry, so g_i is off by at most k times that, where |g_i| >=
+// 1 (1 over its point's height, which is no longer than its edge). R R^T differs from G by at most
+// 2^(1-b) an entry, as its quotients and roots are cut off there, and det G from (Prod r_ii)^2 by
+// k^3 max|X| 2^(3-b) of itself. b grows until all this is below 2^-330; results are then rounded
+// once more, to doubles. Components of a normal below that are 0.
 using Integer = mpz_class;
 using Matrix = std::vector<Integer>;
 
