@@ -17,15 +17,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ._alpha import AlphaShape, ConcaveHull, alpha_radii, alpha_shape, concave_hull
+from ._alpha_shapes import AlphaShape, ConcaveHull, alpha_radii, alpha_shape, concave_hull
 from ._answers import Mesh, NearestFacets, Rays
+from ._batches import (
+    DeviceHullBatch,
+    GrowingHull,
+    HullBatch,
+    convex_hulls,
+    convex_hulls_on_device,
+)
 from ._clipped_cells import ClippedCells
 from ._constrained import ConstrainedTriangulation, constrained_delaunay
 from ._core import version as __version__
-from ._delaunay import Delaunay, tsearch
 from ._device import DeviceArray, cuda_status
-from ._diagram import VoronoiDiagram, voronoi
-from ._drop_in import ConvexHull
 from ._errors import (
     BackendUnavailable,
     BadFile,
@@ -43,31 +47,27 @@ from ._errors import (
 from ._functions import certify, convex_hull, cull, generate, shapes
 from ._graphs import gabriel_graph, minimum_spanning_tree, relative_neighbourhood_graph
 from ._groups import GroupHulls, hulls_by
-from ._halfspaces import HalfspaceIntersection
 from ._hull import Hull, Simplified, load_hull
-from ._interpolation import (
+from ._lists import Lists
+from ._native import Certificate
+from ._streams import HullState, HullStream
+from ._tracker import HullTracker
+from ._triangulation import Triangulation, delaunay
+from ._voronoi import VoronoiDiagram, voronoi
+from .geo._read import read
+from .scipy._convex_hull import ConvexHull
+from .scipy._delaunay import Delaunay, tsearch
+from .scipy._halfspaces import HalfspaceIntersection
+from .scipy._interpolation import (
     LinearNDInterpolator,
     NaturalNDInterpolator,
     NearestNDInterpolator,
     griddata,
 )
-from ._lists import Lists
-from ._many import (
-    DeviceHullBatch,
-    GrowingHull,
-    HullBatch,
-    convex_hulls,
-    convex_hulls_on_device,
-)
-from ._native import Certificate
-from ._plots import convex_hull_plot_2d, delaunay_plot_2d, voronoi_plot_2d
-from ._read import read
-from ._spherical import SphericalVoronoi
-from ._stream import HullState, HullStream
-from ._tolerant import TolerantConvexHull, TolerantDelaunay, TolerantVoronoi
-from ._tracker import HullTracker
-from ._triangulation import Triangulation, delaunay
-from ._voronoi import Voronoi
+from .scipy._spherical import SphericalVoronoi
+from .scipy._tolerant import TolerantConvexHull, TolerantDelaunay, TolerantVoronoi
+from .scipy._voronoi import Voronoi
+from .show._plots import convex_hull_plot_2d, delaunay_plot_2d, voronoi_plot_2d
 
 if TYPE_CHECKING:
 

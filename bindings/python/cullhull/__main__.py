@@ -15,7 +15,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from . import _vectors
+from .geo import _vectors
 
 #: Points that are read at a time.
 _MANY = 1 << 20
@@ -121,9 +121,9 @@ def _convert(word: str, folder: _Folder, columns: list[str] | None, asked: list[
     for and that the file has."""
     import warnings
 
-    from . import _parquet
-    from ._read import read
-    from ._rows_file import write_npy, write_ply
+    from .geo import _parquet
+    from .geo._read import read
+    from .geo._rows_file import write_npy, write_ply
 
     path = _file_of(word)
     ending = os.path.splitext(path)[1].lower()
@@ -179,7 +179,7 @@ def _named(asked: list[str], names: list[str], word: str) -> list[str]:
 
 def _split(text: str) -> list[Any]:
     """Names and numbers of columns, as read() takes them."""
-    from ._read import split_columns
+    from .geo._read import split_columns
 
     return split_columns(text)
 
@@ -230,7 +230,7 @@ def _convert_options(words: list[str], folder: _Folder) -> tuple[list[str], set[
             raise ValueError(f"{name} {value}: is not a file of polygons or lines")
         target = folder.place(value, ".geojson")
         if value.lower().endswith(".parquet"):
-            from . import _parquet
+            from .geo import _parquet
 
             _parquet.write_shapes(target, value)
             _write_crs(target, _parquet.crs_of(value))
@@ -260,7 +260,7 @@ def _convert_outputs(words: list[str], folder: _Folder) -> tuple[list[str], list
 
 def _write_outputs(outputs: list[tuple[str, str]], crs: str | None) -> None:
     """Vector files of what the program has written."""
-    from ._maps import geojson_crs, move_vector
+    from .geo._maps import geojson_crs, move_vector
 
     for made, path in outputs:
         move_vector(made, path, geojson_crs(made) or crs)

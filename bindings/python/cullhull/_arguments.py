@@ -14,7 +14,7 @@ import numpy.typing as npt
 from . import _core
 from ._errors import BackendUnavailable, InvalidArgument, NotFinite, ShapeWarning, warn
 from ._extras import needed
-from ._foreign import as_foreign, of_geometries
+from .geo._foreign_points import as_foreign, of_geometries
 
 #: ``progress=``: False or None for none, True for a tqdm bar, or a function of (phase, share).
 Progress = Union[bool, None, Callable[[str, float], object]]

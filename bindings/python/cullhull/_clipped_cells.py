@@ -15,7 +15,11 @@ from ._arguments import as_points
 from ._constrained import constrained_delaunay
 from ._errors import InvalidArgument
 from ._extras import needed
-from ._forms import (
+from ._lists import Lists
+from ._native import Native
+from ._triangulation import Triangulation
+from .geo._maps import save_map
+from .show._forms import (
     Picture,
     Surface,
     Table,
@@ -28,11 +32,7 @@ from ._forms import (
     require_polygons,
     require_surface,
 )
-from ._lists import Lists
-from ._maps import save_map
-from ._native import Native
-from ._shown import Exported
-from ._triangulation import Triangulation
+from .show._shown import Exported
 
 
 class Clippable(Protocol):
@@ -255,17 +255,17 @@ class ClippedCells(Exported, Native):
         >>> cells.to_pyvista().n_cells  # doctest: +SKIP
         50
         """
-        from . import _convert
+        from .show import _meshes
 
         if self._diagram.triangulation.dimension != 3:
-            return _convert.to_pyvista(self._surface())
+            return _meshes.to_pyvista(self._surface())
         self._require_shapes()
         faces = self._faces()
         starts = self._clipped.face_offsets.tolist()
         shown = [i for i, (a, b) in enumerate(zip(starts, starts[1:])) if b > a]
         polyhedra = [faces[starts[i] : starts[i + 1]] for i in shown]
         data = {"point": np.array(shown), "measure": self.measures[shown]}
-        return _convert.polyhedra_to_pyvista(self._clipped.vertices, polyhedra, data)
+        return _meshes.polyhedra_to_pyvista(self._clipped.vertices, polyhedra, data)
 
     # As others have it
 
@@ -448,7 +448,7 @@ class ClippedCells(Exported, Native):
         )
 
     def _page(self) -> str:
-        from ._pages import Sites, page_of_surface
+        from .show._pages import Sites, page_of_surface
 
         surface = self._surface()
         edges = self.mesh().faces if surface.points.shape[1] == 2 else None

@@ -10,9 +10,9 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, refuse_mask, settings
 from ._errors import InvalidArgument, NotCertified
-from ._forms import Table
 from ._found_cells import FoundCells
 from ._native import Certificate
+from .show._forms import Table
 
 
 def constrained_delaunay(

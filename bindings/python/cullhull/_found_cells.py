@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._errors import InvalidArgument
-from ._maps import save_map
 from ._native import Certified
-from ._shown_cells import ShownCells
+from .geo._maps import save_map
+from .show._shown_cells import ShownCells
 
 
 class FoundCells(ShownCells, Certified):

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._arguments import Progress, settings
-from ._delaunay import triangulated
+from ._triangulation import triangulated
 
 
 def minimum_spanning_tree(

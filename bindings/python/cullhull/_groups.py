@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ._arguments import Progress, as_points, refuse_mask
 from ._answers import Mesh
+from ._arguments import Progress, as_points, refuse_mask
+from ._batches import HullBatch, convex_hulls
 from ._compared import Compared
 from ._errors import InvalidArgument
-from ._forms import Picture, Surface, Table
 from ._hull import Hull
-from ._many import HullBatch, convex_hulls
-from ._maps import save_map
-from ._shown import Exported
+from .geo._maps import save_map
+from .show._forms import Picture, Surface, Table
+from .show._shown import Exported
 
 
 class GroupHulls(Exported, Compared, Mapping[Any, Hull]):

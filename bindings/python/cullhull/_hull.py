@@ -12,7 +12,11 @@ import numpy.typing as npt
 from . import _core
 from ._answers import Mesh
 from ._arguments import Progress, as_points, settings
-from ._forms import (
+from ._lists import Lists
+from ._native import Certificate, Certified
+from ._questions import Questions
+from .geo._maps import save_map
+from .show._forms import (
     Picture,
     Rows,
     Surface,
@@ -26,14 +30,10 @@ from ._forms import (
     require_polygons,
     require_surface,
 )
-from ._lists import Lists
-from ._maps import save_map
-from ._native import Certificate, Certified
-from ._questions import Questions
-from ._shown import Exported
+from .show._shown import Exported
 
 if TYPE_CHECKING:
-    from ._show import Page
+    from .show._pictures import Page
 
 
 class Hull(Questions, Exported, Certified):
@@ -430,10 +430,10 @@ class Hull(Questions, Exported, Certified):
         >>> cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).view()  # doctest: +SKIP
         '/tmp/cullhull-xxxxxxxx.html'
         """
-        from . import _show
-        from ._pages import page_of_hull
+        from .show import _pictures
+        from .show._pages import page_of_hull
 
-        return _show.shown(page_of_hull(self._solid, points), path, show)
+        return _pictures.shown(page_of_hull(self._solid, points), path, show)
 
     def mesh(self) -> Mesh:
         """The boundary as a mesh: coordinates of the vertices, and simplices that count them.

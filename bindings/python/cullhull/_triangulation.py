@@ -10,10 +10,10 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import Progress, as_point_set, as_points, as_questions, settings
 from ._errors import InvalidArgument, NotCertified
-from ._forms import Table
 from ._found_cells import FoundCells
 from ._lifted_planes import planes, spheres
 from ._native import Certificate
+from .show._forms import Table
 
 
 def delaunay(
@@ -384,3 +384,29 @@ class Triangulation(FoundCells):
 
 def _of_state(state: dict[str, Any], certificate: Certificate | None) -> Triangulation:
     return Triangulation._of(_core.cells_of_state(state), certificate)
+
+
+def as_triangulation(points: Any) -> Triangulation | None:
+    """The native triangulation that a caller passes in the place of points, if it is one."""
+    if isinstance(points, Triangulation):
+        return points
+    native = getattr(type(points), "_as_triangulation", None)  # of a `Delaunay`
+    return None if native is None else native(points)
+
+
+def triangulated(
+    points: Any,
+    *,
+    threads: int | None,
+    memory_budget: int | None = None,
+    progress: Progress,
+) -> Triangulation:
+    """The triangulation of points, or the one that is passed in their place."""
+    found = as_triangulation(points)
+    if found is None:
+        return delaunay(
+            points, threads=threads, memory_budget=memory_budget, progress=progress
+        )
+    if found.weights is not None:
+        raise InvalidArgument("this is of triangulations without weights")
+    return found

@@ -1,4 +1,4 @@
-"""The class that stands in for scipy.spatial.Voronoi."""
+"""Voronoi and power diagrams: what `voronoi` makes, and its cells within a region."""
 
 from __future__ import annotations
 
@@ -8,202 +8,294 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import settings
-from ._delaunay import Lifted
-from ._diagram import VoronoiDiagram
-from ._forms import Picture, Table
-from ._incremental import Lazy
-from ._lists import collector_paused
-from ._shown import Saved, Shown
-
-#: The attributes that are made of the native diagram.
-_MADE_OF_DIAGRAM = ("vertices", "ridge_points", "ridge_vertices", "regions")
+from ._arguments import Progress, as_points, settings
+from ._clipped_cells import ClippedCells, rings_of
+from ._errors import InvalidArgument
+from ._lists import Lists
+from ._native import Native
+from ._triangulation import Triangulation, as_triangulation, delaunay
+from .show._forms import Picture, Rows, Table, require_drawable
+from .show._shown import Saved, Shown
 
 
-class Voronoi(Shown, Saved, Lifted):
-    """In place of `scipy.spatial.Voronoi`: the same attributes, exact, and faster.
+def voronoi(
+    points: Any,
+    weights: Any = None,
+    *,
+    furthest_site: bool = False,
+    threads: int | None = None,
+    memory_budget: int | None = None,
+    progress: Progress = None,
+) -> VoronoiDiagram:
+    """The Voronoi diagram of points in any dimension; with weights, the power diagram.
 
-    It can be pickled, copied and sent between processes, also while incremental. `plot`, `view` and
-    `save` show the native diagram.
+    Which regions meet is decided exactly: vertices that coincide are one vertex, however many
+    points have the same distance from it. Time is that of `delaunay`, plus a time proportional to
+    the number of cells.
 
     Parameters
     ----------
-    points : (n, d) array, d >= 2
-        Read in place where `convex_hull` does so.
-    furthest_site : bool
-        Compute the furthest-site diagram.
-    incremental : bool
-        Allow `add_points`.
-    qhull_options : str, optional
-        As in SciPy, ``Qbb Qc Qz`` if not given, ``Qc`` if incremental. With ``Qz`` the first region
-        is empty: that of a point at infinity. Without ``Qc`` duplicates have no region. Other
-        options are accepted or refused as in `ConvexHull`.
+    points : (n, d) array, or a `Triangulation` or `Delaunay` of the points
+        As in `delaunay`.
+    weights, furthest_site : as in `delaunay`
     threads, memory_budget, progress : as in `convex_hull`
 
-    Attributes
-    ----------
-    points : (n, d) float64
-    vertices : (v, d) float64, each the nearest double to the exact coordinate; vertices that
-        coincide are one
-    ridge_points : (r, 2) int32: pairs of points whose regions share a face
-    ridge_vertices : list of lists of int: the vertices of each of these faces, in 2D and 3D in
-        order around it; -1 is infinity
-    ridge_dict : dict from pairs of points to the lists of ridge_vertices
-    regions : list of lists of int: the vertices of each region, in 2D in order around it; -1 is
-        infinity
-    point_region : (n,) int64: the region of each point; -1 if it has none
-    ndim, npoints : int
-    min_bound, max_bound : (d,) float64
-    furthest_site : bool
-    triangulation, diagram : the native `Triangulation` and `VoronoiDiagram`
+    Returns
+    -------
+    VoronoiDiagram
 
     Raises
     ------
-    InvalidArgument, NotFinite (ValueErrors), TypeError, OutOfBudget, KeyboardInterrupt
-        As `ConvexHull`.
-    QhullError (a RuntimeError)
-        If the points lie in a hyperplane. `voronoi` accepts these.
+    NotFinite, InvalidArgument (ValueErrors), TypeError
+        As `delaunay`.
+    OutOfBudget (a MemoryError), KeyboardInterrupt
 
     Examples
     --------
     >>> import cullhull
-    >>> found = cullhull.Voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1]])
+    >>> found = cullhull.voronoi([[0, 0], [2, 0], [2, 2], [0, 2]])
+    >>> found.vertices.tolist(), found.ridge_points.tolist()
+    ([[1.0, 1.0]], [[0, 1], [0, 3], [1, 2], [2, 3]])
+    """
+    found = as_triangulation(points)
+    if found is not None:
+        if weights is not None or furthest_site:
+            raise InvalidArgument("the triangulation has its weights and its kind already")
+    else:
+        found = delaunay(
+            points,
+            weights,
+            furthest_site=furthest_site,
+            threads=threads,
+            memory_budget=memory_budget,
+            progress=progress,
+        )
+        if memory_budget is not None:  # the triangulation takes a part of it
+            held = found.cells.nbytes + found.neighbours.nbytes
+            memory_budget = max(1, memory_budget - held)
+    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    return VoronoiDiagram._of(found, _core.voronoi(found._cells, chosen))
+
+
+class VoronoiDiagram(Shown, Saved, Native):
+    """A Voronoi or power diagram, made by `voronoi`: the dual of a `Triangulation`.
+
+    All arrays are read-only views of the result's own memory. It never changes; a pickle holds the
+    triangulation, of which it is made again.
+
+    Attributes
+    ----------
+    triangulation : Triangulation
+
+    Raises
+    ------
+    TypeError
+        When called: diagrams are made by `voronoi`.
+
+    Examples
+    --------
+    >>> import cullhull
+    >>> found = cullhull.voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1]])
     >>> found
-    <Voronoi of 5 points in 2D: 4 vertices>
-    >>> found.regions[found.point_region[4]]
-    [0, 2, 3, 1]
-    >>> found.ridge_dict[0, 4]
-    [1, 0]
+    <VoronoiDiagram of 5 points in 2D: 4 vertices, 8 ridges>
+    >>> found.vertices.tolist(), found.regions[4].tolist(), found.regions[0].tolist()
+    ([[1.0, 0.0], [0.0, 1.0], [2.0, 1.0], [1.0, 2.0]], [0, 2, 3, 1], [-1, 0, 1])
     """
 
+    __slots__ = ("_diagram", "triangulation")
+
+    #: The triangulation that it is dual to.
+    triangulation: Triangulation
+    _diagram: _core.Diagram
+
+    _made_by = "diagrams are made by cullhull.voronoi"
+
+    @classmethod
+    def _of(cls, triangulation: Triangulation, diagram: _core.Diagram) -> VoronoiDiagram:
+        result = object.__new__(cls)
+        result.triangulation, result._diagram = triangulation, diagram
+        return result
+
+    def __copy__(self) -> VoronoiDiagram:
+        return VoronoiDiagram._of(self.triangulation, self._diagram)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return voronoi, (self.triangulation,)
+
+    def _parts(self) -> tuple[Any, ...]:
+        return (self.triangulation,)  # of which all else follows
+
     def __repr__(self) -> str:
-        kind = type(self).__name__
-        return f"<{kind} of {self.npoints} points in {self.ndim}D: {len(self.vertices)} vertices>"
-
-    @Lazy
-    def diagram(self) -> VoronoiDiagram:
-        """The native diagram."""
-        return self._dual
-
-    @Lazy
-    def _dual(self) -> VoronoiDiagram:
-        """The native diagram, until all that is made of it has been made."""
-        threads, _, progress = self._choices
-        diagram = _core.voronoi(
-            self.triangulation._cells, settings(threads=threads, progress=progress)
+        kind = "VoronoiDiagram" if self.triangulation.weights is None else "Power diagram"
+        return (
+            f"<{kind} of {self.triangulation.point_count} points in "
+            f"{self.triangulation.dimension}D: {len(self.vertices)} vertices, "
+            f"{len(self.ridge_points)} ridges>"
         )
-        return VoronoiDiagram._of(self.triangulation, diagram)
 
-    #: Source of the attributes in subclasses without a native diagram.
-    _shown: Any = None
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(n, d): the points as they were given, as `Triangulation.points`."""
+        return self.triangulation.points
 
-    @Lazy
-    def _integers(self) -> list[int]:
-        """The integers in the lists, while some are to be made."""
-        return list(range(len(self._dual._diagram.vertices)))
-
-    def _lists(self, name: str) -> list[list[int]]:
-        """The ridges or the regions; the collector would look through the lists that are made."""
-        shown = self._shown
-        if shown is not None:
-            found: list[list[int]] = getattr(shown, f"{name}s").tolist()
-            return found
-        make, numbers = getattr(self._dual._diagram, f"{name}_lists"), self._integers
-        if self.npoints < 200:
-            found = make(numbers)
-        else:
-            with collector_paused():
-                found = make(numbers)
-        self._let_go("ridge_vertices" if name == "ridge" else "regions")
-        return found
-
-    def _let_go(self, made: str) -> None:
-        """Frees what no attribute is to be made of any more. `made`: the one that is being made."""
-        held = self.__dict__
-        for name in _MADE_OF_DIAGRAM:
-            if name not in held and name != made:
-                return
-        held.pop("_integers", None)
-        held.pop("_dual", None)
-
-    @Lazy
+    @property
     def vertices(self) -> npt.NDArray[np.float64]:
-        """(v, d) float64: coordinates of the vertices."""
-        shown = self._shown
-        if shown is None:
-            return self._dual._diagram.scipy_vertices()
-        rows: npt.NDArray[np.float64] = shown.vertices.copy()
-        return rows
+        """(v, d) float64: vertex i is the centre of the sphere of the triangulation's cells of
+        group i, each coordinate the nearest double; infinite beyond their range."""
+        return self._diagram.vertices
 
-    @Lazy
+    @property
     def ridge_points(self) -> npt.NDArray[np.int32]:
-        """(r, 2) int32: pairs of points whose regions share a face."""
-        shown = self._shown
-        if shown is None:
-            return self._dual._diagram.scipy_ridge_points()
-        pairs: npt.NDArray[np.int32] = shown.ridge_points.copy()
-        return pairs
-
-    @Lazy
-    def ridge_vertices(self) -> list[list[int]]:
-        """For each of `ridge_points` the vertices of the face; -1 is at infinity."""
-        return self._lists("ridge")
-
-    @Lazy
-    def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
-        """From pairs of points, as in `ridge_points`, to lists of vertices."""
-        first, second = self.ridge_points.T.tolist()
-        with collector_paused():
-            return dict(zip(zip(first, second), self.ridge_vertices))
-
-    @Lazy
-    def regions(self) -> list[list[int]]:
-        """The vertices of each region; -1 is at infinity."""
-        found = self._lists("region")
-        if len(self.triangulation._cells.duplicates):
-            found = [found[i] for i in self._sites.tolist()]
-        if self._has_empty:
-            found.insert(0, [])
-        return found
-
-    @Lazy
-    def point_region(self) -> npt.NDArray[np.int64]:
-        """(n,) int64: the region of each point."""
-        first = int(self._has_empty)
-        equal = self.triangulation._cells.duplicates
-        if len(equal) == 0:
-            return np.arange(first, first + self.npoints, dtype=np.int64)
-        number = np.full(self.npoints, -1, dtype=np.int64)
-        number[self._sites] = np.arange(first, first + len(self._sites))
-        if self._options.coplanar:
-            number[equal[:, 0]] = number[equal[:, 1]]
-        return number
+        """(r, 2) int32: pairs of points whose regions share a face; ascending, rows sorted."""
+        return self._diagram.ridge_points
 
     @property
-    def _sites(self) -> npt.NDArray[np.int64]:
-        """Points that have a region of their own, be it empty."""
-        site = np.ones(self.npoints, dtype=bool)
-        site[self.triangulation.duplicates[:, 0]] = False
-        return np.flatnonzero(site).astype(np.int64, copy=False)
+    def ridges(self) -> Lists:
+        """The vertices of each face between two regions, -1 where it is unbounded. In 2D the one on
+        the left of the way from the first point to the second, then the other; in 3D around that
+        way by the right hand; otherwise ascending."""
+        return Lists(self._diagram.ridge_offsets, self._diagram.ridge_vertices)
 
     @property
-    def _has_empty(self) -> bool:
-        """Whether the first region is that of the point at infinity."""
-        return self._options.at_infinity and not self.furthest_site
+    def regions(self) -> Lists:
+        """The vertices of the region of each point, -1 where it is unbounded; none for duplicates
+        and hidden points. In 2D counter-clockwise, otherwise ascending."""
+        return Lists(self._diagram.region_offsets, self._diagram.region_vertices)
 
-    # As the native diagram has it
+    @property
+    def ray_vertices(self) -> npt.NDArray[np.int32]:
+        """(f,) int32: where the unbounded edges begin, one for each of the triangulation's
+        `hull_facets`."""
+        return self._diagram.ray_vertices
 
-    def _write(self, path: str, format: str, crs: str = "") -> None:
-        self.diagram._write(path, format, crs)
+    @property
+    def ray_directions(self) -> npt.NDArray[np.float64]:
+        """(f, d) float64: where they lead; the largest component is between 0.5 and 1."""
+        return self._diagram.ray_directions
+
+    def clip(
+        self,
+        low: Any,
+        high: Any = None,
+        *,
+        shapes: bool = True,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> ClippedCells:
+        """The cells within a box, polygons or a convex region, in 1D, 2D and 3D.
+
+        Every decision is exact: cells that share a corner have the same bits for it, vertices of
+        the diagram have those of `vertices`, and no corner lies outside the box. Time is some
+        microseconds a cell in 2D and some ten in 3D.
+
+        Parameters
+        ----------
+        low, high : (d,) arrays
+            The corners of a box. Or pass the region as `low` alone. In 2D: an (m, 2) array, the
+            corners of a polygon in order, which need not be convex; a list of such arrays, the
+            rings of polygons with holes and several parts, inside by the even-odd rule; or an
+            object with a ``__geo_interface__``, such as a polygon of Shapely, a `ConcaveHull` or an
+            `AlphaShape`. In 1D and 3D: an (m, d) array of points, whose convex hull is the region.
+        shapes : bool
+            Compute the corners and faces of the cells, not only their measures.
+        threads, progress : as in `convex_hull`
+
+        Returns
+        -------
+        ClippedCells
+
+        Raises
+        ------
+        InvalidArgument, NotFinite (ValueErrors)
+            For a region that is empty or flat, whose boundary crosses itself, and for d > 3.
+        KeyboardInterrupt
+
+        Examples
+        --------
+        >>> import cullhull
+        >>> found = cullhull.voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1]])
+        >>> found.clip([0, 0], [2, 2]).measures.tolist()
+        [0.5, 0.5, 0.5, 0.5, 2.0]
+        >>> found.clip([[0, 0], [2, 0], [2, 2], [1, 1]]).measures.tolist()
+        [0.25, 0.5, 0.0, 0.25, 1.0]
+        """
+        region: Any = (low,) if high is None else (low, high)
+        return ClippedCells._of(self, self._clip(region, bool(shapes), threads, progress), region)
 
     def _picture(self) -> Picture:
-        return self.diagram._picture()
+        """In the plane the edges, unbounded ones as far as the picture reaches; in space the
+        bounded faces."""
+        found = self.triangulation
+        require_drawable(found.dimension)
+        sites = np.asarray(found.points, dtype=np.float64)
+        vertices = self.vertices
+        good = np.append(np.isfinite(vertices).all(axis=1), False)  # the last one is at infinity
+        ridges = [ridge for ridge in self.ridges if len(ridge) and good[ridge].all()]
+        if found.dimension == 3:
+            faces = [[vertices[ridge]] for ridge in ridges if len(ridge) > 2]
+            return Picture(faces, dots=sites, frame=sites)
+        edges = [vertices[ridge] for ridge in ridges if len(ridge) == 2]
+        return Picture(segments=edges + self._rays(good), dots=sites, frame=sites)
+
+    def _rays(self, good: npt.NDArray[np.bool_]) -> list[Rows]:
+        found = self.triangulation
+        if found.affine_dimension != 2:
+            return []
+        starts = self.vertices[self.ray_vertices[good[self.ray_vertices]]]
+        directions = self.ray_directions[good[self.ray_vertices]]
+        sites = np.asarray(found.points, dtype=np.float64)
+        low, high = sites.min(axis=0), sites.max(axis=0)
+        away = np.maximum(np.abs(starts - low), np.abs(starts - high)).sum(axis=1)
+        ends = starts + 4 * away[:, np.newaxis] * directions  # beyond all points
+        return list(np.stack([starts, ends], axis=1))
 
     def _shape_count(self) -> int:
-        return self.diagram._shape_count()
+        return len(self.ridge_points)
 
     def _table(self) -> Table:
-        return self.diagram._table()
+        found = self.triangulation
+        return Table(
+            "Voronoi diagram" if found.weights is None else "Power diagram",
+            [
+                ("points", f"{found.point_count:,} in {found.dimension}D"),
+                ("vertices", f"{len(self.vertices):,}"),
+                ("ridges", f"{len(self.ridge_points):,}"),
+            ],
+        )
+
+    def _write(self, path: str, format: str, crs: str = "") -> None:
+        _core.save_diagram(path, self._diagram, format)
 
     def _page(self) -> str:
-        return self.diagram._page()
+        return self._within_box()._page()
+
+    def _within_box(self) -> ClippedCells:
+        """The cells in the box of the points, a tenth wider, as the program clips them."""
+        sites = np.asarray(self.points, dtype=np.float64)
+        if len(sites) == 0:
+            raise InvalidArgument("a diagram without points has no cells to view")
+        low, high = sites.min(axis=0), sites.max(axis=0)
+        margin = 0.1 * float((high - low).max()) or 1.0
+        return self.clip(low - margin, high + margin)
+
+    def _clip(
+        self, region: tuple[Any, ...], shapes: bool, threads: int | None, progress: Progress
+    ) -> _core.ClippedCells:
+        cells, diagram = self.triangulation._cells, self._diagram
+        chosen = settings(threads=threads, progress=progress)
+        if len(region) == 2:
+            low, high = (
+                np.asarray(as_points(c, "corner", axes=1), dtype=np.float64).tolist()
+                for c in region
+            )
+            return _core.clip_to_box(cells, diagram, low, high, shapes, chosen)
+        rings = rings_of(region[0])
+        if rings is None:
+            return _core.clip_to_hull(
+                cells, diagram, as_points(region[0], "region"), shapes, chosen
+            )
+        if not rings:
+            raise InvalidArgument("the region has no polygon")
+        corners = np.concatenate(rings)
+        offsets = np.cumsum([0, *map(len, rings)]).tolist()
+        return _core.clip_to_polygons(cells, diagram, corners, offsets, shapes, chosen)

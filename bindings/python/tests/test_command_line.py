@@ -140,7 +140,7 @@ def test_what_is_missing_or_damaged_is_said_in_one_line(tmp_path):
 
 
 def test_geometries_in_wkb():
-    from cullhull import _vectors
+    from cullhull.geo import _vectors
 
     def vertices(*shapes):
         parts = []

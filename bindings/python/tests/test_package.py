@@ -77,12 +77,13 @@ def test_the_documentation_is_true(needed):
 
     if needed:
         pytest.importorskip(needed)
-        failed, tests = doctest.testmod(importlib.import_module(f"cullhull.{needed}"))
-        assert tests > 0 and failed == 0
+        for name in (f"cullhull.{needed}", f"cullhull.cluster._{needed}"):
+            failed, tests = doctest.testmod(importlib.import_module(name))
+            assert tests > 0 and failed == 0
         return
-    names = [m.name for m in pkgutil.iter_modules(cullhull.__path__)]
-    names = [name for name in names if name not in ("__main__", "dask")]
-    modules = [cullhull, *(importlib.import_module(f"cullhull.{name}") for name in names)]
+    names = [m.name for m in pkgutil.walk_packages(cullhull.__path__, "cullhull.")]
+    names = [n for n in names if not n.endswith(("__main__", "dask"))]
+    modules = [cullhull, *map(importlib.import_module, names)]
     results = [doctest.testmod(module) for module in modules]
     assert sum(tests for _, tests in results) > 100 and not any(failed for failed, _ in results)
     for kind in (cullhull.Certificate, cullhull.QhullError):
@@ -129,14 +130,18 @@ def test_no_module_imports_one_that_imports_it():
     import ast
 
     needs = {}
-    for path in PACKAGE.glob("*.py"):
-        tree = ast.parse(path.read_text())
-        needs[path.stem] = {
-            name
-            for node in ast.walk(tree)
-            if isinstance(node, ast.ImportFrom) and node.level == 1
-            for name in ([node.module] if node.module else [a.name for a in node.names])
-        } & {p.stem for p in PACKAGE.glob("*.py")}
+    modules = {
+        ".".join(path.relative_to(PACKAGE).with_suffix("").parts): path
+        for path in PACKAGE.rglob("*.py")
+    }
+    for module, path in modules.items():
+        needs[module] = {
+            ".".join((*module.split(".")[: -node.level], *filter(None, (node.module, last))))
+            for node in ast.walk(ast.parse(path.read_text()))
+            if isinstance(node, ast.ImportFrom) and node.level
+            for last in (None, *(alias.name for alias in node.names))
+        } & modules.keys()
+    assert "_core" not in modules and "_hull" in needs["scipy._convex_hull"]
     while needs:
         free = [name for name, others in needs.items() if not others & needs.keys() - {name}]
         assert free, needs
@@ -234,7 +239,7 @@ def test_every_extra_that_an_error_names_exists():
     text = (ROOT / "pyproject.toml").read_text()
     extras = set(re.findall(r"^(\w+) = \[", text.split("[project.optional-dependencies]")[1], re.M))
     named = set()
-    for path in PACKAGE.glob("*.py"):
+    for path in PACKAGE.rglob("*.py"):
         named |= set(re.findall(r"needed\([^)]*, \"(\w+)\"\)", path.read_text()))
         named |= set(re.findall(r"cullhull\[(\w+)\]", path.read_text()))
     assert len(named) > 8 and named <= extras

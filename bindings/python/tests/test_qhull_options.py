@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import cullhull
-from cullhull._qhull_options import TABLE, Kind, kind_of, parse
+from cullhull.scipy._qhull_options import TABLE, Kind, kind_of, parse
 
 spatial = pytest.importorskip("scipy.spatial")
 

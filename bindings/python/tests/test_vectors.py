@@ -144,7 +144,8 @@ def test_the_memory_limit_holds(tmp_path, ending):
 #: Reads one block of a file and then waits, as for a large file.
 SLOW = """
 import sys, time
-from cullhull import __main__, _vectors
+from cullhull import __main__
+from cullhull.geo import _vectors
 blocks = _vectors.blocks
 def slow(*words):
     for block in blocks(*words):

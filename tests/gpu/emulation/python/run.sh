@@ -23,7 +23,7 @@ cmake --build "$folder" >>"$folder.log" || {
   cat "$folder.log" >&2
   exit 1
 }
-cp "$root"/bindings/python/cullhull/*.py "$folder/package/cullhull/"
+cp -r "$root"/bindings/python/cullhull/. "$folder/package/cullhull/"
 
 tests=$root/bindings/python/tests
 # No plugins: one of zarr's looks for CuPy, of which there is but a part here.

@@ -1,0 +1,1 @@
+"""Hulls of points that lie in many places: Dask and MPI."""

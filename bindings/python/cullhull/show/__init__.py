@@ -1,0 +1,1 @@
+"""Results as pictures, pages, meshes and objects of other packages."""
