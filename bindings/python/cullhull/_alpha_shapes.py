@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._answers import Mesh
-from ._arguments import Progress, settings
 from ._compared import Compared
 from ._errors import InvalidArgument
+from ._options import Budgeted, settings, takes
 from ._triangulation import Triangulation, triangulated
 from .show._forms import (
     Picture,
@@ -27,14 +27,13 @@ from .show._forms import (
 )
 from .show._shown import Exported, Saved
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Budgeted)
 def alpha_shape(
-    points: Any,
-    alpha: float | str = "one-region",
-    *,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
+    points: Any, alpha: float | str = "one-region", **options: Unpack[Budgeted]
 ) -> AlphaShape:
     """The alpha shape of points: the Delaunay cells whose circumscribed spheres are small.
 
@@ -49,7 +48,6 @@ def alpha_shape(
         exactly; ``inf`` keeps all cells, which is the convex hull. ``"all-points"``: choose the
         smallest radius at which every point is a vertex of a kept cell. ``"one-region"``: choose
         the smallest such radius at which the kept cells are connected through facets.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -72,10 +70,8 @@ def alpha_shape(
     >>> [ring.tolist() for ring in shape.polygons()[0]]
     [[0, 1, 2, 4, 5, 3]]
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
-    found = triangulated(
-        points, threads=threads, memory_budget=memory_budget, progress=progress
-    )
+    chosen = settings(options, Budgeted)
+    found = triangulated(points, **options)
     if isinstance(alpha, str):
         if alpha not in ("all-points", "one-region"):
             raise InvalidArgument(
@@ -337,14 +333,13 @@ class AlphaShape(Exported, Saved, Compared):
         return places(np.unique(self.cells), self.facets)
 
 
+@takes(Budgeted)
 def concave_hull(
     points: Any,
     ratio: float | None = None,
     *,
     edge_length: float | None = None,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
+    **options: Unpack[Budgeted],
 ) -> ConcaveHull:
     """The concave hull of points in a plane: one ring without holes, around all points.
 
@@ -361,7 +356,6 @@ def concave_hull(
     edge_length : float, optional
         The limit as a length, in the units of the points, compared exactly. Pass either ``ratio``
         or ``edge_length``.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -389,10 +383,8 @@ def concave_hull(
         number = edge_length
     else:
         raise InvalidArgument("concave_hull needs either a ratio or an edge_length")
-    found = triangulated(
-        points, threads=threads, memory_budget=memory_budget, progress=progress
-    )
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
+    found = triangulated(points, **options)
     return ConcaveHull(
         found, *_core.concave_hull(found._cells, float(number), ratio is not None, chosen)
     )
@@ -470,19 +462,13 @@ class ConcaveHull(AlphaShape):
         return polygons[0][0] if polygons else np.empty(0, np.int32)
 
 
-def alpha_radii(
-    points: Any,
-    *,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
-) -> npt.NDArray[np.float64]:
-    """The smallest alpha whose alpha shape contains the cell, for each Delaunay cell.
+@takes(Budgeted)
+def alpha_radii(points: Any, **options: Unpack[Budgeted]) -> npt.NDArray[np.float64]:
+    """Of each Delaunay cell the smallest alpha whose alpha shape contains the cell.
 
     Parameters
     ----------
     points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -501,8 +487,6 @@ def alpha_radii(
     >>> cullhull.alpha_radii([[0, 0], [6, 0], [0, 8]]).tolist()
     [5.0]
     """
-    found = triangulated(
-        points, threads=threads, memory_budget=memory_budget, progress=progress
-    )
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
+    found = triangulated(points, **options)
     return _core.alpha_radii(found._cells, chosen)

@@ -1,30 +1,18 @@
-"""From what users pass to what the extension module reads: arrays in place, settings checked."""
+"""From what users pass to what the extension module reads: arrays in place, numbers checked."""
 
 from __future__ import annotations
 
 import operator
 import os
 import sys
-from collections.abc import Callable, Iterable
-from typing import Any, Literal, Union, get_args
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
 from ._errors import BackendUnavailable, InvalidArgument, NotFinite, ShapeWarning, warn
-from ._extras import needed
 from .geo._foreign_points import as_foreign, of_geometries
-
-#: ``progress=``: False or None for none, True for a tqdm bar, or a function of (phase, share).
-Progress = Union[bool, None, Callable[[str, float], object]]
-
-#: ``backend=``: where the filter runs.
-Backend = Literal["auto", "cpu", "cuda"]
-#: ``cull=``: which filter.
-CullMethod = Literal["auto", "gauge", "pseudo-hull", "none"]
-
-_CHOICES = {"backend": get_args(Backend), "cull": get_args(CullMethod)}
 
 #: Scalar types that are read where they lie; every value of each is exactly a double.
 IN_PLACE = frozenset("?bBhHiIfd")
@@ -225,37 +213,6 @@ def as_questions(
     return array, single
 
 
-def settings(
-    *,
-    backend: Backend = "auto",
-    cull: CullMethod = "auto",
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
-) -> _core.Settings | None:
-    """Checks the options every long function takes; None where all are as by default."""
-    if (
-        threads is None
-        and progress is None
-        and memory_budget is None
-        and backend == "auto"
-        and cull == "auto"
-    ):
-        return None
-    for name, value in (("backend", backend), ("cull", cull)):
-        if not isinstance(value, str):
-            raise TypeError(f"{name} must be a string, not {type(value).__name__}")
-        if value not in _CHOICES[name]:
-            raise InvalidArgument(f"unknown {name} {value!r}; expected {', '.join(_CHOICES[name])}")
-    return _core.Settings(
-        backend,
-        cull,
-        0 if threads is None else as_count(threads, "threads", most=1024),
-        0 if memory_budget is None else as_count(memory_budget, "memory_budget"),
-        as_callback(progress),
-    )
-
-
 def as_count(value: Any, name: str, *, least: int = 0, most: int = 2**63 - 1) -> int:
     """An integer that the extension takes, or one line that says what is wrong with it."""
     number = operator.index(value)
@@ -274,25 +231,3 @@ def as_position(i: Any, length: int, what: str) -> int:
     if not 0 <= at < length:
         raise IndexError(f"{what} {i} of {length}")
     return at
-
-
-def as_callback(progress: Progress) -> Callable[[str, float], object] | None:
-    if progress is None or progress is False:
-        return None
-    if progress is True:
-        return _bar()
-    if not callable(progress):
-        raise TypeError("progress must be True, False, None or a function of (phase, share)")
-    return progress
-
-
-def _bar() -> Callable[[str, float], object]:
-    tqdm = needed("tqdm.auto", "progress=True", "progress").tqdm
-    bar = tqdm(total=1.0, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}")
-
-    def show(phase: str, share: float) -> None:
-        bar.set_description_str(phase, refresh=False)
-        bar.n = min(max(share, 0.0), 1.0)
-        bar.refresh()
-
-    return show  # the bar closes when the call lets go of this

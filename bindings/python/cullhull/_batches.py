@@ -3,29 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._answers import Mesh
-from ._arguments import (
-    Progress,
-    as_count,
-    as_point_set,
-    as_points,
-    as_position,
-    refuse_mask,
-    settings,
-)
+from ._arguments import as_count, as_point_set, as_points, as_position, refuse_mask
 from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
 from ._hull import Hull, picture_of
 from ._lists import Lists
 from ._native import Native
+from ._options import Budgeted, settings, takes
 from .show._forms import Picture, Surface, Table, features, require_drawable, require_plane
 from .show._shown import Exported, Saved
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class HullBatch(Exported, Saved, Native, Sequence[Hull]):
@@ -242,14 +238,8 @@ def _batch_of_state(state: dict[str, Any]) -> HullBatch:
     return HullBatch._of(_core.batch_of_state(state))
 
 
-def convex_hulls(
-    points: Any,
-    offsets: Any = None,
-    *,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
-) -> HullBatch:
+@takes(Budgeted)
+def convex_hulls(points: Any, offsets: Any = None, **options: Unpack[Budgeted]) -> HullBatch:
     """The exact hulls of many sets in one call, spread over all cores.
 
     Parameters
@@ -259,7 +249,6 @@ def convex_hulls(
         memory (``__cuda_array_interface__``, DLPack) are hulled there as far as doubles decide.
     offsets : (b + 1,) integers, ascending
         Set i is ``points[offsets[i]:offsets[i + 1]]``.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -280,7 +269,7 @@ def convex_hulls(
     >>> bool(cullhull.convex_hulls([points[:40], points[40:]])[1].volume == batch.volumes[1])
     True
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
     there = None if isinstance(points, (np.ndarray, list, tuple)) else _on_device(points, offsets)
     if there is not None:
         return HullBatch._of(_core.convex_hulls_of_device_points(*there, chosen))
@@ -438,6 +427,7 @@ class DeviceHullBatch:
         return f"<DeviceHullBatch of {len(self)} hulls in {self.dimension}D>"
 
 
+@takes(Budgeted)
 def convex_hulls_on_device(
     points: Any,
     offsets: Any = None,
@@ -445,9 +435,7 @@ def convex_hulls_on_device(
     planes: bool = False,
     measures: bool = False,
     padded: bool | tuple[int, int] = False,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
+    **options: Unpack[Budgeted],
 ) -> DeviceHullBatch:
     """The exact hulls of many sets in a CUDA device's memory, left there.
 
@@ -466,7 +454,6 @@ def convex_hulls_on_device(
     padded : bool or (most vertices, most simplices)
         Whether each set has a row of a fixed length in place of lists end to end, for programs with
         fixed shapes. True: as long as the largest hull of the batch needs.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -496,7 +483,7 @@ def convex_hulls_on_device(
     Traceback (most recent call last):
     TypeError: convex_hulls_on_device needs points in a CUDA device's memory
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
     there = _on_device(points, offsets)
     if there is None:
         raise TypeError("convex_hulls_on_device needs points in a CUDA device's memory")
@@ -584,20 +571,13 @@ class GrowingHull:
     def __reduce__(self) -> tuple[Any, ...]:
         return GrowingHull._of, (self.hull,)
 
-    def add(
-        self,
-        points: Any,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
-    ) -> int:
+    @takes(Budgeted)
+    def add(self, points: Any, **options: Unpack[Budgeted]) -> int:
         """Adds points. A call that fails or is interrupted changes nothing.
 
         Parameters
         ----------
         points : (n, d) array
-        threads, memory_budget, progress : as in `convex_hull`
 
         Returns
         -------
@@ -615,7 +595,7 @@ class GrowingHull:
         >>> growing.add(cullhull.generate("ball", 1000))
         1000
         """
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(options, Budgeted)
         outside: int = self._grower.add(as_point_set(points), chosen)
         self._hull = None
         return outside

@@ -17,6 +17,7 @@ from ._errors import InvalidArgument
 from ._extras import needed
 from ._lists import Lists
 from ._native import Native
+from ._options import documented
 from ._triangulation import Triangulation
 from .geo._maps import save_map
 from .show._forms import (
@@ -394,6 +395,7 @@ class ClippedCells(Exported, Native):
             ],
         )
 
+    @documented("path", "format", "crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -408,17 +410,10 @@ class ClippedCells(Exported, Native):
 
         Parameters
         ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
-        format : str
-            The format, whatever the extension.
         polygons : bool, optional
             Whether .ply, .obj, .off and .vtp hold the cells (in 3D their faces) as polygons, which
             have no holes there, or as triangles. By default triangles, which every program reads;
             polygons in .vtp.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_point_set, refuse_mask, settings
+from ._arguments import as_point_set, refuse_mask
 from ._errors import InvalidArgument, NotCertified
 from ._found_cells import FoundCells
 from ._native import Certificate
+from ._options import Budgeted, settings, takes
 from .show._forms import Table
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Budgeted)
 def constrained_delaunay(
     points: Any,
     edges: Any,
     *,
     inside_only: bool = False,
-    threads: int | None = None,
-    memory_budget: int | None = None,
     certify: bool = False,
-    progress: Progress = None,
+    **options: Unpack[Budgeted],
 ) -> ConstrainedTriangulation:
     """The constrained Delaunay triangulation of points in the plane: it contains given edges.
 
@@ -39,7 +42,6 @@ def constrained_delaunay(
     inside_only : bool
         Keep only the triangles inside the outline that the edges form, by the even-odd rule: so the
         outline may have holes, and islands in them.
-    threads, memory_budget, progress : as in `convex_hull`
     certify : bool
         Check the result with an independent exact test, kept as ``result.certificate``.
 
@@ -64,7 +66,7 @@ def constrained_delaunay(
     >>> cullhull.constrained_delaunay(points, [[0, 1], [1, 2], [2, 3], [3, 0]]).depths.tolist()
     [1, 1, 1, 1, 1, 1]
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
     array = as_point_set(points)
     refuse_mask(edges, "edges")
     pairs = np.asarray(edges)

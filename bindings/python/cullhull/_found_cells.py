@@ -11,6 +11,7 @@ import numpy.typing as npt
 from . import _core
 from ._errors import InvalidArgument
 from ._native import Certified
+from ._options import documented
 from .geo._maps import save_map
 from .show._shown_cells import ShownCells
 
@@ -38,6 +39,7 @@ class FoundCells(ShownCells, Certified):
         """(m, 2) int32: points with the coordinates of another, and the one that stands in."""
         return self._cells.duplicates
 
+    @documented("path", "format", "crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -53,15 +55,8 @@ class FoundCells(ShownCells, Certified):
 
         Parameters
         ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
         heights : (n,) array, optional
             Third coordinates of 2D points, for meshes, .vtk and .json: a surface of terrain.
-        format : str
-            The format, whatever the extension.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------

@@ -2,37 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import (
-    Backend,
-    CullMethod,
-    Progress,
-    as_count,
-    as_point_set,
-    as_points,
-    settings,
-)
+from ._arguments import as_count, as_point_set, as_points
 from ._device import as_device_points
 from ._errors import InvalidArgument, NotCertified, OutOfBudget
 from ._hull import Hull
 from ._native import Certificate
+from ._options import (
+    Backend,
+    Budgeted,
+    CullMethod,
+    Filtered,
+    Watched,
+    require_known,
+    settings,
+    takes,
+)
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
-def convex_hull(
-    points: Any,
-    *,
-    backend: Backend = "auto",
-    cull: CullMethod = "auto",
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    certify: bool = False,
-    progress: Progress = None,
-) -> Hull:
+@takes(Filtered)
+def convex_hull(points: Any, *, certify: bool = False, **options: Unpack[Filtered]) -> Hull:
     """The exact convex hull of any number of points in any dimension.
 
     No option changes the result. In 2D and 3D expected time is O(n + m log m) if the filter leaves
@@ -47,19 +44,8 @@ def convex_hull(
         arrays on the host. Arrays in a CUDA device's memory (``__cuda_array_interface__``, DLPack)
         are culled there, and only survivors are copied. Other real types are converted to doubles
         if that is exact. It must not change during the call.
-    backend : 'auto', 'cpu' or 'cuda'
-    cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
-        The filter that discards points strictly inside before the hull is computed.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
-    memory_budget : int, optional
-        Bytes to allocate beyond the input; half of the machine's memory (of its
-        container's, where that is less) if not given.
     certify : bool
         Check the result with an independent exact test, kept as ``hull.certificate``.
-    progress : callable or bool
-        A function, called from time to time as ``progress(phase, share)`` with a share in [0, 1];
-        an exception that it raises stops the work. True shows a tqdm bar.
 
     Returns
     -------
@@ -81,13 +67,7 @@ def convex_hull(
     >>> hull.volume, hull.facet_count, hull.certificate
     (1.0, 6, <Certificate: valid>)
     """
-    chosen = settings(
-        backend=backend,
-        cull=cull,
-        threads=threads,
-        memory_budget=memory_budget,
-        progress=progress,
-    )
+    chosen = settings(options)
     device = None if type(points) is np.ndarray else as_device_points(points)
     if device is not None:
         if certify:
@@ -102,14 +82,13 @@ def convex_hull(
     return hull
 
 
+@takes(Budgeted)
 def cull(
     points: Any,
     *,
     backend: Backend = "auto",
     method: CullMethod = "auto",
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
+    **options: Unpack[Budgeted],
 ) -> npt.NDArray[np.int64]:
     """Indices, ascending, of the points that may be extreme: a filter in front of other code.
 
@@ -120,9 +99,9 @@ def cull(
     Parameters
     ----------
     points : (n, d) array
+    backend : 'auto', 'cpu' or 'cuda'
     method : 'auto', 'gauge', 'pseudo-hull' or 'none'
         'none' keeps all.
-    backend, threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -142,22 +121,19 @@ def cull(
     >>> cullhull.convex_hull(points[kept]).volume == cullhull.convex_hull(points).volume
     True
     """
-    chosen = settings(
-        backend=backend,
-        cull=method,
-        threads=threads,
-        memory_budget=memory_budget,
-        progress=progress,
-    )
+    if backend == method == "auto":
+        chosen = settings(options, Budgeted)
+    else:
+        require_known(options, Budgeted)
+        chosen = settings({**options, "backend": backend, "cull": method})
     device = as_device_points(points)
     if device is not None:
         return _core.cull_device_points(device, chosen)
     return _core.cull(as_point_set(points), chosen)
 
 
-def certify(
-    points: Any, hull: Hull, *, threads: int | None = None, progress: Progress = None
-) -> Certificate:
+@takes(Watched)
+def certify(points: Any, hull: Hull, **options: Unpack[Watched]) -> Certificate:
     """Checks exactly, and without the code that computed it, that ``hull`` is that of ``points``.
 
     Time is proportional to the number of points and facets, times a logarithm.
@@ -166,7 +142,6 @@ def certify(
     ----------
     points : (n, d) array
     hull : Hull or ConvexHull
-    threads, progress : as in `convex_hull`
 
     Returns
     -------
@@ -195,9 +170,7 @@ def certify(
     if not isinstance(hull, Hull):
         found = f"{type(hull).__module__}.{type(hull).__qualname__}"
         raise TypeError(f"hull must be a cullhull.Hull or cullhull.ConvexHull, not {found}")
-    return _core.certify(
-        as_points(points), hull._solid, settings(threads=threads, progress=progress)
-    )
+    return _core.certify(as_points(points), hull._solid, settings(options, Watched))
 
 
 def generate(

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, settings
+from ._options import Watched, require_known, settings, takes
 from ._triangulation import triangulated
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
-def minimum_spanning_tree(
-    points: Any, *, threads: int | None = None, progress: Progress = None
-) -> npt.NDArray[np.int32]:
+
+@takes(Watched)
+def minimum_spanning_tree(points: Any, **options: Unpack[Watched]) -> npt.NDArray[np.int32]:
     """The Euclidean minimum spanning tree of points in any dimension.
 
     Lengths are compared exactly. Of equally long edges those of lower indices come first, so there
@@ -24,7 +26,6 @@ def minimum_spanning_tree(
     Parameters
     ----------
     points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-    threads, progress : as in `convex_hull`
 
     Returns
     -------
@@ -44,12 +45,11 @@ def minimum_spanning_tree(
     >>> cullhull.minimum_spanning_tree([[0, 0], [2, 0], [0, 1], [2, 2]]).tolist()
     [[0, 1], [0, 2], [1, 3]]
     """
-    return _graph(_core.minimum_spanning_tree, points, threads, progress)
+    return _graph(_core.minimum_spanning_tree, points, options)
 
 
-def gabriel_graph(
-    points: Any, *, threads: int | None = None, progress: Progress = None
-) -> npt.NDArray[np.int32]:
+@takes(Watched)
+def gabriel_graph(points: Any, **options: Unpack[Watched]) -> npt.NDArray[np.int32]:
     """The Gabriel graph: points joined where no other is in the ball between them.
 
     The ball is the closed one whose diameter is the edge; decided exactly, in any dimension. Of
@@ -58,7 +58,6 @@ def gabriel_graph(
     Parameters
     ----------
     points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-    threads, progress : as in `convex_hull`
 
     Returns
     -------
@@ -76,12 +75,11 @@ def gabriel_graph(
     >>> cullhull.gabriel_graph([[0, 0], [1, 0], [1, 1], [0, 1]]).tolist()
     [[0, 1], [0, 3], [1, 2], [2, 3]]
     """
-    return _graph(_core.gabriel_graph, points, threads, progress)
+    return _graph(_core.gabriel_graph, points, options)
 
 
-def relative_neighbourhood_graph(
-    points: Any, *, threads: int | None = None, progress: Progress = None
-) -> npt.NDArray[np.int32]:
+@takes(Watched)
+def relative_neighbourhood_graph(points: Any, **options: Unpack[Watched]) -> npt.NDArray[np.int32]:
     """The relative neighbourhood graph: points joined where no third is nearer to both.
 
     Decided exactly, in any dimension. Of points with equal coordinates only the first has edges.
@@ -89,7 +87,6 @@ def relative_neighbourhood_graph(
     Parameters
     ----------
     points : (n, d) array, or a triangulation: of `delaunay` or a `Delaunay`
-    threads, progress : as in `convex_hull`
 
     Returns
     -------
@@ -107,15 +104,13 @@ def relative_neighbourhood_graph(
     >>> cullhull.relative_neighbourhood_graph([[0, 0], [3, 0], [1, 1]]).tolist()
     [[0, 2], [1, 2]]
     """
-    return _graph(_core.relative_neighbourhood_graph, points, threads, progress)
+    return _graph(_core.relative_neighbourhood_graph, points, options)
 
 
 def _graph(
-    graph: Callable[..., npt.NDArray[np.int32]],
-    points: Any,
-    threads: int | None,
-    progress: Progress,
+    graph: Callable[..., npt.NDArray[np.int32]], points: Any, options: Watched
 ) -> npt.NDArray[np.int32]:
-    found = triangulated(points, threads=threads, progress=progress)
-    edges = graph(found._cells, settings(threads=threads, progress=progress))
+    require_known(options, Watched)
+    found = triangulated(points, **options)
+    edges = graph(found._cells, settings(options, Watched))
     return edges.reshape(-1, 2)

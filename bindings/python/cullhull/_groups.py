@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._answers import Mesh
-from ._arguments import Progress, as_points, refuse_mask
+from ._arguments import as_points, refuse_mask
 from ._batches import HullBatch, convex_hulls
 from ._compared import Compared
 from ._errors import InvalidArgument
 from ._hull import Hull
+from ._options import Budgeted, documented, require_known, takes
 from .geo._maps import save_map
 from .show._forms import Picture, Surface, Table
 from .show._shown import Exported
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
@@ -146,6 +150,7 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
     def _page(self) -> str:
         return self.batch._page()
 
+    @documented("path", "format", "crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -163,15 +168,8 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
 
         Parameters
         ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
-        format : str
-            The format, whatever the extension.
         by : str
             The name of the keys in the file.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
@@ -320,14 +318,8 @@ def _split_column(points: Any, keys: Any) -> tuple[Any, Any]:
     return rest, found
 
 
-def hulls_by(
-    points: Any,
-    keys: Any,
-    *,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
-) -> GroupHulls:
+@takes(Budgeted)
+def hulls_by(points: Any, keys: Any, **options: Unpack[Budgeted]) -> GroupHulls:
     """The exact hull of each group of points, in one call over all cores.
 
     Parameters
@@ -338,7 +330,6 @@ def hulls_by(
         A list, NumPy array, pandas or polars Series (categories, too), or Arrow array. Of a data
         frame or a table of pandas, GeoPandas, polars or Arrow the name of a column: the other
         columns are the coordinates.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -358,6 +349,7 @@ def hulls_by(
     >>> len(hulls), sum(hull.point_count for hull in hulls.values())
     (2, 1000)
     """
+    require_known(options, Budgeted)
     points, keys = _split_column(points, keys)
     array = as_points(points)
     names, inverse = _codes(keys)
@@ -367,7 +359,5 @@ def hulls_by(
     order = np.argsort(inverse, kind="stable").astype(np.int64, copy=False)
     starts = np.zeros(len(names) + 1, dtype=np.int64)
     np.cumsum(np.bincount(inverse, minlength=len(names)), out=starts[1:])
-    batch = convex_hulls(
-        array[order], starts, threads=threads, memory_budget=memory_budget, progress=progress
-    )
+    batch = convex_hulls(array[order], starts, **options)
     return GroupHulls._of(names, order, starts, batch)

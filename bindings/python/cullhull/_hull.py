@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 from . import _core
 from ._answers import Mesh
-from ._arguments import Progress, as_points, settings
+from ._arguments import as_points
 from ._lists import Lists
 from ._native import Certificate, Certified
+from ._options import Watched, documented, settings, takes
 from ._questions import Questions
 from .geo._maps import save_map
 from .show._forms import (
@@ -33,6 +34,8 @@ from .show._forms import (
 from .show._shown import Exported
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .show._pictures import Page
 
 
@@ -215,18 +218,13 @@ class Hull(Questions, Exported, Certified):
         """(s,) int32: the facet each simplex is part of."""
         return self._solid.simplex_facets
 
-    def certify(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
-    ) -> Certificate:
+    @takes(Watched)
+    def certify(self, points: Any, **options: Unpack[Watched]) -> Certificate:
         """Checks the hull against the points it is said to be the hull of: see `certify`.
 
         Parameters
         ----------
         points : (n, d) array
-        threads : int, optional
-            Threads to use; all the machine offers if not given.
-        progress : callable or bool
-            As in `convex_hull`.
 
         Returns
         -------
@@ -244,14 +242,13 @@ class Hull(Questions, Exported, Certified):
         >>> cullhull.convex_hull(points).certify(points)
         <Certificate: valid>
         """
-        chosen = settings(threads=threads, progress=progress)
+        chosen = settings(options, Watched)
         return _core.certify(as_points(points), self._solid, chosen)
 
     # With fewer vertices and planes
 
-    def simplify(
-        self, distance: float, *, threads: int | None = None, progress: Progress = None
-    ) -> Simplified:
+    @takes(Watched)
+    def simplify(self, distance: float, **options: Unpack[Watched]) -> Simplified:
         """Drops vertices within `distance` of the hull of those kept.
 
         The result is the exact hull of the kept vertices, so it is certified against those, not
@@ -261,7 +258,6 @@ class Hull(Questions, Exported, Certified):
         ----------
         distance : float
             Not negative; in the points' units. 0 drops nothing.
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -282,9 +278,8 @@ class Hull(Questions, Exported, Certified):
         >>> small.dropped > 500, small.distance <= 0.05
         (True, True)
         """
-        solid, dropped, reached = _core.simplify(
-            self._solid, float(distance), settings(threads=threads, progress=progress)
-        )
+        chosen = settings(options, Watched)
+        solid, dropped, reached = _core.simplify(self._solid, float(distance), chosen)
         return Simplified(Hull._of(solid), dropped, reached)
 
     def shared_planes(self, distance: float) -> npt.NDArray[np.int64]:
@@ -336,6 +331,7 @@ class Hull(Questions, Exported, Certified):
 
     # Out of Python
 
+    @documented("crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -361,9 +357,6 @@ class Hull(Questions, Exported, Certified):
         polygons : bool, optional
             Whether .ply, .obj, .off and .vtp hold the merged facets as polygons, or the simplices
             as triangles. By default triangles, which every program reads; polygons in .vtp.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------

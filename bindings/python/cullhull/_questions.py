@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._answers import NearestFacets, Rays
-from ._arguments import Backend, Progress, as_questions, settings
+from ._arguments import as_questions
 from ._device import DeviceArray, as_device_points
 from ._errors import InvalidArgument
+from ._options import Asked, Watched, settings, takes
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Questions:
@@ -21,19 +25,9 @@ class Questions:
 
     _solid: _core.Solid
 
-    def _ask(
-        self,
-        question: str,
-        points: Any,
-        what: str,
-        one: type,
-        backend: Backend,
-        on_device: bool,
-        threads: int | None,
-        progress: Progress,
-    ) -> Any:
+    def _ask(self, question: str, points: Any, what: str, one: type, options: Asked) -> Any:
         """The answers of ``_solid`` for many points, or the only one as a ``one``."""
-        chosen = settings(backend=backend, threads=threads, progress=progress)
+        chosen, on_device = settings(options, Asked), options.get("on_device", False)
         there = None if type(points) is np.ndarray else as_device_points(points)
         if there is not None and on_device:
             return DeviceArray._of(getattr(self._solid, f"{question}_on_device")(there, chosen))
@@ -41,7 +35,7 @@ class Questions:
             return getattr(self._solid, f"{question}_there")(there, chosen)
         if on_device:
             raise TypeError(f"`on_device` needs `{what}` in a CUDA device's memory")
-        if backend == "cuda":
+        if options.get("backend") == "cuda":
             raise InvalidArgument(
                 f"`{what}` in the host's memory are asked about on the CPU; use backend 'auto' or 'cpu'"
             )
@@ -49,27 +43,14 @@ class Questions:
         answers = getattr(self._solid, question)(array, chosen)
         return one(answers[0]) if single else answers
 
-    def contains(
-        self,
-        points: Any,
-        *,
-        backend: Backend = "auto",
-        on_device: bool = False,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Any:
+    @takes(Asked)
+    def contains(self, points: Any, **options: Unpack[Asked]) -> Any:
         """Whether each point lies in the hull or on its boundary; exact.
 
         Parameters
         ----------
         points : (m, d) or (d,) array
-            (m, d) also in a CUDA device's memory.
-        backend : 'auto', 'cpu' or 'cuda'
-            Where points in a device's memory are asked about: 'auto' estimates which takes less
-            time. Others are asked about on the CPU.
-        on_device : bool
-            Leave the answers of points in a device's memory there, in a `DeviceArray`.
-        threads, progress : as in `convex_hull`
+            (m, d) also in a CUDA device's memory; others are asked about on the CPU.
 
         Returns
         -------
@@ -87,22 +68,15 @@ class Questions:
         >>> hull.contains([[1, 0], [1, 2]]), hull.contains([2, 1])
         (array([ True, False]), True)
         """
-        return self._ask("contains", points, "points", bool, backend, on_device, threads, progress)
+        return self._ask("contains", points, "points", bool, options)
 
-    def sides(
-        self,
-        points: Any,
-        *,
-        backend: Backend = "auto",
-        on_device: bool = False,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Any:
+    @takes(Asked)
+    def sides(self, points: Any, **options: Unpack[Asked]) -> Any:
         """Where each point lies, exactly: -1 inside, 0 on the boundary, 1 outside.
 
         Parameters
         ----------
-        points, backend, on_device, threads, progress : as of `contains`, as is what is raised
+        points : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -115,22 +89,15 @@ class Questions:
         >>> hull.sides([[1, 0.5], [1, 0], [1, 2]])
         array([-1,  0,  1], dtype=int8)
         """
-        return self._ask("sides", points, "points", int, backend, on_device, threads, progress)
+        return self._ask("sides", points, "points", int, options)
 
-    def distance(
-        self,
-        points: Any,
-        *,
-        backend: Backend = "auto",
-        on_device: bool = False,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Any:
+    @takes(Asked)
+    def distance(self, points: Any, **options: Unpack[Asked]) -> Any:
         """Euclidean distance to the hull in the points' units; inside, minus that to the boundary.
 
         Parameters
         ----------
-        points, backend, on_device, threads, progress : as of `contains`, as is what is raised
+        points : as of `contains`, as is what is raised
 
         Returns
         -------
@@ -144,19 +111,15 @@ class Questions:
         >>> hull.distance([[1, 0.5], [5, 5]])
         array([-0.5,  5. ])
         """
-        return self._ask(
-            "distances", points, "points", float, backend, on_device, threads, progress
-        )
+        return self._ask("distances", points, "points", float, options)
 
-    def nearest_facets(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
-    ) -> NearestFacets:
+    @takes(Watched)
+    def nearest_facets(self, points: Any, **options: Unpack[Watched]) -> NearestFacets:
         """The facet nearest to each point, and the signed distance.
 
         Parameters
         ----------
         points : (m, d) or (d,) array
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -171,27 +134,17 @@ class Questions:
         array([-0.25])
         """
         array, _ = as_questions(points, self._solid.dimension, "points")
-        facets, distances = self._solid.nearest_facets(
-            array, settings(threads=threads, progress=progress)
-        )
+        facets, distances = self._solid.nearest_facets(array, settings(options, Watched))
         return NearestFacets(facets, distances)
 
-    def support(
-        self,
-        directions: Any,
-        *,
-        backend: Backend = "auto",
-        on_device: bool = False,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Any:
+    @takes(Asked)
+    def support(self, directions: Any, **options: Unpack[Asked]) -> Any:
         """Index of the vertex farthest along each direction; exact, the lowest index of several.
 
         Parameters
         ----------
         directions : (m, d) or (d,) array
-            (m, d) also in a CUDA device's memory. Of any length.
-        backend, on_device, threads, progress : as of `contains`, as is what is raised
+            (m, d) also in a CUDA device's memory. Of any length. What is raised is as of `contains`.
 
         Returns
         -------
@@ -204,9 +157,7 @@ class Questions:
         >>> hull.support([[1, 1], [-1, -1]]), hull.support([0, 1])
         (array([2, 0]), 2)
         """
-        return self._ask(
-            "supports", directions, "directions", int, backend, on_device, threads, progress
-        )
+        return self._ask("supports", directions, "directions", int, options)
 
     def visible_from(self, point: Any) -> npt.NDArray[np.int64]:
         """The facets that a point lies strictly above; exact.
@@ -231,16 +182,10 @@ class Questions:
         array, single = as_questions(point, self._solid.dimension, "point")
         if not single:
             raise InvalidArgument("`point` should be one point, shape (d,)")
-        return self._solid.visible_facets(array, settings())
+        return self._solid.visible_facets(array, None)
 
-    def rays(
-        self,
-        origins: Any,
-        directions: Any,
-        *,
-        threads: int | None = None,
-        progress: Progress = None,
-    ) -> Rays:
+    @takes(Watched)
+    def rays(self, origins: Any, directions: Any, **options: Unpack[Watched]) -> Rays:
         """Where the lines ``origin + t * direction`` enter and leave the hull.
 
         Only for full-dimensional hulls.
@@ -249,7 +194,6 @@ class Questions:
         ----------
         origins, directions : (m, d) arrays
             Or one of them (d,), to stand for all.
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -276,7 +220,5 @@ class Questions:
             from_ = np.broadcast_to(from_, (count, self._solid.dimension))
         if len(to) == 1:
             to = np.broadcast_to(to, (count, self._solid.dimension))
-        hit, enter, exit, first, last = self._solid.rays(
-            from_, to, settings(threads=threads, progress=progress)
-        )
+        hit, enter, exit, first, last = self._solid.rays(from_, to, settings(options, Watched))
         return Rays(hit, enter, exit, first, last)

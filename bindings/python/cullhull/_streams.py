@@ -4,16 +4,20 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_count, as_points, settings
+from ._arguments import as_count, as_points
 from ._hull import Hull
+from ._options import Budgeted, Kept, Reported, documented, require_known, settings, takes
 from .show._forms import Picture, Table
 from .show._shown import Shown
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _DTYPES = {
     "f32": np.float32,
@@ -27,6 +31,7 @@ _DTYPES = {
 }
 
 
+@takes(Budgeted)
 class HullState(Shown):
     """What some points contribute to a hull: the extreme points, with their indices.
 
@@ -41,7 +46,6 @@ class HullState(Shown):
         None: the state of no points, which merges with any other.
     first_id : int
         The index of the first of these points among all points.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Raises
     ------
@@ -63,19 +67,11 @@ class HullState(Shown):
 
     __slots__ = ("_state",)
 
-    def __init__(
-        self,
-        points: Any = None,
-        first_id: int = 0,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
-    ) -> None:
+    def __init__(self, points: Any = None, first_id: int = 0, **options: Unpack[Budgeted]) -> None:
+        chosen = settings(options, Budgeted)
         if points is None:
             self._state = _core.State()
             return
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
         first = as_count(first_id, "first_id")
         self._state = _core.state_of(as_points(points), first, chosen)
 
@@ -131,21 +127,14 @@ class HullState(Shown):
             "point_count": np.array([self.point_count], dtype=np.uint64),
         }
 
-    def merge(
-        self,
-        other: HullState,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
-    ) -> HullState:
+    @takes(Budgeted)
+    def merge(self, other: HullState, **options: Unpack[Budgeted]) -> HullState:
         """The state of the points of both states; ``a | b`` is the same.
 
         Parameters
         ----------
         other : HullState
             Its points must have other indices.
-        threads, memory_budget, progress : as in `convex_hull`
 
         Returns
         -------
@@ -168,7 +157,7 @@ class HullState(Shown):
         """
         if not isinstance(other, HullState):
             raise TypeError(f"other must be a HullState, not {type(other).__name__}")
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(options, Budgeted)
         return HullState._of(self._state.merged(other._state, chosen))
 
     def __or__(self, other: object) -> HullState:
@@ -201,18 +190,12 @@ class HullState(Shown):
         """
         return HullState._of(self._state.shifted(as_count(offset, "offset")))
 
-    def hull(
-        self,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
-    ) -> Hull:
+    @takes(Budgeted)
+    def hull(self, **options: Unpack[Budgeted]) -> Hull:
         """The hull of all points; its indices are those of the state.
 
         Parameters
         ----------
-        threads, memory_budget, progress : as in `convex_hull`
 
         Returns
         -------
@@ -230,7 +213,7 @@ class HullState(Shown):
         >>> cullhull.HullState([[0, 0], [2, 0], [0, 2], [1, 1]]).hull().volume
         2.0
         """
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(options, Budgeted)
         return Hull._of(self._state.solid(chosen))
 
     def _picture(self) -> Picture:
@@ -253,15 +236,11 @@ class HullState(Shown):
 
         return page_of_hull(self.hull()._solid, None)
 
+    @documented("path")
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the state to a file: .hullstate (compact, with a checksum) or .npz (`to_arrays`).
 
         An error leaves no part of a file behind.
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
 
         Raises
         ------
@@ -333,16 +312,13 @@ def _state_of(data: bytes) -> HullState:
     return HullState._of(_core.State.from_bytes(data))
 
 
+@takes(Kept)
 class HullStream:
     """The hull of points that are pushed block by block, in one pass over all points.
 
     Blocks may come in any order and from several threads at once. Memory holds the extreme points
-    found so far and one block. The GIL is released while a block is processed.
-
-    Parameters
-    ----------
-    threads, memory_budget : as in `convex_hull`
-        They hold for every call. If several threads push, ``threads=1`` is fastest.
+    found so far and one block. The GIL is released while a block is processed. The options hold for
+    every call. If several threads push, ``threads=1`` is fastest.
 
     Raises
     ------
@@ -363,9 +339,9 @@ class HullStream:
 
     __slots__ = ("_choices", "_stream")
 
-    def __init__(self, *, threads: int | None = None, memory_budget: int | None = None) -> None:
-        self._choices = (threads, memory_budget)
-        self._stream = _core.Stream(settings(threads=threads, memory_budget=memory_budget))
+    def __init__(self, **options: Unpack[Kept]) -> None:
+        self._stream = _core.Stream(settings(options, Kept))
+        self._choices = options
 
     def push(self, points: Any, first_id: int | None = None) -> None:
         """Adds a block of points.
@@ -450,15 +426,11 @@ class HullStream:
         """
         return HullState._of(self._stream.state())
 
-    def hull(self, *, progress: Progress = None) -> Hull:
+    @takes(Reported)
+    def hull(self, **options: Unpack[Reported]) -> Hull:
         """The hull of all points pushed so far: bit for bit that of `convex_hull` of them.
 
         More points may be pushed afterwards.
-
-        Parameters
-        ----------
-        progress : callable or bool, optional
-            As in `convex_hull`.
 
         Returns
         -------
@@ -478,8 +450,8 @@ class HullStream:
         >>> stream.hull().volume
         0.5
         """
-        threads, memory_budget = self._choices
-        return self.state().hull(threads=threads, memory_budget=memory_budget, progress=progress)
+        require_known(options, Reported)
+        return self.state().hull(**self._choices, **options)
 
     @property
     def point_count(self) -> int:
@@ -503,7 +475,6 @@ class HullStream:
 
 
 def _stream_of(choices: Any, state: HullState) -> HullStream:
-    threads, memory_budget = choices
-    stream = HullStream(threads=threads, memory_budget=memory_budget)
+    stream = HullStream(**choices)
     stream.push(state)
     return stream

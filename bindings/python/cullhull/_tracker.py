@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _core
-from ._arguments import Backend, CullMethod, Progress, as_point_set, settings
+from ._arguments import as_point_set
 from ._device import as_device_points
 from ._hull import Hull
+from ._options import Reported, Standing, settings, takes
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
+@takes(Standing)
 class HullTracker:
     """The exact hull of moving points, frame by frame: each frame reuses the hull of the last one.
 
     Every hull is bit for bit the one that `convex_hull` gives for the same points, whatever the
     motion: the last hull only yields a filter for the next frame. One thread at a time may use a
     tracker. Copies and pickles hold the last hull, its report and the number of frames; their next
-    frame is computed from scratch, with the same result.
-
-    Parameters
-    ----------
-    cull : 'auto', 'gauge', 'pseudo-hull' or 'none'
-        Which filter is built from the last hull; 'none' computes every frame from scratch.
-    backend, threads, memory_budget : as in `convex_hull`, for every frame
+    frame is computed from scratch, with the same result. The options hold for every frame. `cull` is
+    the filter that is built from the last hull; 'none' computes every frame from scratch.
 
     Raises
     ------
@@ -47,21 +47,13 @@ class HullTracker:
     _hull: Hull | None
     _report: dict[str, Any] | None
 
-    def __init__(
-        self,
-        *,
-        backend: Backend = "auto",
-        cull: CullMethod = "auto",
-        threads: int | None = None,
-        memory_budget: int | None = None,
-    ) -> None:
-        self._begin((backend, cull, threads, memory_budget), None, None, 0)
+    def __init__(self, **options: Unpack[Standing]) -> None:
+        self._begin(options, None, None, 0)
 
     def _begin(
-        self, choices: Any, hull: Hull | None, report: dict[str, Any] | None, frames: int
+        self, options: Standing, hull: Hull | None, report: dict[str, Any] | None, frames: int
     ) -> None:
-        backend, cull, threads, memory_budget = self._choices = choices
-        chosen = settings(backend=backend, cull=cull, threads=threads, memory_budget=memory_budget)
+        self._choices, chosen = options, settings(options, Standing)
         self._tracker = _core.Tracker(chosen, frames)
         self._hull = hull
         self._report = report  # of the tracker this is a copy of, until there is one of its own
@@ -70,7 +62,8 @@ class HullTracker:
         report = None if self._hull is None else self.report
         return _tracker_of, (self._choices, self._hull, report, self._tracker.frames)
 
-    def update(self, points: Any, *, progress: Progress = None) -> Hull:
+    @takes(Reported)
+    def update(self, points: Any, **options: Unpack[Reported]) -> Hull:
         """The hull of the points at their new positions.
 
         Parameters
@@ -79,8 +72,6 @@ class HullTracker:
             Row i is the new position of the point that was row i before; if n or d differs from the
             last frame, tracking starts again. Read in place; of an array in a CUDA device's memory
             only the vertices of the last hull and the points that survive the filter are copied.
-        progress : callable or bool
-            As in `convex_hull`.
 
         Returns
         -------
@@ -99,7 +90,7 @@ class HullTracker:
         >>> cullhull.HullTracker().update([[0, 0], [1, 0], [0, 1]]).volume
         0.5
         """
-        chosen = settings(progress=progress)
+        chosen = settings(options, Reported)
         device = None if type(points) is np.ndarray else as_device_points(points)
         if device is not None:
             self._hull = Hull._of(self._tracker.update_on_device(device, chosen))

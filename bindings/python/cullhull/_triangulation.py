@@ -2,29 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_point_set, as_points, as_questions, settings
+from ._arguments import as_point_set, as_points, as_questions
 from ._errors import InvalidArgument, NotCertified
 from ._found_cells import FoundCells
 from ._lifted_planes import planes, spheres
 from ._native import Certificate
+from ._options import Budgeted, Watched, settings, takes
 from .show._forms import Table
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Budgeted)
 def delaunay(
     points: Any,
     weights: Any = None,
     *,
     furthest_site: bool = False,
-    threads: int | None = None,
-    memory_budget: int | None = None,
     certify: bool = False,
-    progress: Progress = None,
+    **options: Unpack[Budgeted],
 ) -> Triangulation:
     """The exact Delaunay triangulation of points in any dimension; with weights, the regular one.
 
@@ -44,7 +47,6 @@ def delaunay(
     furthest_site : bool
         Compute the dual of the furthest-point Voronoi diagram; its vertices are those of the convex
         hull.
-    threads, memory_budget, progress : as in `convex_hull`
     certify : bool
         Check the result with an independent exact test, kept as ``result.certificate``.
 
@@ -70,7 +72,7 @@ def delaunay(
     >>> cullhull.delaunay([*square, [0.5, 0.5]], [0, 0, 0, 0, -1]).hidden.tolist()
     [4]
     """
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+    chosen = settings(options, Budgeted)
     array = as_point_set(points)
     heights = None
     if weights is not None:
@@ -239,16 +241,14 @@ class Triangulation(FoundCells):
 
     # Questions
 
-    def find_simplex(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
-    ) -> npt.NDArray[np.int32] | int:
+    @takes(Watched)
+    def find_simplex(self, points: Any, **options: Unpack[Watched]) -> npt.NDArray[np.int32] | int:
         """The cell that each point is in, exactly.
 
         Parameters
         ----------
         points : (m, d) array, or (d,) for one
             Finite.
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -270,17 +270,16 @@ class Triangulation(FoundCells):
         [0, 1, 0, -1]
         """
         array, single = as_questions(points, self.dimension, "points", "triangulation")
-        cells = self._cells.find(array, settings(threads=threads, progress=progress))
+        cells = self._cells.find(array, settings(options, Watched))
         return int(cells[0]) if single else cells
 
-    def nearest(
-        self, points: Any, *, threads: int | None = None, progress: Progress = None
-    ) -> npt.NDArray[np.int32] | int:
+    @takes(Watched)
+    def nearest(self, points: Any, **options: Unpack[Watched]) -> npt.NDArray[np.int32] | int:
         """The vertex nearest to each point, exactly.
 
         Parameters
         ----------
-        points, threads, progress : as of `find_simplex`
+        points : as of `find_simplex`
 
         Returns
         -------
@@ -300,16 +299,12 @@ class Triangulation(FoundCells):
         [1, 0]
         """
         array, single = as_questions(points, self.dimension, "points", "triangulation")
-        ids = self._cells.nearest(array, settings(threads=threads, progress=progress))
+        ids = self._cells.nearest(array, settings(options, Watched))
         return int(ids[0]) if single else ids
 
+    @takes(Watched)
     def barycentric(
-        self,
-        points: Any,
-        cells: Any = None,
-        *,
-        threads: int | None = None,
-        progress: Progress = None,
+        self, points: Any, cells: Any = None, **options: Unpack[Watched]
     ) -> npt.NDArray[np.float64]:
         """Each point as an affine combination of the corners of a cell.
 
@@ -319,7 +314,6 @@ class Triangulation(FoundCells):
             Finite.
         cells : (m,) array of int, or int, optional
             Those of `find_simplex` if not given.
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -338,7 +332,7 @@ class Triangulation(FoundCells):
         [0.25, 0.25, 0.5]
         """
         array, single = as_questions(points, self.dimension, "points", "triangulation")
-        chosen = settings(threads=threads, progress=progress)
+        chosen = settings(options, Watched)
         if cells is None:
             found = self._cells.find(array, chosen)
         else:
@@ -355,14 +349,12 @@ class Triangulation(FoundCells):
         rows = self._cells.barycentric(array, found, chosen).reshape(len(array), width)
         return rows[0] if single else rows
 
-    def certify(
-        self, *, threads: int | None = None, progress: Progress = None
-    ) -> Certificate:
+    @takes(Watched)
+    def certify(self, **options: Unpack[Watched]) -> Certificate:
         """Checks this triangulation of its points with an independent exact test.
 
         Parameters
         ----------
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -379,7 +371,7 @@ class Triangulation(FoundCells):
         >>> bool(cullhull.delaunay(cullhull.generate("ball", 100)).certify())
         True
         """
-        return _core.certify_cells(self._cells, settings(threads=threads, progress=progress))
+        return _core.certify_cells(self._cells, settings(options, Watched))
 
 
 def _of_state(state: dict[str, Any], certificate: Certificate | None) -> Triangulation:
@@ -394,19 +386,11 @@ def as_triangulation(points: Any) -> Triangulation | None:
     return None if native is None else native(points)
 
 
-def triangulated(
-    points: Any,
-    *,
-    threads: int | None,
-    memory_budget: int | None = None,
-    progress: Progress,
-) -> Triangulation:
+def triangulated(points: Any, **options: Unpack[Budgeted]) -> Triangulation:
     """The triangulation of points, or the one that is passed in their place."""
     found = as_triangulation(points)
     if found is None:
-        return delaunay(
-            points, threads=threads, memory_budget=memory_budget, progress=progress
-        )
+        return delaunay(points, **options)
     if found.weights is not None:
         raise InvalidArgument("this is of triangulations without weights")
     return found

@@ -2,30 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._arguments import Progress, as_points, settings
+from ._arguments import as_points
 from ._clipped_cells import ClippedCells, rings_of
 from ._errors import InvalidArgument
 from ._lists import Lists
 from ._native import Native
+from ._options import Budgeted, Watched, require_known, settings, takes
 from ._triangulation import Triangulation, as_triangulation, delaunay
 from .show._forms import Picture, Rows, Table, require_drawable
 from .show._shown import Saved, Shown
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Budgeted)
 def voronoi(
-    points: Any,
-    weights: Any = None,
-    *,
-    furthest_site: bool = False,
-    threads: int | None = None,
-    memory_budget: int | None = None,
-    progress: Progress = None,
+    points: Any, weights: Any = None, *, furthest_site: bool = False, **options: Unpack[Budgeted]
 ) -> VoronoiDiagram:
     """The Voronoi diagram of points in any dimension; with weights, the power diagram.
 
@@ -38,7 +37,6 @@ def voronoi(
     points : (n, d) array, or a `Triangulation` or `Delaunay` of the points
         As in `delaunay`.
     weights, furthest_site : as in `delaunay`
-    threads, memory_budget, progress : as in `convex_hull`
 
     Returns
     -------
@@ -57,23 +55,18 @@ def voronoi(
     >>> found.vertices.tolist(), found.ridge_points.tolist()
     ([[1.0, 1.0]], [[0, 1], [0, 3], [1, 2], [2, 3]])
     """
+    require_known(options, Budgeted)
     found = as_triangulation(points)
     if found is not None:
         if weights is not None or furthest_site:
             raise InvalidArgument("the triangulation has its weights and its kind already")
     else:
-        found = delaunay(
-            points,
-            weights,
-            furthest_site=furthest_site,
-            threads=threads,
-            memory_budget=memory_budget,
-            progress=progress,
-        )
+        found = delaunay(points, weights, furthest_site=furthest_site, **options)
+        memory_budget = options.get("memory_budget")
         if memory_budget is not None:  # the triangulation takes a part of it
             held = found.cells.nbytes + found.neighbours.nbytes
-            memory_budget = max(1, memory_budget - held)
-    chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+            options["memory_budget"] = max(1, memory_budget - held)
+    chosen = settings(options, Budgeted)
     return VoronoiDiagram._of(found, _core.voronoi(found._cells, chosen))
 
 
@@ -173,14 +166,9 @@ class VoronoiDiagram(Shown, Saved, Native):
         """(f, d) float64: where they lead; the largest component is between 0.5 and 1."""
         return self._diagram.ray_directions
 
+    @takes(Watched)
     def clip(
-        self,
-        low: Any,
-        high: Any = None,
-        *,
-        shapes: bool = True,
-        threads: int | None = None,
-        progress: Progress = None,
+        self, low: Any, high: Any = None, *, shapes: bool = True, **options: Unpack[Watched]
     ) -> ClippedCells:
         """The cells within a box, polygons or a convex region, in 1D, 2D and 3D.
 
@@ -198,7 +186,6 @@ class VoronoiDiagram(Shown, Saved, Native):
             `AlphaShape`. In 1D and 3D: an (m, d) array of points, whose convex hull is the region.
         shapes : bool
             Compute the corners and faces of the cells, not only their measures.
-        threads, progress : as in `convex_hull`
 
         Returns
         -------
@@ -220,7 +207,8 @@ class VoronoiDiagram(Shown, Saved, Native):
         [0.25, 0.5, 0.0, 0.25, 1.0]
         """
         region: Any = (low,) if high is None else (low, high)
-        return ClippedCells._of(self, self._clip(region, bool(shapes), threads, progress), region)
+        clipped = self._clip(region, bool(shapes), settings(options, Watched))
+        return ClippedCells._of(self, clipped, region)
 
     def _picture(self) -> Picture:
         """In the plane the edges, unbounded ones as far as the picture reaches; in space the
@@ -279,10 +267,9 @@ class VoronoiDiagram(Shown, Saved, Native):
         return self.clip(low - margin, high + margin)
 
     def _clip(
-        self, region: tuple[Any, ...], shapes: bool, threads: int | None, progress: Progress
+        self, region: tuple[Any, ...], shapes: bool, chosen: _core.Settings | None
     ) -> _core.ClippedCells:
         cells, diagram = self.triangulation._cells, self._diagram
-        chosen = settings(threads=threads, progress=progress)
         if len(region) == 2:
             low, high = (
                 np.asarray(as_points(c, "corner", axes=1), dtype=np.float64).tolist()

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import os
 from copy import copy
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
 from .._answers import Mesh
-from .._arguments import Backend, CullMethod, Progress, settings
 from .._batches import GrowingHull
 from .._errors import InvalidArgument, qhull_error
 from .._hull import Hull
+from .._options import Filtered, documented, require_known, settings, takes
 from ..show._forms import Picture, Surface, Table
 from ..show._shown import Exported
 from ._incremental import IncrementalPoints, Lazy
 from ._original import of_scipy
 from ._qhull_options import QhullOptions, parse
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Filtered)
 class ConvexHull(Exported, IncrementalPoints):
     """In place of `scipy.spatial.ConvexHull`: the same attributes, exact, and faster.
 
@@ -43,7 +47,6 @@ class ConvexHull(Exported, IncrementalPoints):
         default the hull of flat input is computed within the k-dimensional flat that the points
         span: then `simplices` and `neighbors` have k columns, and `volume` and `area` are k- and
         (k-1)-dimensional.
-    backend, cull, threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
@@ -92,37 +95,24 @@ class ConvexHull(Exported, IncrementalPoints):
         qhull_options: str | None = None,
         *,
         strict: bool = False,
-        backend: Backend = "auto",
-        cull: CullMethod = "auto",
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
+        **options: Unpack[Filtered],
     ) -> None:
+        require_known(options, Filtered)
         array = self._take(points, incremental)
         self._options = parse(qhull_options)
-        self._choices = (backend, cull, threads, memory_budget, progress)
+        self._choices = options
         self._strict = bool(strict)
         self._grower: GrowingHull | None = None
         self._compute(array, array)
 
-    def _settings(self) -> _core.Settings | None:
-        backend, cull, threads, memory_budget, progress = self._choices
-        return settings(
-            backend=backend,
-            cull=cull,
-            threads=threads,
-            memory_budget=memory_budget,
-            progress=progress,
-        )
-
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
         left_out = self._options.good_point
         if left_out is not None:
-            solid = _solid_without(everything, left_out, self._settings())
+            solid = _solid_without(everything, left_out, settings(self._choices))
         elif self._open:
             solid = self._grow(everything, added)
         else:
-            solid = _core.convex_hull(everything, self._settings())
+            solid = _core.convex_hull(everything, settings(self._choices))
         if self._strict and solid.affine_dimension < self.ndim and not self._options.joggled:
             self._grower = None
             raise_flat(everything, solid.affine_dimension)
@@ -137,8 +127,8 @@ class ConvexHull(Exported, IncrementalPoints):
             grower = GrowingHull(self.ndim)
         elif grower is None:  # this is a copy, or the last call failed
             grower = GrowingHull._of(self.hull)
-        _, _, threads, memory_budget, progress = self._choices
-        grower.add(added, threads=threads, memory_budget=memory_budget, progress=progress)
+        steering = ("backend", "cull")
+        grower.add(added, **{k: v for k, v in self._choices.items() if k not in steering})
         self._grower = grower
         return grower.hull._solid
 
@@ -259,6 +249,7 @@ class ConvexHull(Exported, IncrementalPoints):
         """
         return self.hull.mesh()
 
+    @documented("path", "format", "crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -271,15 +262,8 @@ class ConvexHull(Exported, IncrementalPoints):
 
         Parameters
         ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
-        format : str
-            The format, whatever the extension.
         polygons : bool, optional
             As in `Hull.save`.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from .._arguments import Progress, as_array, as_coordinates, is_doubles, settings
+from .._arguments import as_array, as_coordinates, is_doubles
 from .._errors import InvalidArgument, NotFinite
 from .._lifted_planes import planes, spheres, transforms
+from .._options import Budgeted, documented, require_known, settings, takes
 from .._triangulation import Triangulation
 from ..show._forms import Table
 from ..show._shown_cells import ShownCells
@@ -20,6 +21,9 @@ from ._convex_hull import raise_flat
 from ._incremental import IncrementalPoints, Lazy
 from ._original import scipy_version
 from ._qhull_options import QhullOptions, parse
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 #: SciPy's own where none are given: of triangulations that do not grow, and of others.
 _DEFAULTS = QhullOptions(coplanar=True, scaled_last=True, at_infinity=True)
@@ -31,6 +35,7 @@ DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
 _LARGEST_PULL = 2.0**-20
 
 
+@takes(Budgeted)
 class Lifted(IncrementalPoints):
     """What `Delaunay` and `Voronoi` share: points, options, adding, copies."""
 
@@ -42,11 +47,9 @@ class Lifted(IncrementalPoints):
         furthest_site: bool = False,
         incremental: bool = False,
         qhull_options: str | None = None,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
+        **options: Unpack[Budgeted],
     ) -> None:
+        require_known(options, Budgeted)
         array = self._take(points, incremental)
         if qhull_options is None:
             self._options = _DEFAULTS_INCREMENTAL if incremental else _DEFAULTS
@@ -55,12 +58,11 @@ class Lifted(IncrementalPoints):
         if incremental and self._options.at_infinity:
             raise InvalidArgument("Qhull option 'Qz' is not for incremental use")
         self.furthest_site = bool(furthest_site)
-        self._choices = (threads, memory_budget, progress)
+        self._choices = options
         self._compute(array, array)
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
-        threads, memory_budget, progress = self._choices
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(self._choices)
         found = _core.triangulate(everything, None, self.furthest_site, chosen)
         if found.affine_dimension < self.ndim and not self._options.joggled:
             raise_flat(everything, found.affine_dimension, "Delaunay")
@@ -81,6 +83,7 @@ class Lifted(IncrementalPoints):
         return bound
 
 
+@takes(Budgeted)
 class Delaunay(ShownCells, Lifted):
     """In place of `scipy.spatial.Delaunay`: the same attributes, exact, and faster.
 
@@ -98,7 +101,6 @@ class Delaunay(ShownCells, Lifted):
         As in SciPy, ``Qbb Qc Qz Q12`` if not given, ``Qc`` if incremental. ``Qbb`` and ``Qz`` set
         `paraboloid_scale` and `paraboloid_shift`; without ``Qc`` `coplanar` is empty. Other options
         are accepted or refused as in `ConvexHull`.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
@@ -143,7 +145,7 @@ class Delaunay(ShownCells, Lifted):
         if found.affine_dimension < max(found.dimension, 2):
             raise InvalidArgument("a triangulation of points in a plane or a line, or of too few")
         result = cls.__new__(cls)
-        result._options, result._choices, result._open = _DEFAULTS, (None, None, None), False
+        result._options, result._choices, result._open = _DEFAULTS, {}, False
         result.ndim, result.furthest_site = found.dimension, found.furthest_site
         result._array, result.triangulation = found.points, found
         return result
@@ -414,6 +416,7 @@ class Delaunay(ShownCells, Lifted):
 
     # As the native triangulation has it
 
+    @documented("path", "format", "crs")
     def save(
         self,
         path: str | os.PathLike[str],
@@ -426,15 +429,8 @@ class Delaunay(ShownCells, Lifted):
 
         Parameters
         ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
         heights : (n,) array, optional
             Third coordinates of 2D points.
-        format : str
-            The format, whatever the extension.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from .._arguments import Progress, as_points, settings
+from .._arguments import as_points
 from .._errors import InvalidArgument, qhull_error
 from .._hull import Hull
+from .._options import Budgeted, require_known, settings, takes
 from ._incremental import Incremental, Lazy
 from ._qhull_options import parse
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
+
+@takes(Budgeted)
 class HalfspaceIntersection(Incremental):
     """In place of `scipy.spatial.HalfspaceIntersection`: the polyhedron that halfspaces bound.
 
@@ -31,7 +36,6 @@ class HalfspaceIntersection(Incremental):
         Allow `add_halfspaces`.
     qhull_options : str, optional
         As in `ConvexHull`; ``QGn`` raises, ``Qc`` and ``Qi`` have no effect.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
@@ -81,11 +85,9 @@ class HalfspaceIntersection(Incremental):
         interior_point: Any = None,
         incremental: bool = False,
         qhull_options: str | None = None,
-        *,
-        threads: int | None = None,
-        memory_budget: int | None = None,
-        progress: Progress = None,
+        **options: Unpack[Budgeted],
     ) -> None:
+        require_known(options, Budgeted)
         array = as_points(halfspaces, "halfspaces")
         if array.shape[0] == 0:
             raise InvalidArgument("No halfspaces given")
@@ -94,7 +96,7 @@ class HalfspaceIntersection(Incremental):
             raise InvalidArgument("Need at least 2-D data")
         if parse(qhull_options).good_point is not None:
             raise InvalidArgument("QGn leaves a point out, which halfspaces have no use for")
-        self._choices = (threads, memory_budget, progress)
+        self._choices = options
         if interior_point is not None:
             point = as_points(np.atleast_1d(interior_point), "interior_point", axes=1)
             if point.shape != (self.ndim,):
@@ -111,8 +113,7 @@ class HalfspaceIntersection(Incremental):
         if interior is not None:
             _require_feasible(halfspaces, interior)
         point = None if interior is None else interior[np.newaxis, :]
-        threads, memory_budget, progress = self._choices
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(self._choices)
         result = _core.intersect_halfspaces(halfspaces, point, chosen)
         self._array = halfspaces
         self.interior_point, self.dual_points, solid, self.is_bounded, self.intersections = result
@@ -171,8 +172,7 @@ class HalfspaceIntersection(Incremental):
         """
         if not self.is_bounded:
             raise InvalidArgument("an unbounded polyhedron is no hull of its vertices")
-        threads, memory_budget, progress = self._choices
-        chosen = settings(threads=threads, memory_budget=memory_budget, progress=progress)
+        chosen = settings(self._choices)
         return Hull._of(_core.convex_hull(self.intersections, chosen))
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Generic, TypeVar, overload
 
 import numpy as np
@@ -44,8 +44,8 @@ class Incremental:
     _lazy: ClassVar[frozenset[str]]
     _open: bool
     _array: npt.NDArray[Any]
-    #: The options of the computation; the last one is `progress`.
-    _choices: tuple[Any, ...]
+    #: The options of the computation.
+    _choices: Mapping[str, Any]
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
@@ -63,8 +63,8 @@ class Incremental:
 
     def __getstate__(self) -> dict[str, Any]:
         state = {k: v for k, v in self.__dict__.items() if k not in self._lazy}
-        if callable(self._choices[-1]):  # a callback belongs to this process
-            state["_choices"] = (*self._choices[:-1], None)
+        if callable(self._choices.get("progress")):  # a callback belongs to this process
+            state["_choices"] = {**self._choices, "progress": None}
         return state
 
     def close(self) -> None:

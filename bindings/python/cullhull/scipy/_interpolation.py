@@ -9,10 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from .._arguments import as_array, as_coordinates, as_point_set, is_doubles, settings
+from .._arguments import as_array, as_coordinates, as_point_set, is_doubles
 from .._errors import InvalidArgument, NotFinite
 from .._functions import convex_hull
 from .._hull import Hull
+from .._options import documented, settings
 from .._triangulation import as_triangulation
 from ._delaunay import DEFAULT_TOLERANCE, Delaunay
 from ._incremental import Lazy
@@ -82,6 +83,7 @@ class _Interpolator:
         return out.reshape(xi.shape[:-1] + each)
 
 
+@documented("threads")
 class _OnCells(_Interpolator):
     """Those that need a triangulation."""
 
@@ -190,8 +192,6 @@ class LinearNDInterpolator(_OnCells):
     rescale : bool
         Divide each coordinate by its range before triangulating, which gives another triangulation:
         for coordinates in different units.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
@@ -233,7 +233,7 @@ class LinearNDInterpolator(_OnCells):
             numbers,
             numbers.shape[1],
             outside,
-            None if self._threads is None else settings(threads=self._threads),
+            None if self._threads is None else settings({"threads": self._threads}),
         )
         if len(outside) == 2:
             found = found.view(np.complex128)
@@ -261,8 +261,6 @@ class NaturalNDInterpolator(_OnCells):
     rescale : bool
         Divide each coordinate by its range before triangulating, which gives other neighbours: for
         coordinates in different units.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
@@ -306,7 +304,7 @@ class NaturalNDInterpolator(_OnCells):
             self.tri.triangulation._cells,
             np.ascontiguousarray(parts, dtype=np.float64).reshape(-1),
             self._components,
-            settings(threads=self._threads),
+            settings({"threads": self._threads}),
         )
 
     def _values(self, xi: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[Any]:
@@ -316,7 +314,7 @@ class NaturalNDInterpolator(_OnCells):
         inside[inside] = np.asarray(cells) >= 0
         edge = self._on_border(rows, np.flatnonzero(~inside), tolerance)
         inside[list(edge)] = True
-        chosen = settings(threads=self._threads)
+        chosen = settings({"threads": self._threads})
         found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
         found = found.reshape(-1, self._components)
         place = np.cumsum(inside) - 1
@@ -414,6 +412,7 @@ class NaturalNDInterpolator(_OnCells):
         )
 
 
+@documented("threads")
 class NearestNDInterpolator(_Interpolator):
     """In place of `scipy.interpolate.NearestNDInterpolator`: the value of the nearest point.
 
@@ -431,8 +430,6 @@ class NearestNDInterpolator(_Interpolator):
         Divide each coordinate by its range before searching: for coordinates in different units.
     tree_options : dict, optional
         Options of SciPy's cKDTree, where it is used.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
 
     Attributes
     ----------
@@ -547,7 +544,7 @@ class NearestNDInterpolator(_Interpolator):
         if self._nearby is None:
             return None
         try:
-            return self._nearby.nearest(rows, settings(threads=self._threads))
+            return self._nearby.nearest(rows, settings({"threads": self._threads}))
         except NotFinite:
             _require_finite(rows)
             raise
@@ -561,7 +558,7 @@ class NearestNDInterpolator(_Interpolator):
     @Lazy
     def _nearby(self) -> _core.NearestTree | None:
         """The points in a tree of our own; None in more dimensions than it takes."""
-        return _core.nearest_tree(self.points, settings(threads=self._threads))
+        return _core.nearest_tree(self.points, settings({"threads": self._threads}))
 
     @Lazy
     def tree(self) -> Any:
@@ -580,6 +577,7 @@ class NearestNDInterpolator(_Interpolator):
         return tree(self.points, **self._tree_options)
 
 
+@documented("threads")
 def griddata(
     points: Any,
     values: Any,
@@ -611,8 +609,6 @@ def griddata(
     simplex_tolerance : float
         As of `LinearNDInterpolator`, for 'linear' and 'natural'; passed on to SciPy (1.18 or later)
         where the method is SciPy's.
-    threads : int, optional
-        Threads to use; all the machine offers if not given.
 
     Returns
     -------

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
 from .._errors import InvalidArgument
+from .._options import Budgeted, Filtered, settings, takes
 from ._convex_hull import ConvexHull, raise_flat
 from ._delaunay import Delaunay, Lifted
 from ._incremental import Lazy
@@ -24,6 +25,9 @@ from ._merging import (
 )
 from ._voronoi import Voronoi
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 
 def _checked(merge_distance: float | None) -> float | None:
     if merge_distance is None:
@@ -34,6 +38,7 @@ def _checked(merge_distance: float | None) -> float | None:
     return merge_distance
 
 
+@takes(Filtered)
 class TolerantConvexHull(ConvexHull):
     """`ConvexHull` within a stated distance, for programs that assume Qhull's tolerances.
 
@@ -47,8 +52,7 @@ class TolerantConvexHull(ConvexHull):
 
     Parameters
     ----------
-    points, incremental, qhull_options, backend, cull, threads, memory_budget, progress :
-        as of `ConvexHull`
+    points, incremental, qhull_options : as of `ConvexHull`
     merge_distance : float, optional
         In the points' units; 0 drops nothing and merges nothing. If not given,
         ``hull.rounding_distance()``: what turning and shifting in doubles can do.
@@ -88,10 +92,10 @@ class TolerantConvexHull(ConvexHull):
         *,
         merge_distance: float | None = None,
         strict: bool = True,
-        **choices: Any,
+        **options: Unpack[Filtered],
     ) -> None:
         self._asked = _checked(merge_distance)
-        super().__init__(points, incremental, qhull_options, strict=strict, **choices)
+        super().__init__(points, incremental, qhull_options, strict=strict, **options)
 
     def _grow(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> _core.Solid:
         # Vertices that were dropped before count again, and `hull` lacks them.
@@ -99,7 +103,7 @@ class TolerantConvexHull(ConvexHull):
 
     def _settle(self, solid: _core.Solid) -> _core.Solid:
         distance = _core.rounding_distance(solid) if self._asked is None else self._asked
-        kept, self.dropped, self.distance = _core.simplify(solid, distance, self._settings())
+        kept, self.dropped, self.distance = _core.simplify(solid, distance, settings(self._choices))
         self.merge_distance = distance
         return kept
 
@@ -117,6 +121,7 @@ class TolerantConvexHull(ConvexHull):
         return sides
 
 
+@takes(Budgeted)
 class _TolerantLifted(Lifted):
     """What `TolerantDelaunay` and `TolerantVoronoi` share: the distance, and cells dropped."""
 
@@ -130,10 +135,10 @@ class _TolerantLifted(Lifted):
         qhull_options: str | None = None,
         *,
         merge_distance: float | None = None,
-        **choices: Any,
+        **options: Unpack[Budgeted],
     ) -> None:
         self._asked = _checked(merge_distance)
-        super().__init__(points, furthest_site, incremental, qhull_options, **choices)
+        super().__init__(points, furthest_site, incremental, qhull_options, **options)
 
     def _compute(self, everything: npt.NDArray[Any], added: npt.NDArray[Any]) -> None:
         before = self.__dict__.copy()
@@ -167,6 +172,7 @@ class _TolerantLifted(Lifted):
         return float(self._scaled.down(self.merge_distance))
 
 
+@takes(Budgeted)
 class TolerantDelaunay(_TolerantLifted, Delaunay):
     """`Delaunay` without flat simplices at the boundary, for programs that assume tolerances.
 
@@ -179,8 +185,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
 
     Parameters
     ----------
-    points, furthest_site, incremental, qhull_options, threads, memory_budget, progress :
-        as of `Delaunay`
+    points, furthest_site, incremental, qhull_options : as of `Delaunay`
     merge_distance : float, optional
         In the points' units; 0 drops nothing. If not given, 64 d^1.5 2^-53 times the largest
         coordinate, as of `TolerantConvexHull`.
@@ -351,6 +356,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         return groups
 
 
+@takes(Budgeted)
 class TolerantVoronoi(_TolerantLifted, Voronoi):
     """`Voronoi` within a stated distance, for programs that assume Qhull's tolerances.
 
@@ -369,8 +375,7 @@ class TolerantVoronoi(_TolerantLifted, Voronoi):
 
     Parameters
     ----------
-    points, furthest_site, incremental, qhull_options, threads, memory_budget, progress :
-        as of `Voronoi`
+    points, furthest_site, incremental, qhull_options : as of `Voronoi`
     merge_distance : float, optional
         In the points' units; 0 merges nothing. If not given, 64 d^1.5 2^-53 times the largest
         coordinate, as of `TolerantConvexHull`.

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .. import _core
-from .._arguments import settings
 from .._lists import collector_paused
+from .._options import Budgeted, settings, takes
 from .._voronoi import VoronoiDiagram
 from ..show._forms import Picture, Table
 from ..show._shown import Saved, Shown
@@ -20,6 +20,7 @@ from ._incremental import Lazy
 _MADE_OF_DIAGRAM = ("vertices", "ridge_points", "ridge_vertices", "regions")
 
 
+@takes(Budgeted)
 class Voronoi(Shown, Saved, Lifted):
     """In place of `scipy.spatial.Voronoi`: the same attributes, exact, and faster.
 
@@ -38,7 +39,6 @@ class Voronoi(Shown, Saved, Lifted):
         As in SciPy, ``Qbb Qc Qz`` if not given, ``Qc`` if incremental. With ``Qz`` the first region
         is empty: that of a point at infinity. Without ``Qc`` duplicates have no region. Other
         options are accepted or refused as in `ConvexHull`.
-    threads, memory_budget, progress : as in `convex_hull`
 
     Attributes
     ----------
@@ -88,10 +88,8 @@ class Voronoi(Shown, Saved, Lifted):
     @Lazy
     def _dual(self) -> VoronoiDiagram:
         """The native diagram, until all that is made of it has been made."""
-        threads, _, progress = self._choices
-        diagram = _core.voronoi(
-            self.triangulation._cells, settings(threads=threads, progress=progress)
-        )
+        chosen = {k: v for k, v in self._choices.items() if k != "memory_budget"}
+        diagram = _core.voronoi(self.triangulation._cells, settings(chosen))
         return VoronoiDiagram._of(self.triangulation, diagram)
 
     #: Of a subclass what its attributes are made of, where that is no native diagram.

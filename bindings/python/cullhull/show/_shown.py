@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from .._answers import Mesh
 from .._errors import InvalidArgument
+from .._options import documented
 from ..geo._maps import save_map
 from ._forms import Picture, Surface, Table, Volume
 
@@ -125,6 +126,7 @@ class Saved:
     def _write(self, path: str, format: str, crs: str = "") -> None:
         raise NotImplementedError
 
+    @documented("path", "format", "crs")
     def save(
         self, path: str | os.PathLike[str], *, format: str = "", crs: str | None = None
     ) -> None:
@@ -141,16 +143,6 @@ class Saved:
                                      set, with the key ``set``
         `VoronoiDiagram`             .json
         ============================ ===========================================================
-
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The extension selects the format. An existing file is replaced.
-        format : str
-            The format, whatever the extension.
-        crs : str, optional
-            The coordinate reference system, "EPSG:25832", for .geojson (GDAL's member ``crs``; none
-            for WGS 84) and for .gpkg, .fgb and .shp, which need pyogrio.
 
         Raises
         ------
