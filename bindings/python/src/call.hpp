@@ -6,7 +6,10 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
@@ -44,6 +47,13 @@ Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noe
 /// another thread while this one waits.
 void run(const Settings* settings, Length length,
          const std::function<void(const cullhull::Options&)>& work);
+/// The same for work that returns its result.
+template <class Work>
+auto computed(const Settings* settings, Length length, const Work& work) {
+  std::optional<std::invoke_result_t<const Work&, const cullhull::Options&>> result;
+  run(settings, length, [&](const cullhull::Options& options) { result.emplace(work(options)); });
+  return std::move(*result);
+}
 
 /// For objects that only one thread at a time may use: a second thread gets an error instead of a
 /// data race.

@@ -67,51 +67,43 @@ using Offsets = Array<std::int64_t>;
 
 std::tuple<Numbers, Numbers, Numbers> alpha_shape(const Cells& cells, double alpha,
                                                   const Settings* settings) {
-  cullhull::AlphaShape shape;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    shape = cullhull::alpha_shape(cells.points().view(), cells.triangulation(), alpha, options);
+  const auto shape = computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return cullhull::alpha_shape(cells.points().view(), cells.triangulation(), alpha, options);
   });
   return {copied(shape.cells), copied(shape.facets), copied(shape.facet_cells)};
 }
 
 Array<double> alpha_radii(const Cells& cells, const Settings* settings) {
-  cullhull::Array<double> radii;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    radii = cullhull::alpha_radii(cells.points().view(), cells.triangulation(), options);
-  });
-  return copied(radii);
+  return copied(computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return cullhull::alpha_radii(cells.points().view(), cells.triangulation(), options);
+  }));
 }
 
 /// By a length, or with `ratio` by a share of the lengths; the length, too.
 std::tuple<double, Numbers, Numbers, Numbers> concave_hull(const Cells& cells, double number,
                                                            bool ratio, const Settings* settings) {
-  cullhull::AlphaShape hull;
   double length = number;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
+  const auto hull = computed(settings, length_of_cells(cells), [&](const Options& options) {
     const auto points = cells.points().view();
     if (ratio) length = cullhull::concave_length(points, cells.triangulation(), number, options);
-    hull = cullhull::concave_hull(points, cells.triangulation(), length, options);
+    return cullhull::concave_hull(points, cells.triangulation(), length, options);
   });
   return {length, copied(hull.cells), copied(hull.facets), copied(hull.facet_cells)};
 }
 
 double critical_alpha(const Cells& cells, bool one_region, const Settings* settings) {
-  double alpha = 0;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    alpha = cullhull::critical_alpha(
+  return computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return cullhull::critical_alpha(
         cells.points().view(), cells.triangulation(),
         one_region ? cullhull::AlphaGoal::one_region : cullhull::AlphaGoal::all_points, options);
   });
-  return alpha;
 }
 
 std::tuple<Numbers, Offsets, Offsets> cell_polygons(const Cells& cells, Numbers chosen,
                                                     const Settings* settings) {
   const std::vector<std::uint32_t> numbers = numbers_of(std::move(chosen), "cell");
-  cullhull::CellPolygons polygons;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    polygons =
-        cullhull::cell_polygons(cells.points().view(), cells.triangulation(), numbers, options);
+  const auto polygons = computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return cullhull::cell_polygons(cells.points().view(), cells.triangulation(), numbers, options);
   });
   return {copied(polygons.rings.items), copied(polygons.rings.offsets),
           copied(polygons.polygon_offsets)};
@@ -124,11 +116,9 @@ using GraphOf = cullhull::Array<std::uint32_t> (*)(const cullhull::PointView&, c
 
 template <GraphOf graph_of>
 Numbers graph(const Cells& cells, const Settings* settings) {
-  cullhull::Array<std::uint32_t> edges;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    edges = graph_of(cells.points().view(), cells.triangulation(), options);
-  });
-  return copied(edges);
+  return copied(computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return graph_of(cells.points().view(), cells.triangulation(), options);
+  }));
 }
 
 // --------------------------------------------------------------------------- constrained edges
@@ -162,12 +152,10 @@ std::unique_ptr<Interpolator> interpolator(const Cells& cells, Array<double> val
   if (!cells.weights_array().is_none())
     throw cullhull::Error(cullhull::ErrorCode::invalid_argument,
                           "interpolation needs a triangulation without weights");
-  std::unique_ptr<Interpolator> made;
-  run(settings, length_of_cells(cells), [&](const Options& options) {
-    made = std::make_unique<Interpolator>(cells.points().view(), cells.triangulation(),
+  return computed(settings, length_of_cells(cells), [&](const Options& options) {
+    return std::make_unique<Interpolator>(cells.points().view(), cells.triangulation(),
                                           values.data(), components, options);
   });
-  return made;
 }
 
 Array<double> natural(const Interpolator& of, nb::handle array, double outside,

@@ -214,10 +214,9 @@ std::unique_ptr<NearestPoint> nearest_tree(nb::handle array, const Settings* set
   const PointView& view = points.view();
   check_numbers(view.count);
   if (view.dimension > NearestPoint::most_dimensions) return nullptr;
-  std::unique_ptr<NearestPoint> tree;
-  run(settings, length_of(view),
-      [&](const Options& options) { tree = std::make_unique<NearestPoint>(view, options); });
-  return tree;
+  return computed(settings, length_of(view), [&](const Options& options) {
+    return std::make_unique<NearestPoint>(view, options);
+  });
 }
 
 Array<std::int32_t> ask_for_nearest(const NearestPoint& tree, nb::handle array,

@@ -72,21 +72,20 @@ DevicePoints from_dlpack(const nb::object& capsule, nb::object owner) {
 }
 
 std::unique_ptr<Solid> convex_hull(const DevicePoints& points, const Settings* settings) {
-  std::unique_ptr<Solid> solid;
-  run(settings, Length::long_, [&](const Options& options) {
+  return computed(settings, Length::long_, [&](const Options& options) {
     std::vector<double> rows;
     Hull hull = cullhull::convex_hull(points.view, options, &rows);
-    solid = std::make_unique<Solid>(std::move(hull), std::move(rows));
+    return std::make_unique<Solid>(std::move(hull), std::move(rows));
   });
-  return solid;
 }
 
 Array<std::int64_t> cull(const DevicePoints& points, const Settings* settings) {
-  std::optional<Output<std::int64_t>> ids;
-  run(settings, Length::long_, [&](const Options& options) {
-    ids = kept_ids(cullhull::cull(points.view, options), points.view.count);
-  });
-  return std::move(*ids).to_array();
+  return computed(
+             settings, Length::long_,
+             [&](const Options& options) {
+    return kept_ids(cullhull::cull(points.view, options), points.view.count);
+             })
+      .to_array();
 }
 
 nb::typed<nb::dict, nb::str, nb::any> cuda_status() {

@@ -28,45 +28,44 @@ namespace {
 
 std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings* settings) {
   const Points points(array);
-  std::unique_ptr<Solid> solid;
-  run(settings, length_of(points.view()), [&](const Options& options) {
-    solid = std::make_unique<Solid>(cullhull::convex_hull(points.view(), options), points.view());
+  return computed(settings, length_of(points.view()), [&](const Options& options) {
+    return std::make_unique<Solid>(cullhull::convex_hull(points.view(), options), points.view());
   });
-  return solid;
 }
 
 Array<std::int64_t> cull(nb::handle array, const Settings* settings) {
   const Points points(array);
-  std::optional<Output<std::int64_t>> ids;
-  run(settings, length_of(points.view()), [&](const Options& options) {
-    ids = kept_ids(cullhull::cull(points.view(), options), points.view().count);
-  });
-  return std::move(*ids).to_array();
+  return computed(
+             settings, length_of(points.view()),
+             [&](const Options& options) {
+    return kept_ids(cullhull::cull(points.view(), options), points.view().count);
+             })
+      .to_array();
 }
 
 Certificate certify(nb::handle array, const Solid& solid, const Settings* settings) {
   const Points points(array);
-  Certificate certificate;
-  run(settings, length_of(points.view()), [&](const Options& options) {
-    certificate = cullhull::certify(points.view(), solid.hull(), options);
+  return computed(settings, length_of(points.view()), [&](const Options& options) {
+    return cullhull::certify(points.view(), solid.hull(), options);
   });
-  return certificate;
 }
 
 Array<double> generate(const std::string& shape, std::uint64_t count, std::uint32_t dimension,
                        std::uint64_t seed) {
   constexpr std::uint64_t brief = 100'000, step = 1 << 22;
-  std::optional<Output<double>> out;
   const bool few = dimension > 0 && count < brief / dimension;
-  run(nullptr, few ? Length::brief : Length::long_, [&](const Options& options) {
+  return computed(
+             nullptr, few ? Length::brief : Length::long_,
+             [&](const Options& options) {
     const std::vector<double> points =
         cullhull::generate(shape, count, dimension, seed, options.stop);
-    out.emplace(points.size());
+    Output<double> out(points.size());
     for (std::size_t i = 0; i < points.size() && !options.stop.stop_requested(); i += step)
       std::copy_n(points.data() + i, std::min<std::size_t>(step, points.size() - i),
-                  out->data() + i);
-  });
-  return std::move(*out).to_array();
+                  out.data() + i);
+    return out;
+             })
+      .to_array();
 }
 
 nb::typed<nb::dict, nb::str, nb::str> shapes() {
@@ -77,14 +76,14 @@ nb::typed<nb::dict, nb::str, nb::str> shapes() {
 
 /// The hull of a .json file, which holds the coordinates of its vertices.
 std::unique_ptr<Solid> load_hull(const std::string& path) {
-  std::optional<Hull> hull;
   std::vector<double> rows;
-  run(nullptr, Length::long_,
-      [&](const Options& options) { hull = cullhull::hull_from_json(path, &rows, options); });
-  if (rows.size() != hull->vertices.size() * hull->dimension)
+  Hull hull = computed(nullptr, Length::long_, [&](const Options& options) {
+    return cullhull::hull_from_json(path, &rows, options);
+  });
+  if (rows.size() != hull.vertices.size() * hull.dimension)
     throw cullhull::Error(cullhull::ErrorCode::bad_file, path,
                           ": the hull has no vertex_coordinates, as other programs write it");
-  return std::make_unique<Solid>(std::move(*hull), std::move(rows));
+  return std::make_unique<Solid>(std::move(hull), std::move(rows));
 }
 
 /// Writes a file of `solid` and the points `array`, or, for None, its own vertices, renumbered.

@@ -52,35 +52,78 @@ void ask_all(const Solid& solid, const PointView& view, const Settings* settings
       [&](const Options& options) { ask(solid.query(), view, options); });
 }
 
-Array<bool> contains(const Solid& solid, nb::handle array, const Settings* settings) {
+// ------------------------------------ one answer a point, of the host's memory or of a device's
+
+/// A question: the type of an answer in HullQuery and in the array, and how it is asked.
+#define CULLHULL_QUESTION(name, Item, Shown, method)                                         \
+  struct name {                                                                              \
+    using item = Item;                                                                       \
+    using shown = Shown;                                                                     \
+    template <class View>                                                                    \
+    static void ask(const HullQuery& query, const View& view, Item* out, const Options& o) { \
+      query.method(view, out, o);                                                            \
+    }                                                                                        \
+    static void leave(const HullQuery& query, const DevicePointView& view, Item* out,        \
+                      const Options& o) {                                                    \
+      query.method##_on_device(view, out, o);                                                \
+    }                                                                                        \
+  }
+CULLHULL_QUESTION(Contains, std::uint8_t, bool, contains);
+CULLHULL_QUESTION(Sides, Side, std::int8_t, sides);
+CULLHULL_QUESTION(Distances, double, double, signed_distances);
+CULLHULL_QUESTION(Supports, std::uint64_t, std::int64_t, supports);
+#undef CULLHULL_QUESTION
+
+template <class Q>
+Array<typename Q::shown> answers(const Solid& solid, nb::handle array, const Settings* settings) {
   const Points points(array);
-  Output<std::uint8_t> out(points.view().count);
+  Output<typename Q::item> out(points.view().count);
   ask_all(solid, points.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {
-    query.contains(view, out.data(), options);
+    Q::ask(query, view, out.data(), options);
   });
-  return std::move(out).to_array<bool>();
+  return std::move(out).template to_array<typename Q::shown>();
 }
 
-Array<std::int8_t> sides(const Solid& solid, nb::handle array, const Settings* settings) {
-  const Points points(array);
-  Output<std::int8_t> out(points.view().count);
-  ask_all(solid, points.view(), settings,
-          [&](const HullQuery& query, const PointView& view, const Options& options) {
-    query.sides(view, reinterpret_cast<Side*>(out.data()), options);
-  });
-  return std::move(out).to_array();
+/// Of points in a device's memory.
+template <class Q>
+Array<typename Q::shown> answers_there(const Solid& solid, const DevicePoints& points,
+                                       const Settings* settings) {
+  Output<typename Q::item> out(points.view.count);
+  run(settings, Length::long_,
+      [&](const Options& options) { Q::ask(solid.query(), points.view, out.data(), options); });
+  return std::move(out).template to_array<typename Q::shown>();
 }
 
-Array<double> distances(const Solid& solid, nb::handle array, const Settings* settings) {
-  const Points points(array);
-  Output<double> out(points.view().count);
-  ask_all(solid, points.view(), settings,
-          [&](const HullQuery& query, const PointView& view, const Options& options) {
-    query.signed_distances(view, out.data(), options);
+/// And the answers stay there.
+template <class Q>
+DeviceItems answers_on_device(const Solid& solid, const DevicePoints& points,
+                              const Settings* settings) {
+  using Item = typename Q::item;
+  static_assert(sizeof(Item) == sizeof(typename Q::shown));
+  cullhull::DeviceMemory memory;
+  run(settings, Length::long_, [&](const Options& options) {
+    const HullQuery& query = solid.query();
+    memory = cullhull::device_memory(points.view, points.view.count * sizeof(Item));
+    Q::leave(query, points.view, static_cast<Item*>(memory.data.get()), options);
   });
-  return std::move(out).to_array();
+  const void* const data = memory.data.get();
+  return {data,
+          {points.view.count},
+          nb::dtype<typename Q::shown>(),
+          memory.device,
+          freed_without_gil(std::move(memory.data))};
 }
+
+template <class Q>
+void bind_question(nb::class_<Solid>& c, const std::string& name) {
+  const auto settings = nb::arg("settings").none();
+  c.def(name.c_str(), answers<Q>, nb::arg("points"), settings)
+      .def((name + "_there").c_str(), answers_there<Q>, nb::arg("points"), settings)
+      .def((name + "_on_device").c_str(), answers_on_device<Q>, nb::arg("points"), settings);
+}
+
+// ---------------------------------------------------------------------------- answers of parts
 
 std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid, nb::handle array,
                                                               const Settings* settings) {
@@ -98,16 +141,6 @@ std::tuple<Array<std::int64_t>, Array<double>> nearest_facets(const Solid& solid
     }
   });
   return std::make_tuple(std::move(facets).to_array(), std::move(distance).to_array());
-}
-
-Array<std::int64_t> supports(const Solid& solid, nb::handle array, const Settings* settings) {
-  const Points directions(array);
-  Output<std::int64_t> out(directions.view().count);
-  ask_all(solid, directions.view(), settings,
-          [&](const HullQuery& query, const PointView& view, const Options& options) {
-    query.supports(view, reinterpret_cast<std::uint64_t*>(out.data()), options);
-  });
-  return std::move(out).to_array();
 }
 
 Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const Settings* settings) {
@@ -158,131 +191,17 @@ Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_arra
               std::move(exit_facet).to_array());
 }
 
-// ---------------------------------------------------------------- points in a device's memory
-
-/// The same as ask_all.
-template <class Ask>
-void ask_there(const Solid& solid, const DevicePoints& points, const Settings* settings,
-               const Ask& ask) {
-  run(settings, Length::long_,
-      [&](const Options& options) { ask(solid.query(), points.view, options); });
-}
-
-Array<bool> contains_there(const Solid& solid, const DevicePoints& points,
-                           const Settings* settings) {
-  Output<std::uint8_t> out(points.view.count);
-  ask_there(solid, points, settings,
-            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    query.contains(view, out.data(), options);
-  });
-  return std::move(out).to_array<bool>();
-}
-
-Array<std::int8_t> sides_there(const Solid& solid, const DevicePoints& points,
-                               const Settings* settings) {
-  Output<std::int8_t> out(points.view.count);
-  ask_there(solid, points, settings,
-            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    query.sides(view, reinterpret_cast<Side*>(out.data()), options);
-  });
-  return std::move(out).to_array();
-}
-
-Array<double> distances_there(const Solid& solid, const DevicePoints& points,
-                              const Settings* settings) {
-  Output<double> out(points.view.count);
-  ask_there(solid, points, settings,
-            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    query.signed_distances(view, out.data(), options);
-  });
-  return std::move(out).to_array();
-}
-
-Array<std::int64_t> supports_there(const Solid& solid, const DevicePoints& directions,
-                                   const Settings* settings) {
-  Output<std::int64_t> out(directions.view.count);
-  ask_there(solid, directions, settings,
-            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    query.supports(view, reinterpret_cast<std::uint64_t*>(out.data()), options);
-  });
-  return std::move(out).to_array();
-}
-
-// ------------------------------------------------------- and their answers, which stay there
-
-/// `T`: an item in HullQuery; `Shown`: in the array.
-template <class T, class Shown, class Ask>
-DeviceItems answers_there(const Solid& solid, const DevicePoints& points, const Settings* settings,
-                          const Ask& ask) {
-  static_assert(sizeof(T) == sizeof(Shown));
-  cullhull::DeviceMemory memory;
-  ask_there(solid, points, settings,
-            [&](const HullQuery& query, const DevicePointView& view, const Options& options) {
-    memory = cullhull::device_memory(view, view.count * sizeof(T));
-    ask(query, view, static_cast<T*>(memory.data.get()), options);
-  });
-  const void* const data = memory.data.get();
-  return {data,
-          {points.view.count},
-          nb::dtype<Shown>(),
-          memory.device,
-          freed_without_gil(std::move(memory.data))};
-}
-
-DeviceItems contains_on_device(const Solid& solid, const DevicePoints& points,
-                               const Settings* settings) {
-  return answers_there<std::uint8_t, bool>(
-      solid, points, settings,
-      [](const HullQuery& query, const DevicePointView& view, std::uint8_t* out,
-         const Options& options) { query.contains_on_device(view, out, options); });
-}
-
-DeviceItems sides_on_device(const Solid& solid, const DevicePoints& points,
-                            const Settings* settings) {
-  return answers_there<Side, std::int8_t>(
-      solid, points, settings,
-      [](const HullQuery& query, const DevicePointView& view, Side* out, const Options& options) {
-    query.sides_on_device(view, out, options);
-      });
-}
-
-DeviceItems distances_on_device(const Solid& solid, const DevicePoints& points,
-                                const Settings* settings) {
-  return answers_there<double, double>(
-      solid, points, settings,
-      [](const HullQuery& query, const DevicePointView& view, double* out, const Options& options) {
-    query.signed_distances_on_device(view, out, options);
-      });
-}
-
-DeviceItems supports_on_device(const Solid& solid, const DevicePoints& directions,
-                               const Settings* settings) {
-  return answers_there<std::uint64_t, std::int64_t>(
-      solid, directions, settings,
-      [](const HullQuery& query, const DevicePointView& view, std::uint64_t* out,
-         const Options& options) { query.supports_on_device(view, out, options); });
-}
-
 }  // namespace
 
 void bind_query(nb::class_<Solid>& c) {
-  c.def("contains", contains, nb::arg("points"), nb::arg("settings").none())
-      .def("sides", sides, nb::arg("points"), nb::arg("settings").none())
-      .def("distances", distances, nb::arg("points"), nb::arg("settings").none())
-      .def("nearest_facets", nearest_facets, nb::arg("points"), nb::arg("settings").none())
-      .def("supports", supports, nb::arg("directions"), nb::arg("settings").none())
-      .def("contains_there", contains_there, nb::arg("points"), nb::arg("settings").none())
-      .def("sides_there", sides_there, nb::arg("points"), nb::arg("settings").none())
-      .def("distances_there", distances_there, nb::arg("points"), nb::arg("settings").none())
-      .def("supports_there", supports_there, nb::arg("directions"), nb::arg("settings").none())
-      .def("contains_on_device", contains_on_device, nb::arg("points"), nb::arg("settings").none())
-      .def("sides_on_device", sides_on_device, nb::arg("points"), nb::arg("settings").none())
-      .def("distances_on_device", distances_on_device, nb::arg("points"),
-           nb::arg("settings").none())
-      .def("supports_on_device", supports_on_device, nb::arg("directions"),
-           nb::arg("settings").none())
-      .def("visible_facets", visible_facets, nb::arg("points"), nb::arg("settings").none())
-      .def("rays", rays, nb::arg("origins"), nb::arg("directions"), nb::arg("settings").none());
+  bind_question<Contains>(c, "contains");
+  bind_question<Sides>(c, "sides");
+  bind_question<Distances>(c, "distances");
+  bind_question<Supports>(c, "supports");
+  const auto settings = nb::arg("settings").none();
+  c.def("nearest_facets", nearest_facets, nb::arg("points"), settings)
+      .def("visible_facets", visible_facets, nb::arg("points"), settings)
+      .def("rays", rays, nb::arg("origins"), nb::arg("directions"), settings);
 }
 
 }  // namespace binding

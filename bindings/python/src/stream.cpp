@@ -29,8 +29,7 @@ namespace {
 nb::bytes bytes_of(const void* data, std::size_t size) { return nb::bytes(data, size); }
 
 std::unique_ptr<Solid> solid_of(const HullState& state, const Settings* settings) {
-  std::unique_ptr<Solid> solid;
-  run(settings, length_of(state.points()), [&](const Options& options) {
+  return computed(settings, length_of(state.points()), [&](const Options& options) {
     cullhull::Hull hull = state.hull(options);
     const cullhull::PointView points = state.points();
     std::vector<double> rows;
@@ -40,9 +39,8 @@ std::unique_ptr<Solid> solid_of(const HullState& state, const Settings* settings
       for (std::uint32_t j = 0; j < points.dimension; ++j)
         rows.push_back(points.at(static_cast<std::uint64_t>(row - state.ids().begin()), j));
     }
-    solid = std::make_unique<Solid>(std::move(hull), std::move(rows));
+    return std::make_unique<Solid>(std::move(hull), std::move(rows));
   });
-  return solid;
 }
 
 /// Runs to its end, then raises a pending signal's exception: a push is done completely or not at
@@ -69,9 +67,7 @@ class Stream {
     run_whole(nullptr, state.points(), [&] { stream_.push(state); });
   }
   HullState state() {
-    HullState state;
-    run(nullptr, Length::long_, [&](const Options&) { state = stream_.state(); });
-    return state;
+    return computed(nullptr, Length::long_, [&](const Options&) { return stream_.state(); });
   }
   nb::typed<nb::dict, nb::str, nb::int_> report() const {
     const cullhull::StreamReport r = stream_.report();
@@ -90,10 +86,9 @@ class Stream {
 
 HullState state_of(nb::handle array, std::uint64_t first_id, const Settings* settings) {
   const Points points(array);
-  HullState state;
-  run(settings, length_of(points.view()),
-      [&](const Options& options) { state = HullState(points.view(), first_id, options); });
-  return state;
+  return computed(settings, length_of(points.view()), [&](const Options& options) {
+    return HullState(points.view(), first_id, options);
+  });
 }
 
 HullState merged(const HullState& a, const HullState& b, const Settings* settings) {

@@ -50,26 +50,24 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
                                    const Settings* settings) {
   const Points points(array);
   const std::vector<double> heights = weights_of(weights);
-  Triangulation result;
-  run(settings, length_of_triangulation(points.view()), [&](const Options& options) {
-    auto chosen = cullhull::options_as<TriangulationOptions>(options);
+  const bool weighted = !weights.is_none();
+  auto result = computed(settings, length_of_triangulation(points.view()), [&](const Options& o) {
+    TriangulationOptions chosen{o};
     chosen.furthest_site = furthest_site;
-    result = weights.is_none() ? cullhull::delaunay(points.view(), chosen)
-                               : cullhull::regular_triangulation(points.view(), heights, chosen);
+    return weighted ? cullhull::regular_triangulation(points.view(), heights, chosen)
+                    : cullhull::delaunay(points.view(), chosen);
   });
   return std::make_unique<Cells>(std::move(result), std::move(array), std::move(weights));
 }
 
 Certificate certify(const Cells& cells, const Settings* settings) {
   const cullhull::PointView& points = cells.points().view();
-  Certificate certificate;
-  run(settings, length_of_triangulation(points), [&](const Options& options) {
-    const auto chosen = cullhull::options_as<TriangulationOptions>(options);
-    certificate = cells.weights_array().is_none()
-                      ? cullhull::certify(points, cells.triangulation(), chosen)
-                      : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);
+  return computed(settings, length_of_triangulation(points), [&](const Options& options) {
+    const TriangulationOptions chosen{options};
+    return cells.weights_array().is_none()
+               ? cullhull::certify(points, cells.triangulation(), chosen)
+               : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);
   });
-  return certificate;
 }
 
 const Triangulation& shown(Self self) { return cells_in(self).triangulation(); }

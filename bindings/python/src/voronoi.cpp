@@ -55,9 +55,8 @@ Length length_of_diagram(const Cells& cells) noexcept {
 }
 
 std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
-  std::unique_ptr<Voronoi> result;
-  run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<Voronoi>(
+  auto result = computed(settings, length_of_diagram(cells), [&](const Options& options) {
+    return std::make_unique<Voronoi>(
         cullhull::voronoi(cells.points().view(), cells.triangulation(), cells.weights(), options));
   });
   check_numbers(result->vertex_count());
@@ -65,46 +64,34 @@ std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
   return result;
 }
 
+/// `region`: what clip_voronoi() takes behind the triangulation.
+template <class... Region>
+std::unique_ptr<ClippedCells> clip(const Cells& cells, const Voronoi& diagram, bool shapes,
+                                   const Settings* settings, const Region&... region) {
+  return computed(settings, length_of_diagram(cells), [&](const Options& options) {
+    return std::make_unique<ClippedCells>(
+        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region...,
+                               cells.weights(), shapes, options, &diagram));
+  });
+}
 std::unique_ptr<ClippedCells> clip_to_box(const Cells& cells, const Voronoi& diagram,
                                           const std::vector<double>& low,
                                           const std::vector<double>& high, bool shapes,
                                           const Settings* settings) {
-  std::unique_ptr<ClippedCells> result;
-  run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<ClippedCells>(
-        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), low, high,
-                               cells.weights(), shapes, options, &diagram));
-  });
-  return result;
+  return clip(cells, diagram, shapes, settings, low, high);
 }
-
 std::unique_ptr<ClippedCells> clip_to_hull(const Cells& cells, const Voronoi& diagram,
                                            nb::handle array, bool shapes,
                                            const Settings* settings) {
-  const Points region(array);
-  std::unique_ptr<ClippedCells> result;
-  run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<ClippedCells>(
-        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region.view(),
-                               cells.weights(), shapes, options, &diagram));
-  });
-  return result;
+  return clip(cells, diagram, shapes, settings, Points(array).view());
 }
-
 /// `offsets`: rings + 1 into the corners.
 std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi& diagram,
                                                nb::handle array,
                                                const std::vector<std::uint64_t>& offsets,
                                                bool shapes, const Settings* settings) {
   const Points corners(array);
-  std::unique_ptr<ClippedCells> result;
-  run(settings, length_of_diagram(cells), [&](const Options& options) {
-    result = std::make_unique<ClippedCells>(
-        cullhull::clip_voronoi(cells.points().view(), cells.triangulation(),
-                               cullhull::PolygonRings{corners.view(), offsets}, cells.weights(),
-                               shapes, options, &diagram));
-  });
-  return result;
+  return clip(cells, diagram, shapes, settings, cullhull::PolygonRings{corners.view(), offsets});
 }
 
 using Integers = nb::typed<nb::list, int>;
