@@ -459,15 +459,7 @@ def write_shapes(target: Path, path: str) -> None:
     choice = choose(path, file.schema_arrow, None, peek_of(file))
     if not choice.geometries:
         raise InvalidArgument(f"{path}: has no geometries")
-    with open(target, "w", encoding="utf-8") as out:
-        out.write('{"type": "FeatureCollection", "features": [')
-        first = True
-        for shape in _shapes(file, choice):
-            feature = {"type": "Feature", "properties": {}, "geometry": shape}
-            out.write("\n" if first else ",\n")
-            out.write(json.dumps(feature))
-            first = False
-        out.write("]}\n")
+    _vectors.write_features(target, _shapes(file, choice))
 
 
 #: GeoJSON's names of nested lists of this depth.

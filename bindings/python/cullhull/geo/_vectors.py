@@ -10,7 +10,7 @@ import os
 import re
 import struct
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -28,6 +28,10 @@ DRIVERS = {".gpkg": "GPKG", ".shp": "ESRI Shapefile", ".fgb": "FlatGeobuf"}
 
 _POINT, _LINE, _POLYGON, _TRIANGLE = 1, 2, 3, 17
 _COLLECTIONS = (4, 5, 6, 7, 15, 16)  # multi-, collections, polyhedral surfaces, TINs
+#: GeoJSON's names of the types of WKB; those of triangles and surfaces that hold the same.
+_NAMES = {1: "Point", 2: "LineString", 3: "Polygon", 4: "MultiPoint", 5: "MultiLineString",
+          6: "MultiPolygon", 7: "GeometryCollection", 15: "MultiPolygon", 16: "MultiPolygon",
+          17: "Polygon"}  # fmt: skip
 #: Geometries read at a time: some tenths of a second where they are polygons.
 _MANY = 1 << 14
 #: GDAL's own stream of FlatGeobuf loses features beside those without a geometry (GDAL 3.12).
@@ -208,16 +212,18 @@ def wkb_head(data: bytes, at: int) -> tuple[int, bool, int, int]:
     return base % 1000, has_z, width, at
 
 
-def add(parts: list[Rows], data: bytes, at: int) -> int:
-    """Adds the vertices of the WKB geometry at byte `at`; returns where it ends."""
-    order = "<" if data[at] == 1 else ">"
-    base, has_z, width, at = wkb_head(data, at)
+#: A geometry in WKB: its type, its positions (a line, or rings), and the parts of a collection.
+Geometry = tuple[int, list[Rows], list[Any]]
 
-    def rows(count: int) -> Rows:
-        nonlocal at
-        found = np.frombuffer(data, order + "f8", count * width, at).reshape(count, width)
-        at += found.nbytes
-        return found[:, : 2 + has_z].astype(np.float64)
+
+def parsed(data: bytes, at: int) -> tuple[Geometry, int]:
+    """The WKB geometry at byte `at`, and where it ends."""
+    order = "<" if data[at] == 1 else ">"
+    kind, has_z, width, at = wkb_head(data, at)
+    if kind not in _NAMES:
+        raise BadFile(f"curves (WKB type {kind}) have no vertices to take")
+    lines: list[Rows] = []
+    parts: list[Geometry] = []
 
     def number() -> int:
         nonlocal at
@@ -225,23 +231,34 @@ def add(parts: list[Rows], data: bytes, at: int) -> int:
         at += 4
         return int(found)
 
-    if base == _POINT:
-        point = rows(1)
-        if not np.isnan(point).all():  # POINT EMPTY
-            parts.append(point)
-    elif base == _LINE:
-        parts.append(rows(number()))
-    elif base in (_POLYGON, _TRIANGLE):
-        for _ in range(number()):
-            ring = rows(number())
-            closed = len(ring) > 1 and (ring[0] == ring[-1]).all()
-            parts.append(ring[:-1] if closed else ring)
-    elif base in _COLLECTIONS:
-        for _ in range(number()):
-            at = add(parts, data, at)
-    else:
-        raise BadFile(f"curves (WKB type {base}) have no vertices to take")
-    return at
+    for _ in range(1 if kind in (_POINT, _LINE) else number()):
+        if kind in _COLLECTIONS:
+            part, at = parsed(data, at)
+            parts.append(part)
+            continue
+        count = 1 if kind == _POINT else number()
+        rows = np.frombuffer(data, order + "f8", count * width, at).reshape(count, width)
+        at += rows.nbytes
+        lines.append(rows[:, : 2 + has_z].astype(np.float64))
+    return (kind, lines, parts), at
+
+
+def add(parts: list[Rows], data: bytes, at: int) -> int:
+    """Adds the vertices of the WKB geometry at byte `at`; returns where it ends."""
+    geometry, end = parsed(data, at)
+    _add(parts, geometry)
+    return end
+
+
+def _add(parts: list[Rows], geometry: Geometry) -> None:
+    kind, lines, inner = geometry
+    for part in inner:
+        _add(parts, part)
+    for rows in lines:
+        if kind == _POINT and np.isnan(rows).all():  # POINT EMPTY
+            continue
+        closed = kind in (_POLYGON, _TRIANGLE) and len(rows) > 1 and (rows[0] == rows[-1]).all()
+        parts.append(rows[:-1] if closed else rows)
 
 
 # ------------------------------------------------------------------------ fields, systems, results
@@ -319,68 +336,45 @@ def spelled(value: Any) -> str:
 
 def write_shapes(target: Path, word: str) -> None:
     """The geometries alone as GeoJSON."""
-    with open(target, "w", encoding="utf-8") as file, _opened(word, []) as (_, stream):
-        file.write('{"type": "FeatureCollection", "features": [')
-        first = True
-        for offsets, data in _binary_batches(stream):
-            whole = data.tobytes()
-            for at, end in zip(offsets[:-1].tolist(), offsets[1:].tolist()):
-                geometry = _shape(whole, at)[0] if end > at else None
-                feature = {"type": "Feature", "properties": {}, "geometry": geometry}
-                file.write("\n" if first else ",\n")
-                file.write(json.dumps(feature))
-                first = False
-        file.write("]}\n")
+    with _opened(word, []) as (_, stream):
+        write_features(target, _shapes(stream))
 
 
-#: GeoJSON's names of the types of WKB; those of triangles and surfaces that hold the same.
-_NAMES = {1: "Point", 2: "LineString", 3: "Polygon", 4: "MultiPoint", 5: "MultiLineString",
-          6: "MultiPolygon", 7: "GeometryCollection", 15: "MultiPolygon", 16: "MultiPolygon",
-          17: "Polygon"}  # fmt: skip
+def _shapes(stream: Any) -> Iterator[dict[str, Any] | None]:
+    for offsets, data in _binary_batches(stream):
+        whole = data.tobytes()
+        for at, end in zip(offsets[:-1].tolist(), offsets[1:].tolist()):
+            yield _shape(parsed(whole, at)[0]) if end > at else None
 
 
 def shape(geometry: bytes) -> dict[str, Any]:
     """A geometry in WKB as GeoJSON."""
-    return _shape(geometry, 0)[0]
+    return _shape(parsed(geometry, 0)[0])
 
 
-def _shape(data: bytes, at: int) -> tuple[dict[str, Any], int]:
-    """The WKB geometry at byte `at` as GeoJSON, and where it ends."""
-    order = "<" if data[at] == 1 else ">"
-    kind, has_z, width, at = wkb_head(data, at)
-
-    def number() -> int:
-        nonlocal at
-        (found,) = struct.unpack_from(order + "I", data, at)
-        at += 4
-        return int(found)
-
-    def rows(count: int) -> list[list[float]]:
-        nonlocal at
-        found = np.frombuffer(data, order + "f8", count * width, at).reshape(count, width)
-        at += found.nbytes
-        return [list(row) for row in found[:, : 2 + has_z].astype(np.float64).tolist()]
-
-    if kind not in _NAMES:
-        raise BadFile(f"curves (WKB type {kind}) have no vertices to take")
+def _shape(geometry: Geometry) -> dict[str, Any]:
+    kind, lines, inner = geometry
     made: dict[str, Any] = {"type": _NAMES[kind]}
-    if kind == _POINT:
-        point = rows(1)[0]
-        made["coordinates"] = [] if all(x != x for x in point) else point
-    elif kind == _LINE:
-        made["coordinates"] = rows(number())
-    elif kind in (_POLYGON, _TRIANGLE):
-        made["coordinates"] = [rows(number()) for _ in range(number())]
+    rows, parts = [part.tolist() for part in lines], list(map(_shape, inner))
+    if kind == 7:
+        made["geometries"] = parts
+    elif kind in _COLLECTIONS:
+        made["coordinates"] = [part["coordinates"] for part in parts]
+    elif kind == _POINT:
+        made["coordinates"] = [] if np.isnan(lines[0]).all() else rows[0][0]
     else:
-        parts = []
-        for _ in range(number()):
-            part, at = _shape(data, at)
-            parts.append(part)
-        if kind == 7:
-            made["geometries"] = parts
-        else:
-            made["coordinates"] = [part["coordinates"] for part in parts]
-    return made, at
+        made["coordinates"] = rows[0] if kind == _LINE else rows
+    return made
+
+
+def write_features(target: Path, shapes: Iterable[dict[str, Any] | None]) -> None:
+    """A GeoJSON file of geometries."""
+    with open(target, "w", encoding="utf-8") as file:
+        file.write('{"type": "FeatureCollection", "features": [')
+        for i, made in enumerate(shapes):
+            feature = {"type": "Feature", "properties": {}, "geometry": made}
+            file.write(("\n" if i == 0 else ",\n") + json.dumps(feature))
+        file.write("]}\n")
 
 
 def write_result(target: str, geojson: str, crs: str | None, name: str) -> None:
