@@ -1,5 +1,6 @@
 """Threads, progress, interruption: what happens around a call."""
 
+import contextlib
 import multiprocessing
 import os
 import signal
@@ -153,6 +154,22 @@ class Alarm(Exception):
     pass
 
 
+def ring(*_):
+    raise Alarm
+
+
+@contextlib.contextmanager
+def alarm(seconds, handler=ring, again=0):
+    """The signal of a timer, for which `handler` is called."""
+    before = signal.signal(signal.SIGALRM, handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, again)
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer that sends a signal")
 @pytest.mark.parametrize("kind", ["hull", "triangulation"])
 def test_unpickling_hears_a_signal(kind):
@@ -165,19 +182,10 @@ def test_unpickling_hears_a_signal(kind):
     else:
         make, (state, _) = _core.cells_of_state, cullhull.delaunay(points).__reduce__()[1]
 
-    def ring(*_):
-        raise Alarm
-
-    before = signal.signal(signal.SIGALRM, ring)
     made = []
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 0.005)
-        with pytest.raises(Alarm):
-            made.extend(map(make, [state]))
-            time.sleep(10)  # should the call have ended before the signal
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+    with alarm(0.005), pytest.raises(Alarm):
+        made.extend(map(make, [state]))
+        time.sleep(10)  # should the call have ended before the signal
     assert made == []
 
 
@@ -192,54 +200,27 @@ def test_unpickling_of_cells_hears_a_signal_to_its_end():
     make(state)
     whole = time.perf_counter() - start
 
-    def ring(*_):
-        raise Alarm
-
     heard = []
-    before = signal.signal(signal.SIGALRM, ring)
-    try:
-        for moment in (0.5, 0.6, 0.7, 0.8):
-            made = []
-            signal.setitimer(signal.ITIMER_REAL, moment * whole)
-            with pytest.raises(Alarm):
-                made.extend(map(make, [state]))
-                time.sleep(60)
-            heard.append(made == [])
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+    for moment in (0.5, 0.6, 0.7, 0.8):
+        made = []
+        with alarm(moment * whole), pytest.raises(Alarm):
+            made.extend(map(make, [state]))
+            time.sleep(60)
+        heard.append(made == [])
     assert any(heard)  # of a call that was quicker than the first none
 
 
 def test_points_in_the_making_hear_a_signal():
-    def handler(number, frame):
-        raise Refused
-
-    old = signal.signal(signal.SIGALRM, handler)
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 0.2)
-        with pytest.raises(Refused):  # some ten seconds of work
-            cullhull.generate("ball", 40_000_000, 6)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, old)
+    with alarm(0.2), pytest.raises(Alarm):  # some ten seconds of work
+        cullhull.generate("ball", 40_000_000, 6)
     assert cullhull.generate("ball", 3, 2).shape == (3, 2)
 
 
 def test_a_signal_handler_that_raises():
-    def handler(number, frame):
-        raise Refused
-
-    old = signal.signal(signal.SIGALRM, handler)
-    try:
-        points = cullhull.generate("sphere", 1_000_000, 3)
-        signal.setitimer(signal.ITIMER_REAL, 0.1)
-        with pytest.raises(Refused):
-            while True:
-                cullhull.convex_hull(points)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, old)
+    points = cullhull.generate("sphere", 1_000_000, 3)
+    with alarm(0.1), pytest.raises(Alarm):
+        while True:
+            cullhull.convex_hull(points)
 
 
 @pytest.mark.parametrize(
@@ -252,32 +233,17 @@ def test_a_signal_handler_that_raises():
 def test_signals_are_heard_during_a_call(points):
     """Not only after it, when all that came meanwhile are one."""
     heard = []
-    old = signal.signal(signal.SIGALRM, lambda number, frame: heard.append(number))
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 0.06, 0.06)
+    with alarm(0.06, lambda number, frame: heard.append(number), again=0.06):
         cullhull.convex_hull(points, threads=1)
-        signal.setitimer(signal.ITIMER_REAL, 0)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, old)
     assert len(heard) > 2
 
 
 def test_a_handler_that_raises_stops_a_call_here():
-    def handler(number, frame):
-        raise Refused
-
     points = np.linspace(-1, 1, 1500)[:, None] ** [1, 2, 3, 4]
     growing = cullhull.GrowingHull(4)
-    old = signal.signal(signal.SIGALRM, handler)
-    try:
-        for call in (cullhull.convex_hull, cullhull.ConvexHull, growing.add):
-            signal.setitimer(signal.ITIMER_REAL, 0.1)
-            with pytest.raises(Refused):
-                call(points)
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, old)
+    for call in (cullhull.convex_hull, cullhull.ConvexHull, growing.add):
+        with alarm(0.1), pytest.raises(Alarm):
+            call(points)
     assert growing.hull.point_count == 0
 
 
