@@ -12,8 +12,7 @@
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/rates.hpp"
 
-namespace cullhull {
-namespace backend_test {
+namespace cullhull::backend_test {
 
 std::vector<float> cube(std::size_t n, unsigned d) {
   std::mt19937_64 random(n);
@@ -115,5 +114,4 @@ TEST(Backend, EveryReasonIsALine) {
     }
 }
 
-}  // namespace backend_test
-}  // namespace cullhull
+}  // namespace cullhull::backend_test

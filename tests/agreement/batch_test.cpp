@@ -11,8 +11,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/error.hpp"
 
-namespace cullhull {
-namespace batch_test {
+namespace cullhull::batch_test {
 
 using namespace testing_support;
 
@@ -168,5 +167,4 @@ TEST(Batch, errors_name_the_first_bad_set) {
   }
 }
 
-}  // namespace batch_test
-}  // namespace cullhull
+}  // namespace cullhull::batch_test

@@ -10,8 +10,7 @@
 #include "agreement/expect_json.hpp"
 #include "cgal.hpp"
 
-namespace cullhull {
-namespace bench_command_test {
+namespace cullhull::bench_command_test {
 
 using namespace testing;
 
@@ -407,5 +406,4 @@ TEST(BenchCalls, BadUsage) {
   }
 }
 
-}  // namespace bench_command_test
-}  // namespace cullhull
+}  // namespace cullhull::bench_command_test

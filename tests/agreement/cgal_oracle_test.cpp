@@ -8,8 +8,7 @@
 #include "cullhull/generate.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace cgal_oracle_test {
+namespace cullhull::testing_support::cgal_oracle_test {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
@@ -106,5 +105,4 @@ TEST(Cgal, TwoCircles) {
   expect_everywhere(large, cgal_in_two_planes(large), Paths::reference);
 }
 
-}  // namespace cgal_oracle_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::cgal_oracle_test

@@ -6,8 +6,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/triangulation_io.hpp"
 
-namespace cullhull {
-namespace cli_alpha_test {
+namespace cullhull::cli_alpha_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -239,5 +238,4 @@ TEST(CliAlpha, FewPointsAndRefusals) {
   expect_error({"alpha", f / "none.txt"}, 1, "none.txt");
 }
 
-}  // namespace cli_alpha_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_alpha_test

@@ -2,8 +2,7 @@
 // that reads points.
 #include "agreement/run_app.hpp"
 
-namespace cullhull {
-namespace cli_columns_test {
+namespace cullhull::cli_columns_test {
 
 using namespace testing;
 
@@ -102,5 +101,4 @@ TEST_F(CliColumns, EveryCommandThatReadsPoints) {
   expect_error({"hull", named, "--columns", "x,q", "--stream", "on"}, 2, "no column 'q'");
 }
 
-}  // namespace cli_columns_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_columns_test

@@ -9,8 +9,7 @@
 #include "cullhull/cullhull.hpp"
 #include "cullhull/group_hulls.hpp"
 
-namespace cullhull {
-namespace cli_groups_test {
+namespace cullhull::cli_groups_test {
 
 using namespace testing;
 using Groups = std::map<std::string, std::vector<double>>;
@@ -222,5 +221,4 @@ TEST(CliGroups, WhatIsRefused) {
                "the points that are sorted by group need");
 }
 
-}  // namespace cli_groups_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_groups_test

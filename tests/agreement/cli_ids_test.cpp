@@ -11,8 +11,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/stream.hpp"
 
-namespace cullhull {
-namespace cli_ids_test {
+namespace cullhull::cli_ids_test {
 
 using namespace testing;
 
@@ -223,5 +222,4 @@ TEST(CliIds, CommentsBeyondTheFirstMegabyte) {
   expect_error({"hull", f / "none.txt", "--stream", "on"}, 1, "no points");
 }
 
-}  // namespace cli_ids_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_ids_test

@@ -5,8 +5,7 @@
 
 #include "agreement/run_app.hpp"
 
-namespace cullhull {
-namespace cli_interrupt_test {
+namespace cullhull::cli_interrupt_test {
 
 using namespace testing;
 
@@ -109,5 +108,4 @@ TEST(CliInterrupt, AnInputCutShortUnderItsReaderIsOneLine) {
   EXPECT_EQ(f.entries(), 1U);
 }
 
-}  // namespace cli_interrupt_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_interrupt_test

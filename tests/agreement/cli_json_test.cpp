@@ -8,8 +8,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 
-namespace cullhull {
-namespace cli_json_test {
+namespace cullhull::cli_json_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -292,5 +291,4 @@ TEST(CliJson, TheSchemaIsStrict) {
   EXPECT_EQ(schema().fault(more, "info_report"), "info_report.more is not in the schema");
 }
 
-}  // namespace cli_json_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_json_test

@@ -11,8 +11,7 @@
 #include "bench/suites/las_bytes.hpp"
 #include "cullhull/point_blocks.hpp"
 
-namespace cullhull {
-namespace cli_las_test {
+namespace cullhull::cli_las_test {
 
 using namespace testing;
 
@@ -602,5 +601,4 @@ TEST(CliLas, RawIsSaidAndWritten) {
   }
 }
 
-}  // namespace cli_las_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_las_test

@@ -12,8 +12,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace cli_limits_test {
+namespace cullhull::cli_limits_test {
 
 using namespace testing;
 
@@ -206,5 +205,4 @@ TEST(Limits, AFileCutShortIsToldOnce) {
   EXPECT_EQ(said, "cullhull: " + path + ": the file was cut short while it was being read\n");
 }
 
-}  // namespace cli_limits_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_limits_test

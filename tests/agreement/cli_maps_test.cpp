@@ -5,8 +5,7 @@
 #include "agreement/expect_json.hpp"
 #include "bench/suites/las_bytes.hpp"
 
-namespace cullhull {
-namespace cli_maps_test {
+namespace cullhull::cli_maps_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -401,5 +400,4 @@ TEST(CliMaps, KeepSaysWhatItCannotDo) {
   EXPECT_EQ(f.entries(), 1U);
 }
 
-}  // namespace cli_maps_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_maps_test

@@ -7,8 +7,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace cli_memory_test {
+namespace cullhull::cli_memory_test {
 
 using namespace testing;
 
@@ -240,5 +239,4 @@ TEST(CliAdvice, MessagesNameOnlyOptionsOfTheCommand) {
   }
 }
 
-}  // namespace cli_memory_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_memory_test

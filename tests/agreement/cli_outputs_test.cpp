@@ -10,8 +10,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace cli_outputs_test {
+namespace cullhull::cli_outputs_test {
 
 using namespace testing;
 
@@ -292,5 +291,4 @@ TEST(CliOutputs, ClippedCellsAsTriangles) {
                "is of meshes");
 }
 
-}  // namespace cli_outputs_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_outputs_test

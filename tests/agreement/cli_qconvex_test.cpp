@@ -8,8 +8,7 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace cli_qconvex_test {
+namespace cullhull::cli_qconvex_test {
 
 using namespace testing;
 
@@ -337,5 +336,4 @@ TEST(Qconvex, ReadsAllThatRboxWrites) {
 TEST(Qconvex, NeedsQhullsPrograms) { GTEST_SKIP() << "rbox and qconvex are not installed"; }
 #endif
 
-}  // namespace cli_qconvex_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_qconvex_test

@@ -9,8 +9,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 
-namespace cullhull {
-namespace cli_skip_nan_test {
+namespace cullhull::cli_skip_nan_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -310,5 +309,4 @@ TEST(SkipNan, FilesOfPointsNameTheirRows) {
   EXPECT_THROW(open_sequence({f / "p.txt"}, options), Error);
 }
 
-}  // namespace cli_skip_nan_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_skip_nan_test

@@ -13,8 +13,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 
-namespace cullhull {
-namespace cli_stream_test {
+namespace cullhull::cli_stream_test {
 
 using namespace testing;
 
@@ -547,5 +546,4 @@ TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
   EXPECT_EQ(read_file(f / "broken"), "something else");
 }
 
-}  // namespace cli_stream_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_stream_test

@@ -4,8 +4,7 @@
 
 #include "agreement/run_app.hpp"
 
-namespace cullhull {
-namespace cli_tables_test {
+namespace cullhull::cli_tables_test {
 
 using namespace testing;
 
@@ -168,5 +167,4 @@ TEST(CliTables, AFileOnItsSideIsRemarkedOn) {
   EXPECT_EQ(run_app({"hull", f / "b.npy"}).err, "");
 }
 
-}  // namespace cli_tables_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_tables_test

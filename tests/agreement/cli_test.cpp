@@ -13,8 +13,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
 
-namespace cullhull {
-namespace cli_test {
+namespace cullhull::cli_test {
 
 using namespace testing;
 
@@ -455,5 +454,4 @@ TEST(Cli, TrackNamesTheFrameWithANan) {
   }
 }
 
-}  // namespace cli_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_test

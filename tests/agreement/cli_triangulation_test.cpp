@@ -8,8 +8,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/triangulation_io.hpp"
 
-namespace cullhull {
-namespace cli_triangulation_test {
+namespace cullhull::cli_triangulation_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -381,5 +380,4 @@ TEST(CliTriangulation, RefusesWhatCannotBe) {
   expect_error({"delaunay", f / "many.npy", "--memory", "1M"}, 4, "memory");
 }
 
-}  // namespace cli_triangulation_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_triangulation_test

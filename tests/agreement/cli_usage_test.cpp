@@ -9,8 +9,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace cli_usage_test {
+namespace cullhull::cli_usage_test {
 
 using namespace testing;
 
@@ -705,5 +704,4 @@ TEST(CliUsage, NoTimesOfADeviceThatIsNotThere) {
   EXPECT_EQ(why.find("on a CUDA device"), std::string::npos) << why;
 }
 
-}  // namespace cli_usage_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_usage_test

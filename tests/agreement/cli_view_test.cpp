@@ -5,8 +5,7 @@
 
 #include "agreement/expect_json.hpp"
 
-namespace cullhull {
-namespace cli_view_test {
+namespace cullhull::cli_view_test {
 
 using nlohmann::json;
 using namespace testing;
@@ -86,5 +85,4 @@ TEST_F(CliView, ABrowserOpensThePage) {
   ::unsetenv("DISPLAY");
 }
 
-}  // namespace cli_view_test
-}  // namespace cullhull
+}  // namespace cullhull::cli_view_test

@@ -8,8 +8,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace degenerate_sets_test {
+namespace cullhull::testing_support::degenerate_sets_test {
 
 constexpr double far_away = 0x1p40;
 
@@ -162,5 +161,4 @@ TEST(DegenerateSets, ManyPointsInAFlat) {
     }
 }
 
-}  // namespace degenerate_sets_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::degenerate_sets_test

@@ -11,8 +11,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "hull/engine.hpp"
 
-namespace cullhull::internal {
-namespace engine_2d_test {
+namespace cullhull::internal::engine_2d_test {
 
 using Points = std::vector<double>;
 
@@ -285,5 +284,4 @@ TEST(Hull2d, ManyPointsOnAnyNumberOfThreads) {
   }
 }
 
-}  // namespace engine_2d_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::engine_2d_test

@@ -12,8 +12,7 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 
-namespace cullhull::testing_support {
-namespace engine_3d_test {
+namespace cullhull::testing_support::engine_3d_test {
 
 using Rows = std::vector<double>;
 
@@ -187,5 +186,4 @@ TEST(Engine3D, BudgetAndCancellation) {
   }
 }
 
-}  // namespace engine_3d_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::engine_3d_test

@@ -2,8 +2,7 @@
 #include "all_paths.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace external_oracles_test {
+namespace cullhull::testing_support::external_oracles_test {
 
 #if defined(CULLHULL_LRS)
 
@@ -80,5 +79,4 @@ INSTANTIATE_TEST_SUITE_P(Points, Rbox,
 
 #endif
 
-}  // namespace external_oracles_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::external_oracles_test

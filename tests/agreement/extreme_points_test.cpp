@@ -17,8 +17,7 @@
 #include "parallel/threads/run.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull {
-namespace extreme_points_test {
+namespace cullhull::extreme_points_test {
 
 using namespace testing_support;
 
@@ -207,5 +206,4 @@ TEST(ExtremePoints, RationalSimplexAgrees) {
   }
 }
 
-}  // namespace extreme_points_test
-}  // namespace cullhull
+}  // namespace cullhull::extreme_points_test

@@ -11,8 +11,7 @@
 #include "geometry/local_frame.hpp"
 #include "parallel/threads/run.hpp"
 
-namespace cullhull {
-namespace facet_estimate_test {
+namespace cullhull::facet_estimate_test {
 
 struct Case {
   const char* shape;
@@ -85,5 +84,4 @@ TEST(FacetEstimateTest, UpperBoundTheorem) {
   EXPECT_EQ(internal::most_facets(4, 4), 0);
 }
 
-}  // namespace facet_estimate_test
-}  // namespace cullhull
+}  // namespace cullhull::facet_estimate_test

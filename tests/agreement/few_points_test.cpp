@@ -23,8 +23,7 @@
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 
-namespace cullhull {
-namespace few_points_test {
+namespace cullhull::few_points_test {
 
 using namespace testing_support;
 
@@ -352,5 +351,4 @@ TEST(FewPoints, moving_points) {
   }
 }
 
-}  // namespace few_points_test
-}  // namespace cullhull
+}  // namespace cullhull::few_points_test

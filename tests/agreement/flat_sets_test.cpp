@@ -2,8 +2,7 @@
 #include "all_paths.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace flat_sets_test {
+namespace cullhull::testing_support::flat_sets_test {
 
 TEST(FlatSets, NoPoints) {
   for (unsigned d = 1; d <= 6; ++d) {
@@ -134,5 +133,4 @@ TEST(FlatSets, OneUlpOffAFlatIsNoFlat) {
   }
 }
 
-}  // namespace flat_sets_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::flat_sets_test

@@ -14,8 +14,7 @@
 #include "parallel/sort_few.hpp"
 #include "tracker/simplex_memory.hpp"
 
-namespace cullhull::internal {
-namespace frame_points_test {
+namespace cullhull::internal::frame_points_test {
 
 using testing_support::canonical_hash;
 using Rows = std::vector<double>;
@@ -133,5 +132,4 @@ TEST(FramePoints, WhatIsNotFiniteIsNamedByItsId) {
   }
 }
 
-}  // namespace frame_points_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::frame_points_test

@@ -15,8 +15,7 @@
 #include "flow/sample_map.hpp"
 #include "tests/made_sets.hpp"
 
-namespace cullhull::internal {
-namespace gauge_core_test {
+namespace cullhull::internal::gauge_core_test {
 
 using testing_support::cross_polytope;
 
@@ -243,5 +242,4 @@ TEST(GaugeCore, RestsAndComesBack) {
   }
 }
 
-}  // namespace gauge_core_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::gauge_core_test

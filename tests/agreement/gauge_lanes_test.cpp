@@ -15,8 +15,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "tests/made_sets.hpp"
 
-namespace cullhull::internal {
-namespace gauge_lanes_test {
+namespace cullhull::internal::gauge_lanes_test {
 
 using testing_support::cross_polytope;
 
@@ -212,5 +211,4 @@ TEST(GaugeLanes, NodesAreLimited) {
   }
 }
 
-}  // namespace gauge_lanes_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::gauge_lanes_test

@@ -13,8 +13,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "tests/made_sets.hpp"
 
-namespace cullhull::internal {
-namespace gauge_paths_test {
+namespace cullhull::internal::gauge_paths_test {
 
 using testing_support::cross_polytope;
 
@@ -164,5 +163,4 @@ TEST(GaugePaths, CentreIsInside) {
   }
 }
 
-}  // namespace gauge_paths_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::gauge_paths_test

@@ -3,8 +3,7 @@
 #include "all_paths.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace general_position_test {
+namespace cullhull::testing_support::general_position_test {
 
 class GeneralPosition : public ::testing::TestWithParam<const char*> {};
 
@@ -66,5 +65,4 @@ TEST(GeneralPositionLarge, TheSameForAnyNumberOfThreads) {
     }
 }
 
-}  // namespace general_position_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::general_position_test

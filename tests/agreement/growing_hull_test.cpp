@@ -14,8 +14,7 @@
 #include "cullhull/batch.hpp"
 #include "cullhull/error.hpp"
 
-namespace cullhull {
-namespace growing_hull_test {
+namespace cullhull::growing_hull_test {
 
 using namespace testing_support;
 
@@ -142,5 +141,4 @@ TEST(GrowingHull, knows_what_its_points_are) {
   EXPECT_EQ(grown.hull().point_count, 6U);
 }
 
-}  // namespace growing_hull_test
-}  // namespace cullhull
+}  // namespace cullhull::growing_hull_test

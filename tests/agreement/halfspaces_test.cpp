@@ -10,8 +10,7 @@
 #include "agreement/point_sets.hpp"
 #include "cullhull/error.hpp"
 
-namespace cullhull {
-namespace halfspaces_test {
+namespace cullhull::halfspaces_test {
 
 using namespace testing_support;
 
@@ -166,5 +165,4 @@ TEST(Halfspaces, many_planes_and_extreme_units) {
   }
 }
 
-}  // namespace halfspaces_test
-}  // namespace cullhull
+}  // namespace cullhull::halfspaces_test

@@ -4,8 +4,7 @@
 #include "all_paths.hpp"
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace magnitudes_test {
+namespace cullhull::testing_support::magnitudes_test {
 
 TEST(Magnitudes, AllInOneSet) {
   for (unsigned d = 1; d <= 5; ++d)
@@ -179,5 +178,4 @@ TEST(Magnitudes, AHugeOutlierHidesNoDetail) {
     }
 }
 
-}  // namespace magnitudes_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::magnitudes_test

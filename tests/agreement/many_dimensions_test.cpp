@@ -23,8 +23,7 @@
 #include "result/build_hull.hpp"
 #include "result/measures/simplex_measures.hpp"
 
-namespace cullhull {
-namespace many_dimensions_test {
+namespace cullhull::many_dimensions_test {
 
 using Points = std::vector<std::vector<double>>;
 using Matrix = std::vector<std::vector<mpq_class>>;
@@ -473,5 +472,4 @@ TEST(ManyDimensions, FaultsOfSimplicesAreSeen) {
   }
 }
 
-}  // namespace many_dimensions_test
-}  // namespace cullhull
+}  // namespace cullhull::many_dimensions_test

@@ -5,8 +5,7 @@
 
 #include "point_sets.hpp"
 
-namespace cullhull::testing_support {
-namespace oracles_test {
+namespace cullhull::testing_support::oracles_test {
 
 TEST(Oracles, KnownAnswers) {
   PointSet s = named("hand", 2);
@@ -60,5 +59,4 @@ TEST(Oracles, LrsCountsTheFacetsOfACube) {
 }
 #endif
 
-}  // namespace oracles_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::oracles_test

@@ -12,8 +12,7 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 
-namespace cullhull {
-namespace outermost_first_test {
+namespace cullhull::outermost_first_test {
 
 using namespace testing_support;
 
@@ -85,5 +84,4 @@ TEST(OutermostFirst, IsTheHullOfTheExtremePointsForAnyNumberOfThreads) {
       }
 }
 
-}  // namespace outermost_first_test
-}  // namespace cullhull
+}  // namespace cullhull::outermost_first_test

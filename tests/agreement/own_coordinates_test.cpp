@@ -14,8 +14,7 @@
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
 
-namespace cullhull::testing_support {
-namespace own_coordinates_test {
+namespace cullhull::testing_support::own_coordinates_test {
 
 Options carrying() {
   Options options;
@@ -121,5 +120,4 @@ TEST(OwnCoordinates, FilesHaveTheSameBytes) {
   std::filesystem::remove(b);
 }
 
-}  // namespace own_coordinates_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::own_coordinates_test

@@ -16,8 +16,7 @@
 #include "result/build_hull.hpp"
 #include "result/write/polygon_result.hpp"
 
-namespace cullhull::internal {
-namespace polygon_test {
+namespace cullhull::internal::polygon_test {
 
 using Points = std::vector<double>;
 
@@ -285,5 +284,4 @@ TEST(Polygon, StopsAtEveryStage) {
   EXPECT_GT(stages, 3);
 }
 
-}  // namespace polygon_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::polygon_test

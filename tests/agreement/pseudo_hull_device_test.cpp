@@ -13,8 +13,7 @@
 #include "reference/emulated_executor.hpp"
 #include "tests/made_sets.hpp"
 
-namespace cullhull::internal {
-namespace pseudo_hull_device_test {
+namespace cullhull::internal::pseudo_hull_device_test {
 
 const Options defaults;
 
@@ -113,5 +112,4 @@ TEST(PseudoHullOnADevice, FlatTinyHugeAndNotFinite) {
   expect_as_on_the_host<3, float>(PointView::row_major(bad.data(), n, 3), "not finite");
 }
 
-}  // namespace pseudo_hull_device_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::pseudo_hull_device_test

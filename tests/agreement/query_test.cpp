@@ -13,8 +13,7 @@
 #include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull {
-namespace query_test {
+namespace cullhull::query_test {
 
 using internal::ExactFloat;
 using internal::orientation;
@@ -515,5 +514,4 @@ TEST(HullQuery, refuses_what_makes_no_sense) {
             static_cast<int>(ErrorCode::cancelled));
 }
 
-}  // namespace query_test
-}  // namespace cullhull
+}  // namespace cullhull::query_test

@@ -20,8 +20,7 @@
 #include "cullhull/query.hpp"
 #include "exact/orientation/orientation.hpp"
 
-namespace cullhull::testing_support {
-namespace random_runs_test {
+namespace cullhull::testing_support::random_runs_test {
 
 /// The polytope itself: its facets as sets of coordinates, whatever the ids and their order.
 std::uint64_t polytope_hash(const PointSet& s, const Hull& h) {
@@ -269,5 +268,4 @@ TEST(RandomRuns, NotFiniteIsNamed) {
   });
 }
 
-}  // namespace random_runs_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::random_runs_test

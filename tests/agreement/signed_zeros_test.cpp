@@ -12,8 +12,7 @@
 #include "cullhull/track.hpp"
 #include "io/json/json.hpp"
 
-namespace cullhull::testing_support {
-namespace signed_zeros_test {
+namespace cullhull::testing_support::signed_zeros_test {
 
 /// The hash of a result, or the message.
 std::string outcome(const std::function<Hull()>& hull) {
@@ -141,5 +140,4 @@ TEST(SignedZeros, InResultFiles) {
   }
 }
 
-}  // namespace signed_zeros_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::signed_zeros_test

@@ -17,8 +17,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "filter/lattice/whole_range.hpp"
 
-namespace cullhull {
-namespace small_lattice_test {
+namespace cullhull::small_lattice_test {
 
 using namespace testing_support;
 using namespace internal;
@@ -165,5 +164,4 @@ TEST(WholeRange, EveryCountAndValue) {
   }
 }
 
-}  // namespace small_lattice_test
-}  // namespace cullhull
+}  // namespace cullhull::small_lattice_test

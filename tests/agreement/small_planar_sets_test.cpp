@@ -15,8 +15,7 @@
 #include "few/small_polygon.hpp"
 #include "filter/inner_ellipse.hpp"
 
-namespace cullhull {
-namespace small_planar_sets_test {
+namespace cullhull::small_planar_sets_test {
 
 using namespace testing_support;
 using namespace internal;
@@ -238,5 +237,4 @@ TEST(InnerEllipse, IsStrictlyInside) {
   EXPECT_GT(contained, 20'000U);
 }
 
-}  // namespace small_planar_sets_test
-}  // namespace cullhull
+}  // namespace cullhull::small_planar_sets_test

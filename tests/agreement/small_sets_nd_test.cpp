@@ -15,8 +15,7 @@
 #include "few/small_nd.hpp"
 #include "parallel/dispatch.hpp"
 
-namespace cullhull {
-namespace small_sets_nd_test {
+namespace cullhull::small_sets_nd_test {
 
 using namespace testing_support;
 using Make = std::function<PointSet(unsigned n, unsigned d, std::uint64_t seed)>;
@@ -246,5 +245,4 @@ TEST(SmallSetsNd, PointsThatAreNotFiniteAreNamed) {
   }
 }
 
-}  // namespace small_sets_nd_test
-}  // namespace cullhull
+}  // namespace cullhull::small_sets_nd_test

@@ -12,8 +12,7 @@
 #include "cullhull/certify.hpp"
 #include "few/small_3d.hpp"
 
-namespace cullhull {
-namespace small_sets_test {
+namespace cullhull::small_sets_test {
 
 using namespace testing_support;
 using Make = std::function<PointSet(unsigned n, std::uint64_t seed)>;
@@ -265,5 +264,4 @@ TEST(SmallSets, which_sets_the_engine_takes) {
     }
 }
 
-}  // namespace small_sets_test
-}  // namespace cullhull
+}  // namespace cullhull::small_sets_test

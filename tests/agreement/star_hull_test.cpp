@@ -19,8 +19,7 @@
 #include "flow/pipeline.hpp"
 #include "reference/emulated_executor.hpp"
 
-namespace cullhull::internal {
-namespace star_hull_test {
+namespace cullhull::internal::star_hull_test {
 
 using testing_support::canonical_hash;
 using testing_support::PointSet;
@@ -202,5 +201,4 @@ TEST(StarHull, FlatTinyHugeAndNotFinite) {
   EXPECT_FALSE(found.counts.whole());
 }
 
-}  // namespace star_hull_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::star_hull_test

@@ -17,8 +17,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
 
-namespace cullhull::testing_support {
-namespace stream_test {
+namespace cullhull::testing_support::stream_test {
 
 struct Block {
   std::uint64_t begin, end;
@@ -446,5 +445,4 @@ TEST(Stream, BytesAreReadBackAndNothingElseIs) {
   EXPECT_THROW(HullState::from_bytes(lying), Error);
 }
 
-}  // namespace stream_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::stream_test

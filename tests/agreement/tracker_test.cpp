@@ -16,8 +16,7 @@
 #include "tests/made_sets.hpp"
 #include "tests/rates.hpp"
 
-namespace cullhull {
-namespace tracker_test {
+namespace cullhull::tracker_test {
 
 using testing_support::allocated_bytes;
 using testing_support::canonical_hash;
@@ -532,5 +531,4 @@ TEST(HullTracker, AutoLeadsOnlyWhereFewPointsAreExtreme) {
   }
 }
 
-}  // namespace tracker_test
-}  // namespace cullhull
+}  // namespace cullhull::tracker_test

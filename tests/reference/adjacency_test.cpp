@@ -5,8 +5,7 @@
 
 #include <vector>
 
-namespace cullhull::internal {
-namespace adjacency_test {
+namespace cullhull::internal::adjacency_test {
 
 std::vector<std::uint32_t> list(const Adjacency<std::uint32_t>& lists, std::uint64_t key) {
   return {lists[key].begin(), lists[key].end()};
@@ -62,5 +61,4 @@ TEST(Adjacency, RowsOfATable) {
   EXPECT_EQ(list(rows, 4), List{});
 }
 
-}  // namespace adjacency_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::adjacency_test

@@ -19,8 +19,7 @@
 #include "parallel/threads/thread_memory.hpp"
 #include "sanitized.hpp"
 
-namespace cullhull {
-namespace array_test {
+namespace cullhull::array_test {
 
 TEST(Array, GrowsAsAVectorDoes) {
   Array<std::uint64_t> a{7};
@@ -233,5 +232,4 @@ TEST(Pages, FreedPagesServeAgainWithinAScopeOnly) {
 #endif
 }
 
-}  // namespace array_test
-}  // namespace cullhull
+}  // namespace cullhull::array_test

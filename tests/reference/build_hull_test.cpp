@@ -7,8 +7,7 @@
 
 #include "tests/reference/reference_boundary.hpp"
 
-namespace cullhull {
-namespace build_hull_test {
+namespace cullhull::build_hull_test {
 
 using reference::boundary_in_order;
 using reference::build;
@@ -417,5 +416,4 @@ TEST(BuildHull, SegmentInSpace) {
   EXPECT_TRUE(c.valid) << c.reason;
 }
 
-}  // namespace build_hull_test
-}  // namespace cullhull
+}  // namespace cullhull::build_hull_test

@@ -10,8 +10,7 @@
 #include "cullhull/stream.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace byte_order_test {
+namespace cullhull::testing::byte_order_test {
 
 using namespace std::string_literals;
 
@@ -96,5 +95,4 @@ TEST(ByteOrder, HullStates) {
   EXPECT_NE(npz.find("\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"s), std::string::npos);
 }
 
-}  // namespace byte_order_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::byte_order_test

@@ -7,8 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace cullhull::internal {
-namespace crew_test {
+namespace cullhull::internal::crew_test {
 
 TEST(Crew, EveryItemOncePerPhase) {
   for (const unsigned threads : {1U, 2U, 3U, 8U}) {
@@ -47,5 +46,4 @@ TEST(Crew, ExceptionsPassThrough) {
   }
 }
 
-}  // namespace crew_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::crew_test

@@ -16,8 +16,7 @@
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
-namespace crowding_test {
+namespace cullhull::internal::crowding_test {
 
 using namespace std::chrono_literals;
 using testing_support::canonical_hash;
@@ -106,5 +105,4 @@ TEST_F(Crowding, HelpersThatNeverComeChangeNothing) {
   }
 }
 
-}  // namespace crowding_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::crowding_test

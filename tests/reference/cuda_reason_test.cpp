@@ -3,8 +3,7 @@
 
 #include "cuda/reason.hpp"
 
-namespace cullhull::internal {
-namespace cuda_reason_test {
+namespace cullhull::internal::cuda_reason_test {
 
 Probe working() {
   Probe p;
@@ -71,5 +70,4 @@ TEST(CudaReason, AnythingElseIsQuoted) {
   expect_reason(p, "Some GPU cannot be used: ");
 }
 
-}  // namespace cuda_reason_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::cuda_reason_test

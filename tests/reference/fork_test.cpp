@@ -18,8 +18,7 @@
 #include "parallel/memory/pages.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing_support {
-namespace fork_test {
+namespace cullhull::testing_support::fork_test {
 
 /// Runs each work again and again on a thread of its own.
 class Busy {
@@ -160,5 +159,4 @@ TEST(Fork, AChildCountsItsOwnCalls) {
   other.join();
 }
 
-}  // namespace fork_test
-}  // namespace cullhull::testing_support
+}  // namespace cullhull::testing_support::fork_test

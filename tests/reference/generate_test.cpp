@@ -17,8 +17,7 @@
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/helpers.hpp"
 
-namespace cullhull {
-namespace generate_test {
+namespace cullhull::generate_test {
 
 constexpr std::uint64_t seed = 20240611;
 
@@ -258,5 +257,4 @@ TEST(Generate, RefusesWhatItDoesNotKnow) {
   EXPECT_TRUE(generate("ball", 0, 3, seed).empty());
 }
 
-}  // namespace generate_test
-}  // namespace cullhull
+}  // namespace cullhull::generate_test

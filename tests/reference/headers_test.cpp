@@ -8,8 +8,7 @@
 
 #include "cullhull/cullhull.hpp"
 
-namespace cullhull {
-namespace headers_test {
+namespace cullhull::headers_test {
 
 static_assert(sizeof(HullQuery) > 0 && sizeof(GrowingHull) > 0 && sizeof(HullTracker) > 0 &&
               sizeof(HalfspaceIntersection) > 0 && sizeof(HullBatch) > 0);
@@ -51,5 +50,4 @@ TEST(Headers, WhatTheyDeclareIsVisible) {
   EXPECT_GT(headers, 25);
 }
 
-}  // namespace headers_test
-}  // namespace cullhull
+}  // namespace cullhull::headers_test

@@ -14,8 +14,7 @@
 #include "parallel/threads/crew.hpp"
 #include "parallel/threads/parallel.hpp"
 
-namespace cullhull::internal {
-namespace helpers_test {
+namespace cullhull::internal::helpers_test {
 
 /// Work that keeps whoever joins it.
 struct Blocking : SharedWork {
@@ -97,5 +96,4 @@ TEST(Helpers, AForkedProcessHasItsOwn) {
   EXPECT_EQ(status, 0);
 }
 
-}  // namespace helpers_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::helpers_test

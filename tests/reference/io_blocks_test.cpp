@@ -14,8 +14,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull {
-namespace io_blocks_test {
+namespace cullhull::io_blocks_test {
 
 using Rows = std::vector<std::vector<double>>;
 
@@ -275,5 +274,4 @@ TEST(IoBlocks, StatesAreFiles) {
   EXPECT_EQ(first_id, 0U);
 }
 
-}  // namespace io_blocks_test
-}  // namespace cullhull
+}  // namespace cullhull::io_blocks_test

@@ -12,8 +12,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_columns_test {
+namespace cullhull::testing::io_columns_test {
 
 ReadOptions columns(const std::string& text) {
   ReadOptions options;
@@ -359,5 +358,4 @@ TEST(Columns, InBlocksAsInMemory) {
   std::filesystem::remove(path);
 }
 
-}  // namespace io_columns_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_columns_test

@@ -9,8 +9,7 @@
 #include "cullhull/triangulation_io.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull {
-namespace io_crs_test {
+namespace cullhull::io_crs_test {
 
 using testing::slurp;
 using testing::TemporaryFolder;
@@ -244,5 +243,4 @@ TEST(IoCrs, LinesOfGeoJson) {
                Error);
 }
 
-}  // namespace io_crs_test
-}  // namespace cullhull
+}  // namespace cullhull::io_crs_test

@@ -7,8 +7,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_fields_test {
+namespace cullhull::testing::io_fields_test {
 
 struct Read {
   Rows rows;
@@ -229,5 +228,4 @@ TEST(IoFields, SequencesOfGeoJsonTexts) {
     }
 }
 
-}  // namespace io_fields_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_fields_test

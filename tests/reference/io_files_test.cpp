@@ -12,8 +12,7 @@
 #include "io/write/output_file.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_files_test {
+namespace cullhull::testing::io_files_test {
 
 TEST(Open, RefusalsOfTheSystem) {
   const TemporaryFolder folder;
@@ -298,5 +297,4 @@ TEST(Output, InterruptRemovesTemporaries) {
   EXPECT_EQ(folder.entries(), 1U);
 }
 
-}  // namespace io_files_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_files_test

@@ -3,8 +3,7 @@
 #include "io/formats/geometry_positions.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_geometry_points_test {
+namespace cullhull::testing::io_geometry_points_test {
 
 Rows points_of(std::string_view text, const std::string& format, const std::string& columns = "") {
   ReadOptions options;
@@ -226,5 +225,4 @@ TEST(GeometryPoints, FilesCompressedOnesAndBlocks) {
   EXPECT_NE(error_whole_and_in_blocks(bad), "");
 }
 
-}  // namespace io_geometry_points_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_geometry_points_test

@@ -6,8 +6,7 @@
 #include "cullhull/cullhull.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_geometry_test {
+namespace cullhull::testing::io_geometry_test {
 
 std::string written(const PointView& points, const std::string& name,
                     Faces faces = Faces::polygons) {
@@ -145,5 +144,4 @@ TEST(Vtp, HoldsDoublesPolygonsLinesAndPoints) {
   EXPECT_NE(written({0, 0, 0}, 3, "a.vtp").find("<Verts>"), std::string::npos);
 }
 
-}  // namespace io_geometry_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_geometry_test

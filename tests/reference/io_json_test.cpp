@@ -13,8 +13,7 @@
 #include "io/json/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_json_test {
+namespace cullhull::testing::io_json_test {
 
 using nlohmann::json;
 
@@ -348,5 +347,4 @@ TEST(Json, ReadingIsCancelled) {
   EXPECT_EQ(polls, 3U);
 }
 
-}  // namespace io_json_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_json_test

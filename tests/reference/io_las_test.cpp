@@ -7,8 +7,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull {
-namespace io_las_test {
+namespace cullhull::io_las_test {
 
 constexpr unsigned least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
@@ -285,5 +284,4 @@ TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
   expect_refused({.minor = 4, .origin = {std::nan(""), 0, 0}}, "155: the offset of x is nan");
 }
 
-}  // namespace io_las_test
-}  // namespace cullhull
+}  // namespace cullhull::io_las_test

@@ -14,8 +14,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull {
-namespace io_memory_test {
+namespace cullhull::io_memory_test {
 
 std::string rows_of_text(std::size_t n) {
   std::string text;
@@ -161,5 +160,4 @@ TEST(IoMemory, PlacingTheNumbersOfAScanCanBeCancelled) {
   }
 }
 
-}  // namespace io_memory_test
-}  // namespace cullhull
+}  // namespace cullhull::io_memory_test

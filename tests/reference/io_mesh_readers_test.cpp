@@ -1,8 +1,7 @@
 // .obj .off .stl
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_mesh_readers_test {
+namespace cullhull::testing::io_mesh_readers_test {
 
 TEST(Obj, VerticesInFileOrderExactly) {
   const auto points = parse(
@@ -148,5 +147,4 @@ TEST(Stl, AsciiRefusals) {
   EXPECT_EQ(refusal("solid\nwhatever\nendsolid\n", "stl"), "F:2: 'whatever' is no keyword of .stl");
 }
 
-}  // namespace io_mesh_readers_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_mesh_readers_test

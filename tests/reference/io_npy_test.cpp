@@ -2,8 +2,7 @@
 
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_npy_test {
+namespace cullhull::testing::io_npy_test {
 
 const std::string rows32 = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 2), }\n";
 
@@ -158,5 +157,4 @@ TEST(Npy, WritersAreReadBack) {
   EXPECT_EQ(folder.entries(), 4U);
 }
 
-}  // namespace io_npy_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_npy_test

@@ -21,8 +21,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
-namespace cullhull::testing {
-namespace io_packed_test {
+namespace cullhull::testing::io_packed_test {
 
 std::string deflated(const std::string& bytes, int bits, int level = 6) {
   z_stream z{};
@@ -319,6 +318,5 @@ TEST_F(Files, SeveralInputsOfWhichSomeArePacked) {
   EXPECT_EQ(in_memory(files[0]), (Rows{{7, 8, 9}}));
 }
 
-}  // namespace io_packed_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_packed_test
 #endif

@@ -7,8 +7,7 @@
 #include "io/packed/lzf.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull {
-namespace io_pcd_test {
+namespace cullhull::io_pcd_test {
 
 using testing::bytes_of;
 
@@ -310,5 +309,4 @@ TEST(Lzf, CopiesMayOverlapThemselves) {
   EXPECT_TRUE(internal::unpack_lzf(nullptr, 0, out, 0));
 }
 
-}  // namespace io_pcd_test
-}  // namespace cullhull
+}  // namespace cullhull::io_pcd_test

@@ -14,8 +14,7 @@
 #include "io/json/json.hpp"
 #include "io/source.hpp"
 
-namespace cullhull {
-namespace io_placement_test {
+namespace cullhull::io_placement_test {
 
 Placement placement(double scale, double offset) { return {{scale, scale}, {offset, offset}}; }
 
@@ -248,5 +247,4 @@ TEST(IoPlacement, StatesOfDifferentGridsMergeOnTheCommonOne) {
   EXPECT_LT(refused, 400U);
 }
 
-}  // namespace io_placement_test
-}  // namespace cullhull
+}  // namespace cullhull::io_placement_test

@@ -2,8 +2,7 @@
 
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_ply_test {
+namespace cullhull::testing::io_ply_test {
 
 std::string header(const std::string& format, const std::string& elements) {
   return "ply\nformat " + format + " 1.0\ncomment any words at all, as many as one likes\n" +
@@ -213,5 +212,4 @@ TEST(Ply, HeadersThatAreNone) {
   EXPECT_EQ(parse(header("ascii", v), "ply").view.count, 0U);
 }
 
-}  // namespace io_ply_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_ply_test

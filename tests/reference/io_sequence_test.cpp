@@ -5,8 +5,7 @@
 #include "cullhull/generate.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_sequence_test {
+namespace cullhull::testing::io_sequence_test {
 
 namespace fs = std::filesystem;
 
@@ -164,5 +163,4 @@ TEST(Motion, SpinKeepsDistances) {
     EXPECT_NEAR(distance(first, 0, i), distance(later, 0, i), 1e-14);
 }
 
-}  // namespace io_sequence_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_sequence_test

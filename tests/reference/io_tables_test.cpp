@@ -5,8 +5,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_tables_test {
+namespace cullhull::testing::io_tables_test {
 
 struct Table {
   std::string name, file, text;
@@ -540,5 +539,4 @@ TEST(Tables, OfManyDimensions) {
   EXPECT_EQ(read_in_blocks(path, {}).rows, read_whole(path, {}).rows);
 }
 
-}  // namespace io_tables_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_tables_test

@@ -2,8 +2,7 @@
 
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_text_test {
+namespace cullhull::testing::io_text_test {
 
 TEST(Text, SeparatorsCommentsAndLineEnds) {
   const Rows want{{1, -2.5}, {3, 4e-3}};
@@ -298,5 +297,4 @@ TEST(Text, ByteOrderMarkIsPassedOver) {
   EXPECT_EQ(rows_of(parse(mark + "a", "raw", raw).view), (Rows{{0xEF, 0xBB, 0xBF, 'a'}}));
 }
 
-}  // namespace io_text_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_text_test

@@ -5,8 +5,7 @@
 
 #include "tests/io_fixtures.hpp"
 
-namespace cullhull::testing {
-namespace io_write_test {
+namespace cullhull::testing::io_write_test {
 
 std::string written(const Example& e, const std::string& name, const std::string& format = "",
                     Faces faces = Faces::by_format) {
@@ -229,5 +228,4 @@ TEST(QhullText, FourDimensionsAreOrientedAsQhullDoes) {
   }
 }
 
-}  // namespace io_write_test
-}  // namespace cullhull::testing
+}  // namespace cullhull::testing::io_write_test

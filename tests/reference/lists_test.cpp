@@ -11,8 +11,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 
-namespace cullhull {
-namespace lists_test {
+namespace cullhull::lists_test {
 
 TEST(SharedArray, CopiesShareUntilOneIsEdited) {
   SharedArray<int> a = {1, 2, 3};
@@ -152,5 +151,4 @@ TEST(Lists, FacetsOfASimplicialHullAreItsSimplices) {
   EXPECT_EQ(hull.facets.items[0], copy.facets.items[0] + 1000);
 }
 
-}  // namespace lists_test
-}  // namespace cullhull
+}  // namespace cullhull::lists_test

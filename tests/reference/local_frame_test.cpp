@@ -10,8 +10,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
 
-namespace cullhull::internal {
-namespace local_frame_test {
+namespace cullhull::internal::local_frame_test {
 
 constexpr std::uint32_t many = 100'000;  // several chunks of every sweep
 
@@ -84,5 +83,4 @@ TEST(LocalFrame, PeriodsOfTheInputDoNotHideItsShape) {
   EXPECT_GE(most, 3);
 }
 
-}  // namespace local_frame_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::local_frame_test

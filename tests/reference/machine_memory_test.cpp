@@ -8,8 +8,7 @@
 
 #include "parallel/memory/memory.hpp"
 
-namespace cullhull::internal {
-namespace machine_memory_test {
+namespace cullhull::internal::machine_memory_test {
 
 constexpr std::uint64_t none = std::numeric_limits<std::uint64_t>::max();
 
@@ -66,5 +65,4 @@ TEST_F(MachineMemory, IsNotMoreThanThereIs) {
   EXPECT_LE(machine_memory(), physical);
 }
 
-}  // namespace machine_memory_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::machine_memory_test

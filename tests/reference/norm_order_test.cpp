@@ -13,8 +13,7 @@
 #include "cullhull/options.hpp"
 #include "geometry/curve_frame.hpp"
 
-namespace cullhull::internal {
-namespace norm_order_test {
+namespace cullhull::internal::norm_order_test {
 
 TEST(CurveKeys, NeighboursInOrderAreNeighboursInSpace) {
   for (const auto& [d, bits] : std::vector<std::pair<unsigned, unsigned>>{
@@ -142,5 +141,4 @@ TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
   }
 }
 
-}  // namespace norm_order_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::norm_order_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace cullhull::internal {
-namespace planner_test {
+namespace cullhull::internal::planner_test {
 
 TEST(Planner, SurfacesAreNotCulled) {
   for (unsigned d = 2; d <= 6; ++d) {
@@ -218,5 +217,4 @@ TEST(Planner, FewPointsAreNotShared) {
   }
 }
 
-}  // namespace planner_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::planner_test

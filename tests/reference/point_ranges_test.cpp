@@ -12,8 +12,7 @@
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
 
-namespace cullhull {
-namespace point_ranges_test {
+namespace cullhull::point_ranges_test {
 
 /// The members of Eigen's matrices that a view reads.
 template <class T, int Rows, int Columns, bool RowMajor>
@@ -220,5 +219,4 @@ TEST(PointRanges, PathsAreNamesOfFiles) {
 }
 #endif
 
-}  // namespace point_ranges_test
-}  // namespace cullhull
+}  // namespace cullhull::point_ranges_test

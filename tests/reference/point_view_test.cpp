@@ -4,8 +4,7 @@
 
 #include <cstring>
 
-namespace cullhull {
-namespace point_view_test {
+namespace cullhull::point_view_test {
 
 TEST(PointView, ReadsRowsAndColumnsAlike) {
   const double rows[] = {1, 2, 3, 4, 5, 6};
@@ -36,5 +35,4 @@ TEST(PointView, EveryScalarTypeIsExact) {
   EXPECT_EQ(PointView::row_major(c, 1, 1).at(0, 0), -2147483648.0);
 }
 
-}  // namespace point_view_test
-}  // namespace cullhull
+}  // namespace cullhull::point_view_test

@@ -11,8 +11,7 @@
 #include "reference/count_down.hpp"
 #include "reference/emulated_executor.hpp"
 
-namespace cullhull::internal {
-namespace primitives_test {
+namespace cullhull::internal::primitives_test {
 
 constexpr std::uint32_t sizes[] = {0, 1, 2, 63, 64, 65, 4095, 4096, 4097, 30011};
 
@@ -136,5 +135,4 @@ TEST(Primitives, ExceptionsPassThrough) {
   EXPECT_THROW(ThreadExecutor(2).for_each(10000, fail), std::runtime_error);
 }
 
-}  // namespace primitives_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::primitives_test

@@ -12,8 +12,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 
-namespace cullhull::internal {
-namespace pseudo_hull_test {
+namespace cullhull::internal::pseudo_hull_test {
 
 const Options defaults;
 
@@ -365,5 +364,4 @@ TEST(PseudoHullFilter, StopsWhenAsked) {
                Error);
 }
 
-}  // namespace pseudo_hull_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::pseudo_hull_test

@@ -10,8 +10,7 @@
 #include <dlfcn.h>
 #endif
 
-namespace cullhull::internal {
-namespace simd_targets_test {
+namespace cullhull::internal::simd_targets_test {
 
 #if defined(__linux__) && defined(__x86_64__)
 TEST(SimdTargets, AreThoseOfHighwaysLibrary) {
@@ -45,5 +44,4 @@ TEST(SimdTargets, AreChosenAnewAfterTheyAreSet) {
   EXPECT_EQ(hwy::SupportedTargets(), supported);
 }
 
-}  // namespace simd_targets_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::simd_targets_test

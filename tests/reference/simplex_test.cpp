@@ -9,8 +9,7 @@
 
 #include "geometry/insertion_rounds.hpp"
 
-namespace cullhull::internal {
-namespace simplex_test {
+namespace cullhull::internal::simplex_test {
 
 /// Whether the number of pairs out of order is odd.
 bool odd_permutation(const std::vector<std::uint32_t>& ids) {
@@ -83,5 +82,4 @@ TEST(InsertionRounds, EachIsAMultipleOfAllBefore) {
   EXPECT_EQ(rounds.round_of(0), 0U);
 }
 
-}  // namespace simplex_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::simplex_test

@@ -22,8 +22,7 @@
 #include "result/measures/measure.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
-namespace cullhull::internal {
-namespace write_simplices_test {
+namespace cullhull::internal::write_simplices_test {
 
 using Rows = std::vector<double>;
 
@@ -217,5 +216,4 @@ TEST(SortFew, SortsEveryPermutation) {
   every_permutation<8>();
 }
 
-}  // namespace write_simplices_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::write_simplices_test

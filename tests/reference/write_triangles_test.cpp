@@ -17,8 +17,7 @@
 #include "result/write/write_simplices.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 
-namespace cullhull::internal {
-namespace write_triangles_test {
+namespace cullhull::internal::write_triangles_test {
 
 using Rows = std::vector<double>;
 
@@ -194,5 +193,4 @@ TEST(WriteTriangles, RefusesWhatIsNoHull) {
   EXPECT_TRUE(refused([](TriangleMesh& s) { fold(s, 9); }));
 }
 
-}  // namespace write_triangles_test
-}  // namespace cullhull::internal
+}  // namespace cullhull::internal::write_triangles_test

@@ -10,8 +10,7 @@
 #include "viewer/page.hpp"
 #include "viewer/scene.hpp"
 
-namespace cullhull::viewer {
-namespace hull_shape_test {
+namespace cullhull::viewer::hull_shape_test {
 
 constexpr ShapeLimits no_limit{1'000'000, 1'000'000};
 
@@ -162,5 +161,4 @@ TEST(Page, TextIsSafe) {
   EXPECT_EQ(text.find("http-equiv=\"refresh\""), std::string::npos);
 }
 
-}  // namespace hull_shape_test
-}  // namespace cullhull::viewer
+}  // namespace cullhull::viewer::hull_shape_test
