@@ -333,6 +333,12 @@ class CellInsertion {
     return signs_.conflict(cells_.store.vertices(c));
   }
 
+  // The order of the rungs for one cell: its kept plane in doubles; on a lattice the same plane
+  // exactly; then double-doubles, many cells at a time; then the predicate one by one, which ends
+  // with integers and ties. A cell that waits for the third counts as not in conflict until
+  // decided, so that the search can go on; if it turns out to be inside, the search continues from
+  // it.
+
   /// conflict() for a cell whose plane does not decide. If it decides on no lattice either, the
   /// cell is deferred (decide_undecided) and counts as not in conflict until then.
   [[gnu::noinline]] bool conflict_in_doubt(std::uint32_t c) {
@@ -556,6 +562,16 @@ class CellInsertion {
     std::uint32_t *by_vertex_, *vertices_;
     std::uint32_t infinity_, base_, count_ = 0;
   };
+
+  // Why a table of pairs is enough: a closed surface of triangles has each of its edges in two
+  // triangles, once in each direction. A new cell over (a, b, c) writes its code at (b, c), (c, a)
+  // and (a, b); the cell on the other side of the edge b c finds it by reading (b, c), as it has
+  // the edge as c b. By Euler's formula f facets have f / 2 + 2 vertices, so a boundary of at most
+  // 2 most_labels - 4 facets has at most most_labels of them.
+  //
+  // Example: a tetrahedron around p has the facets (0, 1, 2), (0, 2, 3), (0, 3, 1), (1, 3, 2). The
+  // cell over (0, 1, 2) writes at (1, 2), and the cell over (1, 3, 2), which has the edge as (2,
+  // 1), reads there.
 
   /// 3D: make_cells() and join_cells() for a boundary of at most most_labels vertices. The boundary
   /// is a closed surface: each of its edges belongs to two facets, which have it in opposite

@@ -52,6 +52,10 @@ struct LiftedPlane {
 template <unsigned K>
 using PlaneArray = RawArray<LiftedPlane<K>>;
 
+// Cells without a plane (ghosts) have the bound infinity, so that decides() is false for them
+// without a branch of its own. Planes are relative to the corner that was inserted last, the
+// nearest to the points that will be tested against the cell.
+
 /// The planes of all cells, for 3 <= K <= 6 and points without weights that span the whole space.
 template <unsigned K>
 class CellPlanes {

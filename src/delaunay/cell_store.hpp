@@ -112,6 +112,10 @@ class CellStore {
     free_.push_back(c);
   }
 
+  // Why all memory is allocated before threads start: growing the arrays would move cells that
+  // others read. A round inserts at most as many points as there are, which needs about as many new
+  // cells as there are live ones; threads that run out put their points off until the next round.
+
   /// Prepares for several threads, which take unused cells from count() on. Allocates `capacity`
   /// cells, or as many as the budget and limit() allow. Marks live cells 0 and unused cells dead.
   void share(std::uint64_t capacity) {

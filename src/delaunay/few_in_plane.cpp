@@ -170,6 +170,10 @@ class FewInPlane {
     s.exact_orientation_limit = lowest < least ? 0 : std::ldexp(1.0, 53 + 2 * lowest);
   }
 
+  // Equal points have equal keys, so they are in one run of the order; within it each point is
+  // compared with the first ones of the run until an equal one is found, itself at the latest.
+  // Cells hold few points (most_sharing), so the comparisons are few.
+
   /// Finds equal points, which share a cell of the curve; the first in the order has the lowest id.
   /// The others are its duplicates, all first ones places_.
   void find_duplicates() {
@@ -214,6 +218,10 @@ class FewInPlane {
       if (i != simplex[0] && i != simplex[1] && i != simplex[2]) engine_.insert(i);
     return true;
   }
+
+  // 14 bits for each of three corners and 16 for the cell's number are 58 bits: the whole row is
+  // one word, sorted by its corners without looking at anything else. Example: the triangle 3, 7,
+  // 12, cell 20: ((3 * 2^14 + 7) * 2^14 + 12) * 2^16 + 20.
 
   /// A cell for sorting, from the high bits: its three corners, its number in the store.
   using Row = std::uint64_t;

@@ -30,6 +30,11 @@ namespace cullhull::internal {
 struct PartBox {
   std::array<double, 2> low, high;
 
+  // A ghost stands for the half plane beyond a hull edge. If the other part's box is strictly on
+  // the inner side, no point of it is beyond the edge or on its line: the edge is one of the whole
+  // set's hull, and the points on its line are this part's alone. Strictness matters: a point of
+  // the other part on the line would be between or beyond the edge's ends and change it.
+
   /// Whether every corner of the box is strictly on the inner side of the hull edge of a ghost,
   /// whose infinite vertex is in slot g.
   bool within(const LiftedPoints& s, const std::uint32_t* ghost, unsigned g) const {

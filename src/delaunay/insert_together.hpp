@@ -85,6 +85,11 @@ class InsertTogether {
   /// that the other lanes wait at the end of a round.
   static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
 
+  // Both ends are one 64-bit word, so taking from either end is one compare-and-swap, and no point
+  // can be taken twice. Example: [10, 100): the lane takes 32 and leaves [42, 100); a thief takes
+  // the last 32 and leaves [42, 68). Points are in the order of a curve, so the lane keeps its
+  // neighbourhood in the cache and a thief takes what is farthest from it.
+
   /// A lane's range of points. The lane takes from the front; other lanes steal from the back.
   class Stretch {
    public:

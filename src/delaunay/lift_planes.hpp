@@ -50,6 +50,11 @@ template <unsigned K>
   value += normal[K] * lift;
   return {value, linear * most + square * lift + tiny};
 }
+// The bound is plane_roundings u times the sum of the magnitudes of all products, so a sum of at
+// most exact_limit shows as a bound of at most plane_roundings u exact_limit; 0.99 covers the
+// rounding of the bound. Example, in units of a raster in space: cells of neighbours have sums of
+// about 100, far below 2^53: their zeros are exact.
+
 /// Up to this bound no product or sum of the determinant is rounded, so that the value is exact.
 /// `exact_limit`: that of LiftedPoints; 0, and so is the result, if there is no lattice.
 inline double exact_plane_bound(unsigned k, double exact_limit) {

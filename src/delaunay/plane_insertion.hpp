@@ -76,6 +76,13 @@ class PlaneInsertion {
   struct Corner {
     double x, y;
   };
+  // The boundary is a cycle of edges in one array, linked by indices: replacing an edge by two
+  // keeps its place for the first of them and appends the second. Example: edges 0, 1, 2 of the
+  // first triangle; the triangle across edge 1 is in conflict: edge 1 now ends at that triangle's
+  // apex, edge 3 leads from the apex to where edge 1 ended, and 1 links to 3, 3 to 2. So n
+  // triangles have n + 2 edges, in the order in which they were found, and new triangles link by
+  // the same links.
+
   /// An edge of the cavity's boundary, in a cyclic list.
   struct alignas(64) Edge {
     Pair at;               ///< coordinates of its start, relative to the point

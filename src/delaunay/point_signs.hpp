@@ -113,6 +113,11 @@ class PointSigns {
       std::conditional_t<K != 0, std::array<const double*, K + 1>, std::vector<const double*>>;
   unsigned corners() const { return (K ? K : s_.base) + 1; }
 
+  // All d + 1 signs come from the differences of the corners from p, which are computed once:
+  // replacing corner j by p leaves the determinant of the other corners' differences, with the sign
+  // (-1)^j from moving p to the front. Example in the plane: p inside of (a, b, c): (b - p) x (c -
+  // p), (c - p) x (a - p) and (a - p) x (b - p) are all positive.
+
   /// separating_facet() with a floating-point filter: the orientation with corner j replaced by p
   /// is (-1)^j times the determinant of the other corners' differences from p.
   unsigned separating_facet_filtered(const std::uint32_t* v, unsigned from) {

@@ -30,6 +30,11 @@ class Sorter {
   Sorter(const double* rows, unsigned d, const Run& run)
       : rows_(rows), d_(d), run_(run), frame_(d) {}
 
+  // Example: a million points of a town and one at (0, 0), a lost GPS fix: the box is thousands of
+  // kilometres wide, and all of the town falls into one cell of the curve. These points are sorted
+  // once more along a curve over their own box, where they have cells of their own. Each level
+  // removes remote points, so it is seldom needed twice.
+
   /// Sorts items[0, n) along a Hilbert curve over their bounding box; equal points by id. If a few
   /// remote points enlarge the box, many items share a key; these are sorted along a curve over
   /// their own box.
@@ -158,6 +163,12 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
 }
 
 // ----------------------------------------------------------------------- flat and scale
+
+// Tuples are spread over the order, which follows a curve in rounds, so their points are far from
+// each other and an orientation in doubles decides. Only if all tuples are flat is the rank of all
+// points found, exactly. Example: points of a plane in space: every tuple of four has the
+// orientation zero; the flat's basis follows from an exact elimination, and its pivot columns are
+// the axes to work in.
 
 /// Finds k + 1 affinely independent points, as places in the order, and the axes of the points'
 /// flat. If the points span the whole space, one of a few tuples spread over the order nearly

@@ -13,6 +13,11 @@ namespace {
 
 using Row = std::vector<mpq_class>;
 
+// Example: the rows (1, 2, 3) and (2, 4, 7): the first is kept; the second less twice the first is
+// (0, 0, 1), which becomes the second row, and the first is cleared in that column: (1, 2, 0) and
+// (0, 0, 1). The column without a pivot is the middle one, so the normal is (-2, 1, 0): orthogonal
+// to both.
+
 /// A basis of the space that rational rows span, in reduced echelon form.
 class EchelonBasis {
  public:
@@ -120,6 +125,10 @@ class Redundancy {
   const Triangulation& t_;
   std::vector<std::uint32_t> places_;
 };
+
+// Example: wanted ids 4 and 9, rows (1, 4, 7), (4, 9, 2), (3, 5, 6): row 0 and 1 for id 4, row 1
+// for id 9. One pass over all rows serves any number of ids, as a binary search finds whether an id
+// is wanted.
 
 /// For each of the wanted ids, which ascend, the rows (of `width` ids) that contain it.
 Adjacency<std::uint32_t> rows_around(const Array<std::uint32_t>& ids, unsigned width,

@@ -23,6 +23,11 @@ using V = hn::Vec<F>;
 
 }  // namespace
 
+// The cone of a direction: the axis of its largest coordinate and its sign give the face of the
+// cube, the two other coordinates over the largest the cell. Example with 8 cells: (2, 1, -0.5) is
+// on the face +x, at (1 / 2 + 1) 4 = 6 and (-0.25 + 1) 4 = 3. Rounding may choose the cell beside:
+// then that cell has the point, and no harm is done.
+
 /// Computes squared distances and cones for a block of points, padding included.
 void find_cones(const OutermostFrame& frame, const OutermostBlock& block, unsigned cells,
                 float* squares, std::int32_t* cones) {
@@ -174,6 +179,10 @@ class Search {
     }
     return true;
   }
+
+  // Example: points of a sphere: each is as far out as any of its cone, within 2 %, so a map of the
+  // outermost would drop none of them. Of a ball most points of a cone are well below its outermost
+  // one.
 
   /// Whether enough points of a sample are well below the outermost point of their cone.
   bool sample_has_inside() {

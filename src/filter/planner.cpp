@@ -31,6 +31,11 @@ constexpr Costs costs_by_dimension[] = {
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
 
+// Efron's identity in one example: let 130 of a random sample of 1,000 be extreme. A further point
+// is outside of the sample's hull exactly if it is extreme among the 1,001: about 13 %. So a map of
+// that sample keeps about 13 % of all points, and its own size tells so without a pass over the
+// data. On a sphere all points are extreme: the share is 1, and the filter is skipped.
+
 /// Estimates the share of points that a sample's hull leaves outside. Efron (1965): for m points it
 /// is expected to be the share of an (m + 1)-sample's points that are extreme.
 double kept_share(std::uint64_t sample, std::uint64_t extreme) {
@@ -95,6 +100,9 @@ std::string seconds_text(double seconds) {
 
 }  // namespace
 
+// Example in space: building a map takes 7e5 ns, the engine 100 ns a point, the pass 5: below 7e5 /
+// 95 = 7,368 points a map cannot pay.
+
 // Below this number of points even dropping all of them would save less than the map costs.
 std::uint64_t smallest_worth_culling(unsigned d) {
   const Costs& c = costs_of(d);
@@ -127,6 +135,11 @@ std::uint64_t probe_sample_size(std::uint64_t count, unsigned d) {
   return std::min(count, std::max(static_cast<std::uint64_t>(size), std::uint64_t{8} * d));
 }
 
+// Example: 10^6 points in space, a probe of 1,000 of which 130 are extreme: the map keeps 1.05 *
+// 0.13 = 14 %. Dropping the others saves 0.86 * 10^6 * 100 ns = 86 ms of the engine, for 5 ms of
+// the pass, the sample's hull and 0.7 ms for the map: it pays. With 950 extreme points the map
+// keeps 99.8 %, and it does not.
+
 // A larger sample keeps fewer points where the density is smooth, but not where the points are on a
 // surface, and the probe cannot distinguish the two: so no decay is assumed. On a surface extreme =
 // sample.
@@ -153,6 +166,11 @@ Rates& assumed_rates() noexcept {
   static Rates rates;
   return rates;
 }
+
+// Example: 10^7 points of 24 bytes on the host, 8 threads: reading 240 MB at 40 GB/s takes 6 ms,
+// testing 10^7 * 5 ns / 8 another 6.25 ms at the same time: 6.25 ms. A device gets them over a link
+// of 50 GB/s in 4.8 ms, but the first call of a process pays 250 ms for the driver: the CPU is
+// chosen.
 
 // A pass on the host costs the larger of reading and testing. For a device, a piece of the points
 // is copied into pinned memory while the previous one is transferred: again the larger of the two;

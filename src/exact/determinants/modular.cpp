@@ -41,6 +41,11 @@ class Field {
   }
 
  private:
+  // Montgomery's reduction: m is chosen so that v + m p is a multiple of 2^32, so the shift is
+  // exact, and v + m p < 2^32 (2 p) leaves a result below 2 p. Example with 2^4 in place of 2^32
+  // and p = 7: -1 / 7 modulo 16 is 9; v = 10 gives m = 10 * 9 mod 16 = 10, (10 + 70) / 16 = 5, and
+  // indeed 5 * 16 = 80 = 10 modulo 7.
+
   /// v / 2^32, for v < 2^32 p.
   std::uint32_t reduce(std::uint64_t v) const {
     const std::uint32_t m = static_cast<std::uint32_t>(v) * negative_inverse_;
@@ -117,6 +122,9 @@ class Residues {
   std::vector<std::uint32_t> a_;
   std::uint32_t determinant_ = 0;
 };
+
+// Example: a 24 x 24 matrix of 20-bit entries: 24 * 20 + 24 * 5 / 2 + 1 = 541 bits, so 19 primes of
+// 30 bits and more are enough, each an elimination of 24^3 / 3 steps.
 
 /// The bits of the largest minor, by Hadamard's inequality: the lengths of the longest columns.
 std::size_t bits_of_minors(BigNumbers& m, unsigned rows, unsigned columns) {

@@ -47,6 +47,8 @@ class Fraction {
     }
     return r;
   }
+  // Example: 3 / 4 * 2^0 + 1 / 4 * 2^2 is (3 + 1 * 2^2) / 4 * 2^0: one shift and one addition, as
+  // the denominators are the same number.
   friend Fraction operator+(const Fraction& a, const Fraction& b) {
     if (a.is_zero()) return b;
     if (b.is_zero()) return a;

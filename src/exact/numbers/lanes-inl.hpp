@@ -45,6 +45,10 @@ HWY_INLINE unsigned lane_count() { return static_cast<unsigned>(hn::Lanes(D()));
 HWY_INLINE Lanes load(const double* from) { return hn::Load(D(), from); }
 HWY_INLINE void store(Lanes a, double* to) { hn::Store(a.v, D(), to); }
 
+// Why an unfused product exists: a fused one gives the exact low part in one operation, but where
+// products underflow its bits differ from those of DoubleDouble, and results that are written must
+// not depend on the instruction set.
+
 /// A DoubleDouble in each lane, with the same error bounds. `fused`: multiplies by fused operations
 /// where there are any, in less time; otherwise each lane has the bits of DoubleDouble also where
 /// products underflow. No operator is a friend: GCC compiles friends of a template for the

@@ -84,6 +84,11 @@ bool filtered(unsigned d, const double* const* p, Sign& sign) {
 // Rung 3: integers. Column j of the points is divided by the largest power of two that divides all
 // of its coordinates; signs of determinants do not change under positive column scaling.
 
+// The centroid is (s_0 + ... + s_d) / (d + 1). Rows p - centroid times d + 1 are integers where
+// coordinates are, and the determinant is multiplied by (d + 1)^d > 0, which keeps its sign.
+// Example in the plane: the simplex (0, 0), (1, 0), (0, 1) and p = (1, 1): 3 (1, 1) - (1, 1) = (2,
+// 2), three times the vector (2/3, 2/3) from the centroid to p.
+
 /// The matrix with rows (d + 1) p[i] - sum of the d + 1 points of a simplex.
 class CentroidDifferences {
  public:
@@ -117,6 +122,9 @@ class CentroidDifferences {
   bool narrow_ = false;
   std::vector<std::int64_t> sums_;
 };
+
+// Rounding once: 128-bit integers hold the cross product exactly, and the conversion to double is
+// its only rounding, so each component is right to 2^-53 of itself, whatever cancelled.
 
 /// Computes the cross product of two rows that fit 64 bits, rounded.
 bool narrow_plane(const Differences& a, double* normal) {

@@ -75,6 +75,9 @@ class IntegerPoints {
   std::vector<int> exponent_;
 };
 
+// Differences have at most one bit more than coordinates: with bits() <= 61 they fit 64-bit
+// integers, and determinants of 128 bits can be tried.
+
 /// The matrix of an orientation, with rows p[i] - p[0].
 class Differences {
  public:

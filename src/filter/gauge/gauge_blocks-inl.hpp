@@ -291,6 +291,10 @@ class OpenPoints {
   HWY_ALIGN std::uint32_t places_[row];
 };
 
+// Example: the core tests 256 points and leaves 250: it costs a third of the map's test and saves 2
+// % of it, so it pauses for sixteen batches. At an ordered file's change of region, from outside to
+// inside, it is back after the pause.
+
 /// Decides whether the core is used: it pauses where it drops too few points. A pause of 16 batches
 /// limits the cost of a useless core to about a sixteenth of its test.
 class CoreUse {

@@ -15,6 +15,9 @@
 namespace cullhull::internal {
 namespace {
 
+// Neighbouring nodes lie in the same or in neighbouring cones, so a walk that starts at the last
+// node's facet is a step or two long.
+
 /// Fills a table. With cones, it also stores the facet at which the walk to each node ended, as the
 /// start of later walks.
 template <unsigned D>
@@ -96,6 +99,10 @@ class Builder final : public GaugeCones {
     }
     return hints_[node];
   }
+
+  // Example: a sample's hull of 1,000 facets in 3D asks for 6,000 nodes: six faces of 1,000, so an
+  // edge of sqrt(1,000) = 31.6 nodes, 31 cells, made even: 32. The table has 6 * 33^2 = 6,534
+  // floats, 26 KB, which the L1 cache holds; with twice the cells it would not.
 
   /// Chooses the resolution: nodes in proportion to facets; at least as many as reduce the
   /// survivors of balls noticeably (measured for each dimension), at most a share of L2: 64 K

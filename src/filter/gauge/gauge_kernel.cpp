@@ -52,6 +52,10 @@ HWY_INLINE void store_f32(hn::ScalableTag<double> d, hn::Vec<hn::ScalableTag<dou
 }
 #endif
 
+// The conversion is the only step that knows the points' type and layout, so that the test itself
+// exists once. Rounding a coordinate to f32 moves it by at most 2^-24 of the largest one, which the
+// map's nodes have in advance (docs/exactness.md, G3).
+
 /// Converts `count` rows from `from` to `to`: translated, scaled, rounded to f32, zero-padded.
 template <unsigned D, class T>
 HWY_INLINE void convert_rows(const RowPattern<D, T>& pattern, const T* HWY_RESTRICT from,

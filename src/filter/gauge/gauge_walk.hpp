@@ -102,6 +102,11 @@ class ConeWalk {
     return {weight * (1 + 0x1p-49), residual + (1 + weight) * 0x1p-1000};
   }
 
+  // A negative weight mu_i says that v is on the other side of the ridge opposite to vertex i, so
+  // the walk crosses it. Example in the plane: the facet with corners (1, 1) and (1, -1) and v =
+  // (0.2, 1): v = 0.6 (1, 1) - 0.4 (1, -1): the second weight is negative, so the walk crosses the
+  // ridge that lacks (1, -1), the corner (1, 1), to the facet y = 1.
+
   /// Walks across ridges with a negative weight to the cone that contains v. By convexity sum mu
   /// grows with every step, except at coplanar facets and by rounding: hence the step limit, and a
   /// random choice of the ridge after half the limit. Returns the best facet visited; `best`
@@ -149,6 +154,10 @@ class ConeWalk {
   static constexpr std::uint64_t random_seed = 88172645463325252U;
 
  private:
+  // A walk in f32 may end at a neighbour of the right cone. The bound that is computed from there,
+  // in doubles, is then a little larger, since a negative weight is cut to 0 and its rest is paid
+  // for with L: still a bound.
+
   /// The data that a step of the walk reads: one to three cache lines. Single precision suffices to
   /// find the way.
   struct alignas(64) Cone {
@@ -202,6 +211,11 @@ class ConeWalk {
         q_[v * D + j] = (p_.vertices[v * D + j] - centre_[j]) * scale_[j];
     return true;
   }
+
+  // Any centre strictly inside is right; a deep one makes gauges smooth, so that interpolation
+  // loses less. Example: a cap of a sphere whose points crowd at the rim: the mean of the points is
+  // near the rim's plane, the centroid of the body is half-way up. An f32 centre lets f32 points be
+  // subtracted in f32.
 
   /// Chooses the centre: the centroid of the polytope (estimated from at most 8,192 of its cones),
   /// which is deep inside even where vertices crowd; it is rounded to f32 if that moves it by at

@@ -62,6 +62,10 @@ std::uint64_t enough_shared(std::uint64_t size, std::uint32_t count) {
   return std::clamp<std::uint64_t>(size * size / count, 4, size / 16 + 4);
 }
 
+// Example: 1,000 sampled points of decimals with three places in [0, 1) repeat values on every
+// axis, and lines may be shared; random doubles repeat none, and the lattice filter ends here after
+// sorting or hashing two axes of the sample.
+
 /// Excludes lattices quickly. Points on a line along one axis agree on every other axis, so if
 /// values on two axes seldom repeat, no axis has many shared lines. This is the usual case.
 bool surely_no_lattice(const Array<double>& rows, unsigned d,
@@ -72,6 +76,10 @@ bool surely_no_lattice(const Array<double>& rows, unsigned d,
   };
   return d > 1 && seldom(0) && seldom(1);
 }
+
+// Confusing two hashes makes a sample look more like a lattice than it is: the thinning is tried
+// and drops what it can, which is right for any points, so a false alarm costs time alone. 256 bits
+// a hash keep false alarms at one in 256.
 
 /// A set of hashes that may confuse different ones (a Bloom filter with one hash function): 256
 /// bits per hash of its capacity.
@@ -243,6 +251,10 @@ struct Keyed {
 struct Field {
   unsigned bits = 0, shift = 0;
 };
+
+// Example along x: the key of a point (x, y, z) without its x field is its line. Each point offers
+// its x to the least and the greatest of its line, by atomic minima and maxima, so the two ends do
+// not depend on the order of threads; of equal points the lower index counts.
 
 /// The two ends of each line along one axis: in a table indexed by line if lines are few, else in a
 /// hash table. Which points are kept does not depend on the order of work.

@@ -22,6 +22,11 @@ namespace cullhull::internal {
 
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
+// Why maxima make results independent of threads: the largest of some numbers does not depend on
+// the order in which they are offered, and among equal values the lowest index is chosen
+// afterwards. Distances are offered as the bits of a double that is not negative: as integers they
+// have the same order. Example: 1.0 is 0x3ff0000000000000 and 1.5 is 0x3ff8000000000000.
+
 /// The value that an item offers to a cell; 0 with the cell no_item for no offer.
 struct Offer {
   std::uint32_t cell;

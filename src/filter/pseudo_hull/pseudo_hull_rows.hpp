@@ -31,8 +31,15 @@ struct PseudoSubset {
   }
 };
 
+// Subsets interleave blocks of the points, so their lists interleave as well: (0, 5, 900) and (600,
+// 700) become (0, 5, 600, 700, 900), the survivors as one list, whatever the number of threads and
+// subsets.
+
 /// Merges the subsets' ascending lists of ids into one ascending list.
 std::vector<std::uint64_t> merge_subsets(std::vector<std::vector<std::uint64_t>> kept);
+
+// Why NaN marks a row: every comparison with it is false, so it is no extreme point, no apex, not
+// outside of a facet and not inside of one: it survives, without a test of its own anywhere.
 
 /// Packed rows of doubles, which are scaled once, in place. A row that must survive is NaN in every
 /// coordinate.

@@ -104,6 +104,11 @@ bool axis_scales(const AxisExtremes<D>& e, double* scale) {
   return true;
 }
 
+// Example in space: the first two corners give a line, the third is farthest from it, the fourth
+// farthest from their plane. Each step projects out one direction: the distance of x from a flat is
+// the length of what is left of x - origin. Rounding may choose a corner that is not quite the
+// farthest: a slightly smaller simplex, nothing else.
+
 /// The affine hull of the points chosen so far, as an orthonormal basis in doubles. Approximate:
 /// the planes of the simplex have their own error bounds.
 template <unsigned D>

@@ -131,6 +131,11 @@ struct ReplaceFacetInParts {
   CULLHULL_HD void operator()(std::uint32_t item) const { facet.one(item / D, item % D); }
 };
 
+// A point that is proved to be inside of all D new facets is culled: it was outside of the old one,
+// so it is in the simplex between. A point that is outside of none, but not proved to be inside of
+// all, survives and is not tested again. Of several facets that it is outside of it goes to the
+// nearest, the first on ties: any choice is right, and the nearest keeps sets small.
+
 /// Reassigns each exterior point of a facet to the nearest of the new facets it is outside of.
 template <unsigned D, class Rows>
 struct Reassign {
@@ -184,6 +189,10 @@ struct HasFacet {
   const std::uint32_t* place;
   CULLHULL_HD bool operator()(std::uint32_t i) const { return place[i] < place_uncertain; }
 };
+
+// The apex is found while points move: the point whose distance equals its cell's maximum, bit for
+// bit, writes its row by an atomic minimum. So there is no pass of its own for it, and equal
+// distances choose the lowest row on every executor.
 
 /// Compacts the points that have a facet; the farthest of each facet becomes its apex, of equally
 /// far ones the first row.

@@ -95,6 +95,10 @@ struct StarFlips {
     return is_doomed(low) ? low : is_doomed(v + w - low) ? v + w - low : no_item;
   }
 
+  // Example: the edge a b has the opposite corners c and d; the flip takes an edge from a and from
+  // b and gives one to c and to d. With doomed vertices 4 = a and 9 = c the flip is done, as the
+  // lowest of them loses an edge; with 4 = c and 9 = a it is not.
+
   /// The flip at an edge. A vertex that is doomed gets an edge only where a lower one that is
   /// doomed loses one: the lowest of them can always lose one, so all are removed in the end.
   CULLHULL_HD StarFlip flip_of(const Edge& e) const {

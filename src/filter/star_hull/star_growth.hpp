@@ -101,6 +101,10 @@ struct StarSlots {
   }
 };
 
+// Example: the facet (a, b, d) with neighbours A, B, D opposite to its corners and the apex p
+// becomes (p, b, d), (a, p, d) and (a, b, p). Each keeps one outer neighbour (A, B, D) and has the
+// two others of the three inside: neighbours are known without a search.
+
 /// Item 3 j + i makes the new facet i of the j-th replaced one, in which the apex takes the place
 /// of vertex i; item 3 j + i also computes its planes.
 template <class Rows>
@@ -147,6 +151,10 @@ struct SplitStarFacet {
     make_plane<3>(through, at_a, fan[j].between[i]);
   }
 };
+
+// Three planes through the centre and the apex part the old cone into the three new ones: the plane
+// through vertex k separates the facets on either side of it. A point must be proved to be on the
+// right side of two of them; on one of the planes, or within its bound, it is set aside.
 
 /// Reassigns each point in the cone of a replaced facet to the cone of a new one.
 template <class Rows>

@@ -19,6 +19,9 @@ struct StarCentre {
   double at[3];
 };
 
+// A surface that is whole() is handed to the CPU's proof; one that is not has still culled points,
+// and its vertices with those set aside are hulled like any filter's survivors.
+
 /// What was done, and what is left.
 struct StarCounts {
   std::uint32_t vertices = 0, facets = 0;  ///< after the growth
@@ -43,9 +46,8 @@ struct EmitItem {
   std::uint32_t* list;
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { list[k] = i; }
 };
-// A curve's key only orders work and memory: any key would give the same hull.
-
-/// The place of a listed row along a Z-order curve around the centre.
+/// The place of a listed row along a Z-order curve around the centre. It only orders work and
+/// memory: any key would give the same hull.
 template <class Rows>
 struct CurveKey {
   static constexpr unsigned bits = 30;
@@ -172,6 +174,12 @@ class StarHull {
     const double* c = growth_.centre();
     return {{c[0], c[1], c[2]}};
   }
+
+  // The order of events: rounds of flips until no side waits; a report of what is left; if reflex
+  // edges are left, vertices at them are marked as doomed where that is proved, and rounds go on
+  // with the sides around these. It ends when no reflex edge is left, when nothing can be marked,
+  // or after a fixed number of rounds: then the surface is not whole, and the CPU hulls the points
+  // that are left.
 
   /// Flips until all edges are convex or nothing can be flipped.
   void flip(const Control& control, StarCounts& done) {
