@@ -222,7 +222,7 @@ TEST(CliStream, PartsOfJobsHaveTheBitsOfTheWhole) {
   EXPECT_EQ(run_app({"hull", f / "bad.txt", "--part", "1/2", "-q"}).status, 0);
   const Ran bad = run_app({"hull", f / "bad.txt", "--part", "2/2", "-q"});
   EXPECT_EQ(bad.status, 1);
-  EXPECT_NE(bad.err.find("bad.txt:4: point 3 "), std::string::npos) << bad.err;
+  EXPECT_NE(bad.err.find("bad.txt:4: point 3, "), std::string::npos) << bad.err;
   write_file(f / "short.txt", "2\n5\n0 0\n1 0\n0 1\n");
   const Ran short_of = run_app({"hull", f / "short.txt", "--part", "1/2", "-q"});
   EXPECT_EQ(short_of.status, 1);

@@ -335,7 +335,13 @@ class WholeInput : public BlockSource {
     task.count.reset();
     task.taken = from_.stream->taken();
     task.load = [this, size] { return load({name_, bytes_.data(), size}); };
-    task.count_points = [load = task.load] { return load().count(); };
+    task.count_points = [this, load = task.load] {
+      const LoadedBlock block = load();
+      if (block.state)
+        throw Error(ErrorCode::invalid_argument, name_,
+                    ": holds the extreme points of a part, which are no rows to divide");
+      return block.count();
+    };
     return true;
   }
 

@@ -26,9 +26,6 @@ CountedInput counted(const std::string& file, const BlockOptions& options) {
     throw Error(ErrorCode::invalid_argument, display_name(file),
                 ": a part needs the number of rows first, and a pipe can be read only once");
   const std::unique_ptr<BlockSource> source = open_source(file, options);
-  if (source->format() == "hullstate")
-    throw Error(ErrorCode::invalid_argument, source->name(),
-                ": holds the extreme points of a part, which are no rows to divide");
   CountedInput input;
   input.records = source->count().has_value();
   input.rows = source->count().value_or(0);
