@@ -6,12 +6,15 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cullhull;
   if (size == 0) return 0;
-  static const char* const formats[] = {"",    "npy", "ply", "las", "pcd",     "obj", "off",
-                                        "stl", "xyz", "txt", "csv", "geojson", "wkt", "raw"};
+  static const std::vector<std::string> formats = [] {
+    std::vector<std::string> all = input_formats();
+    all.insert(all.begin(), "");
+    return all;
+  }();
   const fuzz::NamedFile file(data + 1, size - 1);
   BlockOptions options;
   if (data[0] & 0x40) options.read = fuzz::choose_columns(data, size);
-  options.read.format = formats[data[0] % std::size(formats)];
+  options.read.format = formats[data[0] % formats.size()];
   options.read.threads = 1;
   options.read.remark = [](const std::string&) {};
   options.read.memory_budget = std::uint64_t{1} << 24;

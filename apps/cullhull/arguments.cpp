@@ -167,8 +167,7 @@ std::vector<std::string> InputArguments::find_files() {
 void InputArguments::add_format_to(Parser& command) {
   allow_words(*command.add_option("--input-format", format,
                                   "Read INPUT in this format, whatever its name and content"),
-              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts", "ptx",
-               "node", "geojson", "wkt", "raw"});
+              cullhull::input_formats());
   allow_range(*command.add_option("--dim", dimension, "Dimension of the points of raw input"), 1,
               1U << 20);
   allow_words(*command.add_option("--type", type, "Scalar type of raw input"), scalar_names());

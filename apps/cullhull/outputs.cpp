@@ -16,7 +16,6 @@
 
 namespace app {
 
-using cullhull::internal::find_output_format;
 using cullhull::internal::is_map;
 using cullhull::internal::is_mesh;
 
@@ -191,7 +190,7 @@ void FilePlan::writes_json(const std::string& path) {
   const bool json = ending == ".json" || ending == ".geojson";
   const bool page =
       std::find(page_endings.begin(), page_endings.end(), ending) != page_endings.end();
-  if (!is_stream(path) && !json && (page || find_output_format(format_of(ending)) != nullptr))
+  if (!is_stream(path) && !json && (page || cullhull::internal::is_written(format_of(ending))))
     refuse("--json", path, "JSON is written, which is not what the name says; end it in .json");
   claim("--json", path);
 }

@@ -10,7 +10,7 @@
 
 #include "arguments.hpp"
 #include "cullhull/io.hpp"
-#include "io/write/output_formats.hpp"
+#include "io/file_formats.hpp"
 
 namespace app {
 
@@ -62,7 +62,7 @@ class FilePlan {
   /// in one of `endings`, unless it is "-", a pipe or a device.
   void writes(const std::string& option, const std::string& path, const Endings& endings);
   void writes(const std::string& option, const std::string& path,
-              cullhull::internal::OutputFormat::Kinds kinds) {
+              cullhull::internal::OutputKinds kinds) {
     writes(option, path, cullhull::internal::output_endings(kinds));
   }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/json/json_writer.hpp"
+#include "io/records.hpp"
 #include "io/source.hpp"
 #include "terminal.hpp"
 
@@ -41,8 +42,7 @@ void Placing::note_columns(std::vector<std::string> names, const std::string& fo
   columns = std::move(names);
   const std::string kind = format.substr(0, format.find(' '));
   shows_columns = !chosen.empty();
-  for (const char* text : {"text", "txt", "xyz", "csv", "pts", "node"})
-    shows_columns = shows_columns || kind == text;
+  shows_columns = shows_columns || cullhull::internal::is_text(kind);
 }
 
 std::string columns_line(const Placing& placing) {

@@ -1,28 +1,16 @@
 #include "topics.hpp"
 
+#include <string>
+
+#include "io/file_formats.hpp"
+
 namespace app {
 namespace {
 
-constexpr const char* formats =
-    "Input formats, chosen by the extension of the name, otherwise by the content:\n"
-    "  .npy             NumPy array with a row per point, C or Fortran order (memory-mapped)\n"
-    "  .npz             one array of an archive: FILE.npz:NAME, or the only array\n"
-    "  .ply             vertices, binary (memory-mapped) or ASCII\n"
-    "  .obj .off .stl   vertices\n"
-    "  .las             LAS 1.0 to 1.4, all point formats; other fields (classification,\n"
-    "                   intensity, gps_time, red, ...) are columns\n"
-    "  .pcd             fields x, y, z: ascii, binary (memory-mapped), binary_compressed\n"
-    "  .geojson .wkt    the vertices of all geometries; a ring's closing position is not repeated\n"
-    "  .h5 .nc          dataset of an HDF5 or NetCDF-4 file: FILE.h5:/GROUP/NAME; or one dataset\n"
-    "                   per coordinate: FILE.nc:x,y,z\n"
-    "  .json            GeoJSON, or rows of numbers: [[0, 0], [1, 0]]\n"
-    "  .xyz .txt .csv   text with a point per line, separated by blanks, commas or semicolons;\n"
-    "                   headers of column names, of Qhull and of cdd (rbox h) are recognised\n"
-    "  .pts .ptx        scans of Leica's; without records that have no return\n"
-    "  .node            points of Triangle and TetGen\n"
-    "  .raw             coordinates without a header: needs --dim D --type T; any other name\n"
-    "                   also needs --input-format raw\n"
-    "  .hullstate       partial result of 'cullhull hull --part' or '--partial'\n"
+constexpr const char* formats_head =
+    "Input formats, chosen by the extension of the name, otherwise by the content:\n";
+
+constexpr const char* formats_tail =
     "  .gz .zst         any of these formats, compressed\n"
     "  -                standard input; its format is detected from the content\n"
     "\n"
@@ -87,8 +75,10 @@ const char* const input_footer =
     "Input formats and columns: 'cullhull help formats'; coordinates: 'cullhull help units'.";
 
 const std::vector<Topic>& topics() {
+  static const std::string about_formats =
+      formats_head + cullhull::internal::help_on_formats() + formats_tail;
   static const std::vector<Topic> all{
-      {"formats", "Input formats, several inputs, columns", formats},
+      {"formats", "Input formats, several inputs, columns", about_formats.c_str()},
       {"units", "Coordinates, units of LAS files, measures", units},
   };
   return all;

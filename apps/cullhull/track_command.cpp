@@ -421,10 +421,11 @@ Command add_track(Parser& parent) {
       .add_option("SEQUENCE", a->inputs, "An array (frames, n, d), or files, a folder or a pattern")
       ->type_name("")
       ->required();
+  std::vector<std::string> formats = cullhull::input_formats();
+  std::erase(formats, "raw");
   allow_words(*command.add_option("--input-format", a->format,
                                   "Read each file in this format, whatever its name and content"),
-              {"npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts", "ptx",
-               "node", "geojson", "wkt"});
+              formats);
   add_raw_option(command, a->raw);
   add_skip_option(command, a->skip_nan);
   command.add_flag(

@@ -47,10 +47,11 @@ struct Remark {
   operator std::string() const { return line(); }
 };
 
+/// The names of the formats of points: "npy", "ply", ..., "raw".
+std::vector<std::string> input_formats();
+
 struct ReadOptions {
-  /// The format ("npy", "ply", "las", "pcd", "obj", "off", "stl", "xyz", "txt", "csv", "pts",
-  /// "ptx", "node", "geojson", "wkt", "raw"); empty: detected from the extension, then from the
-  /// content.
+  /// One of input_formats(); empty: detected from the extension, then from the content.
   std::string format{};
   /// Dimension and scalar type of raw input; required for it.
   std::uint32_t raw_dimension = 0;

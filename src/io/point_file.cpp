@@ -8,16 +8,13 @@
 #include "io/blocks/block_source.hpp"
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
-#include "io/formats/geometry_positions.hpp"
 #include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
 #include "io/skip_nan.hpp"
 #include "io/source.hpp"
-#include "io/text/text.hpp"
 #include "io/text/text_scan.hpp"
-#include "parallel/byte_order.hpp"
 #include "parallel/memory/memory.hpp"
 #include "parallel/memory/pages.hpp"
 
@@ -128,91 +125,6 @@ std::uint64_t PointFile::held_bytes() const noexcept { return impl_->held_bytes(
 }  // namespace cullhull
 
 namespace cullhull::internal {
-namespace {
-
-bool begins(const Source& s, std::string_view magic) {
-  return s.size >= magic.size() && std::memcmp(s.data, magic.data(), magic.size()) == 0;
-}
-
-/// Binary STL has no magic number: its size follows from its number of triangles.
-bool looks_like_binary_stl(const Source& s) {
-  if (s.size < 84) return false;
-  const auto triangles = load_little_endian<std::uint32_t>(s.data + 80);
-  return s.size == 84 + std::uint64_t{50} * triangles;
-}
-
-/// Skips the byte order mark of UTF-8.
-Source behind_byte_order_mark(const Source& s) {
-  return begins(s, "\xEF\xBB\xBF") ? Source{s.name, s.data + 3, s.size - 3} : s;
-}
-
-/// Whether the first line is this one, with blanks after it perhaps.
-bool begins_with_line(const Source& s, std::string_view line) {
-  if (!begins(s, line)) return false;
-  const char* const end = s.data + s.size;
-  const char* const p = skip_blanks(s.data + line.size(), end);
-  return p < end && (*p == '\n' || p[-1] == '\r');
-}
-
-std::string format_of_content(const Source& s) {
-  if (begins(s, "\x93NUMPY")) return "npy";
-  if (begins_with_line(s, "ply")) return "ply";
-  if (begins(s, "LASF")) return "las";
-  if (begins(s, "# .PCD")) return "pcd";
-  if (looks_like_binary_stl(s)) return "stl";
-  if (std::memchr(s.data, 0, std::min<std::size_t>(s.size, 4096)) != nullptr)
-    fail(s, "not a format known by its content; for raw numbers give dimension and scalar type");
-  LineScanner lines(s.data, s.data + s.size);
-  while (lines.next()) {
-    const std::string_view word = first_word(lines.begin(), lines.end());
-    if (word.empty() || is_comment(word.data(), lines.end())) continue;
-    if (is_keyword(word, "solid")) return "stl";
-    if (word.substr(0, word.find_last_not_of("0123456789") + 1).ends_with("OFF")) return "off";
-    if (is_obj_keyword(word)) return "obj";
-    if (word.starts_with("{") || word.starts_with("[") || word.starts_with("\x1E{"))
-      return "geojson";
-    if (looks_like_wkt(lines.begin(), lines.end())) return "wkt";
-    return "text";
-  }
-  return "text";
-}
-
-}  // namespace
-
-std::string choose_format(const Source& source, const ReadOptions& options) {
-  static constexpr std::string_view known[] = {"npy",  "ply",     "las", "pcd", "obj", "off",
-                                               "stl",  "xyz",     "txt", "csv", "pts", "ptx",
-                                               "node", "geojson", "wkt", "raw"};
-  const auto is_known = [](const std::string& f) {
-    return std::find(std::begin(known), std::end(known), f) != std::end(known);
-  };
-  if (!options.format.empty()) {
-    if (!is_known(options.format))
-      throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
-                  "; expected npy ply las pcd obj off stl xyz txt csv pts ptx node geojson wkt "
-                  "raw");
-    return options.format;
-  }
-  const std::string extension = extension_of(unpacked_name(source.name));
-  if (is_known(extension)) return extension;
-  for (const char* sequence : {"geojsonl", "geojsons", "geojsonseq"})  // a text after the other
-    if (extension == sequence) return "geojson";
-  if (extension == "laz") return "las";  // whose error names a reader for it
-  for (const char* other : {"e57", "parquet", "gpkg", "shp", "fgb", "gml", "kml"})
-    if (extension == other)
-      fail(
-          source, ".", extension,
-          " is read by the program of the Python package: python3 -m cullhull instead of cullhull");
-  for (const char* other : {"zarr", "copc"})
-    if (extension == other)
-      fail(source, ".", extension, " is read by the Python package: cullhull.read(path)");
-  if (options.raw_dimension != 0 || options.raw_scalar) return "raw";
-  if (is_utf16({source.data, source.size})) {
-    const std::string text = from_utf16({source.data, std::min<std::size_t>(source.size, 4096)});
-    return format_of_content({source.name, text.data(), text.size()});
-  }
-  return format_of_content(source);
-}
 
 bool is_utf16(std::string_view text) {
   return text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
@@ -258,12 +170,6 @@ void check_decimal(const Source& source, const std::string& format, const ReadOp
                 ": only texts of rows have decimal commas, not ", format);
 }
 
-std::vector<std::string> column_names(const std::string& format) {
-  for (const char* named : {"ply", "las", "pcd", "obj", "off", "stl", "ptx", "geojson", "wkt"})
-    if (format == named) return {"x", "y", "z"};
-  return {};
-}
-
 std::vector<std::string> all_columns(const std::string& format, std::uint32_t dimension) {
   // A header of a few bytes can claim billions, whose numbers nobody needs listed.
   constexpr std::uint32_t most = 65536;
@@ -271,55 +177,6 @@ std::vector<std::string> all_columns(const std::string& format, std::uint32_t di
   std::vector<std::uint32_t> all(dimension);
   std::iota(all.begin(), all.end(), 0U);
   return column_labels(all, column_names(format.substr(0, format.find(' '))));
-}
-
-namespace {
-
-PointData read_format(const Source& file, const Source& text, const std::string& format,
-                      const ReadOptions& options) {
-  if (format == "npy") return read_npy(file, options);
-  if (format == "raw") return read_raw(file, options);
-  if (format == "las") return read_las(file, options);
-  if (format == "pcd") return read_pcd(file, options);
-  const Source& source = format == "stl" && looks_like_binary_stl(file) ? file : text;
-  if (format == "ply") return read_ply(source, options);
-  if (format == "obj") return read_obj(source, options);
-  if (format == "off") return read_off(source, options);
-  if (format == "geojson") return read_geojson(source, options);
-  if (format == "wkt") return read_wkt(source, options);
-  if (format == "ptx") return read_ptx(source, options);
-  return read_stl(source, options);
-}
-
-}  // namespace
-
-bool is_text(const std::string& format) {
-  for (const char* text : {"text", "txt", "xyz", "csv", "pts", "node"})
-    if (format == text) return true;
-  return false;
-}
-
-PointData read_points(const Source& file, const ReadOptions& options) {
-  if (file.size == 0) fail(file, "empty file");
-  Source text = behind_byte_order_mark(file);
-  const std::string format = choose_format(text, options);
-  check_decimal(file, format, options);
-  std::string converted;
-  if (is_utf16({file.data, file.size}))
-    for (const char* kind : {"obj", "off", "geojson", "wkt", "ptx", "stl"})
-      if (is_text(format) || format == kind) {
-        converted = from_utf16({file.data, file.size});
-        text = {file.name, converted.data(), converted.size()};
-        break;
-      }
-  if (is_text(format)) {
-    PointData data = read_text(text, options, format);
-    if (format != "text") data.format = format;
-    return data;
-  }
-  PointData data = read_format(file, text, format, options);
-  choose_columns(data, file.name, column_names(format), options);
-  return data;
 }
 
 namespace {
@@ -450,19 +307,9 @@ std::optional<std::uint64_t> line_of_point(const std::string& path, std::uint64_
   try {
     if (path == "-") return std::nullopt;  // it has been read
     const internal::MappedFile file(path);
-    internal::Source source = internal::behind_byte_order_mark(file.source());
-    std::string converted;
-    if (internal::is_utf16({source.data, source.size})) {
-      converted = internal::from_utf16({source.data, source.size});
-      source = {source.name, converted.data(), converted.size()};
-    }
-    if (source.size == 0 || internal::unpacked_name(source.name) != source.name)
-      return std::nullopt;
-    const std::string format = internal::choose_format(source, {});
-    if (format == "wkt") return internal::line_of_wkt_point(source, point);
-    if (internal::is_text(format)) return internal::line_of_row(source, point, format);
-    const PointLine at = internal::read_points(source, {}).not_finite;
-    return at.line > 0 && at.point == point ? std::optional(at.line) : std::nullopt;
+    const internal::Source& source = file.source();
+    if (source.size == 0 || internal::named_as_packed(source.name)) return std::nullopt;
+    return internal::line_in_file(source, point);
   } catch (...) {
     return std::nullopt;
   }

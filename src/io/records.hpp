@@ -9,6 +9,8 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "cullhull/point_view.hpp"
 #include "io/source.hpp"
@@ -50,7 +52,12 @@ std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
 std::string choose_format(const Source& head, const ReadOptions& options);
 
 /// Whether the format has one point a line.
-bool is_text(const std::string& format);
+bool is_text(std::string_view format);
+/// The layout of a format of records; nothing for other formats and files.
+std::optional<RecordLayout> layout_of(const std::string& format, const Source& head,
+                                      std::uint64_t size, const ReadOptions& options);
+/// The line, from 1, of a point of a text that is not compressed; nothing if it has none.
+std::optional<std::uint64_t> line_in_file(const Source& file, std::uint64_t point);
 /// The names of the columns that every file of the format has; empty for most formats.
 std::vector<std::string> column_names(const std::string& format);
 /// PointFile::columns() of points in all columns of their file; `format`: as PointFile::format().

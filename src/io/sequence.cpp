@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "io/columns.hpp"
+#include "io/file_formats.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
 #include "io/packed/unpack.hpp"
@@ -102,17 +103,6 @@ void refuse_zarr(const std::string& path) {
       throw Error(ErrorCode::bad_file, display_name(path),
                   ": a Zarr folder is read by the Python package: cullhull.read(path), or "
                   "cullhull.dask");
-}
-
-/// By the extension, behind which .gz or .zst may stand. JSON may be points, hulls or anything.
-bool has_known_extension(const std::string& path) {
-  static constexpr std::string_view known[] = {
-      "npy", "npz", "ply", "las",     "laz",      "pcd",      "obj",        "off", "stl",
-      "xyz", "pts", "ptx", "node",    "txt",      "csv",      "raw",        "h5",  "hdf5",
-      "he5", "nc",  "nc4", "geojson", "geojsonl", "geojsons", "geojsonseq", "wkt", "e57",
-      "shp", "fgb", "gml", "parquet", "kml",      "gpkg",     "hullstate"};
-  const std::string extension = extension_of(unpacked_name(path));
-  return std::find(std::begin(known), std::end(known), extension) != std::end(known);
 }
 
 /// Leaves the files of known formats, if there are any.

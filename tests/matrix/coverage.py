@@ -7,7 +7,7 @@ import re
 from typing import Optional
 
 from commands import OPTIONS_ELSEWHERE, ROWS, WAYS, WITHOUT_POINTS
-from doors import DOORS, ELSEWHERE, FORMATS
+from doors import DOORS, ELSEWHERE
 from program import Program
 
 
@@ -124,12 +124,16 @@ def _endings(program: Program) -> None:
 
 def _inputs(program: Program) -> None:
     words = re.search(r"--input-format ([\w|]+)", program.help_of("hull"))
-    doors = {door.name for door in DOORS}
-    for name in words[1].split("|") if words else []:
-        fault = None if FORMATS.get(name) in doors else "no door of doors.py has the format"
-        judge(program, f"inputs/{name}", fault, "hull --help")
+    names = words[1].split("|") if words else []
     listed = program.run(["help", "formats"]).out.decode().split("\n\nSeveral inputs")[0]
-    held = " ".join([*(f".{name}" for name in FORMATS), ".gz .zst .npz", *ELSEWHERE])
-    for ending in sorted(set(re.findall(r"(?<![\w}])\.[a-z]\w*", listed))):
+    endings = set(re.findall(r"(?<![\w}])\.[a-z]\w*", listed))
+    doors = {door.name for door in DOORS}
+    for name in names or [""]:
+        fault = None if name in doors else "no door of doors.py has the format"
+        if f".{name}" not in endings:
+            fault = "is not in help formats"
+        judge(program, f"inputs/{name}", fault, "hull --help")
+    held = " ".join([*(f".{name}" for name in names), ".gz .zst .npz", *ELSEWHERE])
+    for ending in sorted(endings):
         fault = None if ending in held.split() else "neither a door of doors.py nor in ELSEWHERE"
         judge(program, f"inputs/{ending}", fault, "help formats")

@@ -295,6 +295,7 @@ DOORS = [
     Door("pts", _file(".pts", files.pts), both(SPACE, not_empty, finite)),
     Door("ptx", _file(".ptx", files.ptx), both(SPACE, missed_nowhere, finite)),
     Door("node", _file(".node", files.node), DIMENSIONS),
+    Door("asc", _file(".asc", files.asc), both(SPACE, not_empty)),
     Door(
         "csv-columns",
         lambda f, s: Entry(
@@ -435,29 +436,9 @@ SEQUENCES = (
     Door("pattern", _frames_in_folder("all/f*.npy"), always),
 )
 
-#: Formats of `--input-format` and of the help, and the door that each comes by. A format that the
-#: program names and that is not here fails the test.
-FORMATS = {
-    "npy": "npy",
-    "ply": "ply",
-    "las": "las",
-    "pcd": "pcd",
-    "obj": "obj",
-    "off": "off",
-    "stl": "stl",
-    "xyz": "xyz",
-    "txt": "txt",
-    "csv": "csv",
-    "pts": "pts",
-    "ptx": "ptx",
-    "node": "node",
-    "geojson": "geojson",
-    "wkt": "wkt",
-    "raw": "raw",
-}
-
 #: What the program reads and the matrix leaves to other tests.
 ELSEWHERE = {
+    ".xyzrgb": ".asc without its header",
     ".json": "the ending of the doors geojson-features and json-rows",
     ".hullstate": "holds extreme points alone: the tests of streams compare states",
     ".h5 .nc": "needs h5py to be written: foreign_files",

@@ -66,6 +66,12 @@ def node(p: Any) -> bytes:
     return "\n".join([f"{len(p)} {p.shape[1]} 1 1", *rows, "# end", ""]).encode()
 
 
+def asc(p: Any) -> bytes:
+    """CloudCompare's: names in a comment, the number of points, a colour behind x, y, z."""
+    colour = np.tile([255.0, 0.0, 7.0], (len(p), 1))
+    return lines(np.column_stack([p, colour]), head=f"//X Y Z R G B\n{len(p)}\n")
+
+
 def csv_among_others(p: Any) -> bytes:
     """An id before, a word and a number behind the coordinates."""
     names = ("x", "y", "z", "w")[: p.shape[1]]

@@ -116,6 +116,8 @@ void bind_files(nb::module_& m) {
       [](const std::vector<std::string>& words) { return cullhull::input_files(words); },
       nb::arg("words"),
       "The files that words of a command line stand for: folders, patterns, lists.");
+  m.def("input_formats", cullhull::input_formats,
+        "The names of the formats of points that need no other package.");
   m.def("coordinate_columns", cullhull::coordinate_columns, nb::arg("names"), nb::arg("series"),
         "The numbers of the columns that are coordinates by their names; empty: these do not say.");
   m.def("crs_code", cullhull::crs_code, nb::arg("text"),

@@ -21,6 +21,17 @@ def said_while_reading(path, **options):
     return points, str(told[0].message) if told else ""
 
 
+def test_every_format_of_the_program_is_in_the_docstring(tmp_path):
+    names = cullhull._core.input_formats()
+    assert {"npy", "asc", "raw"} <= set(names)
+    for name in set(names) - {"raw"}:
+        assert f".{name}" in cullhull.read.__doc__
+    (tmp_path / "cloud.asc").write_text("//X Y Z R G B\n2\n1 2 3 255 0 0\n4 5 6 0 255 0\n")
+    points, said = said_while_reading(tmp_path / "cloud.asc")
+    assert points.tolist() == [[1, 2, 3], [4, 5, 6]]
+    assert "X, Y and Z of 6 columns" in said
+
+
 # ------------------------------------------------------------------------------------ Parquet
 
 

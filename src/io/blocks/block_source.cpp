@@ -9,6 +9,7 @@
 #include "io/blocks/read_ahead.hpp"
 #include "io/columns.hpp"
 #include "io/coordinates.hpp"
+#include "io/file_formats.hpp"
 #include "io/hdf5/hdf5_points.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/archive.hpp"
@@ -462,21 +463,6 @@ void choose_columns_of(RecordLayout& layout, const std::string& file,
   };
 }
 
-/// The layout of a format of records; nothing for other formats.
-std::optional<RecordLayout> layout_of(const std::string& format, const Source& head,
-                                      std::uint64_t size, const ReadOptions& options) {
-  if (format == "npy") return npy_records(head, size, options);
-  if (format == "raw") return raw_records(head, size, options);
-  if (format == "ply") return ply_records(head, size, options);
-  if (format == "pcd") return pcd_records(head, size, options);
-  if (format == "las") return las_records(head, size, options);
-  return std::nullopt;
-}
-
-}  // namespace
-
-namespace {
-
 /// The placement of a pipe's numbers, from what was read ahead; empty also where it is compressed
 /// or a state.
 Placement placement_of_pipe(const std::string& path, const BlockOptions& options) {
@@ -535,8 +521,8 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   const InputName input = split_input(path);
   if (holds_hdf5(input.file, from.head))
     return std::make_unique<Hdf5Blocks>(input, options.block_bytes, options.read);
-  if (extension_of(unpacked_name(path)) == "hullstate" || from.head.starts_with("\x93"
-                                                                                "CULLHS\n"))
+  const FileFormat& state = *format_named("hullstate");
+  if (state.has_ending(extension_of(unpacked_name(path))) || from.head.starts_with(state.magic))
     return std::make_unique<WholeInput>(std::move(from), "hullstate", options.read);
   const std::string_view bom = "\xEF\xBB\xBF";
   const std::size_t skip = from.head.starts_with(bom) ? bom.size() : 0;

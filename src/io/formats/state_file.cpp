@@ -4,11 +4,11 @@
 #include <span>
 
 #include "cullhull/point_blocks.hpp"
+#include "io/file_formats.hpp"
 #include "io/mapped_file.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/output_file.hpp"
-#include "io/write/output_formats.hpp"
 
 namespace cullhull::internal {
 namespace {

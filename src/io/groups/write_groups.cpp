@@ -8,6 +8,7 @@
 
 #include "cullhull/batch.hpp"
 #include "cullhull/group_hulls.hpp"
+#include "io/file_formats.hpp"
 #include "io/formats/crs.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/groups/collected.hpp"
@@ -15,7 +16,6 @@
 #include "io/json/json_writer.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
-#include "io/write/output_formats.hpp"
 #include "parallel/memory/memory.hpp"
 
 namespace cullhull::internal {

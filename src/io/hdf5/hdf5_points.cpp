@@ -9,15 +9,14 @@
 #include <vector>
 
 #include "io/columns.hpp"
+#include "io/file_formats.hpp"
 #include "io/hdf5/library.hpp"
 #include "io/records.hpp"
 
 namespace cullhull::internal {
 
 bool holds_hdf5(const std::string& file, std::string_view head) {
-  const std::string ending = extension_of(file);
-  bool named = false;
-  for (const char* known : {"h5", "hdf5", "he5", "nc", "nc4"}) named = named || ending == known;
+  const bool named = format_named("hdf5")->has_ending(extension_of(file));
   if (!named && !head.starts_with("\x89HDF\r\n\x1a\n")) return false;
   const Source source{display_name(file), nullptr, 0};
   if (file == "-")

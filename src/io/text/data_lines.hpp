@@ -42,9 +42,15 @@ class DataLines {
   char decimal_;
 };
 
-/// Fills a preamble whose kind is none, or node with its names in `columns`: the names of columns,
-/// what separates them, and which of them are coordinates. `first`: the first line of the rows or
-/// their names, without text if there is none; `lines` is behind it. Throws as find_preamble does.
+/// CloudCompare's header, before the first line `first` that is no comment: the names of columns go
+/// to `preamble`. False if there is none. Throws as find_preamble does.
+bool find_cloud_compare_header(const Source& source, const ReadOptions& options,
+                               const DataLine& first, Preamble& preamble);
+
+/// Fills a preamble whose kind is none, perhaps with names in `columns`, or node with its: the
+/// names of columns, what separates them, and which of them are coordinates. `first`: the first
+/// line of the rows or their names, without text if there is none; `lines` is behind it. Throws as
+/// find_preamble does.
 void find_rows(const Source& source, const ReadOptions& options, const std::string& format,
                const DataLine& first, const DataLines& lines, Preamble& preamble);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "io/file_formats.hpp"
 #include "io/text/data_lines.hpp"
 #include "io/text/text.hpp"
 
@@ -185,6 +186,11 @@ Preamble find_preamble(const Source& source, const ReadOptions& options,
     find_rows(source, options, format, row, lines, preamble);
     preamble.body = head.body;
     preamble.lines = head.lines;
+    return preamble;
+  }
+  const FileFormat* const row = format_named(format);
+  if (row != nullptr && row->header != nullptr && row->header(source, options, first, preamble)) {
+    find_rows(source, options, format, first, lines, preamble);
     return preamble;
   }
   if (find_qhull_header(source, first, lines, preamble) ||

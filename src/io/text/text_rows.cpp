@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "io/columns.hpp"
+#include "io/file_formats.hpp"
 #include "io/text/data_lines.hpp"
 #include "io/text/lines.hpp"
 
@@ -90,7 +91,12 @@ class RowFinder {
       separator_ = ' ';
       if (row_.begin == nullptr) return take_columns_of_no_rows();
     } else {
-      find_names(lines);
+      if (preamble_.columns.empty()) {
+        find_names(lines);
+      } else {
+        names_ = std::move(preamble_.columns);
+        names_at_ = 1;
+      }
       divide();
     }
     take_columns();
@@ -518,12 +524,14 @@ class RowFinder {
                  " (in Python columns=)");
   }
 
-  /// Leica's .pts has x, y, z, perhaps an intensity, perhaps colours.
   std::vector<std::uint32_t> unnamed_columns(const std::vector<std::uint32_t>& all) const {
     const std::size_t width = all.size();
-    if (format_ != "pts" || (width != 4 && width != 6 && width != 7)) return all;
+    const FileFormat* const format = format_named(format_);
+    if (format == nullptr || format->space_first == nullptr || !format->space_first(width))
+      return all;
     say(Remark::Kind::columns, "the first three of " + std::to_string(width) +
-                                   " columns are taken as coordinates, as .pts has them");
+                                   " columns are taken as coordinates, as ." + format_ +
+                                   " has them");
     return {0, 1, 2};
   }
 

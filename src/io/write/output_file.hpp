@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "cullhull/point_view.hpp"
-#include "io/write/output_formats.hpp"
+#include "io/file_formats.hpp"
 #include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
@@ -65,6 +65,6 @@ std::string output_format(const std::string& path, const std::string& format,
 
 /// Throws Error{invalid_argument} that lists the extensions of these kinds.
 [[noreturn]] void refuse_format(const std::string& path, const std::string& format,
-                                OutputFormat::Kinds kinds);
+                                OutputKinds kinds);
 
 }  // namespace cullhull::internal

@@ -2,13 +2,13 @@
 #include <algorithm>
 
 #include "cullhull/error.hpp"
+#include "io/file_formats.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/json/json.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
-#include "io/write/output_formats.hpp"
 
 namespace cullhull::internal {
 
@@ -21,7 +21,7 @@ std::string output_format(const std::string& path, const std::string& format,
   return has_name ? extension_of(path) : unnamed;
 }
 
-void refuse_format(const std::string& path, const std::string& format, OutputFormat::Kinds kinds) {
+void refuse_format(const std::string& path, const std::string& format, OutputKinds kinds) {
   std::string known;
   for (const std::string_view ending : output_endings(kinds)) (known += ' ') += ending;
   throw Error(ErrorCode::invalid_argument, display_name(path), ": cannot tell the format from ",

@@ -6,13 +6,13 @@
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
+#include "io/file_formats.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/json/json_text.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
-#include "io/write/output_formats.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -8,10 +8,10 @@
 #include "cullhull/constrained.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation_io.hpp"
+#include "io/file_formats.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
-#include "io/write/output_formats.hpp"
 #include "io/write/output_text.hpp"
 
 namespace cullhull::internal {

@@ -36,9 +36,9 @@ def read(
 ) -> Any:
     """The points of a file.
 
-    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt, .csv, .pts, .ptx and .node, and these compressed (.gz, .zst,
-    .npz) need no other package; what holds records of numbers is mapped, and the array is a view of
-    the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
+    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt, .csv, .pts, .ptx, .node, .asc, .geojson
+    and .wkt, and these compressed (.gz, .zst, .npz) need no other package; what holds records of
+    numbers is mapped, and the array is a view of the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
     'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
     FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
     column each) h5py (``hdf5``); NetCDF of the classic format needs SciPy. .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
