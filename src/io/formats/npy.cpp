@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "io/columns.hpp"
+#include "io/formats/record_fields.hpp"
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text/lines.hpp"
@@ -201,11 +202,8 @@ bool is_number(const std::string& descr) {
   return false;
 }
 
-struct Dtype {
-  char kind = 0;  ///< 'f', 'i' or 'u'
-  std::uint64_t size = 0;
+struct Dtype : FieldType {
   bool big_endian = false;
-  bool swapped = false;  ///< not in this machine's byte order
 };
 
 Dtype parse_dtype(const Source& s, const std::string& descr) {
@@ -216,7 +214,7 @@ Dtype parse_dtype(const Source& s, const std::string& descr) {
     t.swapped = word[0] == (little_endian_machine ? '>' : '<');
     word.remove_prefix(1);
   }
-  if (!word.empty()) t.kind = word[0];
+  t.kind = word.empty() ? '\0' : word[0];
   const bool ok = word.size() == 2 && parse_unsigned(word.substr(1), t.size) &&
                   ((t.kind == 'f' && (t.size == 4 || t.size == 8)) ||
                    ((t.kind == 'i' || t.kind == 'u') &&
@@ -225,14 +223,6 @@ Dtype parse_dtype(const Source& s, const std::string& descr) {
     fail(s, "dtype ", quoted_text(descr),
          " cannot be read as points; convert to float64, float32 or an integer type");
   return t;
-}
-
-ScalarType scalar_of(const Dtype& t) {
-  if (t.kind == 'f') return t.size == 4 ? ScalarType::f32 : ScalarType::f64;
-  const bool u = t.kind == 'u';
-  if (t.size == 1) return u ? ScalarType::u8 : ScalarType::i8;
-  if (t.size == 2) return u ? ScalarType::u16 : ScalarType::i16;
-  return u ? ScalarType::u32 : ScalarType::i32;
 }
 
 void copy_swapped(const char* from, std::uint64_t bytes, std::uint64_t size, std::byte* to,
@@ -295,7 +285,7 @@ PointData points_of_array(const Source& source, const char* data, std::uint64_t 
     base = result.storage.data();
     result.view.scalar = ScalarType::f64;
   } else {
-    result.view.scalar = scalar_of(type);
+    result.view.scalar = *type.scalar();
     if (type.big_endian && size > 1) result.format += " (big-endian)";
     if (type.swapped && size > 1) {
       result.storage = Buffer(bytes);
@@ -343,13 +333,6 @@ struct PointArray {
   std::uint64_t count, dimension;
 };
 
-/// A field of a structured array whose numbers are read.
-struct NumberField {
-  std::string name;
-  Dtype type;
-  std::uint64_t offset = 0;
-};
-
 struct StructuredArray {
   std::uint64_t data_offset = 0, count = 0, record = 0;
   std::vector<NumberField> fields;  ///< the coordinates, and behind them the key
@@ -370,7 +353,7 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
   std::vector<std::string> names;
   for (const NpyField& f : h.fields)
     if (f.plain && is_number(f.descr)) {
-      numbers.push_back({f.name, parse_dtype(head, f.descr), f.offset});
+      numbers.push_back({f.name, parse_dtype(head, f.descr), f.offset, h.record});
       names.push_back(f.name);
     }
   std::vector<std::uint32_t> axes = find_known_columns(names);
@@ -398,69 +381,10 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
   return a;
 }
 
-/// False for a 64-bit integer that no double equals.
-bool load_number(const char* p, const Dtype& type, double& out) {
-  char bytes[8];
-  if (type.swapped)
-    std::reverse_copy(p, p + type.size, bytes);
-  else
-    std::memcpy(bytes, p, type.size);
-  if (type.kind != 'f' && type.size == 8) {
-    std::uint64_t bits;
-    std::memcpy(&bits, bytes, 8);
-    return type.kind == 'i' ? exact_double(static_cast<std::int64_t>(bits), out)
-                            : exact_double(bits, out);
-  }
-  out = PointView{reinterpret_cast<const std::byte*>(bytes), scalar_of(type), 1, 1, 0, 0}.at(0, 0);
-  return true;
-}
-
-/// In place where the fields are of one type and evenly apart. `first`: as in points_of_array.
 PointData points_of_structured(const Source& records, const StructuredArray& a, std::uint64_t count,
                                std::uint64_t first, const ReadOptions& options) {
-  const auto d = static_cast<std::uint32_t>(a.fields.size());
-  const Dtype& type = a.fields[0].type;
-  const auto apart = [&](std::uint32_t j) {
-    return static_cast<std::ptrdiff_t>(a.fields[j].offset - a.fields[j - 1].offset);
-  };
-  bool alike = !type.swapped && (type.kind == 'f' || type.size < 8);
-  for (std::uint32_t j = 1; j < d; ++j) {
-    const Dtype& other = a.fields[j].type;
-    alike = alike && other.kind == type.kind && other.size == type.size && !other.swapped &&
-            apart(j) == apart(1);
-  }
-  PointData data;
-  data.format = "npy (structured)";
-  if (alike) {
-    data.in_place = true;
-    data.view = {reinterpret_cast<const std::byte*>(records.data) + a.fields[0].offset,
-                 scalar_of(type),
-                 d,
-                 count,
-                 static_cast<std::ptrdiff_t>(a.record),
-                 d > 1 ? apart(1) : 0};
-    return with_keys(std::move(data), a.keyed, a.labels);
-  }
-  data.storage = Buffer(std::max<std::uint64_t>(1, count * d * sizeof(double)));
-  double* const out = data.storage.as<double>();
-  std::atomic<std::uint64_t> bad{count * d};
-  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    check_stop(options);
-    for (std::uint64_t i = begin * d; i < end * d; ++i) {
-      const NumberField& f = a.fields[i % d];
-      if (load_number(records.data + i / d * a.record + f.offset, f.type, out[i])) continue;
-      std::uint64_t seen = bad.load();
-      while (i < seen && !bad.compare_exchange_weak(seen, i)) {
-      }
-      return;
-    }
-  });
-  if (bad < count * d)
-    fail({records.name, nullptr, 0}, "field ", quoted_text(a.fields[bad % d].name), " of point ",
-         first + bad / d, " is a 64-bit integer that no double equals");
-  data.view = PointView::row_major(out, count, d);
-  return with_keys(std::move(data), a.keyed, a.labels);
+  return with_keys(points_of_fields(records, a.fields, count, first, "npy (structured)", options),
+                   a.keyed, a.labels);
 }
 
 PointArray parse_points(const Source& head, Header&& header, std::uint64_t file_size) {

@@ -1,10 +1,10 @@
 // .pcd (Point Cloud Library): ASCII, binary and compressed; the fields x, y and perhaps z.
 #include <algorithm>
-#include <atomic>
 #include <memory>
 #include <vector>
 
 #include "io/columns.hpp"
+#include "io/formats/record_fields.hpp"
 #include "io/packed/lzf.hpp"
 #include "io/records.hpp"
 #include "io/text/lines.hpp"
@@ -28,13 +28,11 @@ struct PcdHeader {
   std::vector<Field> fields;
   std::uint64_t points = 0, record = 0;
   std::uint32_t dimension = 0;
-  std::vector<std::size_t> chosen;  ///< indices of the fields that are read: of the coordinates
-  bool keyed = false;               ///< and, where the last one is the key, of that
-  std::vector<std::string> labels;  ///< of the coordinates, where columns were chosen
+  ReadFields chosen;  ///< of the fields
   const char* body = nullptr;
   std::uint64_t lines = 0;
 
-  const Field& axis(std::uint64_t j) const { return fields[chosen[j]]; }
+  const Field& axis(std::uint64_t j) const { return fields[chosen.fields[j]]; }
 };
 
 class PcdHeaderParser {
@@ -182,30 +180,19 @@ class PcdHeaderParser {
       }
       if (it->count != 1 || std::find_if(it + 1, h_.fields.end(), named) != h_.fields.end())
         fault("field " + quoted_text(name) + " must be one number");
-      h_.chosen.push_back(static_cast<std::size_t>(it - h_.fields.begin()));
+      axes_.push_back(static_cast<std::size_t>(it - h_.fields.begin()));
     }
-    h_.dimension = static_cast<std::uint32_t>(h_.chosen.size());
   }
   /// Among the axes and the other fields of one number.
   void choose() {
-    if (options_.columns.empty() && options_.key.empty()) return;
-    std::vector<std::size_t> fields = h_.chosen;
-    std::vector<std::string> names{"x", "y", "z"};
-    names.resize(fields.size());
+    std::vector<std::pair<std::string, std::size_t>> others;
     for (std::size_t i = 0; i < h_.fields.size(); ++i) {
       const Field& f = h_.fields[i];
-      if (f.count != 1 || f.name == "_" ||
-          std::find(h_.chosen.begin(), h_.chosen.end(), i) != h_.chosen.end())
-        continue;
-      fields.push_back(i);
-      names.push_back(f.name);
+      const bool axis = std::find(axes_.begin(), axes_.end(), i) != axes_.end();
+      if (f.count == 1 && f.name != "_" && !axis) others.emplace_back(f.name, i);
     }
-    const ChosenFields chosen = choose_fields(options_, source_.name, names, h_.dimension);
-    h_.chosen.clear();
-    for (const std::uint32_t c : chosen.columns) h_.chosen.push_back(fields[c]);
-    h_.dimension = static_cast<std::uint32_t>(h_.chosen.size());
-    h_.keyed = chosen.keyed;
-    h_.labels = chosen.labels;
+    h_.chosen = fields_to_read(options_, source_.name, axes_, others);
+    h_.dimension = static_cast<std::uint32_t>(h_.chosen.fields.size());
   }
 
   const Source& source_;
@@ -214,6 +201,7 @@ class PcdHeaderParser {
   std::vector<std::string_view> words_;
   std::vector<std::string> seen_;
   std::optional<std::uint64_t> width_, height_, points_;
+  std::vector<std::size_t> axes_;  ///< numbers of fields
   PcdHeader h_;
 };
 
@@ -223,89 +211,25 @@ const char* name_of(Body body) {
                                 : "pcd (compressed)";
 }
 
-/// The scalar type in which a field's numbers may be viewed; empty for 64-bit integers.
-std::optional<ScalarType> scalar_of(const Field& f) {
-  if (f.type == 'F') return f.size == 4 ? ScalarType::f32 : ScalarType::f64;
-  const bool u = f.type == 'U';
-  if (f.size == 1) return u ? ScalarType::u8 : ScalarType::i8;
-  if (f.size == 2) return u ? ScalarType::u16 : ScalarType::i16;
-  if (f.size == 4) return u ? ScalarType::u32 : ScalarType::i32;
-  return std::nullopt;
-}
-
-/// False for a 64-bit integer that no double equals.
-bool load(const char* p, const Field& f, double& out) {
-  const std::optional<ScalarType> scalar = scalar_of(f);
-  if (!scalar) {
-    const auto bits = load_little_endian<std::uint64_t>(p);
-    return f.type == 'I' ? exact_double(static_cast<std::int64_t>(bits), out)
-                         : exact_double(bits, out);
+/// Where the numbers that are read are stored: in records, or (`count` > 0) in an array a field, of
+/// so many points each.
+std::vector<NumberField> stored_fields(const PcdHeader& h, std::uint64_t count) {
+  std::vector<NumberField> stored;
+  for (std::uint32_t j = 0; j < h.dimension; ++j) {
+    const Field& f = h.axis(j);
+    const char kind = f.type == 'F' ? 'f' : f.type == 'I' ? 'i' : 'u';
+    const FieldType type{kind, f.size, !little_endian_machine};
+    stored.push_back(count > 0 ? NumberField{f.name, type, f.offset * count, f.size}
+                               : NumberField{f.name, type, f.offset, h.record});
   }
-  char bytes[8];
-  std::reverse_copy(p, p + f.size, bytes);
-  const char* const ready = little_endian_machine ? p : bytes;
-  out = PointView{reinterpret_cast<const std::byte*>(ready), *scalar, 1, 1, 0, 0}.at(0, 0);
-  return true;
-}
-
-/// Where the numbers of an axis are stored: the byte of the first and the step between points.
-struct Axis {
-  std::uint64_t begin = 0, step = 0;
-};
-
-/// `first`: the index of the first point in its file, for messages.
-PointData as_doubles(const Source& source, const PcdHeader& h, const std::vector<Axis>& axes,
-                     std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
-  PointData data = parsed_points(count, h.dimension, name_of(h.body_kind));
-  double* const out = data.storage.as<double>();
-  const std::uint32_t d = h.dimension;
-  std::atomic<std::uint64_t> bad{count * d};
-  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    check_stop(options);
-    for (std::uint64_t i = begin * d; i < end * d; ++i) {
-      const Axis& a = axes[i % d];
-      if (load(source.data + a.begin + i / d * a.step, h.axis(i % d), out[i])) continue;
-      std::uint64_t seen = bad.load();
-      while (i < seen && !bad.compare_exchange_weak(seen, i)) {
-      }
-      return;
-    }
-  });
-  if (bad < count * d)
-    fail({source.name, nullptr, 0}, "field ", quoted_text(h.axis(bad % d).name), " of point ",
-         first + bad / d, " is a 64-bit integer that no double equals");
-  return data;
-}
-
-/// `count` points whose numbers are stored in `source` as described by `axes`; in place where they
-/// are of one type and evenly apart.
-PointData points_at(const Source& source, const PcdHeader& h, const std::vector<Axis>& axes,
-                    std::uint64_t count, std::uint64_t first, const ReadOptions& options) {
-  const auto apart = [&](std::uint32_t j) {
-    return static_cast<std::ptrdiff_t>(axes[j].begin - axes[j - 1].begin);
-  };
-  bool alike = scalar_of(h.axis(0)).has_value();
-  for (std::uint32_t j = 1; j < h.dimension; ++j)
-    alike = alike && scalar_of(h.axis(j)) == scalar_of(h.axis(0)) && apart(j) == apart(1);
-  if (!alike) return as_doubles(source, h, axes, count, first, options);
-  PointData data;
-  data.format = name_of(h.body_kind);
-  data.in_place = true;
-  data.view = {reinterpret_cast<const std::byte*>(source.data + axes[0].begin),
-               *scalar_of(h.axis(0)),
-               h.dimension,
-               count,
-               static_cast<std::ptrdiff_t>(axes[0].step),
-               h.dimension > 1 ? apart(1) : 0};
-  return in_machine_order(std::move(data));
+  return stored;
 }
 
 PointData points_of_records(const Source& records, const PcdHeader& h, std::uint64_t count,
                             std::uint64_t first, const ReadOptions& options) {
-  std::vector<Axis> axes(h.dimension);
-  for (std::uint32_t j = 0; j < h.dimension; ++j) axes[j] = {h.axis(j).offset, h.record};
-  return points_at(records, h, axes, count, first, options);
+  PointData data =
+      points_of_fields(records, stored_fields(h, 0), count, first, name_of(h.body_kind), options);
+  return with_keys(std::move(data), h.chosen.keyed, h.chosen.labels);
 }
 
 /// Throws unless the records fit into what follows the header. Bytes behind them are passed over:
@@ -339,11 +263,9 @@ PointData read_compressed(const Source& source, const PcdHeader& h, const ReadOp
   Buffer unpacked(size);
   if (!unpack_lzf(h.body + 8, packed, unpacked.as<char>(), size))
     fail_at_byte(source, body + 8, "the packed points are corrupt");
-  std::vector<Axis> axes(h.dimension);
-  for (std::uint32_t j = 0; j < h.dimension; ++j)
-    axes[j] = {h.axis(j).offset * h.points, h.axis(j).size};
   PointData data =
-      points_at({source.name, unpacked.as<char>(), size}, h, axes, h.points, 0, options);
+      points_of_fields({source.name, unpacked.as<char>(), size}, stored_fields(h, h.points),
+                       h.points, 0, name_of(h.body_kind), options);
   if (data.in_place) data.storage = std::move(unpacked);
   data.in_place = false;
   return data;
@@ -360,7 +282,7 @@ void parse_point(const PcdHeader& h, const char* p, const char* end, double* out
       double value = 0;
       p = parse_coordinates(p, end, 1, &value, h.fields[i].label.c_str());
       for (std::uint32_t j = 0; j < h.dimension; ++j)
-        if (h.chosen[j] == i) out[j] = value;
+        if (h.chosen.fields[j] == i) out[j] = value;
     }
   p = skip_blanks(p, end);
   if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last field"};
@@ -388,12 +310,11 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
 PointData read_pcd(const Source& source, const ReadOptions& options) {
   const PcdHeader h = PcdHeaderParser(source, options).parse();
   if (h.body_kind == Body::ascii)
-    return with_keys(read_ascii(source, h, options), h.keyed, h.labels);
+    return with_keys(read_ascii(source, h, options), h.chosen.keyed, h.chosen.labels);
   if (h.body_kind == Body::compressed)
-    return with_keys(read_compressed(source, h, options), h.keyed, h.labels);
+    return with_keys(read_compressed(source, h, options), h.chosen.keyed, h.chosen.labels);
   check_room(source, h, source.size, options);
-  return with_keys(points_of_records({source.name, h.body, source.size}, h, h.points, 0, options),
-                   h.keyed, h.labels);
+  return points_of_records({source.name, h.body, source.size}, h, h.points, 0, options);
 }
 
 std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
@@ -408,8 +329,7 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
   layout.record_bytes = header->record;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t first, std::uint64_t count) {
-    return with_keys(points_of_records(records, *header, count, first, options), header->keyed,
-                     header->labels);
+    return points_of_records(records, *header, count, first, options);
   };
   return layout;
 }

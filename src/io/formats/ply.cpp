@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "io/columns.hpp"
+#include "io/formats/record_fields.hpp"
 #include "io/records.hpp"
 #include "io/text/lines.hpp"
 #include "io/write/mesh.hpp"
@@ -43,9 +44,7 @@ struct PlyHeader {
   const char* body = nullptr;
   std::uint64_t lines = 0;
   std::uint32_t dimension = 0;
-  std::vector<std::size_t> chosen;   ///< indices of the properties that are read: of the
-  bool keyed = false;                ///< coordinates, and, where the last one is the key, of that
-  std::vector<std::string> labels;   ///< of the coordinates, where columns were chosen
+  ReadFields chosen;                 ///< of the vertex's properties
   std::array<std::size_t, 3> rgb{};  ///< likewise, of bytes
   bool coloured = false;
 };
@@ -165,6 +164,7 @@ class PlyHeaderParser {
       if (e.properties.empty())
         fail_at_line(source_, e.line, "element ", quoted_text(e.name), " has no property");
     header_.vertex = static_cast<std::size_t>(it - header_.elements.begin());
+    std::vector<std::size_t> axes;
     for (const std::string_view name : {"x", "y", "z"}) {
       std::size_t found = it->properties.size();
       for (std::size_t j = 0; j < it->properties.size(); ++j) {
@@ -174,34 +174,23 @@ class PlyHeaderParser {
         found = j;
       }
       if (found < it->properties.size())
-        header_.chosen.push_back(found);
+        axes.push_back(found);
       else if (name != "z")
         fail_at_line(source_, it->line, "vertex has no property ", quoted_text(name));
     }
-    choose(*it);
+    choose(*it, axes);
     find_colours(*it);
   }
   /// Among the axes and the other properties of one number.
-  void choose(const Element& vertex) {
-    header_.dimension = static_cast<std::uint32_t>(header_.chosen.size());
-    if (options_.columns.empty() && options_.key.empty()) return;
-    std::vector<std::size_t> properties = header_.chosen;
-    std::vector<std::string> names{"x", "y", "z"};
-    names.resize(properties.size());
+  void choose(const Element& vertex, const std::vector<std::size_t>& axes) {
+    std::vector<std::pair<std::string, std::size_t>> others;
     for (std::size_t j = 0; j < vertex.properties.size(); ++j) {
       const Property& p = vertex.properties[j];
-      if (p.list ||
-          std::find(header_.chosen.begin(), header_.chosen.end(), j) != header_.chosen.end())
-        continue;
-      properties.push_back(j);
-      names.push_back(p.name);
+      const bool axis = std::find(axes.begin(), axes.end(), j) != axes.end();
+      if (!p.list && !axis) others.emplace_back(p.name, j);
     }
-    const ChosenFields chosen = choose_fields(options_, source_.name, names, header_.dimension);
-    header_.chosen.clear();
-    for (const std::uint32_t c : chosen.columns) header_.chosen.push_back(properties[c]);
-    header_.dimension = static_cast<std::uint32_t>(header_.chosen.size());
-    header_.keyed = chosen.keyed;
-    header_.labels = chosen.labels;
+    header_.chosen = fields_to_read(options_, source_.name, axes, others);
+    header_.dimension = static_cast<std::uint32_t>(header_.chosen.fields.size());
   }
   /// Colours are optional: fields other than three bytes are ignored.
   void find_colours(const Element& vertex) {
@@ -223,55 +212,24 @@ class PlyHeaderParser {
   PlyHeader header_;
 };
 
-double load(const char* p, ScalarType type, bool swap) {
-  char bytes[8] = {};
-  const std::size_t size = scalar_size(type);
-  std::memcpy(bytes, p, size);
-  if (swap) std::reverse(bytes, bytes + size);
-  return PointView{reinterpret_cast<const std::byte*>(bytes), type, 1, 1, 0, 0}.at(0, 0);
+double load(const char* p, ScalarType type, bool big_endian) {
+  double number = 0;
+  (void)field_type(type, big_endian).load(p, number);
+  return number;
 }
 
 /// Vertices without lists, from the beginning of their records.
 PointData vertices_of_records(const char* records, std::uint64_t count, const PlyHeader& h,
-                              bool swap, const ReadOptions& options) {
+                              const ReadOptions& options) {
   const Element& e = h.elements[h.vertex];
-  const Property& x = e.properties[h.chosen[0]];
-  const auto offset = [&](std::uint32_t j) {
-    return static_cast<std::int64_t>(e.properties[h.chosen[j]].offset);
-  };
-  const std::int64_t step = h.dimension > 1 ? offset(1) - offset(0) : 0;
-  bool alike = true;
-  for (std::uint32_t j = 1; j < h.dimension; ++j)
-    alike = alike && e.properties[h.chosen[j]].type == x.type && offset(j) - offset(j - 1) == step;
-  if (alike && (!swap || !little_endian_machine)) {
-    PointData data;
-    data.in_place = true;
-    data.view = {reinterpret_cast<const std::byte*>(records + x.offset),
-                 x.type,
-                 h.dimension,
-                 count,
-                 static_cast<std::ptrdiff_t>(e.min_size),
-                 static_cast<std::ptrdiff_t>(step)};
-    if (swap) return with_reversed_bytes(std::move(data));
-    return data;
+  std::vector<NumberField> fields;
+  for (const std::size_t j : h.chosen.fields) {
+    const Property& p = e.properties[j];
+    fields.push_back(
+        {p.name, field_type(p.type, h.encoding == Encoding::big), p.offset, e.min_size});
   }
-  PointData data = parsed_points(count, h.dimension, "");
-  double* const out = data.storage.as<double>();
-  const std::uint32_t d = h.dimension;
-  for_each_chunk(count, std::uint64_t{1} << 16, resolve_threads(options.threads),
-                 [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-    check_stop(options);
-    for (std::uint64_t i = begin; i < end; ++i)
-      for (std::uint32_t j = 0; j < d; ++j) {
-        const Property& p = e.properties[h.chosen[j]];
-        out[i * d + j] = load(records + i * e.min_size + p.offset, p.type, swap);
-      }
-  });
-  return data;
+  return points_of_fields({"", records, 0}, fields, count, 0, "", options);
 }
-
-/// Whether numbers are in another byte order than this machine's.
-bool swapped(Encoding encoding) { return (encoding == Encoding::big) == little_endian_machine; }
 
 const char* binary_name(Encoding encoding) {
   return encoding == Encoding::big ? "ply (binary big-endian)" : "ply (binary little-endian)";
@@ -280,7 +238,7 @@ const char* binary_name(Encoding encoding) {
 class PlyBinary {
  public:
   PlyBinary(const Source& source, const PlyHeader& header, const ReadOptions& options)
-      : source_(source), h_(header), options_(options), swap_(swapped(header.encoding)) {}
+      : source_(source), h_(header), options_(options), big_(header.encoding == Encoding::big) {}
 
   PointData read() {
     std::uint64_t at = static_cast<std::uint64_t>(h_.body - source_.data);
@@ -341,7 +299,7 @@ class PlyBinary {
       const std::uint64_t head = scalar_size(p.list ? p.count_type : p.type);
       if (source_.size - at < head) fail_at_byte(source_, at, "ends within ", quoted_text(e.name));
       if (p.list) {
-        const double count = load(source_.data + at, p.count_type, swap_);
+        const double count = load(source_.data + at, p.count_type, big_);
         const double room = static_cast<double>((source_.size - at - head) / scalar_size(p.type));
         if (count < 0 || count > room)
           fail_at_byte(source_, at, "list ", quoted_text(p.name), " of ",
@@ -386,7 +344,7 @@ class PlyBinary {
 
   PointData read_records(const Element& e, std::uint64_t at) const {
     check_rest(at + e.count * e.min_size);
-    return vertices_of_records(source_.data + at, e.count, h_, swap_, options_);
+    return vertices_of_records(source_.data + at, e.count, h_, options_);
   }
   PointData read_walking(const Element& e, std::uint64_t at) const {
     PointData data = parsed_points(e.count, h_.dimension, "");
@@ -396,8 +354,8 @@ class PlyBinary {
       if (i % 65536 == 0) check_stop(options_);
       at = walk(e, at, at_property.data());
       for (std::uint32_t j = 0; j < h_.dimension; ++j)
-        *out++ =
-            load(source_.data + at_property[h_.chosen[j]], e.properties[h_.chosen[j]].type, swap_);
+        *out++ = load(source_.data + at_property[h_.chosen.fields[j]],
+                      e.properties[h_.chosen.fields[j]].type, big_);
     }
     check_rest(at);
     return data;
@@ -406,7 +364,7 @@ class PlyBinary {
   const Source& source_;
   const PlyHeader& h_;
   const ReadOptions& options_;
-  bool swap_;
+  bool big_;
 };
 
 bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) < end; }
@@ -417,7 +375,7 @@ bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) <
 bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
                   std::uint8_t* colour) {
   const Element& e = h.elements[h.vertex];
-  const std::size_t last = *std::max_element(h.chosen.begin(), h.chosen.end());
+  const std::size_t last = *std::max_element(h.chosen.fields.begin(), h.chosen.fields.end());
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
     if (e.properties[j].list && j > last && skip_blanks(p, end) == end) return false;
@@ -432,7 +390,7 @@ bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
       continue;
     }
     for (std::uint32_t c = 0; c < h.dimension; ++c)
-      if (h.chosen[c] == j) out[c] = value;
+      if (h.chosen.fields[c] == j) out[c] = value;
     if (h.coloured)
       for (std::size_t c = 0; c < 3; ++c)
         if (h.rgb[c] == j)  // what is not a number is black
@@ -490,9 +448,9 @@ PointData read_ascii(const Source& source, const PlyHeader& h, const ReadOptions
 
 PointData read_ply(const Source& source, const ReadOptions& options) {
   const PlyHeader header = PlyHeaderParser(source, options).parse();
-  if (header.encoding == Encoding::ascii)
-    return with_keys(read_ascii(source, header, options), header.keyed, header.labels);
-  return with_keys(PlyBinary(source, header, options).read(), header.keyed, header.labels);
+  PointData data = header.encoding == Encoding::ascii ? read_ascii(source, header, options)
+                                                      : PlyBinary(source, header, options).read();
+  return with_keys(std::move(data), header.chosen.keyed, header.chosen.labels);
 }
 
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
@@ -503,7 +461,6 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   const auto begin = PlyBinary(whole, *header, options).records();
   if (!begin) return std::nullopt;
   const Element& e = header->elements[header->vertex];
-  const bool swap = swapped(header->encoding);
   RecordLayout layout;
   layout.format = binary_name(header->encoding);
   layout.offset = *begin;
@@ -511,8 +468,8 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   layout.record_bytes = e.min_size;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t, std::uint64_t count) {
-    return with_keys(vertices_of_records(records.data, count, *header, swap, options),
-                     header->keyed, header->labels);
+    return with_keys(vertices_of_records(records.data, count, *header, options),
+                     header->chosen.keyed, header->chosen.labels);
   };
   return layout;
 }
