@@ -44,19 +44,12 @@ void BlockSource::describe(const std::string& name, const RecordLayout& layout) 
 
 namespace {
 
-/// Records of a regular file: threads read them in any order.
-class RecordBlocks : public BlockSource {
+/// Points of a known number, which threads read in any order.
+class CountedBlocks : public BlockSource {
  public:
-  RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
-      : from_(std::move(from)), layout_(std::move(layout)) {
-    describe(from_.name, layout_);
-    per_block_ = std::max<std::uint64_t>(1, block_bytes / (layout_.record_bytes * layout_.columns));
-    empty_ = layout_.count == 0;
-    end_ = layout_.count;
-  }
   void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
   void end_at(const BlockPosition& end) override { end_ = std::min(end_, end.file_points); }
-  std::optional<std::uint64_t> count() const override { return layout_.count; }
+  std::optional<std::uint64_t> count() const override { return count_; }
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ >= end_ && !std::exchange(empty_, false)) return false;
@@ -64,69 +57,83 @@ class RecordBlocks : public BlockSource {
     next_ += count;
     task.count = count;
     task.file_points = next_;
-    task.taken = next_ == layout_.count
-                     ? from_.size
-                     : layout_.offset + next_ * layout_.record_bytes * layout_.columns;
-    task.load = [this, first, count, &memory] { return load(first, count, memory); };
+    task.taken = bytes_before(next_);
+    task.load = [this, first, count, &memory] {
+      LoadedBlock block;
+      block.data = read(first, count, memory);
+      return block;
+    };
     return true;
   }
 
+ protected:
+  /// To be called by the constructor.
+  void divide(std::uint64_t count, std::uint64_t per_block) {
+    count_ = end_ = count;
+    per_block_ = std::max<std::uint64_t>(1, per_block);
+    empty_ = count == 0;
+  }
+  virtual PointData read(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const = 0;
+  /// The bytes of the file up to this point.
+  virtual std::uint64_t bytes_before(std::uint64_t point) const = 0;
+
  private:
-  LoadedBlock load(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const {
+  std::uint64_t count_ = 0, per_block_ = 1, next_ = 0, end_ = 0;
+  bool empty_ = false;  ///< no points, of which one empty block is to tell the dimension
+};
+
+/// Records of a regular file.
+class RecordBlocks : public CountedBlocks {
+ public:
+  RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
+      : from_(std::move(from)), layout_(std::move(layout)) {
+    describe(from_.name, layout_);
+    divide(layout_.count, block_bytes / (layout_.record_bytes * layout_.columns));
+  }
+
+ private:
+  PointData read(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const override {
     const std::size_t bytes = count * layout_.record_bytes;
     char* const out = memory.room(bytes * layout_.columns);
     for (std::uint32_t c = 0; c < layout_.columns; ++c)
       read_at(from_, out + c * bytes, bytes,
               layout_.offset + (c * layout_.count + first) * layout_.record_bytes);
-    LoadedBlock block;
-    block.data = layout_.decode({name_, out, bytes * layout_.columns}, first, count);
-    return block;
+    return layout_.decode({name_, out, bytes * layout_.columns}, first, count);
+  }
+  std::uint64_t bytes_before(std::uint64_t point) const override {
+    return point == layout_.count ? from_.size
+                                  : layout_.offset + point * layout_.record_bytes * layout_.columns;
   }
 
   OpenedBytes from_;
   RecordLayout layout_;
-  std::uint64_t per_block_, next_ = 0, end_ = 0;
-  bool empty_;  ///< no points, of which one empty block is to tell the dimension
 };
 
 /// Points of HDF5: any thread reads any of them, one at a time.
-class Hdf5Blocks : public BlockSource {
+class Hdf5Blocks : public CountedBlocks {
  public:
   Hdf5Blocks(const InputName& input, std::size_t block_bytes, const ReadOptions& options)
       : points_(input.file, input.member), options_(options) {
     name_ = points_.name();
     format_ = "hdf5";
     const std::uint64_t chunk = points_.chunk_points();
-    per_block_ = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
-    if (per_block_ > chunk) per_block_ -= per_block_ % chunk;
-    empty_ = points_.count() == 0;
-    end_ = points_.count();
-  }
-  void go_on_from(const BlockPosition& from) override { next_ = from.file_points; }
-  void end_at(const BlockPosition& end) override { end_ = std::min(end_, end.file_points); }
-  std::optional<std::uint64_t> count() const override { return points_.count(); }
-
-  bool next(BlockTask& task, BlockMemory& memory) override {
-    if (next_ >= end_ && !std::exchange(empty_, false)) return false;
-    const std::uint64_t first = next_, count = std::min(per_block_, end_ - first);
-    next_ += count;
-    task.count = count;
-    task.file_points = next_;
-    task.taken = next_ * points_.record_bytes();
-    task.load = [this, first, count, &memory] {
-      LoadedBlock block;
-      block.data = points_.read(first, count, memory.room(count * points_.record_bytes()));
-      choose_columns(block.data, name_, {}, options_);
-      return block;
-    };
-    return true;
+    std::uint64_t per_block = std::max<std::uint64_t>(1, block_bytes / points_.record_bytes());
+    if (per_block > chunk) per_block -= per_block % chunk;
+    divide(points_.count(), per_block);
   }
 
  private:
+  PointData read(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const override {
+    PointData data = points_.read(first, count, memory.room(count * points_.record_bytes()));
+    choose_columns(data, name_, {}, options_);
+    return data;
+  }
+  std::uint64_t bytes_before(std::uint64_t point) const override {
+    return point * points_.record_bytes();
+  }
+
   Hdf5Points points_;
   ReadOptions options_;
-  std::uint64_t per_block_, next_ = 0, end_ = 0;
-  bool empty_;  ///< as in RecordBlocks
 };
 
 /// Records of a pipe: read in order.
