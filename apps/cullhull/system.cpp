@@ -51,12 +51,6 @@ std::size_t terminal_columns(int fd) {
 void open_if_closed(int fd) {
   if (_get_osfhandle(fd) == -1) (void)_open("NUL", fd == 0 ? _O_WRONLY : _O_RDONLY);
 }
-void silence(int fd) {
-  const int null = _open("NUL", _O_WRONLY);
-  if (null < 0) return;
-  (void)_dup2(null, fd);
-  _close(null);
-}
 void open_in_browser(const std::string& path) {
   const std::wstring wide = std::filesystem::absolute(path).wstring();
   (void)ShellExecuteW(nullptr, L"open", wide.c_str(), nullptr, nullptr, SW_SHOWNORMAL);
@@ -133,12 +127,6 @@ void open_if_closed(int fd) {
     // The lowest free descriptor is `fd`. Opened in the wrong direction, so that reads and writes
     // fail.
     (void)!::open("/dev/null", fd == 0 ? O_WRONLY : O_RDONLY);
-}
-void silence(int fd) {
-  const int null = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-  if (null < 0) return;
-  (void)::dup2(null, fd);
-  ::close(null);
 }
 void open_in_browser(const std::string& path) {
 #if defined(__APPLE__)

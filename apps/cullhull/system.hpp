@@ -20,8 +20,6 @@ void open_if_closed(int fd);
 /// Where the addresses of the process are limited: one heap for all threads. A heap for each takes
 /// 128 MB of addresses for a moment and 64 MB for good.
 void prepare_heap();
-/// Discards what is written there from now on.
-void silence(int fd);
 void wait_10_ms();                  ///< callable from a signal handler
 [[noreturn]] void end(int status);  ///< at once: no destructors, no handlers
 

@@ -90,16 +90,6 @@ void NumberedPoints::append(const PointView& from, std::uint64_t first,
     ids[before + i] = first_id + first + (positions != nullptr ? positions[i] : i);
 }
 
-void NumberedPoints::append(const PointView& from, const std::vector<std::uint64_t>& indices,
-                            std::uint64_t first_id) {
-  const std::size_t before = ids.size();
-  grow(indices.size());
-  copy_rows_of(
-      from, [&](std::size_t i) { return indices[i]; }, indices.size(),
-      rows.data() + before * row_bytes());
-  for (std::size_t i = 0; i < indices.size(); ++i) ids[before + i] = first_id + indices[i];
-}
-
 void NumberedPoints::append(const NumberedPoints& other) {
   const std::size_t before = ids.size();
   grow(other.size());

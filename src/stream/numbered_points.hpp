@@ -32,9 +32,6 @@ struct NumberedPoints {
   /// count (positions null: first + i). Their ids are `first_id` plus their index in the view.
   void append(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
               std::size_t count, std::uint64_t first_id);
-  /// The same for the points with these indices.
-  void append(const PointView& from, const std::vector<std::uint64_t>& indices,
-              std::uint64_t first_id);
   /// Appends points of the same dimension and scalar type.
   void append(const NumberedPoints& other);
   /// The same, and frees `other`; allocates no more than the points need. If that throws, both are
@@ -57,9 +54,6 @@ void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* 
                std::size_t count, std::byte* out);
 
 // The exact step of a stream: reduces points to the extreme ones.
-
-/// extreme_points(), computed through a hull if that is faster and fits the budget.
-ExtremePoints find_extreme(const PointView& points, const Options& options);
 
 /// Sorts the points by id and keeps the extreme ones; of equal points the one with the lowest id.
 /// Coordinates must be finite. Errors as of extreme_points().

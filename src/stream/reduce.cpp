@@ -9,8 +9,10 @@
 
 namespace cullhull::internal {
 
-// From 4D to 6D a hull finds the extreme points faster than linear programs do, if its facets fit
-// the budget.
+namespace {
+
+/// extreme_points(); from 4D to 6D through a hull, which finds them faster than linear programs do,
+/// if its facets fit the budget.
 ExtremePoints find_extreme(const PointView& points, const Options& options) {
   if (points.dimension >= 4 && points.dimension <= 6) try {
       Hull hull = convex_hull(points, options);
@@ -21,6 +23,8 @@ ExtremePoints find_extreme(const PointView& points, const Options& options) {
     }
   return extreme_points(points, options);
 }
+
+}  // namespace
 
 void keep_extreme(NumberedPoints& points, const Options& options) {
   points.sort();
