@@ -21,11 +21,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!std::isfinite(x)) std::abort();
   const double sites[] = {0, 0, 1, 0, 0, 1, 3, 3, -2, 5};
   const auto points = cullhull::PointView::row_major(sites, 5, 2);
-  cullhull::Options options;
-  options.threads = 1;
   try {
-    const cullhull::ClippedCells cells = cullhull::clip_voronoi(
-        points, cullhull::delaunay(points), polygons.rings(), {}, true, options);
+    const cullhull::ClippedCells cells =
+        cullhull::clip_voronoi(points, cullhull::delaunay(points), polygons.points(),
+                               polygons.ring_offsets, {}, {.threads = 1});
     for (const double m : cells.measures)
       if (!(m >= 0)) std::abort();
     for (const double x : cells.vertices)

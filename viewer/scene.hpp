@@ -33,7 +33,7 @@ struct SceneFrame {
   const Survivors* survivors = nullptr;
   /// How to triangulate the points that are drawn, in 2D and 3D; null: no cells.
   const TriangulationOptions* triangulate = nullptr;
-  /// A JSON object: the figures to show (hull_to_json without lists).
+  /// A JSON object: the figures to show (hull_to_json).
   std::string report;
 };
 

@@ -26,7 +26,6 @@
 namespace app {
 namespace {
 
-using cullhull::AlphaGoal;
 using cullhull::AlphaShape;
 using cullhull::Error;
 using cullhull::ErrorCode;
@@ -122,7 +121,7 @@ std::uint64_t count_regions(const Triangulation& t, const AlphaShape& shape) {
       const std::uint32_t c = stack.back();
       stack.pop_back();
       for (const std::uint32_t o : t.neighbours_of(c)) {
-        if (o == cullhull::no_cell || !todo[o]) continue;
+        if (o == cullhull::no_index || !todo[o]) continue;
         todo[o] = false;
         stack.push_back(o);
       }
@@ -144,16 +143,15 @@ void find_shape(AlphaArguments a, const Input& input, const cullhull::Grid& grid
   a.run.held += cullhull::internal::held_bytes(t);
   out.alpha = a.by_edges() ? NAN : grid.to_grid(given_alpha(a.alpha));
   if (a.edge_length >= 0) out.edge_length = grid.to_grid(a.edge_length);
-  out.shape =
-      repeat(a.run, 1, [&](const cullhull::Options& options) {
-        if (a.ratio >= 0) out.edge_length = cullhull::concave_length(points, t, a.ratio, options);
-        if (out.edge_length) return cullhull::concave_hull(points, t, *out.edge_length, options);
-        if (out.alpha < 0)
-          out.alpha = cullhull::critical_alpha(
-              points, t, a.alpha == "all-points" ? AlphaGoal::all_points : AlphaGoal::one_region,
-              options);
-        return cullhull::alpha_shape(points, t, out.alpha, options);
-      }).result;
+  out.shape = repeat(a.run, 1, [&](const cullhull::Options& options) {
+                if (a.ratio >= 0)
+                  out.edge_length = cullhull::concave_length(points, t, a.ratio, options);
+                if (out.edge_length)
+                  return cullhull::concave_hull(points, t, *out.edge_length, options);
+                if (out.alpha < 0)
+                  out.alpha = cullhull::critical_alpha(points, t, a.alpha != "all-points", options);
+                return cullhull::alpha_shape(points, t, out.alpha, options);
+              }).result;
   out.region_count = count_regions(t, out.shape);
   out.compute_seconds = watch.seconds();
 }
@@ -201,11 +199,10 @@ int run_by(const AlphaArguments& a, FilePlan& plan) {
     throw Error(ErrorCode::invalid_argument,
                 "--by writes the shapes of groups to one -o (.geojson .csv .json), without --json");
   plan.writes("-o", a.outputs[0], {OutputKind::group_hulls});
-  const cullhull::GroupShape shape{
-      .goal = a.alpha == "all-points" ? AlphaGoal::all_points : AlphaGoal::one_region,
-      .alpha = given_alpha(a.alpha),
-      .edge_length = a.edge_length,
-      .ratio = a.ratio};
+  const cullhull::GroupShape shape{.one_region = a.alpha != "all-points",
+                                   .alpha = given_alpha(a.alpha),
+                                   .edge_length = a.edge_length,
+                                   .ratio = a.ratio};
   return run_group_shapes(a.input, a.files, a.by, a.keep, a.outputs[0], shape, a.run);
 }
 

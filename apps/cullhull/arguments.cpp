@@ -101,7 +101,7 @@ std::string Places::of(const std::string& message) const {
   }
   const auto& at = part->not_finite;
   return part->name +
-         (at && at->point + part->first == *point ? ":" + std::to_string(at->line) : "");
+         (at && at->first + part->first == *point ? ":" + std::to_string(at->second) : "");
 }
 
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
@@ -224,13 +224,14 @@ bool are_vertical(const std::string& columns) {
 
 std::string stated_crs(const std::vector<std::string>& files, const InputArguments& arguments) {
   if (arguments.raw || are_vertical(arguments.columns)) return "";
-  const cullhull::CommonCrs common = cullhull::common_crs(files);
-  if (!common.other.empty())
-    print_remark({cullhull::Remark::Kind::left_out, common.other,
-                  "states " + cullhull::file_crs(common.other) + ", " + common.first + " states " +
-                      cullhull::file_crs(common.first) +
-                      "; no coordinate reference system is written without --crs"});
-  return common.crs;
+  std::pair<std::string, std::string> differing;
+  const std::string crs = cullhull::common_crs(files, &differing);
+  const auto& [first, other] = differing;
+  if (!other.empty())
+    print_remark({other, "states " + cullhull::file_crs(other) + ", " + first + " states " +
+                             cullhull::file_crs(first) +
+                             "; no coordinate reference system is written without --crs"});
+  return crs;
 }
 
 void add_raw_option(Parser& command, bool& raw) {
@@ -240,7 +241,7 @@ void add_raw_option(Parser& command, bool& raw) {
 bool columns_can_be_chosen = true;
 
 void print_remark(const cullhull::Remark& remark) {
-  const bool of_columns = remark.kind == cullhull::Remark::Kind::columns;
+  const bool of_columns = remark.of_columns;
   if (of_columns && is_converted(remark.file)) return;  // whose columns are of our making
   static std::mutex mutex;
   static std::set<std::string> told;  // once, however many tiles have the same remark
@@ -253,10 +254,10 @@ void print_remark(const cullhull::Remark& remark) {
 void remark_on_shape(const std::string& name, std::uint64_t count, std::uint32_t dimension) {
   constexpr std::uint32_t few = 8;  // dimensions in which a simplex may be what is meant
   if (count <= 1 || count >= dimension || dimension <= few) return;
-  print_remark({cullhull::Remark::Kind::spelling, name,
-                std::to_string(count) + " points in " + std::to_string(dimension) +
-                    " dimensions, since each row is a point; transpose the file if each column is "
-                    "one"});
+  print_remark(
+      {name, std::to_string(count) + " points in " + std::to_string(dimension) +
+                 " dimensions, since each row is a point; transpose the file if each column is "
+                 "one"});
 }
 
 cullhull::ReadOptions read_options(const InputArguments& arguments, unsigned threads,
@@ -305,7 +306,7 @@ void Input::skip_nan() {
   placing.skipped = skipped.count();
   if (!skipped.any()) return;
   for (Places::Part& part : places.parts)
-    if (part.not_finite && skipped.contains(part.first + part.not_finite->point))
+    if (part.not_finite && skipped.contains(part.first + part.not_finite->first))
       part.not_finite.reset();
   kept_points = skipped.others(points, others);
   if (kept_points.count == 0) points = kept_points;  // then there is no point

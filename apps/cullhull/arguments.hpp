@@ -59,7 +59,7 @@ struct Places {
   struct Part {
     std::string name;         ///< of the file
     std::uint64_t first = 0;  ///< number of its first point
-    std::optional<cullhull::PointLine> not_finite;
+    std::optional<std::pair<std::uint64_t, std::uint64_t>> not_finite;  ///< with its line
   };
   std::vector<Part> parts;  ///< in order
   Skipped skipped;          ///< messages name numbers beside these

@@ -11,6 +11,8 @@
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
+#include "generate/point_generator.hpp"
+#include "io/write/npy_writers.hpp"
 #include "outputs.hpp"
 #include "signals.hpp"
 #include "terminal.hpp"
@@ -72,8 +74,8 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
   const auto total = static_cast<double>(made.frames);
   TerminalProgress progress(arguments.quiet, "frames", total);
   const cullhull::Progress report = progress.callback();
-  cullhull::NpySequenceWriter writer(arguments.output, made.frames, made.count, made.dimension,
-                                     made.type);
+  cullhull::internal::NpySequenceWriter writer(arguments.output, made.frames, made.count,
+                                               made.dimension, made.type);
   std::vector<double> points(made.count * made.dimension);
   for (std::uint64_t f = 0; f < made.frames; ++f) {
     if (stop_token().stop_requested()) return;  // the writer removes its unfinished file
@@ -85,14 +87,15 @@ void write_sequence(const GenerateArguments& arguments, const Made& made) {
 
 /// Points a piece: enough for all threads, and few enough that a file may exceed memory.
 std::uint64_t piece_of(std::uint32_t dimension) {
-  constexpr std::uint64_t run = cullhull::PointGenerator::run_length;
+  constexpr std::uint64_t run = cullhull::internal::PointGenerator::run_length;
   constexpr std::uint64_t bytes = std::uint64_t{32} << 20;
   const std::uint64_t runs = bytes / (run * dimension * sizeof(double));
   return run * std::max<std::uint64_t>({1, runs, std::thread::hardware_concurrency()});
 }
 
 void write_points(const GenerateArguments& arguments, const Made& made) {
-  const cullhull::PointGenerator generator(arguments.shape, made.count, made.dimension, made.seed);
+  const cullhull::internal::PointGenerator generator(arguments.shape, made.count, made.dimension,
+                                                     made.seed);
   const auto total = static_cast<double>(made.count);
   TerminalProgress progress(arguments.quiet, "points", total);
   const cullhull::Progress report = progress.callback();

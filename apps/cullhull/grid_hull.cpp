@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cullhull/cull.hpp"
+#include "io/grid_axes.hpp"
 
 namespace app {
 
@@ -14,7 +15,7 @@ cullhull::Hull hull_on_grid(const cullhull::PointView& numbers,
   const auto id = [&](std::uint64_t i) { return survivors.all ? i : survivors.ids[i]; };
   const std::uint32_t d = numbers.dimension;
   std::vector<double> rows(count * d);
-  const cullhull::GridAxes axes(placement, grid);
+  const cullhull::internal::GridAxes axes(placement, grid);
   for (std::uint64_t i = 0; i < count; ++i)
     for (std::uint32_t j = 0; j < d; ++j) rows[i * d + j] = axes.at(j, numbers.at(id(i), j));
   cullhull::Options behind = options;

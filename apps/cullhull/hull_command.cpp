@@ -14,6 +14,8 @@
 #include "cullhull/io.hpp"
 #include "grid_hull.hpp"
 #include "group_hulls.hpp"
+#include "io/grid_axes.hpp"
+#include "io/json/json.hpp"
 #include "kept_columns.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
@@ -214,7 +216,7 @@ void write_vertices(const HullArguments& arguments, const Points& points,
 template <class Points>
 void write_results(const HullArguments& arguments, const Points& points, const Placing& placing,
                    const cullhull::PointView& extreme, const Hull& hull,
-                   const cullhull::JsonExtras& extras) {
+                   const cullhull::internal::JsonExtras& extras) {
   const cullhull::MapExtras beside = extras_of(arguments, placing.crs);
   for (const std::string& path : arguments.outputs)
     cullhull::write_hull(path, points, hull, "", arguments.faces.faces(), beside);
@@ -226,15 +228,15 @@ void write_results(const HullArguments& arguments, const Points& points, const P
   if (!arguments.json.empty())
     cullhull::write_text(
         arguments.json,
-        with_placing(cullhull::hull_to_json(points, hull, extras, false), placing, extreme));
+        with_placing(cullhull::internal::hull_to_json(hull, extras), placing, extreme));
   for (const std::string& word : format_words(arguments.formats))
     write_stdout(cullhull::hull_to_qhull_text(points, hull, word));
 }
 
-cullhull::JsonExtras extras_of(const std::optional<Certificate>& certificate,
-                               const std::vector<double>& seconds, double read_seconds,
-                               std::uint64_t peak) {
-  cullhull::JsonExtras extras;
+cullhull::internal::JsonExtras extras_of(const std::optional<Certificate>& certificate,
+                                         const std::vector<double>& seconds, double read_seconds,
+                                         std::uint64_t peak) {
+  cullhull::internal::JsonExtras extras;
   extras.read_seconds = read_seconds;
   extras.compute_seconds_all = seconds;
   extras.peak_bytes = peak;
@@ -488,7 +490,7 @@ Input open_numbers(const HullArguments& arguments) {
 /// Coordinates of the vertices in the world.
 std::vector<double> placed_vertices(const Input& input, const Hull& hull) {
   std::vector<double> rows;
-  const cullhull::GridAxes axes(input.placing.placement, input.placing.grid);
+  const cullhull::internal::GridAxes axes(input.placing.placement, input.placing.grid);
   for (const std::uint64_t v : hull.vertices)
     for (std::uint32_t j = 0; j < hull.dimension; ++j)
       rows.push_back(input.placing.grid.to_world(axes.at(j, input.points.at(v, j))));

@@ -432,11 +432,16 @@ void find_dual(DualArguments a, const PointView& points, const cullhull::Grid& g
                   return cullhull::voronoi(points, out.triangulation, out.weights, options);
                 }).result;
   a.run.held += cullhull::internal::held_bytes(*out.voronoi);
+  const auto clipping = [&](const cullhull::Options& options) {
+    auto o = cullhull::options_as<cullhull::ClipOptions>(options);
+    o.diagram = &*out.voronoi;
+    return o;
+  };
   if (wants_cells(a) && !a.clip.empty()) {
     const cullhull::Polygons region = read_region(a, grid);
     const auto clip = [&](const cullhull::Options& options) {
-      return cullhull::clip_voronoi(points, out.triangulation, region.rings(), out.weights, true,
-                                    options, &*out.voronoi);
+      return cullhull::clip_voronoi(points, out.triangulation, region.points(), region.ring_offsets,
+                                    out.weights, clipping(options));
     };
     try {
       out.cells = repeat(a.run, 1, clip).result;
@@ -448,7 +453,7 @@ void find_dual(DualArguments a, const PointView& points, const cullhull::Grid& g
     const Box box = box_of(a, points, grid);
     out.cells = repeat(a.run, 1, [&](const cullhull::Options& options) {
                   return cullhull::clip_voronoi(points, out.triangulation, box.low, box.high,
-                                                out.weights, true, options, &*out.voronoi);
+                                                out.weights, clipping(options));
                 }).result;
   }
   out.dual_seconds = watch.seconds();

@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
+#include "io/json/json.hpp"
 #include "io/json/json_writer.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"
@@ -158,7 +159,7 @@ Computed compute(Input& input, double read_seconds, const cullhull::Options& opt
   Computed result;
   const Stopwatch watch;
   result.hull = cullhull::convex_hull(kept, options);
-  cullhull::JsonExtras extras;
+  cullhull::internal::JsonExtras extras;
   extras.compute_seconds_all = {watch.seconds()};
   extras.read_seconds = read_seconds;
   extras.peak_bytes = peak_bytes();
@@ -172,7 +173,7 @@ Computed compute(Input& input, double read_seconds, const cullhull::Options& opt
   cullhull::to_world(result.hull, input.placing.grid);
   input.to_world();
   result.report =
-      with_placing(cullhull::hull_to_json(points, result.hull, extras, false), input.placing, kept);
+      with_placing(cullhull::internal::hull_to_json(result.hull, extras), input.placing, kept);
   return result;
 }
 
@@ -286,11 +287,11 @@ Written view_points(const ViewArguments& arguments, cullhull::Options options) {
 std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::Hull& hull,
                            const cullhull::PointView& points, double read_seconds) {
   const cullhull::FrameReport& r = tracker.report();
-  cullhull::JsonExtras extras;
+  cullhull::internal::JsonExtras extras;
   extras.compute_seconds_all = {r.compute_seconds};
   extras.read_seconds = read_seconds;
   extras.peak_bytes = peak_bytes();
-  auto report = nlohmann::ordered_json::parse(cullhull::hull_to_json(points, hull, extras, false));
+  auto report = nlohmann::ordered_json::parse(cullhull::internal::hull_to_json(hull, extras));
   report["track"] = {{"method", r.method},
                      {"scan_survivors", r.scan_survivors},
                      {"vertices_came", r.vertices_came},
@@ -374,8 +375,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
 
 /// The members of a hull's report that tell nothing of a run.
 std::string result_figures(const cullhull::Hull& hull) {
-  auto figures =
-      nlohmann::ordered_json::parse(cullhull::hull_to_json(cullhull::PointView{}, hull, {}, false));
+  auto figures = nlohmann::ordered_json::parse(cullhull::internal::hull_to_json(hull, {}));
   for (const char* key : {"threads", "backend", "cull", "hull", "read_seconds", "compute_seconds",
                           "compute_seconds_all", "peak_bytes", "certified"})
     figures.erase(key);

@@ -40,13 +40,10 @@ AlphaShape alpha_shape(const PointView& points, const Triangulation& triangulati
 Array<double> alpha_radii(const PointView& points, const Triangulation& triangulation,
                           const RunOptions& options = {});
 
-/// The condition that critical_alpha() meets. all_points: every vertex has a cell. one_region:
-/// besides, the cells are connected through facets.
-enum class AlphaGoal { all_points, one_region };
-
-/// The least alpha whose shape meets `goal`. 0 if the triangulation has no cells, and for k = 0.
-/// Time O(cells (k^3 + log cells)). Errors as above.
-double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+/// The least alpha for whose shape every vertex has a cell and, with `one_region`, the cells are
+/// connected through facets. 0 if the triangulation has no cells, and for k = 0. Time O(cells (k^3
+/// + log cells)). Errors as above.
+double critical_alpha(const PointView& points, const Triangulation& triangulation, bool one_region,
                       const RunOptions& options = {});
 
 /// The concave hull by edge length (chi-shape: Duckham and others, 2008) of 2D points. Starts from

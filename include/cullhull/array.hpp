@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <new>
 #include <type_traits>
@@ -19,21 +20,6 @@ namespace cullhull::internal {
 void* allocate_block(std::size_t bytes);
 /// `bytes`: the number passed to allocate_block.
 void free_block(void* block, std::size_t bytes) noexcept;
-}  // namespace cullhull::internal
-
-namespace cullhull {
-
-/// Sets how much freed memory the library keeps for reuse. It keeps freed blocks, its own and those
-/// of Arrays, because the system clears new memory, which takes longer than most steps of a hull.
-/// It keeps at most 16 MB of blocks smaller than 2 MB, and at most `limit` bytes of larger blocks;
-/// the default limit is a sixteenth of the memory that this process may use, at most 1 GiB. Blocks
-/// beyond the limit are returned to the system at once. Between calls the system may reclaim the
-/// large blocks if it is short of memory. Each thread keeps scratch memory for small sets besides:
-/// 1 MB for points in space, up to 2.5 MB for each dimension from 4 to 8 that it has used. 0:
-/// nothing is kept between calls, also in the pools of CUDA devices.
-void keep_memory(std::size_t limit) noexcept;
-/// Bytes kept now.
-std::size_t kept_memory() noexcept;
 
 /// An allocator that leaves new items of trivial types uninitialised; std::allocator clears them.
 template <class T>
@@ -50,9 +36,9 @@ class ArrayAllocator {
 
   T* allocate(std::size_t n) {
     if (n > std::numeric_limits<std::size_t>::max() / sizeof(T)) throw std::bad_array_new_length();
-    return static_cast<T*>(internal::allocate_block(n * sizeof(T)));
+    return static_cast<T*>(allocate_block(n * sizeof(T)));
   }
-  void deallocate(T* p, std::size_t n) noexcept { internal::free_block(p, n * sizeof(T)); }
+  void deallocate(T* p, std::size_t n) noexcept { free_block(p, n * sizeof(T)); }
 
   template <class U>
   void construct(U* p) noexcept {
@@ -65,10 +51,29 @@ class ArrayAllocator {
   friend bool operator==(const ArrayAllocator&, const ArrayAllocator&) noexcept { return true; }
 };
 
+}  // namespace cullhull::internal
+
+namespace cullhull {
+
+/// In place of the number of a cell, facet or point where there is none.
+inline constexpr std::uint32_t no_index = 0xffffffff;
+
+/// Sets how much freed memory the library keeps for reuse. It keeps freed blocks, its own and those
+/// of Arrays, because the system clears new memory, which takes longer than most steps of a hull.
+/// It keeps at most 16 MB of blocks smaller than 2 MB, and at most `limit` bytes of larger blocks;
+/// the default limit is a sixteenth of the memory that this process may use, at most 1 GiB. Blocks
+/// beyond the limit are returned to the system at once. Between calls the system may reclaim the
+/// large blocks if it is short of memory. Each thread keeps scratch memory for small sets besides:
+/// 1 MB for points in space, up to 2.5 MB for each dimension from 4 to 8 that it has used. 0:
+/// nothing is kept between calls, also in the pools of CUDA devices.
+void keep_memory(std::size_t limit) noexcept;
+/// Bytes kept now.
+std::size_t kept_memory() noexcept;
+
 /// A std::vector with one difference: `Array<T> a(n)` and `a.resize(n)` leave new items
 /// uninitialised; `a.resize(n, T())` and `a.assign(n, T())` set them.
 template <class T>
-using Array = std::vector<T, ArrayAllocator<T>>;
+using Array = std::vector<T, internal::ArrayAllocator<T>>;
 
 }  // namespace cullhull
 #pragma GCC visibility pop

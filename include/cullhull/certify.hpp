@@ -11,6 +11,17 @@
 #include "cullhull/point_view.hpp"
 
 #pragma GCC visibility push(default)
+namespace cullhull::internal {
+/// The partial result of one CertifyStream, to be added to another stream of the same hull.
+struct CertifiedPart {
+  std::uint64_t points = 0, vertices = 0;  ///< points checked, and how many of them are vertices
+  std::uint64_t exact_decisions = 0;
+  std::string reason;    ///< as in Certificate
+  std::uint64_t at = 0;  ///< first id of the block in which `reason` was found
+};
+
+}  // namespace cullhull::internal
+
 namespace cullhull {
 
 struct Certificate {
@@ -44,14 +55,6 @@ Certificate certify(const PointView& points, const Hull& hull, const Options& op
 /// checked. Error{invalid_argument} if the hull has no coordinates.
 Certificate certify(const Hull& hull, const Options& options = {});
 
-/// The partial result of one CertifyStream, to be added to another stream of the same hull.
-struct CertifiedPart {
-  std::uint64_t points = 0, vertices = 0;  ///< points checked, and how many of them are vertices
-  std::uint64_t exact_decisions = 0;
-  std::string reason;    ///< as in Certificate
-  std::uint64_t at = 0;  ///< first id of the block in which `reason` was found
-};
-
 /// certify() for points that arrive in blocks: the same proof, in memory O(simplices).
 class CertifyStream {
  public:
@@ -72,8 +75,8 @@ class CertifyStream {
   /// vertex among them makes the certificate invalid.
   void skip(std::uint64_t count);
   /// part(): what this stream has checked so far. add(): counts another stream's part in this one.
-  CertifiedPart part() const;
-  void add(const CertifiedPart& part);
+  internal::CertifiedPart part() const;
+  void add(const internal::CertifiedPart& part);
   /// Call after the last block. Of several faults, the one in the block with the lowest id is
   /// reported.
   Certificate finish();

@@ -36,9 +36,9 @@ GroupReport write_group_hulls(const std::vector<std::string>& files, const std::
                               const MapExtras& extras = {});
 
 /// The shape that write_group_shapes computes of each group: at most one of the numbers is not
-/// negative; without any the least alpha that meets `goal`, another one for each group.
+/// negative; without any that of critical_alpha(), another one for each group.
 struct GroupShape {
-  AlphaGoal goal = AlphaGoal::one_region;
+  bool one_region = true;   ///< as in critical_alpha()
   double alpha = -1;        ///< alpha_shape() with this alpha
   double edge_length = -1;  ///< concave_hull() with this length
   double ratio = -1;        ///< concave_hull() with the length of concave_length()

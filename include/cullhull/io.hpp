@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cullhull/certify.hpp"
@@ -33,15 +34,12 @@ enum class Numbers {
 
 /// A choice that a reader made by itself, or data that it skipped.
 struct Remark {
-  enum class Kind {
-    columns,   ///< which columns of a text are the coordinates; ReadOptions::columns selects others
-    left_out,  ///< bytes or text after the points, truncated faces, lines with unknown keywords
-    spelling,  ///< how a text was understood: decimal commas, a line of units, row names of R
-    skipped,   ///< how many points ReadOptions::skip_nan left out
-  };
-  Kind kind;
   std::string file;     ///< name of the file
   std::string message;  ///< part of a line, without the file's name
+  /// Whether it says which columns of a text are the coordinates; ReadOptions::columns selects
+  /// others. Otherwise how a text was understood (decimal commas, a line of units, row names of R),
+  /// what was left out after the points, or how many points ReadOptions::skip_nan left out.
+  bool of_columns = false;
 
   std::string line() const { return file + ": " + message; }
   operator std::string() const { return line(); }
@@ -103,11 +101,6 @@ struct ReadOptions {
   const char* blocks_hint = nullptr;
 };
 
-/// A point of a text file and its line, from 1.
-struct PointLine {
-  std::uint64_t point = 0, line = 0;
-};
-
 /// Points of a file: mapped (binary) or parsed (text, meshes). Movable; `points()` is a view of its
 /// memory.
 class PointFile {
@@ -143,8 +136,8 @@ class PointFile {
   const std::vector<std::uint64_t>& rows() const noexcept;
   /// The number of points that ReadOptions::skip_nan left out.
   std::uint64_t skipped() const noexcept;
-  /// The first point with a NaN or an infinity in a text file.
-  std::optional<PointLine> first_not_finite() const noexcept;
+  /// The first point with a NaN or an infinity in a text file, and its line, from 1.
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> first_not_finite() const noexcept;
   double read_seconds() const noexcept;
   /// The bytes of memory that the points take, beyond the pages of a mapped file.
   std::uint64_t held_bytes() const noexcept;
@@ -228,15 +221,6 @@ const char* describe_mapped_fault(const void* address) noexcept;
 /// file that libhdf5 is reading on this thread, or nullptr. Some damaged files crash it.
 const char* describe_library_fault() noexcept;
 
-struct JsonExtras {
-  double read_seconds = 0;
-  /// Times of all runs if there were several; the hull's statistics describe the median run.
-  std::vector<double> compute_seconds_all{};
-  std::uint64_t peak_bytes = 0;
-  /// Set if a certificate was requested.
-  std::optional<bool> certified{};
-};
-
 /// The version of docs/cullhull.schema.json, which every document states in its member "schema". It
 /// increases when a member is removed or changes its meaning, not when members are added.
 inline constexpr int json_schema_version = 2;
@@ -307,18 +291,12 @@ void write_hull(const std::string& path, const HullState& state, const Hull& hul
 /// unfinished writers.
 void remove_unfinished_files() noexcept;
 
-/// The run's report as JSON, with the lists of write_hull(".json") if `with_lists`; docs/formats.md
-/// lists the keys.
-std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
-                         bool with_lists);
-std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
-                         bool with_lists);
-/// Reads a document of write_hull(".json") or of hull_to_json with lists, of this schema version or
-/// an earlier one. Checks every size, offset and index, so the result can be passed to certify();
-/// statistics are not in the file. `vertex_coordinates`, if given, receives the rows of that key,
-/// in the order of `vertices`; with Options::with_coordinates the hull carries them. `first_id`:
-/// the id of point 0 in the file; the result counts from 0. Options used: stop, poll,
-/// with_coordinates. Throws Error{bad_file}, Error{io} or Error{cancelled}.
+/// Reads a document of write_hull(".json"), of this schema version or an earlier one. Checks every
+/// size, offset and index, so the result can be passed to certify(); statistics are not in the
+/// file. `vertex_coordinates`, if given, receives the rows of that key, in the order of `vertices`;
+/// with Options::with_coordinates the hull carries them. `first_id`: the id of point 0 in the file;
+/// the result counts from 0. Options used: stop, poll, with_coordinates. Throws Error{bad_file},
+/// Error{io} or Error{cancelled}.
 Hull hull_from_json(const std::string& path, std::vector<double>* vertex_coordinates = nullptr,
                     const Options& options = {}, std::uint64_t first_id = 0);
 
@@ -379,21 +357,6 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type);
 
-/// Writes an array (count, dimension) in pieces; the file appears once the last point is written.
-/// Throws as the other writers do.
-class NpyPointsWriter {
- public:
-  NpyPointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
-                  ScalarType type);
-  ~NpyPointsWriter();
-  /// Writes the next points: count x dimension doubles.
-  void write(const double* coordinates, std::uint64_t count);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
 /// Writes points piece by piece, in the format of the extension of `path` (without one .npy) or of
 /// `format`: .npy .ply .obj .off .raw .xyz .txt .csv, and .geojson .wkt as one multipoint.
 /// .ply .geojson .wkt hold points of dimension 2 and 3, .obj of 3. .npy .ply .raw keep `type`; the
@@ -407,21 +370,6 @@ class PointsWriter {
   ~PointsWriter();
   /// The next points: count x dimension doubles, which are rounded to `type`.
   void write(const double* coordinates, std::uint64_t count);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
-
-/// Writes an array (frames, count, dimension) frame by frame; the file appears once the last frame
-/// is written. Throws as the other writers do.
-class NpySequenceWriter {
- public:
-  NpySequenceWriter(const std::string& path, std::uint64_t frames, std::uint64_t count,
-                    std::uint32_t dimension, ScalarType type);
-  ~NpySequenceWriter();
-  /// Writes the next frame: count x dimension doubles.
-  void write(const double* coordinates);
 
  private:
   struct Impl;

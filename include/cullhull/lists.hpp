@@ -17,6 +17,49 @@
 #include "cullhull/array.hpp"
 
 #pragma GCC visibility push(default)
+namespace cullhull::internal {
+
+/// A random-access iterator over the values of a container's operator[], by value, because there
+/// may be no stored item to refer to. Invalidated when the container moves or is destroyed.
+template <class Container>
+class IndexIterator {
+ public:
+  using reference = decltype(std::declval<const Container&>()[0]);
+  using value_type = reference;
+  using iterator_category = std::input_iterator_tag;  // references are no lvalues
+  using iterator_concept = std::random_access_iterator_tag;
+  using difference_type = std::ptrdiff_t;
+  using pointer = void;
+
+  IndexIterator() = default;
+  IndexIterator(const Container* of, std::ptrdiff_t at) : of_(of), at_(at) {}
+  reference operator*() const { return (*of_)[static_cast<std::size_t>(at_)]; }
+  reference operator[](difference_type n) const {
+    return (*of_)[static_cast<std::size_t>(at_ + n)];
+  }
+  IndexIterator& operator++() { return *this += 1; }
+  IndexIterator& operator--() { return *this += -1; }
+  IndexIterator operator++(int) { return std::exchange(*this, *this + 1); }
+  IndexIterator operator--(int) { return std::exchange(*this, *this - 1); }
+  IndexIterator& operator+=(difference_type n) {
+    at_ += n;
+    return *this;
+  }
+  IndexIterator& operator-=(difference_type n) { return *this += -n; }
+  friend IndexIterator operator+(IndexIterator i, difference_type n) { return i += n; }
+  friend IndexIterator operator+(difference_type n, IndexIterator i) { return i += n; }
+  friend IndexIterator operator-(IndexIterator i, difference_type n) { return i += -n; }
+  friend difference_type operator-(IndexIterator a, IndexIterator b) { return a.at_ - b.at_; }
+  friend bool operator==(IndexIterator a, IndexIterator b) { return a.at_ == b.at_; }
+  friend auto operator<=>(IndexIterator a, IndexIterator b) { return a.at_ <=> b.at_; }
+
+ private:
+  const Container* of_ = nullptr;
+  std::ptrdiff_t at_ = 0;
+};
+
+}  // namespace cullhull::internal
+
 namespace cullhull {
 
 /// A read-only Array whose copies share memory. It behaves as a value: `edit` returns an array that
@@ -70,51 +113,12 @@ class SharedArray {
   std::shared_ptr<Array<T>> items_;  // nullptr: empty
 };
 
-/// A random-access iterator over the values of a container's operator[], by value, because there
-/// may be no stored item to refer to. Invalidated when the container moves or is destroyed.
-template <class Container>
-class IndexIterator {
- public:
-  using reference = decltype(std::declval<const Container&>()[0]);
-  using value_type = reference;
-  using iterator_category = std::input_iterator_tag;  // references are no lvalues
-  using iterator_concept = std::random_access_iterator_tag;
-  using difference_type = std::ptrdiff_t;
-  using pointer = void;
-
-  IndexIterator() = default;
-  IndexIterator(const Container* of, std::ptrdiff_t at) : of_(of), at_(at) {}
-  reference operator*() const { return (*of_)[static_cast<std::size_t>(at_)]; }
-  reference operator[](difference_type n) const {
-    return (*of_)[static_cast<std::size_t>(at_ + n)];
-  }
-  IndexIterator& operator++() { return *this += 1; }
-  IndexIterator& operator--() { return *this += -1; }
-  IndexIterator operator++(int) { return std::exchange(*this, *this + 1); }
-  IndexIterator operator--(int) { return std::exchange(*this, *this - 1); }
-  IndexIterator& operator+=(difference_type n) {
-    at_ += n;
-    return *this;
-  }
-  IndexIterator& operator-=(difference_type n) { return *this += -n; }
-  friend IndexIterator operator+(IndexIterator i, difference_type n) { return i += n; }
-  friend IndexIterator operator+(difference_type n, IndexIterator i) { return i += n; }
-  friend IndexIterator operator-(IndexIterator i, difference_type n) { return i += -n; }
-  friend difference_type operator-(IndexIterator a, IndexIterator b) { return a.at_ - b.at_; }
-  friend bool operator==(IndexIterator a, IndexIterator b) { return a.at_ == b.at_; }
-  friend auto operator<=>(IndexIterator a, IndexIterator b) { return a.at_ <=> b.at_; }
-
- private:
-  const Container* of_ = nullptr;
-  std::ptrdiff_t at_ = 0;
-};
-
 /// A read-only Array of integers that are not stored if item i is i times a step.
 template <class T>
 class EvenArray {
  public:
   using value_type = T;
-  using const_iterator = IndexIterator<EvenArray>;
+  using const_iterator = internal::IndexIterator<EvenArray>;
   using iterator = const_iterator;
 
   EvenArray() = default;
@@ -196,7 +200,7 @@ class EvenArray {
 template <class T, class Items = Array<T>>
 struct Lists {
   using value_type = std::span<const T>;
-  using const_iterator = IndexIterator<Lists>;
+  using const_iterator = internal::IndexIterator<Lists>;
   using iterator = const_iterator;
 
   EvenArray<std::uint64_t> offsets{0};

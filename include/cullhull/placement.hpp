@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cullhull/hull.hpp"
@@ -75,19 +76,6 @@ class Grid {
 /// coordinate might need more than 50 bits.
 Grid common_grid(const std::vector<Placement>& placements);
 
-/// Converts a file's integers to units of a grid that contains its placement, exactly.
-class GridAxes {
- public:
-  /// Throws Error{invalid_argument} if the grid does not contain the placement (see common_grid).
-  GridAxes(const Placement& placement, const Grid& grid);
-  double at(std::size_t axis, double number) const noexcept {
-    return number * step_[axis] + origin_[axis];
-  }
-
- private:
-  std::vector<double> step_, origin_;
-};
-
 /// Converts the numbers of a hull from grid units to world coordinates, or back; rounded. Ids,
 /// facets and normals do not change.
 void to_world(Hull& hull, const Grid& grid);
@@ -121,13 +109,10 @@ std::string crs_of_wkt(const std::string& wkt);
 /// Empty where it states none that has a code, for standard input, and for what cannot be read.
 std::string file_crs(const std::string& path);
 
-/// The system of several inputs, as file_crs finds it.
-struct CommonCrs {
-  std::string crs;    ///< the one that all inputs state that state any; empty: none, or several
-  std::string first;  ///< an input that states one
-  std::string other;  ///< an input that states another; empty: there is none
-};
-CommonCrs common_crs(const std::vector<std::string>& files);
+/// The one that all inputs state that state any, as file_crs finds it; empty: none, or several.
+/// `differing`, if given, receives two inputs that state different ones, if there are such.
+std::string common_crs(const std::vector<std::string>& files,
+                       std::pair<std::string, std::string>* differing = nullptr);
 
 }  // namespace cullhull
 #pragma GCC visibility pop

@@ -21,6 +21,37 @@
 #endif
 
 #pragma GCC visibility push(default)
+namespace cullhull::internal {
+
+/// A point of D coordinates in a row: std::array<T, D>, T[D], or a vector of Eigen's of a fixed
+/// size.
+template <class P>
+struct PointTraits {
+  static constexpr std::uint32_t dimension = 0;  // none
+};
+template <class T, std::size_t D>
+struct PointTraits<std::array<T, D>> {
+  using Scalar = T;
+  static constexpr std::uint32_t dimension = D;
+};
+template <class T, std::size_t D>
+struct PointTraits<T[D]> {
+  using Scalar = std::remove_cv_t<T>;
+  static constexpr std::uint32_t dimension = D;
+};
+template <class V>
+concept FixedVector = V::IsVectorAtCompileTime != 0 && V::SizeAtCompileTime > 0 &&
+                      sizeof(V) == V::SizeAtCompileTime * sizeof(typename V::Scalar);
+template <FixedVector V>
+struct PointTraits<V> {
+  using Scalar = typename V::Scalar;
+  static constexpr std::uint32_t dimension = V::SizeAtCompileTime;
+};
+template <class R>
+using PointOf = PointTraits<std::remove_cv_t<std::ranges::range_value_t<R>>>;
+
+}  // namespace cullhull::internal
+
 namespace cullhull {
 
 /// Scalar types that are read in place. A double represents every value of each exactly.
@@ -63,33 +94,6 @@ constexpr ScalarType scalar_type_of() noexcept {
   if constexpr (std::is_same_v<T, std::uint32_t>) return ScalarType::u32;
 }
 
-/// A point of D coordinates in a row: std::array<T, D>, T[D], or a vector of Eigen's of a fixed
-/// size.
-template <class P>
-struct PointArray {
-  static constexpr std::uint32_t dimension = 0;  // none
-};
-template <class T, std::size_t D>
-struct PointArray<std::array<T, D>> {
-  using Scalar = T;
-  static constexpr std::uint32_t dimension = D;
-};
-template <class T, std::size_t D>
-struct PointArray<T[D]> {
-  using Scalar = std::remove_cv_t<T>;
-  static constexpr std::uint32_t dimension = D;
-};
-template <class V>
-concept FixedVector = V::IsVectorAtCompileTime != 0 && V::SizeAtCompileTime > 0 &&
-                      sizeof(V) == V::SizeAtCompileTime * sizeof(typename V::Scalar);
-template <FixedVector V>
-struct PointArray<V> {
-  using Scalar = typename V::Scalar;
-  static constexpr std::uint32_t dimension = V::SizeAtCompileTime;
-};
-template <class R>
-using PointOf = PointArray<std::remove_cv_t<std::ranges::range_value_t<R>>>;
-
 /// A range whose memory a view can refer to after the call that made the view: not a temporary,
 /// unless it is a view itself, as std::span is.
 template <class R>
@@ -100,13 +104,13 @@ concept ViewableRange = std::ranges::contiguous_range<R> && std::ranges::sized_r
 /// double[8][3], ...
 template <class R>
 concept PointRange = std::ranges::contiguous_range<R> && std::ranges::sized_range<R> &&
-    (PointOf<R>::dimension != 0);
+    (internal::PointOf<R>::dimension != 0);
 
 struct PointView;
 
 /// Objects of which a view does not know where their coordinates are.
 template <class R>
-concept ObjectRange = std::ranges::contiguous_range<R> && PointOf<R>::dimension == 0 &&
+concept ObjectRange = std::ranges::contiguous_range<R> && internal::PointOf<R>::dimension == 0 &&
                       std::is_class_v<std::ranges::range_value_t<R>> &&
                       !std::same_as<std::ranges::range_value_t<R>, PointView>;
 
@@ -155,13 +159,13 @@ struct PointView {
   /// name. Structs of your own: records().
   template <PointRange R>
   PointView(R&& points CULLHULL_LIFETIME_BOUND) noexcept  // NOLINT: a range converts
-      : PointView(row_major(
-            reinterpret_cast<const typename PointOf<R>::Scalar*>(std::ranges::data(points)),
-            std::ranges::size(points), PointOf<R>::dimension)) {}
+      : PointView(row_major(reinterpret_cast<const typename internal::PointOf<R>::Scalar*>(
+                                std::ranges::data(points)),
+                            std::ranges::size(points), internal::PointOf<R>::dimension)) {}
 
   template <ObjectRange R>
   PointView(R&&) noexcept {  // NOLINT: to say what to write instead
-    static_assert(PointOf<R>::dimension != 0,
+    static_assert(internal::PointOf<R>::dimension != 0,
                   "the items of this range are not known as points (std::array<T, d>, T[d] and "
                   "Eigen's vectors of fixed size are): for structs of your own pass "
                   "cullhull::PointView::records(points, &Point::x, 3)");

@@ -20,10 +20,9 @@ enum class Side : std::int8_t { inside = -1, boundary = 0, outside = 1 };
 
 /// Intersection of the hull with the line origin + t direction, t real.
 struct RayHit {
-  static constexpr std::uint32_t no_facet = 0xFFFFFFFF;
   bool hit = false;
   double enter = 0, exit = 0;  ///< parameters t, enter <= exit; negative: behind the origin
-  std::uint32_t enter_facet = no_facet, exit_facet = no_facet;
+  std::uint32_t enter_facet = no_index, exit_facet = no_index;
 };
 
 struct NearestFacet {

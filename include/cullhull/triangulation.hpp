@@ -14,9 +14,6 @@
 #pragma GCC visibility push(default)
 namespace cullhull {
 
-/// In lists of neighbours: there is no cell across this facet, which is on the hull.
-inline constexpr std::uint32_t no_cell = 0xffffffff;
-
 struct TriangulationOptions {
   CULLHULL_RUN_OPTIONS
   /// Compute the furthest-site triangulation, the dual of the furthest-point Voronoi diagram: the
@@ -73,7 +70,8 @@ struct Triangulation {
   /// is needed to orient it positively: det [p1 - p0; ...; pk - p0] > 0 (in the plane counter-
   /// clockwise). Cells are sorted lexicographically. k = 0: one cell of one id.
   Array<std::uint32_t> cells;
-  /// cells x (k + 1): entry j is the cell across the facet opposite to vertex j, or no_cell.
+  /// cells x (k + 1): entry j is the cell across the facet opposite to vertex j, or no_index on the
+  /// hull.
   Array<std::uint32_t> neighbours;
   /// Number of the group of each cell: cells with the same circumsphere that are connected through
   /// facets. Numbers start at 0 and ascend by first cell. Empty if every cell is a group of its

@@ -55,12 +55,12 @@ void check_alpha_shape_format(const std::string& path, std::uint32_t dimension);
 void check_triangulation_format(const std::string& path, std::uint32_t dimension, bool cells,
                                 bool heights = false);
 
-/// Polygons that own their corners.
+/// Polygons, or lines: ring i is the corners [ring_offsets[i], ring_offsets[i + 1]).
 struct Polygons {
   std::vector<double> corners;  ///< corners x 2
   std::vector<std::uint64_t> ring_offsets{0};
   /// A view for clip_voronoi; valid as long as this object.
-  PolygonRings rings() const;
+  PointView points() const { return PointView::row_major(corners, 2); }
 };
 
 /// Reads the lines of a GeoJSON file as read_polygons does: LineString, MultiLineString, and the

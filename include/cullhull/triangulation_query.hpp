@@ -38,7 +38,7 @@ class TriangulationQuery {
   /// Number of coordinates that barycentric() gives: k + 1; 0 if there are no cells.
   unsigned corners() const noexcept;
 
-  /// The cell that contains the point; on a face shared by cells, the lowest number. no_cell
+  /// The cell that contains the point; on a face shared by cells, the lowest number. no_index
   /// outside, and for a point off the flat of a flat triangulation.
   std::uint32_t find(const double* point) const;
   std::uint32_t find(const OnePoint& point) const { return find(point.of(dimension())); }
@@ -47,7 +47,7 @@ class TriangulationQuery {
   /// ids, each within 2^-50 max(1, |itself|) of exact and of exact sign; zero if the point is on
   /// the facet opposite to that corner (or the number is below all doubles), negative beyond that
   /// facet. A point off the flat is projected along the axes that are not in Triangulation::axes.
-  /// no_cell: NaN.
+  /// no_index: NaN.
   void barycentric(const double* point, std::uint32_t cell, double* out) const;
   void barycentric(const OnePoint& point, std::uint32_t cell, double* out) const {
     barycentric(point.of(dimension()), cell, out);
@@ -55,7 +55,7 @@ class TriangulationQuery {
 
   /// The id of the vertex nearest to the point, exactly; of several, the lowest id. With weights,
   /// the vertex of the least power |x - p|^2 - w; for a furthest-site triangulation the furthest
-  /// vertex. no_cell if there are no vertices. Time: O(cells k^2) once, in the first call, then a
+  /// vertex. no_index if there are no vertices. Time: O(cells k^2) once, in the first call, then a
   /// walk over edges; without weights in 3D to 8D mostly a tree as that of NearestPoint instead.
   std::uint32_t nearest(const double* point) const;
   std::uint32_t nearest(const OnePoint& point) const { return nearest(point.of(dimension())); }

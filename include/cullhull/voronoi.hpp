@@ -16,8 +16,6 @@ namespace cullhull {
 
 /// In lists of vertices: the end at infinity of an unbounded edge or face.
 inline constexpr std::uint32_t at_infinity = 0xffffffff;
-/// In lists of neighbours: the boundary of the region, no point.
-inline constexpr std::uint32_t no_point = 0xffffffff;
 
 /// d: `dimension`; k: `affine_dimension`. The diagram of points in a flat (k < d) is the diagram
 /// within the flat, extended orthogonally to it; its vertices are in the flat.
@@ -75,17 +73,6 @@ struct Voronoi {
 Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
                 std::span<const double> weights = {}, const RunOptions& options = {});
 
-/// One or several polygons, with holes: rings of corners. A point is inside if an odd number of
-/// rings surrounds it (even-odd rule), so rings need no orientation and no order. Rings may touch,
-/// and polygons may share parts of their boundaries from corner to corner (inside is then their
-/// union); edges may not cross. The last corner of a ring may repeat the first.
-struct PolygonRings {
-  PointView points;  ///< corners x 2
-  /// rings + 1, from 0 to the number of corners: ring i is corners [ring_offsets[i],
-  /// ring_offsets[i + 1]).
-  std::span<const std::uint64_t> ring_offsets;
-};
-
 /// The cells of a diagram clipped to a bounded region, for d = 1, 2 and 3.
 struct ClippedCells {
   std::uint32_t dimension = 0;
@@ -113,45 +100,52 @@ struct ClippedCells {
   Array<std::uint64_t> polygon_offsets;
   Array<std::uint64_t> polygon_rings;
   Array<std::uint64_t> ring_starts;
-  /// d = 3: cell i is the faces [face_offsets[i], face_offsets[i + 1]); face f is the items
-  /// [face_starts[f], face_starts[f + 1]) of face_vertices: indices into the cell's own vertices,
-  /// counter-clockwise from outside.
+  /// d = 3: cell i is the faces [face_offsets[i], face_offsets[i + 1]); a face is a list of indices
+  /// into the cell's own vertices, counter-clockwise from outside.
   Array<std::uint64_t> face_offsets;
-  Array<std::uint64_t> face_starts;
-  Array<std::uint32_t> face_vertices;
+  Lists<std::uint32_t> faces;
   /// The point across each face (d = 2: across the edge that begins at each vertex; d = 1: across
-  /// each end), or no_point on the region's boundary.
+  /// each end), or no_index on the region's boundary.
   Array<std::uint32_t> neighbours;
+};
+
+struct ClipOptions {
+  CULLHULL_RUN_OPTIONS
+  /// Compute the cells' shapes; false: their measures only.
+  bool shapes = true;
+  /// voronoi() of the same points, triangulation and weights, if available: its vertices and ridges
+  /// are then not computed again, which saves a third of the time in 2D.
+  const Voronoi* diagram = nullptr;
 };
 
 /// Clips the diagram to the box low[j] <= x[j] <= high[j]. Exact: every decision holds for the
 /// given doubles, and the listed numbers are rounded once, as ClippedCells states. The result does
-/// not depend on threads. `diagram`: voronoi() of the same points, triangulation and weights, if
-/// available: its vertices and ridges are then not computed again, which saves a third of the time
-/// in 2D. Time: a few microseconds per point in 2D, some ten in 3D; more for cells at the region's
-/// boundary. Errors: as above; invalid_argument also for d > 3, for a box that is empty or not
-/// finite, and for a diagram of another size. Thread safe. Source: docs/exactness.md, "Voronoi
-/// diagrams".
+/// not depend on threads. Time: a few microseconds per point in 2D, some ten in 3D; more for cells
+/// at the region's boundary. Errors: as above; invalid_argument also for d > 3, for a box that is
+/// empty or not finite, and for a diagram of another size. Thread safe. Source: docs/exactness.md,
+/// "Voronoi diagrams".
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           std::span<const double> low, std::span<const double> high,
-                          std::span<const double> weights = {}, bool shapes = true,
-                          const RunOptions& options = {}, const Voronoi* diagram = nullptr);
+                          std::span<const double> weights = {}, const ClipOptions& options = {});
 
 /// Clips to the convex hull of the points `region`, which must span d dimensions (d = 1 and 3), or
 /// to the polygon with these corners, in this order (d = 2).
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
                           const PointView& region, std::span<const double> weights = {},
-                          bool shapes = true, const RunOptions& options = {},
-                          const Voronoi* diagram = nullptr);
+                          const ClipOptions& options = {});
 
-/// Clips to polygons; d = 2. Cells may be non-convex and have several parts and holes. Time: a few
+/// Clips to one or several polygons, with holes; d = 2. They are rings of corners: ring i is
+/// corners [ring_offsets[i], ring_offsets[i + 1]), and the offsets go from 0 to the number of
+/// corners. A point is inside if an odd number of rings surrounds it (even-odd rule), so rings need
+/// no orientation and no order. Rings may touch, and polygons may share parts of their boundaries
+/// from corner to corner (inside is then their union); edges may not cross. The last corner of a
+/// ring may repeat the first. Cells may be non-convex and have several parts and holes. Time: a few
 /// microseconds for each intersecting pair of a cell and a triangle of the region's constrained
 /// Delaunay triangulation. Errors: also not_finite, and invalid_argument for rings of fewer than
 /// three corners, offsets that do not ascend, edges that cross, and a region without area.
 ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
-                          const PolygonRings& region, std::span<const double> weights = {},
-                          bool shapes = true, const RunOptions& options = {},
-                          const Voronoi* diagram = nullptr);
+                          const PointView& corners, std::span<const std::uint64_t> ring_offsets,
+                          std::span<const double> weights = {}, const ClipOptions& options = {});
 
 }  // namespace cullhull
 #pragma GCC visibility pop

@@ -384,7 +384,7 @@ class CellWriter {
     Triangulation& t = out.triangulation;
     const std::size_t count = cells_.size();
     Array<std::uint32_t> cell_of(mesh_.size());
-    std::fill(cell_of.begin(), cell_of.end(), no_cell);
+    std::fill(cell_of.begin(), cell_of.end(), no_index);
     for (std::uint32_t c = 0; c < count; ++c) {
       std::uint32_t h = cells_[c];
       for (unsigned j = 0; j < 3; ++j, h = mesh_.next(h)) cell_of[h] = c;

@@ -284,7 +284,7 @@ class FewInPlane {
     std::uint32_t finite = 0;
     for (std::uint32_t c = 0; c < count; ++c) {
       std::uint32_t* const v = store.vertices(c);
-      rank_[c] = no_cell;
+      rank_[c] = no_index;
       const bool ghost = (v[0] == infinite) | (v[1] == infinite) | (v[2] == infinite);
       for (unsigned j = 0; j < 3; ++j) v[j] = ids[v[j] == infinite ? 0 : v[j]];
       sort_simplex<3, true>(v, store.neighbours(c), 3);
@@ -308,7 +308,7 @@ class FewInPlane {
         const std::uint32_t o = rank_[store.cell_of(across[j])];
         *to++ = o;
         hull_[edges] = {i, j};
-        edges += o == no_cell ? 1 : 0;
+        edges += o == no_index ? 1 : 0;
       }
     }
     write_hull(edges, out);

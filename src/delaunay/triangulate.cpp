@@ -26,7 +26,7 @@ namespace {
 
 void check_arguments(const PointView& points) {
   require_points(points);
-  if (points.count >= no_cell)
+  if (points.count >= no_index)
     throw Error(ErrorCode::out_of_budget,
                 "a triangulation takes fewer than 4294967295 points, not ", points.count);
 }
@@ -172,7 +172,7 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
 /// k = 0: a single point.
 void write_single(const Prepared& p, Triangulation& out) {
   out.cells.assign(1, p.points.ids[0]);
-  out.neighbours.assign(1, no_cell);
+  out.neighbours.assign(1, no_index);
 }
 
 /// Triangulates all points except `left_out`, prepared as `p`. With weights, sets `redundant` to

@@ -86,7 +86,7 @@ std::vector<OpenFacet> open_facets(const Triangulation& t, const std::uint8_t* k
   run.each_chunk(t.size(), chunk, [&](std::uint64_t at, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin * corners; i < end * corners; ++i) {
       const std::uint32_t o = across[i];
-      if (o != no_cell && (kept == nullptr || kept[o] != 0)) continue;
+      if (o != no_index && (kept == nullptr || kept[o] != 0)) continue;
       const auto c = static_cast<std::uint32_t>(i / corners);
       if (kept == nullptr || kept[c] != 0)
         found[at].push_back({c, static_cast<std::uint32_t>(i % corners)});
@@ -116,7 +116,7 @@ class CellWriter {
         shift_(shift_of(out.point_count)),
         buckets_((out.point_count >> shift_) + 1) {}
 
-  /// Returns for each cell of the store its number in the result; no_cell except for finite ones.
+  /// Returns for each cell of the store its number in the result; no_index except for finite ones.
   Array<std::uint32_t> write() {
     count_cells();
     out_.cells.resize(cells_.size() * corners());
@@ -155,7 +155,7 @@ class CellWriter {
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto c = static_cast<std::uint32_t>(i);
         if (store_.dead(c) || store_.ghost_slot(c) != corners()) {
-          rank_[c] = no_cell;
+          rank_[c] = no_index;
           continue;
         }
         std::uint32_t* v = store_.vertices(c);
@@ -184,7 +184,7 @@ class CellWriter {
       std::uint32_t* const at = begins_.data() + chunk * buckets_;
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto c = static_cast<std::uint32_t>(i);
-        if (rank_[c] == no_cell) continue;
+        if (rank_[c] == no_index) continue;
         const std::uint32_t* v = store_.vertices(c);
         const std::uint32_t place = at[v[0] >> shift_]++;
         std::copy_n(v, corners(), to + std::size_t{place} * corners());
@@ -276,7 +276,7 @@ class CellWriter {
     run_.each(store_.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         const auto c = static_cast<std::uint32_t>(i);
-        if (rank_[c] == no_cell) continue;
+        if (rank_[c] == no_index) continue;
         const std::uint32_t* n = store_.neighbours(c);
         std::uint32_t* to = out_.neighbours.data() + std::size_t{rank_[c]} * corners();
         for (unsigned j = 0; j < corners(); ++j) to[j] = rank_[store_.cell_of(n[j])];
@@ -293,7 +293,8 @@ class CellWriter {
   std::vector<std::uint32_t> begins_;         ///< by chunk: where its part of each bucket begins
   std::vector<std::uint32_t> bucket_begins_;  ///< of each bucket; at the end the number of cells
   Array<std::uint32_t> cells_;                ///< cells of the store, by place in the buckets
-  Array<std::uint32_t> rank_;  ///< number of each cell of the store; no_cell except for finite ones
+  Array<std::uint32_t>
+      rank_;  ///< number of each cell of the store; no_index except for finite ones
 };
 
 }  // namespace
@@ -326,16 +327,16 @@ void write_boundary(const Triangulation& t, const std::uint8_t* kept,
 }
 
 void keep_cells(Triangulation& t, const std::uint8_t* kept) {
-  std::vector<std::uint32_t> number(t.size(), no_cell);
+  std::vector<std::uint32_t> number(t.size(), no_index);
   std::uint32_t count = 0;
   for (std::uint32_t c = 0; c < t.size(); ++c)
     if (kept[c] != 0) number[c] = count++;
   Array<std::uint32_t> cells, neighbours;
   for (std::uint32_t c = 0; c < number.size(); ++c) {
-    if (number[c] == no_cell) continue;
+    if (number[c] == no_index) continue;
     cells.insert(cells.end(), t.cell(c).begin(), t.cell(c).end());
     for (const std::uint32_t o : t.neighbours_of(c))
-      neighbours.push_back(o == no_cell ? no_cell : number[o]);
+      neighbours.push_back(o == no_index ? no_index : number[o]);
   }
   t.cells = std::move(cells);
   t.neighbours = std::move(neighbours);
@@ -477,14 +478,14 @@ void write_groups(DisjointSets& sets, std::span<std::uint32_t> rank, Triangulati
   Array<std::uint32_t> groups(out.size());
   run.each(rank.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (auto c = static_cast<std::uint32_t>(begin); c < end; ++c)
-      if (rank[c] != no_cell) groups[rank[c]] = sets.root(c);
+      if (rank[c] != no_index) groups[rank[c]] = sets.root(c);
   });
   const std::span<std::uint32_t> number = rank;  // of each root's group
-  std::fill(number.begin(), number.end(), no_cell);
+  std::fill(number.begin(), number.end(), no_index);
   std::uint32_t next = 0;
   for (std::uint32_t& group : groups) {
     std::uint32_t& known = number[group];
-    if (known == no_cell) known = next++;
+    if (known == no_index) known = next++;
     group = known;
   }
   if (next < groups.size()) out.cell_groups = std::move(groups);

@@ -26,7 +26,7 @@ template <unsigned K>
 DisjointSets cells_of_spheres(const LiftedPoints& s, CellStore<K>& store, const Run& run);
 
 /// Writes cell_groups from cells_of_spheres(), unless each cell is a group of its own. rank[c]: the
-/// number of the store's cell c in the result; no_cell if it is not finite; overwritten.
+/// number of the store's cell c in the result; no_index if it is not finite; overwritten.
 void write_groups(DisjointSets& sets, std::span<std::uint32_t> rank, Triangulation& out,
                   const Run& run);
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "generate/point_generator.hpp"
 #include "generate/rotation.hpp"
 #include "parallel/int128.hpp"
 #include "parallel/random_stream.hpp"
@@ -292,6 +293,10 @@ const std::vector<Shape>& shapes() {
   return list;
 }
 
+}  // namespace cullhull
+
+namespace cullhull::internal {
+
 struct PointGenerator::Impl {
   GeneratorJob job;
   PointFunction point;
@@ -328,8 +333,8 @@ void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
   if (first % run_length != 0 || first > job.count || count > job.count - first)
     throw Error(ErrorCode::invalid_argument, count, " points from point ", first, " on, of ",
                 job.count);
-  internal::for_each_chunk(count, run_length, internal::resolve_threads(0),
-                           [&](std::uint64_t run, std::uint64_t begin, std::uint64_t end) {
+  for_each_chunk(count, run_length, resolve_threads(0),
+                 [&](std::uint64_t run, std::uint64_t begin, std::uint64_t end) {
     check(stop);
     RandomStream random(job.seed, first / run_length + run);
     for (std::uint64_t i = begin; i < end; ++i)
@@ -337,9 +342,13 @@ void PointGenerator::rows(std::uint64_t first, std::uint64_t count, double* out,
   });
 }
 
+}  // namespace cullhull::internal
+
+namespace cullhull {
+
 std::vector<double> generate(std::string_view shape, std::uint64_t count, std::uint32_t dimension,
                              std::uint64_t seed, const std::stop_token& stop) {
-  const PointGenerator generator(shape, count, dimension, seed);
+  const internal::PointGenerator generator(shape, count, dimension, seed);
   std::vector<double> points;
   resize_in_steps(points, count * dimension, stop);
   generator.rows(0, count, points.data(), stop);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "io/coordinates.hpp"
+#include "io/grid_axes.hpp"
 #include "io/source.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/threads/parallel.hpp"
@@ -240,7 +241,7 @@ Grid common_grid(const std::vector<Placement>& placements) {
   return internal::grid_of_all(placements, {});
 }
 
-GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
+internal::GridAxes::GridAxes(const Placement& placement, const Grid& grid) {
   std::optional<internal::Multiples> multiples;
   if (!grid.empty()) multiples = multiples_of(placement, grid);
   if (!multiples) throw Error(ErrorCode::invalid_argument, "the numbers do not lie on the grid");

@@ -63,8 +63,7 @@ struct PointFile::Impl {
     skipped = out.size();
     internal::remark({name, nullptr, 0}, options,
                      std::to_string(skipped) + " of " + std::to_string(data.view.count) +
-                         " points have a NaN coordinate and are skipped",
-                     Remark::Kind::skipped);
+                         " points have a NaN coordinate and are skipped");
     if (out.empty()) return;
     rows = internal::other_rows(data.view.count, out);
     if (data.colours.count > 0)
@@ -115,9 +114,11 @@ std::vector<std::string> PointFile::columns() const {
 bool PointFile::mapped() const noexcept { return impl_->data.in_place && impl_->file.mapped(); }
 const std::vector<std::uint64_t>& PointFile::rows() const noexcept { return impl_->rows; }
 std::uint64_t PointFile::skipped() const noexcept { return impl_->skipped; }
-std::optional<PointLine> PointFile::first_not_finite() const noexcept {
-  const PointLine& at = impl_->data.not_finite;
-  return at.line > 0 ? std::optional(at) : std::nullopt;
+std::optional<std::pair<std::uint64_t, std::uint64_t>> PointFile::first_not_finite()
+    const noexcept {
+  const internal::PointLine& at = impl_->data.not_finite;
+  if (at.line == 0) return std::nullopt;
+  return std::pair(at.point, at.line);
 }
 double PointFile::read_seconds() const noexcept { return impl_->seconds; }
 std::uint64_t PointFile::held_bytes() const noexcept { return impl_->held_bytes(); }

@@ -116,7 +116,7 @@ void skip_unknown(const std::string& folder, std::vector<std::string>& files,
   for (std::ptrdiff_t i = 0; i < std::min(count, most); ++i)
     list += (i > 0 ? ", " : "") + quoted_text(std::filesystem::path(known[i]).filename().string());
   if (options.remark)
-    options.remark({Remark::Kind::left_out, display_name(folder),
+    options.remark({display_name(folder),
                     std::to_string(count) + (count == 1 ? " file" : " files") +
                         " of unknown formats skipped: " + list + (count > most ? ", ..." : "")});
   files.erase(known, files.end());

@@ -73,8 +73,8 @@ PointData with_reversed_bytes(PointData data) {
 }
 
 void remark(const Source& source, const ReadOptions& options, const std::string& message,
-            Remark::Kind kind) {
-  if (options.remark) options.remark({kind, source.name, message});
+            bool of_columns) {
+  if (options.remark) options.remark({source.name, message, of_columns});
 }
 
 namespace {

@@ -75,6 +75,11 @@ class Buffer {
   std::unique_ptr<std::byte, Free> data_;
 };
 
+/// A point of a text file and its line, from 1.
+struct PointLine {
+  std::uint64_t point = 0, line = 0;
+};
+
 struct PointData {
   PointView view;
   PointView colours;  ///< u8 red, green, blue, where the file has them
@@ -137,7 +142,7 @@ template <class... Parts>
 }
 /// Calls options.remark, if there is one.
 void remark(const Source& source, const ReadOptions& options, const std::string& message,
-            Remark::Kind kind = Remark::Kind::left_out);
+            bool of_columns = false);
 template <class... Parts>
 [[noreturn]] void fail_at_line(const Source& source, std::uint64_t line, const Parts&... parts) {
   throw Error(ErrorCode::bad_file, source.name, ":", line, ": ", parts...);

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
+
+#include "cullhull/array.hpp"
 
 namespace cullhull::internal {
 
-/// Stored in place of an item's index where there is no item.
-inline constexpr std::uint32_t no_index = 0xffffffff;
+using cullhull::no_index;
 
 /// Returns the first position of an item in a list, for instance of a cell among the neighbours of
 /// another cell, or the length of the list if the item is absent.

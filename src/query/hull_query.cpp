@@ -210,7 +210,7 @@ Side HullQuery::State::side(const double* p) const {
 /// The facet through all corners that p is farthest above.
 std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corners,
                                          const double* p) const {
-  std::uint32_t best = RayHit::no_facet;
+  std::uint32_t best = no_index;
   double best_value = 0;
   const std::uint32_t v = corners[0];
   for (const std::uint32_t f : vertex_facets[v]) {
@@ -220,7 +220,7 @@ std::uint32_t HullQuery::State::facet_of(const std::vector<std::uint32_t>& corne
       return std::find(first, last, c) != last;
     });
     const double value = plane_value(f, p);
-    if (all && (best == RayHit::no_facet || value > best_value)) {
+    if (all && (best == no_index || value > best_value)) {
       best = f;
       best_value = value;
     }
@@ -237,7 +237,7 @@ NearestFacet HullQuery::State::nearest(const double* p) const {
     out.distance = std::max(near.distance, least);  // rounding must not contradict the exact side
     if (points.k == 0) return out;
     const std::uint32_t f = facet_of(near.corners, p);
-    if (f != RayHit::no_facet) {
+    if (f != no_index) {
       out.facet = f;
       return out;
     }

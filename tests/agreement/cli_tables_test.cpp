@@ -147,7 +147,7 @@ TEST(CliTables, DecimalCommasAreOneRemark) {
 TEST(CliTables, AFileOnItsSideIsRemarkedOn) {
   const Folder f;
   const std::vector<double> few = generate("ball", 3, 50, 1);
-  NpyPointsWriter(f / "a.npy", 3, 50, ScalarType::f64).write(few.data(), 3);
+  write_npy_points(f / "a.npy", few.data(), 3, 50, ScalarType::f64);
   std::string rows;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 50; ++j)
@@ -163,7 +163,7 @@ TEST(CliTables, AFileOnItsSideIsRemarkedOn) {
         EXPECT_NE(ran.err.find("3 points in 50 dimensions"), std::string::npos)
             << command << name << stream << ran.err;
       }
-  NpyPointsWriter(f / "b.npy", 3, 8, ScalarType::f64).write(few.data(), 3);
+  write_npy_points(f / "b.npy", few.data(), 3, 8, ScalarType::f64);
   EXPECT_EQ(run_app({"hull", f / "b.npy"}).err, "");
 }
 

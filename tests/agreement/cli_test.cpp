@@ -12,6 +12,7 @@
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/version.hpp"
+#include "io/write/npy_writers.hpp"
 
 namespace cullhull::cli_test {
 
@@ -433,7 +434,7 @@ TEST(Cli, TrackNamesTheFrameWithANan) {
   const MovingPoints moving("ball", "spin", 8000, 3, 10, 1);
   std::vector<double> frame(24000);
   {
-    NpySequenceWriter writer(f / "s.npy", 10, 8000, 3, ScalarType::f64);
+    internal::NpySequenceWriter writer(f / "s.npy", 10, 8000, 3, ScalarType::f64);
     for (std::uint64_t k = 0; k < 10; ++k) {
       moving.frame(k, frame.data());
       if (k == 7) frame[3 * 77 + 2] = std::numeric_limits<double>::quiet_NaN();

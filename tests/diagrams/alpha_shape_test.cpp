@@ -129,8 +129,8 @@ void check_radii(const LiftedSet& s) {
     if (is_one && one < 0) one = alpha;
   }
   if (t.size() == 0) one = 0;
-  EXPECT_EQ(critical_alpha(view_of(s), t, AlphaGoal::all_points), all) << s.name;
-  EXPECT_EQ(critical_alpha(view_of(s), t, AlphaGoal::one_region), one) << s.name;
+  EXPECT_EQ(critical_alpha(view_of(s), t, false), all) << s.name;
+  EXPECT_EQ(critical_alpha(view_of(s), t, true), one) << s.name;
 }
 
 TEST(AlphaShape, RadiiAreTheLeastDoubles) {

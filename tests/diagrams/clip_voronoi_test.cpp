@@ -77,7 +77,7 @@ void check_plane_neighbours(const std::string& name, const ClippedCells& cells) 
         const Corner a = corner_of(cells, v), b = corner_of(cells, v + 1 < end ? v + 1 : begin);
         EXPECT_NE(a, b) << name;
         EXPECT_LE(corner_of(cells, begin), a) << name;
-        if (cells.neighbours[v] != no_point) edges.emplace(i, cells.neighbours[v], a, b);
+        if (cells.neighbours[v] != no_index) edges.emplace(i, cells.neighbours[v], a, b);
       }
     }
   }
@@ -91,23 +91,23 @@ void check_plane_neighbours(const std::string& name, const ClippedCells& cells) 
 void check_space_neighbours(const std::string& name, const ClippedCells& cells) {
   std::map<std::pair<std::uint64_t, std::uint64_t>, std::set<Corner>> faces;
   ASSERT_EQ(cells.face_offsets.size(), cells.point_count + 1);
-  ASSERT_EQ(cells.face_offsets.back() + 1, cells.face_starts.size());
-  ASSERT_EQ(cells.face_starts.back(), cells.face_vertices.size());
-  ASSERT_EQ(cells.neighbours.size() + 1, cells.face_starts.size());
+  ASSERT_EQ(cells.face_offsets.back(), cells.faces.size());
+  ASSERT_EQ(cells.faces.offsets.back(), cells.faces.items.size());
+  ASSERT_EQ(cells.neighbours.size(), cells.faces.size());
   for (std::uint64_t i = 0; i < cells.point_count; ++i) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     const std::uint64_t count = cells.vertex_offsets[i + 1] - cells.vertex_offsets[i];
     EXPECT_EQ(count > 0, cells.face_offsets[i] < cells.face_offsets[i + 1]);
     for (std::uint64_t f = cells.face_offsets[i]; f < cells.face_offsets[i + 1]; ++f) {
-      const std::uint64_t begin = cells.face_starts[f], end = cells.face_starts[f + 1];
+      const std::uint64_t begin = cells.faces.offsets[f], end = cells.faces.offsets[f + 1];
       EXPECT_GE(end - begin, 3U) << name;
       for (std::uint64_t v = begin; v < end; ++v) {
-        const std::uint32_t a = cells.face_vertices[v],
-                            b = cells.face_vertices[v + 1 < end ? v + 1 : begin];
+        const std::uint32_t a = cells.faces.items[v],
+                            b = cells.faces.items[v + 1 < end ? v + 1 : begin];
         ASSERT_LT(a, count);
         ++edges[{a, b}];
         --edges[{b, a}];
-        if (cells.neighbours[f] != no_point)
+        if (cells.neighbours[f] != no_index)
           faces[{i, cells.neighbours[f]}].insert(corner_of(cells, cells.vertex_offsets[i] + a));
       }
     }
@@ -221,14 +221,12 @@ TEST(ClipVoronoi, LargerSetsAddUp) {
     for (const LiftedSet& s : sampled(large_lifted_sets(d, d < 3 ? 20000 : 3000))) {
       const Box box = box_of(s, false);
       const Triangulation t = triangulate(s);
-      Options o;
-      o.threads = 1;
-      const ClippedCells cells = clip_voronoi(view_of(s), t, box.low, box.high, s.weights, true, o);
+      const ClippedCells cells =
+          clip_voronoi(view_of(s), t, box.low, box.high, s.weights, {.threads = 1});
       EXPECT_NEAR(sum_of(cells.measures) / box.measure(), 1, 1e-12) << s.name;
       check_shapes(s, cells);
-      o.threads = 3;
-      const ClippedCells again =
-          clip_voronoi(view_of(s), t, box.low, box.high, s.weights, false, o);
+      const ClippedCells again = clip_voronoi(view_of(s), t, box.low, box.high, s.weights,
+                                              {.threads = 3, .shapes = false});
       EXPECT_EQ(cells.measures, again.measures);
       EXPECT_TRUE(again.vertices.empty());
     }
@@ -288,7 +286,7 @@ TEST(ClipVoronoi, RefusesWhatIsNone) {
             "the region spans dimension 1 only");
   const auto of_rings = [&](const Numbers& corners, std::vector<std::uint64_t> offsets) {
     const PointView view = PointView::row_major(corners.data(), corners.size() / 2, 2);
-    return message([&] { clip_voronoi(view_of(s), t, PolygonRings{view, offsets}); });
+    return message([&] { clip_voronoi(view_of(s), t, view, offsets); });
   };
   EXPECT_EQ(of_rings({0, 0, 1, 1}, {0, 2}),
             "ring 0 of the polygon has 2 corners; three are needed");
@@ -367,9 +365,7 @@ struct Polygons {
     corners.insert(corners.end(), ring.begin(), ring.end());
     offsets.push_back(corners.size() / 2);
   }
-  PolygonRings view() const {
-    return {PointView::row_major(corners.data(), corners.size() / 2, 2), offsets};
-  }
+  PointView view() const { return PointView::row_major(corners.data(), corners.size() / 2, 2); }
 };
 
 /// Of the convex cell cut out of the polygons: triangles between the origin and each edge, by their
@@ -421,7 +417,8 @@ void check_in(const LiftedSet& s, const Polygons& polygons, bool furthest = fals
   TriangulationOptions o;
   o.furthest_site = furthest;
   const Triangulation t = triangulate(s, o);
-  const ClippedCells cells = clip_voronoi(view_of(s), t, polygons.view(), s.weights);
+  const ClippedCells cells =
+      clip_voronoi(view_of(s), t, polygons.view(), polygons.offsets, s.weights);
   for (std::uint32_t i = 0; i < s.count(); ++i) {
     const mpq_class exact = slow_cell_in(s, t, i, polygons);
     EXPECT_TRUE(near(cells.measures[i], exact, measure_error, mpq_class(0x1p-1022)))
@@ -493,8 +490,8 @@ TEST(ClipVoronoi, ProvincesAreOneRegion) {
   provinces.add({0, 0, 0.5, 0, 0.5, 0.5, 0.5, 1, 0, 1});
   provinces.add({0.5, 0, 1, 0, 1, 1, 0.5, 1, 0.5, 0.5});
   whole.add({0, 0, 1, 0, 1, 1, 0, 1});
-  const ClippedCells a = clip_voronoi(view_of(s), t, provinces.view());
-  const ClippedCells b = clip_voronoi(view_of(s), t, whole.view());
+  const ClippedCells a = clip_voronoi(view_of(s), t, provinces.view(), provinces.offsets);
+  const ClippedCells b = clip_voronoi(view_of(s), t, whole.view(), whole.offsets);
   EXPECT_EQ(a.polygon_offsets, b.polygon_offsets);
   for (std::uint64_t i = 0; i < s.count(); ++i) EXPECT_NEAR(a.measures[i], b.measures[i], 1e-15);
   // A province that lies within another one.
@@ -502,7 +499,7 @@ TEST(ClipVoronoi, ProvincesAreOneRegion) {
   within.add({0, 0, 1, 0, 1, 1, 0, 1});
   within.add(square(0.5, 0.5, 0.25, true));
   within.add(square(0.5, 0.5, 0.25, false));
-  const ClippedCells c = clip_voronoi(view_of(s), t, within.view());
+  const ClippedCells c = clip_voronoi(view_of(s), t, within.view(), within.offsets);
   EXPECT_EQ(c.polygon_offsets, b.polygon_offsets);
   EXPECT_EQ(c.polygon_rings, b.polygon_rings);
 }
@@ -515,7 +512,7 @@ TEST(ClipVoronoi, TakesADiagramThatIsThere) {
       const Voronoi diagram = voronoi(view_of(s), t, s.weights);
       const Box box = box_of(s, true);
       const auto clip = [&](const Voronoi* known) {
-        return clip_voronoi(view_of(s), t, box.low, box.high, s.weights, true, {}, known);
+        return clip_voronoi(view_of(s), t, box.low, box.high, s.weights, {.diagram = known});
       };
       const ClippedCells with = clip(&diagram), without = clip(nullptr);
       EXPECT_EQ(with.measures, without.measures) << s.name;
@@ -546,13 +543,12 @@ TEST(ClipVoronoi, LargePolygonsAddUp) {
     }
   for (const LiftedSet& s : large_lifted_sets(2, 5000)) {
     const Triangulation t = triangulate(s);
-    Options o;
-    o.threads = 1;
-    const ClippedCells cells = clip_voronoi(view_of(s), t, polygons.view(), s.weights, true, o);
+    const ClippedCells cells =
+        clip_voronoi(view_of(s), t, polygons.view(), polygons.offsets, s.weights, {.threads = 1});
     EXPECT_NEAR(sum_of(cells.measures) / area, 1, 1e-12) << s.name;
     check_shapes(s, cells);
-    o.threads = 3;
-    const ClippedCells again = clip_voronoi(view_of(s), t, polygons.view(), s.weights, true, o);
+    const ClippedCells again =
+        clip_voronoi(view_of(s), t, polygons.view(), polygons.offsets, s.weights, {.threads = 3});
     EXPECT_EQ(cells.measures, again.measures);
     EXPECT_EQ(cells.vertices, again.vertices);
     EXPECT_EQ(cells.ring_starts, again.ring_starts);

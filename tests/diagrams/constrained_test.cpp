@@ -227,7 +227,7 @@ TEST(Constrained, InsideOfRings) {
   for (std::uint64_t c = 0; c < kept; ++c)
     for (unsigned j = 0; j < 3; ++j) {
       const std::uint32_t n = inside.triangulation.neighbours_of(c)[j];
-      if (n == no_cell) continue;
+      if (n == no_index) continue;
       const auto back = inside.triangulation.neighbours_of(n);
       EXPECT_TRUE(std::count(back.begin(), back.end(), c) == 1);
     }
@@ -425,7 +425,7 @@ TEST(Constrained, CertificateRefusesWhatIsNotTheInside) {
     c.depths.pop_back();
     const auto gone = static_cast<std::uint32_t>(t.size());
     for (std::uint32_t& n : t.neighbours)
-      if (n == gone) n = no_cell;
+      if (n == gone) n = no_index;
   });
   // A cell of the hole in the place of one inside.
   refused([&](auto& c) {

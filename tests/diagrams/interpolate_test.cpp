@@ -39,8 +39,8 @@ void check(const LiftedSet& s) {
     const Rationals q = rational_row(rows.data() + i * d, d);
     const std::uint32_t c = slow_find(s, t, q), v = slow_nearest(s, t, q);
     for (unsigned m = 0; m < 2; ++m) {
-      EXPECT_EQ(nearest[2 * i + m], v == no_cell ? -7 : values[2 * v + m]) << s.name;
-      if (c == no_cell) {
+      EXPECT_EQ(nearest[2 * i + m], v == no_index ? -7 : values[2 * v + m]) << s.name;
+      if (c == no_index) {
         EXPECT_EQ(linear[2 * i + m], -7) << s.name;
         continue;
       }
@@ -158,7 +158,7 @@ void check_natural(const LiftedSet& s, unsigned questions) {
     }
     for (double& v : q) v /= sum;
     const auto at = slow_find(s, t, rational_row(q.data(), s.dimension));
-    if (at == no_cell) continue;
+    if (at == no_index) continue;
     const Rationals inside = *slow_barycentric(s, t.cell(at), rational_row(q.data(), s.dimension));
     bool on_hull = false;
     for (unsigned j = 0; j < t.corners(); ++j) on_hull = on_hull || inside[j] == 0;

@@ -15,6 +15,7 @@
 #include "cullhull/proximity_graphs.hpp"
 #include "cullhull/triangulation.hpp"
 #include "cullhull/voronoi.hpp"
+#include "generate/point_generator.hpp"
 #include "parallel/threads/checked_steps.hpp"
 
 namespace cullhull {
@@ -27,7 +28,7 @@ struct Made {
   std::uint32_t dimension;
 
   Made(const char* shape, std::uint64_t n, std::uint32_t d) : rows(n * d), dimension(d) {
-    PointGenerator(shape, n, d, 1).rows(0, n, rows.data());
+    internal::PointGenerator(shape, n, d, 1).rows(0, n, rows.data());
   }
   PointView view() const {
     return PointView::row_major(rows.data(), rows.size() / dimension, dimension);
@@ -103,18 +104,22 @@ TEST(DiagramMemory, DiagramsAndShapesAreRefusedBeforeTheirWork) {
   o.memory_budget = mib / 2;
   o.progress = [](const char* phase, double) { ADD_FAILURE() << "began: " << phase; };
   refusal([&] { (void)voronoi(view, t, {}, o); });
-  refusal([&] { (void)clip_voronoi(view, t, low, high, {}, true, o); });
-  refusal([&] { (void)clip_voronoi(view, t, low, high, {}, true, o, &diagram); });
+  auto clipping = options_as<ClipOptions>(o);
+  refusal([&] { (void)clip_voronoi(view, t, low, high, {}, clipping); });
+  clipping.diagram = &diagram;
+  refusal([&] { (void)clip_voronoi(view, t, low, high, {}, clipping); });
   refusal([&] { (void)alpha_shape(view, t, 0.1, o); });
   refusal([&] { (void)alpha_radii(view, t, o); });
-  refusal([&] { (void)critical_alpha(view, t, AlphaGoal::one_region, o); });
+  refusal([&] { (void)critical_alpha(view, t, true, o); });
   refusal([&] { (void)concave_hull(view, t, 0.1, o); });
   refusal([&] { (void)concave_length(view, t, 0.1, o); });
   refusal([&] { (void)constrained_delaunay(view, {}, options_as<ConstrainedOptions>(o)); });
   o.progress = nullptr;
   o.memory_budget = 20 * mib;
   EXPECT_EQ(voronoi(view, t, {}, o).vertex_count(), diagram.vertex_count());
-  EXPECT_EQ(clip_voronoi(view, t, low, high, {}, true, o, &diagram).measures.size(), 20000U);
+  clipping = options_as<ClipOptions>(o);
+  clipping.diagram = &diagram;
+  EXPECT_EQ(clip_voronoi(view, t, low, high, {}, clipping).measures.size(), 20000U);
 }
 
 // ------------------------------------------------------------------- cancellation in serial loops

@@ -185,7 +185,7 @@ void check(const Case& c, const ClippedCells& cells) {
               << c.name << ": only cell " << i << " has the edge at " << a[0] << " " << a[1];
         } else if (other != across->second) {
           // A cell, a part of one or a gap in the region that is too thin to be seen lies between.
-          EXPECT_TRUE(other == no_point ? on_boundary(c, a) && on_boundary(c, b)
+          EXPECT_TRUE(other == no_index ? on_boundary(c, a) && on_boundary(c, b)
                                         : !c.box || cells.polygon_offsets[other] ==
                                                         cells.polygon_offsets[other + 1])
               << c.name << ": cell " << across->second << ", not " << other
@@ -200,8 +200,8 @@ ClippedCells cells_of(const Case& c) {
   const Triangulation t = delaunay(sites);
   const std::vector<double>& x = c.region.corners;
   if (!c.box)
-    return clip_voronoi(
-        sites, t, PolygonRings{PointView::row_major(x.data(), x.size() / 2, 2), c.region.offsets});
+    return clip_voronoi(sites, t, PointView::row_major(x.data(), x.size() / 2, 2),
+                        c.region.offsets);
   return clip_voronoi(sites, t, std::vector<double>{x[0], x[1]}, std::vector<double>{x[2], x[3]});
 }
 

@@ -75,7 +75,7 @@ inline std::uint32_t slow_find(const LiftedSet& s, const Triangulation& t, const
     const auto x = slow_barycentric(s, t.cell(c), q);
     if (x && std::all_of(x->begin(), x->end(), [](const mpq_class& v) { return v >= 0; })) return c;
   }
-  return no_cell;
+  return no_index;
 }
 
 inline mpq_class slow_power(const LiftedSet& s, std::uint32_t i, const Rationals& q) {
@@ -88,12 +88,12 @@ inline mpq_class slow_power(const LiftedSet& s, std::uint32_t i, const Rationals
 /// Of all points, hidden ones included: they are never alone nearest, and of several nearest the
 /// lowest vertex counts.
 inline std::uint32_t slow_nearest(const LiftedSet& s, const Triangulation& t, const Rationals& q) {
-  std::uint32_t best = no_cell;
+  std::uint32_t best = no_index;
   mpq_class least;
   for (std::uint32_t i = 0; i < s.count(); ++i) {
     if (!std::count(t.cells.begin(), t.cells.end(), i)) continue;
     const mpq_class power = slow_power(s, i, q) * (t.furthest_site ? -1 : 1);
-    if (best != no_cell && power >= least) continue;
+    if (best != no_index && power >= least) continue;
     best = i;
     least = power;
   }

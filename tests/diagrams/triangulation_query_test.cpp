@@ -78,7 +78,7 @@ void check(const LiftedSet& s, unsigned count, bool furthest = false) {
     query.barycentric(p, cells[i], single.data());
     for (unsigned j = 0; j < t.corners(); ++j) {
       const double share = shares[i * t.corners() + j];
-      if (cells[i] == no_cell) {
+      if (cells[i] == no_index) {
         ASSERT_TRUE(std::isnan(share) && std::isnan(single[j]));
         continue;
       }
@@ -152,7 +152,7 @@ TEST(TriangulationQuery, BarycentricBeyondTheCell) {
   EXPECT_EQ(shares[0], 0.5);
   EXPECT_EQ(shares[1], -1);
   EXPECT_EQ(shares[2], 1.5);
-  EXPECT_EQ(query.find(outside), no_cell);
+  EXPECT_EQ(query.find(outside), no_index);
 }
 
 /// Many questions: the same for any threads, in the cell they name, and the lowest of those that
@@ -180,18 +180,18 @@ TEST(TriangulationQuery, LargerSets) {
       for (std::size_t i = 0; i < n; i += 97) {
         const Rationals q = rational_row(rows.data() + i * d, d);
         ASSERT_EQ(query.find(rows.data() + i * d), cells[i]);
-        if (cells[i] == no_cell) continue;
+        if (cells[i] == no_index) continue;
         const auto x = slow_barycentric(s, t.cell(cells[i]), q);
         ASSERT_TRUE(x) << s.name;
         for (const mpq_class& v : *x) ASSERT_TRUE(v >= 0) << s.name;
       }
-      std::vector<std::uint32_t> lowest(s.count(), no_cell), found(s.count());
+      std::vector<std::uint32_t> lowest(s.count(), no_index), found(s.count());
       for (std::uint32_t c = 0; c < t.size(); ++c)
         for (const std::uint32_t v : t.cell(c)) lowest[v] = std::min(lowest[v], c);
       for (const DuplicatePoint& p : t.duplicates) lowest[p.id] = lowest[p.representative];
       query.find(view_of(s), found.data());
       for (std::uint32_t i = 0; i < s.count(); ++i)
-        ASSERT_TRUE(lowest[i] == no_cell || found[i] == lowest[i]) << s.name;
+        ASSERT_TRUE(lowest[i] == no_index || found[i] == lowest[i]) << s.name;
     }
 }
 
@@ -265,7 +265,7 @@ void expect_answers_or_errors(const LiftedSet& s, const Triangulation& t) {
   const std::vector<double> low(s.dimension, -1), high(s.dimension, 2);
   attempt([&] { clip_voronoi(points, t, low, high, s.weights); });
   attempt([&] { alpha_shape(points, t, 0.5); });
-  attempt([&] { critical_alpha(points, t, AlphaGoal::one_region); });
+  attempt([&] { critical_alpha(points, t, true); });
   attempt([&] { concave_hull(points, t, 0.1); });
   attempt([&] { concave_length(points, t, 0.5); });
   attempt([&] {
@@ -327,7 +327,7 @@ TEST(TriangulationQuery, WalksRoundAPointEnd) {
   const LiftedSet s = random_points(2, 200, 7);
   Triangulation t = triangulate(s);
   for (std::size_t i = 0; i < t.neighbours.size(); ++i)
-    if (t.neighbours[i] == no_cell) t.neighbours[i] = 0;
+    if (t.neighbours[i] == no_index) t.neighbours[i] = 0;
   EXPECT_THROW(voronoi(view_of(s), t), Error);
   std::mt19937_64 random(1);
   for (unsigned i = 0; i < 50; ++i) {

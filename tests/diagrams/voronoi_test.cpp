@@ -106,10 +106,10 @@ std::set<std::uint32_t> slow_ridge(const LiftedSet& s, const Triangulation& t, c
                                    std::uint32_t a, std::uint32_t b) {
   std::set<std::uint32_t> around;
   std::vector<Rationals> spanned;
-  std::uint32_t first = no_cell;
+  std::uint32_t first = no_index;
   for (std::uint32_t g = 0; g < dual.groups.size(); ++g) {
     if (!dual.groups[g].count(a) || !dual.groups[g].count(b)) continue;
-    if (first == no_cell) first = g;
+    if (first == no_index) first = g;
     around.insert(g);
     spanned.push_back(minus(dual.centres[g], dual.centres[first]));
   }

@@ -73,6 +73,7 @@ void options(const std::vector<std::array<double, 3>>& points,
   (void)certify(points, cells, {.threads = 2});
   (void)constrained_delaunay(plane, {}, {.threads = 2, .inside_only = true});
   (void)alpha_shape(points, cells, 1, {.threads = 2});
+  (void)clip_voronoi(points, cells, points, {}, {.threads = 2, .shapes = false});
   (void)alpha_shape(points, cells, 1, Options{.threads = 2});
   (void)gabriel_graph(points, cells, options_as<TriangulationOptions>(RunOptions{.threads = 2}));
   (void)convex_hulls_on_device({}, nullptr, 0, {.device = 1}, {.planes = true, .padded = true});
@@ -80,7 +81,6 @@ void options(const std::vector<std::array<double, 3>>& points,
   (void)visit_blocks({}, {.pause_seconds = 1}, {.read = {.skip_nan = true}, .readers = 2});
   (void)write_group_shapes({}, "a.geojson", {.alpha = 1}, {.readers = 2}, {.threads = 2},
                            {.crs = "EPSG:25832"});
-  (void)hull_to_json(points, hull, {.peak_bytes = 1, .certified = true}, false);
 }
 """
 

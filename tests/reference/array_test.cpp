@@ -36,7 +36,7 @@ TEST(Array, GrowsAsAVectorDoes) {
 }
 
 TEST(Array, RefusesImpossibleSizes) {
-  ArrayAllocator<std::uint64_t> allocator;
+  internal::ArrayAllocator<std::uint64_t> allocator;
   EXPECT_THROW(static_cast<void>(allocator.allocate(~std::size_t{0} / 4)), std::bad_alloc);
   EXPECT_THROW(static_cast<void>(allocator.allocate(~std::size_t{0} / 8)), std::bad_alloc);
 }

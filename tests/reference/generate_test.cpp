@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "generate/point_generator.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/helpers.hpp"
 
@@ -82,11 +83,11 @@ TEST(Generate, APrefixIsTheSameSet) {
 }
 
 TEST(Generate, PiecesInAnyOrderAreTheWhole) {
-  constexpr std::uint64_t run = PointGenerator::run_length, count = 5 * run + 17;
+  constexpr std::uint64_t run = internal::PointGenerator::run_length, count = 5 * run + 17;
   for (const Shape& shape : shapes()) {
     const unsigned d = a_dimension_of(shape.name);
     const std::vector<double> whole = generate(shape.name, count, d, seed);
-    const PointGenerator generator(shape.name, count, d, seed);
+    const internal::PointGenerator generator(shape.name, count, d, seed);
     std::vector<double> pieces(whole.size());
     const std::pair<std::uint64_t, std::uint64_t> order[] = {
         {4 * run, run + 17}, {0, 1}, {0, 3 * run}, {3 * run, run}, {5 * run, 0}, {5 * run, 17}};
@@ -97,8 +98,8 @@ TEST(Generate, PiecesInAnyOrderAreTheWhole) {
 }
 
 TEST(Generate, NoPiecesThatAreNot) {
-  constexpr std::uint64_t run = PointGenerator::run_length, most = ~std::uint64_t{0};
-  const PointGenerator generator("ball", 2 * run + 5, 3, seed);
+  constexpr std::uint64_t run = internal::PointGenerator::run_length, most = ~std::uint64_t{0};
+  const internal::PointGenerator generator("ball", 2 * run + 5, 3, seed);
   std::vector<double> rows(3 * 3 * run);
   for (const auto& [first, count] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{
            {1, 1}, {2 * run, 6}, {3 * run, 0}, {0, most}, {most - run + 1, 1}}) {
@@ -112,9 +113,9 @@ TEST(Generate, NoPiecesThatAreNot) {
   std::stop_source stop;
   stop.request_stop();
   EXPECT_THROW(generator.rows(0, 1, rows.data(), stop.get_token()), Error);
-  EXPECT_THROW(PointGenerator("ball", most / 16 + 1, 1), Error);
-  EXPECT_THROW(PointGenerator("ball", std::uint64_t{1} << 50, 1U << 10), Error);
-  EXPECT_THROW(PointGenerator("cone", 5, 1), Error);
+  EXPECT_THROW(internal::PointGenerator("ball", most / 16 + 1, 1), Error);
+  EXPECT_THROW(internal::PointGenerator("ball", std::uint64_t{1} << 50, 1U << 10), Error);
+  EXPECT_THROW(internal::PointGenerator("cone", 5, 1), Error);
 }
 
 TEST(Generate, PointsLieWhereTheShapeSays) {

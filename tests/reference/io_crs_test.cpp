@@ -121,18 +121,17 @@ TEST(IoCrs, OfSeveralFiles) {
   const TemporaryFolder f;
   const std::string a = f.write("a.csv", "1,2\n"), b = f.write("b.csv", "1,2\n"),
                     c = f.write("c.csv", "1,2\n");
-  EXPECT_EQ(common_crs({}).crs, "");
-  EXPECT_EQ(common_crs({a, b}).crs, "");
+  EXPECT_EQ(common_crs({}), "");
+  EXPECT_EQ(common_crs({a, b}), "");
   f.write("b.prj", "EPSG:25832");
-  EXPECT_EQ(common_crs({a, b, c}).crs, "EPSG:25832");
+  EXPECT_EQ(common_crs({a, b, c}), "EPSG:25832");
   f.write("c.prj", "EPSG:25833");
-  const CommonCrs mixed = common_crs({a, b, c});
-  EXPECT_EQ(mixed.crs, "");
-  EXPECT_EQ(mixed.first, b);
-  EXPECT_EQ(mixed.other, c);
+  std::pair<std::string, std::string> differing;
+  EXPECT_EQ(common_crs({a, b, c}, &differing), "");
+  EXPECT_EQ(differing, std::pair(b, c));
   f.write("b.prj", "EPSG:4326");
   f.write("c.prj", "OGC:CRS84");
-  EXPECT_EQ(common_crs({b, c}).crs, "EPSG:4326");
+  EXPECT_EQ(common_crs({b, c}), "EPSG:4326");
 }
 
 constexpr double square[] = {0, 0, 4, 0, 4, 4, 0, 4, 1, 2};

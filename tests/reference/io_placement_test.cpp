@@ -11,6 +11,7 @@
 #include "cullhull/io.hpp"
 #include "cullhull/placement.hpp"
 #include "io/certify_file.hpp"
+#include "io/grid_axes.hpp"
 #include "io/json/json.hpp"
 #include "io/source.hpp"
 
@@ -44,7 +45,7 @@ TEST(IoPlacement, GridsOfBinaryFractionsAreDoublesAsTheyAre) {
     EXPECT_EQ(grid.decimals(), -1);
     EXPECT_EQ(grid.power(), 1);
     EXPECT_EQ(grid.unit(), unit);
-    const GridAxes axes(p, grid);
+    const internal::GridAxes axes(p, grid);
     for (const double x : {0.0, 1.0, -7.0, 2147483647.0, -2147483648.0})
       for (const std::size_t j : {0U, 1U}) {
         EXPECT_EQ(axes.at(j, x), p.at(j, x));
@@ -104,13 +105,13 @@ TEST(IoPlacement, CoordinatesLeadBackToTheirNumbers) {
 TEST(IoPlacement, NumbersOnAGridAreExact) {
   const Placement p{{0.25, 0.001}, {484683.1, -12.5}};
   const Grid grid = common_grid({p});
-  const GridAxes axes(p, grid);
+  const internal::GridAxes axes(p, grid);
   for (const double x : {0.0, 1.0, -7.0, 2147483647.0, -2147483648.0}) {
     EXPECT_EQ(axes.at(0, x), 250 * x + 484683100);
     EXPECT_EQ(axes.at(1, x), x - 12500);
   }
-  EXPECT_THROW(GridAxes(p, Grid(1)), Error);
-  EXPECT_THROW(GridAxes(p, Grid()), Error);
+  EXPECT_THROW(internal::GridAxes(p, Grid(1)), Error);
+  EXPECT_THROW(internal::GridAxes(p, Grid()), Error);
 }
 
 TEST(IoPlacement, HullsGoToTheWorldAndBack) {
@@ -212,7 +213,7 @@ TEST(IoPlacement, StatesOfDifferentGridsMergeOnTheCommonOne) {
     for (unsigned part = 0; part < 3; ++part) {
       Placement p = placement(scales[random() % 9], offsets[random() % 4]);
       const Grid own = common_grid({p});
-      const GridAxes axes(p, own);
+      const internal::GridAxes axes(p, own);
       std::vector<double> numbers, rows;
       for (unsigned i = 0; i < 40; ++i)
         numbers.push_back(
@@ -237,7 +238,8 @@ TEST(IoPlacement, StatesOfDifferentGridsMergeOnTheCommonOne) {
     ASSERT_FALSE(grid.empty()) << "set " << set;
     std::vector<double> all;
     for (unsigned part = 0; part < 3; ++part)
-      for (const double x : parts[part]) all.push_back(GridAxes(placements[part], grid).at(0, x));
+      for (const double x : parts[part])
+        all.push_back(internal::GridAxes(placements[part], grid).at(0, x));
     HullState whole(PointView::row_major(all.data(), n, 2));
     to_world(whole, grid);
     EXPECT_EQ(states[0].ids(), whole.ids()) << "set " << set;

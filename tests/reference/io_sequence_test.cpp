@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "cullhull/generate.hpp"
+#include "io/write/npy_writers.hpp"
 #include "tests/io_fixtures.hpp"
 
 namespace cullhull::testing::io_sequence_test {
@@ -124,7 +125,7 @@ TEST_F(Sequence, WriterAndMotions) {
     std::vector<Rows> want;
     std::vector<double> frame(150);
     {
-      NpySequenceWriter writer(path, 4, 50, 3, ScalarType::f64);
+      internal::NpySequenceWriter writer(path, 4, 50, 3, ScalarType::f64);
       for (const std::uint64_t f : {0U, 1U, 2U, 3U}) {
         EXPECT_EQ(fs::exists(path), false) << "before the last frame";
         moving.frame(f, frame.data());

@@ -95,7 +95,7 @@ double critical_alpha(const Cells& cells, bool one_region, const Settings* setti
   return computed(settings, length_of_cells(cells), [&](const Options& options) {
     return cullhull::critical_alpha(
         cells.points().view(), cells.triangulation(),
-        one_region ? cullhull::AlphaGoal::one_region : cullhull::AlphaGoal::all_points, options);
+        one_region, options);
   });
 }
 

@@ -171,13 +171,13 @@ void find_near(const Cells& cells, nb::handle array, Array<std::int32_t> found, 
             [&](const TriangulationQuery& query, const PointView& asked, const Options& options) {
       query.find(asked, there_cells.data(), options);
       const bool any = std::any_of(there_cells.begin(), there_cells.end(),
-                                   [](std::uint32_t cell) { return cell != cullhull::no_cell; });
+                                   [](std::uint32_t cell) { return cell != cullhull::no_index; });
       if (any) query.barycentric(at.view(), there_cells.data(), shares.data(), options);
     });
     open.clear();
     for (std::size_t i = 0; i < at.size(); ++i) {
       const double* const own = shares.data() + i * corners;
-      if (there_cells[i] != cullhull::no_cell &&
+      if (there_cells[i] != cullhull::no_index &&
           std::all_of(own, own + corners, [&](double x) { return x >= -tolerance; }))
         found.data()[at[i]] = static_cast<std::int32_t>(there_cells[i]);
       else

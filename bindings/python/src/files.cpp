@@ -126,7 +126,7 @@ void bind_files(nb::module_& m) {
         "The code of the system of x and y; empty where there is none.");
   m.def(
       "common_crs",
-      [](const std::vector<std::string>& files) { return cullhull::common_crs(files).crs; },
+      [](const std::vector<std::string>& files) { return cullhull::common_crs(files); },
       nb::arg("files"), "The one coordinate reference system that files state; or empty.");
   m.def(
       "grid_of",

@@ -172,7 +172,7 @@ Rays rays(const Solid& solid, nb::handle origin_array, nb::handle direction_arra
   Output<double> enter(n), exit(n);
   Output<std::int64_t> enter_facet(n), exit_facet(n);
   const auto number = [](std::uint32_t facet) {
-    return facet == RayHit::no_facet ? std::int64_t{-1} : std::int64_t{facet};
+    return facet == cullhull::no_index ? std::int64_t{-1} : std::int64_t{facet};
   };
   ask_all(solid, origins.view(), settings,
           [&](const HullQuery& query, const PointView& view, const Options& options) {

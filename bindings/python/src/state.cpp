@@ -419,7 +419,7 @@ void check_links(const Triangulation& t) {
       require(std::find(own.begin(), own.begin() + i, own[i]) == own.begin() + i, "cells");
     for (unsigned j = 0; j < corners; ++j) {
       const std::uint32_t o = across[j];
-      if (o == cullhull::no_cell) {
+      if (o == cullhull::no_index) {
         ++open;
         continue;
       }
@@ -444,7 +444,7 @@ void check_links(const Triangulation& t) {
     for (unsigned i = 0; i < corners; ++i)
       if (std::find(facet.begin(), facet.end(), cell[i]) == facet.end()) {
         ++outside;
-        require(across[i] == cullhull::no_cell, "hull_facets");
+        require(across[i] == cullhull::no_index, "hull_facets");
       }
     require(outside == 1, "hull_facets");
   }
@@ -460,11 +460,11 @@ void check(const Triangulation& t) {
   require(t.cells.size() == cells * corners && t.neighbours.size() == t.cells.size(), "cells");
   require(t.cell_groups.empty() || t.cell_groups.size() == cells, "cell_groups");
   require(t.hull_facets.size() == facets * (corners == 0 ? 0 : corners - 1), "hull_facets");
-  require(t.point_count < cullhull::no_cell && cells < cullhull::no_cell, "points");
+  require(t.point_count < cullhull::no_index && cells < cullhull::no_index, "points");
   check_below(t.axes, t.dimension, "axes");
   check_below(t.cells, t.point_count, "cells");
   require(
-      all_hold(t.neighbours, [&](std::uint32_t n) { return n < cells || n == cullhull::no_cell; }),
+      all_hold(t.neighbours, [&](std::uint32_t n) { return n < cells || n == cullhull::no_index; }),
       "neighbours");
   check_below(t.cell_groups, cells, "cell_groups");
   check_below(t.hull_facets, t.point_count, "hull_facets");

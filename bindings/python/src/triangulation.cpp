@@ -72,7 +72,7 @@ Certificate certify(const Cells& cells, const Settings* settings) {
 
 const Triangulation& shown(Self self) { return cells_in(self).triangulation(); }
 
-/// int32, with -1 for no_cell: fewer than 2^31 points and cells have numbers that fit.
+/// int32, with -1 for no_index: fewer than 2^31 points and cells have numbers that fit.
 template <class Numbers>
 Array<std::int32_t> number_rows(const Numbers& numbers, std::size_t width, Self self) {
   const Triangulation& t = shown(self);

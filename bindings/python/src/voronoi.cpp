@@ -33,7 +33,7 @@ Array<std::int64_t> offsets_in(const List& list, nb::handle self) {
 Array<std::int64_t> offsets_in(const cullhull::EvenArray<std::uint64_t>& list, nb::handle self) {
   return signed_list(list, self);
 }
-/// int32, with -1 for at_infinity and no_point.
+/// int32, with -1 for at_infinity and no_index.
 template <class List>
 Array<std::int32_t> numbers_in(const List& list, nb::handle self) {
   return list_of(reinterpret_cast<const std::int32_t*>(list.data()), list.size(), self);
@@ -64,6 +64,13 @@ std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
   return result;
 }
 
+cullhull::ClipOptions clipping(const Options& options, bool shapes, const Voronoi& diagram) {
+  auto o = cullhull::options_as<cullhull::ClipOptions>(options);
+  o.shapes = shapes;
+  o.diagram = &diagram;
+  return o;
+}
+
 /// `region`: what clip_voronoi() takes behind the triangulation.
 template <class... Region>
 std::unique_ptr<ClippedCells> clip(const Cells& cells, const Voronoi& diagram, bool shapes,
@@ -71,7 +78,7 @@ std::unique_ptr<ClippedCells> clip(const Cells& cells, const Voronoi& diagram, b
   return computed(settings, length_of_diagram(cells), [&](const Options& options) {
     return std::make_unique<ClippedCells>(
         cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region...,
-                               cells.weights(), shapes, options, &diagram));
+                               cells.weights(), clipping(options, shapes, diagram)));
   });
 }
 std::unique_ptr<ClippedCells> clip_to_box(const Cells& cells, const Voronoi& diagram,
@@ -91,7 +98,7 @@ std::unique_ptr<ClippedCells> clip_to_polygons(const Cells& cells, const Voronoi
                                                const std::vector<std::uint64_t>& offsets,
                                                bool shapes, const Settings* settings) {
   const Points corners(array);
-  return clip(cells, diagram, shapes, settings, cullhull::PolygonRings{corners.view(), offsets});
+  return clip(cells, diagram, shapes, settings, corners.view(), offsets);
 }
 
 using Integers = nb::typed<nb::list, int>;
@@ -225,10 +232,15 @@ void bind_clipped_cells(nb::module_& m) {
                    [](Clipped self) { return offsets_in(shown_cells(self).ring_starts, self); })
       .def_prop_ro("face_offsets",
                    [](Clipped self) { return offsets_in(shown_cells(self).face_offsets, self); })
-      .def_prop_ro("face_starts",
-                   [](Clipped self) { return offsets_in(shown_cells(self).face_starts, self); })
+      .def_prop_ro(
+          "face_starts",
+          [](Clipped self) {
+    static const cullhull::EvenArray<std::uint64_t> none;  // without shapes, and in the plane
+    const ClippedCells& cells = shown_cells(self);
+    return offsets_in(cells.face_offsets.empty() ? none : cells.faces.offsets, self);
+          })
       .def_prop_ro("face_vertices",
-                   [](Clipped self) { return numbers_in(shown_cells(self).face_vertices, self); })
+                   [](Clipped self) { return numbers_in(shown_cells(self).faces.items, self); })
       .def_prop_ro("neighbours",
                    [](Clipped self) { return numbers_in(shown_cells(self).neighbours, self); });
 }

@@ -305,13 +305,13 @@ void CertifyStream::skip(std::uint64_t count) {
   impl_->left_out += count;
 }
 
-CertifiedPart CertifyStream::part() const {
+internal::CertifiedPart CertifyStream::part() const {
   const Impl& m = *impl_;
   const std::lock_guard lock(m.mutex);
   return {m.checked, m.subject.vertices_met, m.subject.exact_decisions, m.out.reason, m.at};
 }
 
-void CertifyStream::add(const CertifiedPart& part) {
+void CertifyStream::add(const internal::CertifiedPart& part) {
   Impl& m = *impl_;
   if (!part.reason.empty()) m.note({part.reason}, part.at);
   const std::lock_guard lock(m.mutex);

@@ -118,7 +118,7 @@ class ConstrainedSubject {
     for (const auto& [edge, at] : left_.items()) {
       const auto* back = left_.find({edge.second, edge.first});
       const std::uint32_t expected =
-          back == nullptr ? no_cell : static_cast<std::uint32_t>(back->second / 3);
+          back == nullptr ? no_index : static_cast<std::uint32_t>(back->second / 3);
       if (t_.neighbours[at] != expected) fault("cell ", at / 3, " has another neighbour");
       if (back == nullptr || edge.first < edge.second)
         edges_of_cells_.add(std::minmax(edge.first, edge.second), 0);
@@ -129,11 +129,11 @@ class ConstrainedSubject {
   /// Checks that the hull is one convex ring: then cells that turn left and share edges pairwise
   /// cover its inside exactly once.
   void check_hull() const {
-    std::vector<std::uint32_t> next(points_.count, no_cell);
+    std::vector<std::uint32_t> next(points_.count, no_index);
     std::vector<std::pair<Edge, std::uint32_t>> hull;
     for (const auto& [edge, at] : left_.items()) {
-      if (t_.neighbours[at] != no_cell) continue;
-      if (next[edge.first] != no_cell) fault("the hull meets point ", edge.first, " twice");
+      if (t_.neighbours[at] != no_index) continue;
+      if (next[edge.first] != no_index) fault("the hull meets point ", edge.first, " twice");
       next[edge.first] = edge.second;
       hull.emplace_back(edge, static_cast<std::uint32_t>(at / 3));
     }
@@ -143,8 +143,8 @@ class ConstrainedSubject {
     std::uint32_t a = start;
     for (std::size_t i = 0; i < hull.size(); ++i) {
       const std::uint32_t b = next[a];
-      const std::uint32_t c = b == no_cell ? no_cell : next[b];
-      if (c == no_cell) fault("the hull is not closed");
+      const std::uint32_t c = b == no_index ? no_index : next[b];
+      if (c == no_index) fault("the hull is not closed");
       if (side(a, b, c) == Sign::negative) fault("the hull turns right at point ", b);
       if (before(a, b) != before(b, c)) ++turns;
       a = b;
@@ -189,14 +189,14 @@ class ConstrainedSubject {
     }
     at.sort();
     std::vector<std::uint32_t> representative(points_.count),
-        sources(c_.piece_sources.size(), no_cell);
+        sources(c_.piece_sources.size(), no_index);
     for (std::uint32_t v = 0; v < points_.count; ++v) representative[v] = v;
     for (const DuplicatePoint& p : t_.duplicates) representative[p.id] = p.representative;
     for (std::uint32_t i = 0; 2 * std::size_t{i} < edges_.size(); ++i) {
       std::uint32_t v = representative[edges_[2 * std::size_t{i}]];
       const std::uint32_t end = representative[edges_[2 * std::size_t{i} + 1]];
       while (v != end) {
-        std::uint32_t next = no_cell;
+        std::uint32_t next = no_index;
         for (auto item =
                  std::lower_bound(at.items().begin(), at.items().end(), EdgeTable::Item({v, 0}, 0));
              item != at.items().end() && item->first.first == v; ++item) {
@@ -208,7 +208,7 @@ class ConstrainedSubject {
           next = other;
           sources[item->second] = std::min(sources[item->second], i);
         }
-        if (next == no_cell) fault("constraint ", i, " has no piece at point ", v);
+        if (next == no_index) fault("constraint ", i, " has no piece at point ", v);
         v = next;
       }
     }
@@ -242,7 +242,7 @@ class ConstrainedSubject {
   }
 
   void check_depths() const {
-    std::vector<std::uint32_t> depth(t_.size(), no_cell);
+    std::vector<std::uint32_t> depth(t_.size(), no_index);
     std::deque<std::pair<std::uint32_t, std::uint32_t>> todo;
     const auto reach = [&](std::uint32_t cell, bool piece, std::uint32_t from) {
       if (piece)
@@ -258,7 +258,7 @@ class ConstrainedSubject {
       if (depth[cell] <= found) continue;
       depth[cell] = found;
       for (unsigned j = 0; j < 3; ++j)
-        if (const std::uint32_t o = t_.neighbours_of(cell)[j]; o != no_cell)
+        if (const std::uint32_t o = t_.neighbours_of(cell)[j]; o != no_index)
           reach(o, is_piece(t_.cell(cell)[(j + 1) % 3], t_.cell(cell)[(j + 2) % 3]), found);
     }
     for (std::size_t i = 0; i < depth.size(); ++i)
@@ -304,7 +304,7 @@ class InsideSubject {
   bool inside(std::uint32_t cell) const { return whole_.depths[cell] % 2 == 1; }
 
   void check_cells() {
-    number_.assign(w_.size(), no_cell);
+    number_.assign(w_.size(), no_index);
     std::uint32_t count = 0;
     for (std::uint32_t c = 0; c < w_.size(); ++c)
       if (inside(c)) number_[c] = count++;
@@ -313,14 +313,14 @@ class InsideSubject {
       fault("there are other cells than the ", count, " inside");
     for (std::uint32_t c = 0; c < w_.size(); ++c) {
       const std::uint32_t at = number_[c];
-      if (at == no_cell) continue;
+      if (at == no_index) continue;
       const auto own = t_.cell(at), expected = w_.cell(c);
       if (!std::equal(own.begin(), own.end(), expected.begin()))
         fault("cell ", at, " is another one");
       if (result_.depths[at] != whole_.depths[c]) fault("cell ", at, " has another depth");
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = w_.neighbours_of(c)[j];
-        if (t_.neighbours_of(at)[j] != (o == no_cell ? no_cell : number_[o]))
+        if (t_.neighbours_of(at)[j] != (o == no_index ? no_index : number_[o]))
           fault("cell ", at, " has another neighbour");
       }
     }
@@ -329,7 +329,7 @@ class InsideSubject {
     std::vector<std::pair<Edge, std::uint32_t>> hull;
     for (std::uint32_t c = 0; c < t_.size(); ++c)
       for (unsigned j = 0; j < 3; ++j)
-        if (t_.neighbours_of(c)[j] == no_cell)
+        if (t_.neighbours_of(c)[j] == no_index)
           hull.push_back({{t_.cell(c)[(j + 1) % 3], t_.cell(c)[(j + 2) % 3]}, c});
     std::sort(hull.begin(), hull.end());
     if (t_.hull_cells.size() != hull.size() || t_.hull_facets.size() != 2 * hull.size())

@@ -89,7 +89,7 @@ class TriangulationSubject {
     for (std::size_t i = 0; i < t_.cells.size(); ++i)
       if (t_.cells[i] >= t_.point_count)
         fault("cell ", i / corners(), " has an id beyond the points");
-    if (k_ == 0 && (cells != 1 || t_.neighbours[0] != no_cell || !t_.hull_cells.empty() ||
+    if (k_ == 0 && (cells != 1 || t_.neighbours[0] != no_index || !t_.hull_cells.empty() ||
                     !t_.cell_groups.empty()))
       fault("equal points make one cell without neighbours");
   }
@@ -214,7 +214,7 @@ class TriangulationSubject {
     check_each(size(), [&](std::uint64_t c) {
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = t_.neighbours_of(c)[j];
-        if (o == no_cell) continue;
+        if (o == no_index) continue;
         if (o >= size() || o == c) fault("cell ", c, " has an impossible neighbour ", o);
         const auto back = t_.neighbours_of(o);
         if (std::count(back.begin(), back.end(), c) != 1)
@@ -239,7 +239,7 @@ class TriangulationSubject {
   /// in each ridge, weakly convex.
   void check_hull() {
     std::uint64_t open = 0;
-    for (const std::uint32_t n : t_.neighbours) open += n == no_cell ? 1 : 0;
+    for (const std::uint32_t n : t_.neighbours) open += n == no_index ? 1 : 0;
     if (open != t_.hull_cells.size())
       fault(open, " facets have no neighbour, but the hull has ", t_.hull_cells.size());
     struct Ridge {
@@ -287,7 +287,7 @@ class TriangulationSubject {
     std::vector<std::uint32_t> ids(facet.begin(), facet.end());
     std::sort(ids.begin(), ids.end());
     for (unsigned j = 0; j < corners(); ++j) {
-      if (t_.neighbours_of(c)[j] != no_cell || facet_of(c, j) != ids) continue;
+      if (t_.neighbours_of(c)[j] != no_index || facet_of(c, j) != ids) continue;
       if (k_ > 1 && beneath(f, row(t_.cell(c)[j])) != Sign::positive)
         fault("hull facet ", f, " is not oriented outward");
       return;
@@ -412,7 +412,7 @@ class TriangulationSubject {
       for (const std::uint32_t v : t_.cell(c)) at.push_back(row(v));
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = t_.neighbours_of(c)[j];
-        if (o == no_cell || o < c) continue;
+        if (o == no_index || o < c) continue;
         const auto back = t_.neighbours_of(o);
         const std::uint32_t q = t_.cell(
             o)[static_cast<std::size_t>(std::find(back.begin(), back.end(), c) - back.begin())];
@@ -474,7 +474,7 @@ class TriangulationSubject {
     for (const std::uint32_t c : cells)
       for (unsigned j = 0; j <= k_; ++j) {
         const std::uint32_t o = t_.neighbours_of(c)[j];
-        if (t_.cell(c)[j] == v || (o != no_cell && t_.group(o) == t_.group(c))) continue;
+        if (t_.cell(c)[j] == v || (o != no_index && t_.group(o) == t_.group(c))) continue;
         std::vector<mpq_class>& normal = normals.emplace_back(k_, mpq_class(1));
         if (k_ == 1) continue;
         facet.clear();
@@ -523,7 +523,7 @@ class TriangulationSubject {
       const unsigned j = beyond(c, p);
       if (j == 0) return c;
       c = t_.neighbours_of(c)[j - 1];
-      if (c == no_cell) fault("hidden point ", id, " is outside the hull");
+      if (c == no_index) fault("hidden point ", id, " is outside the hull");
     }
     fault("no cell has hidden point ", id);
   }

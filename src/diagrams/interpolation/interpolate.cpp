@@ -61,8 +61,8 @@ struct Interpolator::State {
         auto write = make(part);
         for (std::uint64_t i = begin; i < end; ++i) {
           double* row = to + i * components;
-          std::fill_n(row, components, cells[i] == no_cell ? outside : 0);
-          if (cells[i] != no_cell) write(i, cells[i], shares.data() + i * corners, row);
+          std::fill_n(row, components, cells[i] == no_index ? outside : 0);
+          if (cells[i] != no_index) write(i, cells[i], shares.data() + i * corners, row);
         }
       });
     });
@@ -126,7 +126,7 @@ NaturalNeighbours Interpolator::natural_neighbours(const double* point) const {
   s.require_natural();
   NaturalNeighbours found;
   const std::uint32_t cell = s.query.find(point);
-  if (cell == no_cell) return found;
+  if (cell == no_index) return found;
   std::vector<double> shares(s.corners);
   s.query.barycentric(point, cell, shares.data());
   NaturalWeights(s.triangulation).find(point, cell, shares.data(), found);
@@ -140,7 +140,7 @@ void Interpolator::nearest(const PointView& points, double* out, double outside,
     Array<std::uint32_t> ids(part.count);
     s.query.nearest(part, ids.data(), options);
     for (std::uint64_t i = 0; i < part.count; ++i)
-      if (ids[i] == no_cell)
+      if (ids[i] == no_index)
         std::fill_n(to + i * s.components, s.components, outside);
       else
         std::copy_n(s.of(ids[i]), s.components, to + i * s.components);

@@ -141,7 +141,7 @@ void NaturalWeights::find_cavity(std::uint32_t cell) {
   for (std::size_t at = 0; at < cells_.size(); ++at)
     for (unsigned j = 0; j <= t_.base(); ++j) {
       const std::uint32_t next = t_.neighbours(cells_[at])[j];
-      if (next != no_cell && std::find(cells_.begin(), cells_.end(), next) == cells_.end() &&
+      if (next != no_index && std::find(cells_.begin(), cells_.end(), next) == cells_.end() &&
           in_sphere(next))
         cells_.push_back(next);
     }
@@ -153,7 +153,7 @@ std::vector<NaturalWeights::HullFacet> NaturalWeights::hull_facets_at_query() {
   std::vector<HullFacet> facets;
   for (const std::uint32_t c : cells_)
     for (unsigned j = 0; j <= t_.base(); ++j) {
-      if (t_.neighbours(c)[j] != no_cell) continue;
+      if (t_.neighbours(c)[j] != no_index) continue;
       std::vector<const double*> rows = rows_of(c);
       rows[j] = query_.data();
       if (orientation(t_.base(), rows.data()) == Sign::zero) facets.push_back({c, j});

@@ -21,7 +21,7 @@ NearestPoint::NearestPoint(const PointView& points, const RunOptions& options) {
     refuse("nearest points are found in up to ", NearestTree::most_dimensions,
            " dimensions, not in ", points.dimension);
   if (points.count == 0) refuse("there are no points of which one could be the nearest");
-  if (points.count >= no_cell) refuse("there are more than 2^32 - 2 points: ", points.count);
+  if (points.count >= no_index) refuse("there are more than 2^32 - 2 points: ", points.count);
   require_budget(run.budget, points.count * points.dimension * sizeof(double), "the coordinates");
   const Array<double> rows = gather_points(points, nullptr, points.count, run);
   state_.reset(new State{NearestTree(points.dimension, rows.data(), nullptr,

@@ -73,7 +73,7 @@ class Tree final : public NearestTree::Base {
                        slots * (sizeof(std::uint32_t) + (scale_ != 1 ? 2 : 1) * D * sizeof(double)),
                    "the tree's points");
     splits_.assign(leaves - 1, Split{nan, 0});
-    ids_.assign(slots, no_cell);
+    ids_.assign(slots, no_index);
     blocks_.assign(slots * D, nan);
     if (scale_ != 1) given_.resize(slots * D);
     Array<Item> items(count);
@@ -87,7 +87,7 @@ class Tree final : public NearestTree::Base {
   }
 
   std::uint32_t nearest(const double* query, NearestTree::FarQueries far) const override {
-    return is_left_out(query, far) ? no_cell : Search(*this).nearest(query);
+    return is_left_out(query, far) ? no_index : Search(*this).nearest(query);
   }
 
   bool nearest(const PointView& queries, NearestTree::FarQueries far, std::uint32_t* out,
@@ -114,7 +114,7 @@ class Tree final : public NearestTree::Base {
           const double* const query = rows.data() + at * D;
           const bool left = is_left_out(query, far);
           if (left) any_left = true;
-          out[first + at] = left ? no_cell : search.nearest(query);
+          out[first + at] = left ? no_index : search.nearest(query);
         }
       });
       run.report("query", static_cast<double>(first + n) / static_cast<double>(queries.count));

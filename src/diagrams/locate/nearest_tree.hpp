@@ -22,7 +22,7 @@ class NearestTree {
   enum class FarQueries { answered, left_out };
 
   /// `rows`: the coordinates of the points, finite, one point after the other; `names`: their ids,
-  /// distinct and below no_cell, or null if their places are their ids. At least one point. Copies
+  /// distinct and below no_index, or null if their places are their ids. At least one point. Copies
   /// what it needs; the result does not depend on the order of the points.
   NearestTree(unsigned dimension, const double* rows, const std::uint32_t* names,
               std::uint32_t count, const Run& run);
@@ -30,7 +30,7 @@ class NearestTree {
 
   unsigned dimension() const noexcept { return dimension_; }
 
-  /// The id of the nearest point; of several, the lowest. no_cell if the query is left out.
+  /// The id of the nearest point; of several, the lowest. no_index if the query is left out.
   /// `query`: finite.
   std::uint32_t nearest(const double* query, FarQueries far) const;
 

@@ -170,7 +170,7 @@ struct TriangulationQuery::State {
     check_finite(view, nullptr, run);
   }
   /// Calls body(run), which writes cells or vertices for all points. If the triangulation is empty,
-  /// writes no_cell for each point instead.
+  /// writes no_index for each point instead.
   template <class Body>
   void answer(const PointView& points, std::uint32_t* out, const RunOptions& options,
               const Body& body) const {
@@ -178,7 +178,7 @@ struct TriangulationQuery::State {
     const Run& run = call.run;
     check(points, run);
     if (mesh.corners == 0)
-      std::fill_n(out, points.count, no_cell);
+      std::fill_n(out, points.count, no_index);
     else
       body(run);
   }
@@ -207,14 +207,14 @@ struct TriangulationQuery::State {
 
   template <unsigned K>
   std::uint32_t find_row(Walk<K>& walk, const double* row, std::uint32_t key) const {
-    if (!in_flat(row)) return no_cell;
+    if (!in_flat(row)) return no_index;
     if (mesh.corners == 1) return 0;
     const std::uint32_t place = walk.find(row, key);
-    return place == no_cell ? no_cell : mesh.numbers[place];
+    return place == no_index ? no_index : mesh.numbers[place];
   }
 
   void barycentric_row(const double* row, std::uint32_t cell, double* out) const {
-    if (cell == no_cell) {
+    if (cell == no_index) {
       std::fill_n(out, mesh.corners, std::numeric_limits<double>::quiet_NaN());
       return;
     }
@@ -289,7 +289,7 @@ unsigned TriangulationQuery::corners() const noexcept { return state_->mesh.corn
 std::uint32_t TriangulationQuery::find(const double* point) const {
   const State& s = *state_;
   const std::vector<double> row = s.row_of(point);
-  if (s.mesh.corners == 0) return no_cell;
+  if (s.mesh.corners == 0) return no_index;
   Walk<0> walk(s.mesh);
   return s.find_row(walk, row.data(), s.key(row.data()));
 }
@@ -301,12 +301,12 @@ void TriangulationQuery::barycentric(const double* point, std::uint32_t cell, do
 std::uint32_t TriangulationQuery::nearest(const double* point) const {
   const State& s = *state_;
   const std::vector<double> row = s.row_of(point);
-  if (s.mesh.corners == 0) return no_cell;
+  if (s.mesh.corners == 0) return no_index;
   if (const NearestTree* const tree = s.tree_for(1, short_run())) {
     std::vector<double> given(s.mesh.dimension);
     for (unsigned j = 0; j < s.mesh.dimension; ++j) given[s.mesh.columns[j]] = row[j];
     const std::uint32_t id = tree->nearest(given.data(), NearestTree::FarQueries::left_out);
-    if (id != no_cell) return id;
+    if (id != no_index) return id;
   }
   return NearestVertex(s.mesh, s.graph(short_run())).find(row.data(), s.key(row.data()));
 }
@@ -353,7 +353,7 @@ void TriangulationQuery::nearest(const PointView& points, std::uint32_t* out,
     each_along_curve(s.mesh, points, run, [&] {
       return [&, walk = NearestVertex(s.mesh, graph)](std::uint64_t i, const double* row,
                                                       std::uint32_t key) mutable {
-        if (tree == nullptr || out[i] == no_cell) out[i] = walk.find(row, key);
+        if (tree == nullptr || out[i] == no_index) out[i] = walk.find(row, key);
       };
     });
   });

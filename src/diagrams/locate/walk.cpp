@@ -50,7 +50,7 @@ std::uint32_t NearestVertex::find(const double* q, std::uint32_t key) {
   std::uint32_t row = mesh_.row_at(key, key >= key_ ? near_ : 0);
   near_ = row;
   key_ = key;
-  if (row_ != no_cell && power(q, row_).value < power(q, row).value) row = row_;
+  if (row_ != no_index && power(q, row_).value < power(q, row).value) row = row_;
   const bool done = descend(q, row);
   bool tied = false;
   for (bool moved = !done; moved;) {

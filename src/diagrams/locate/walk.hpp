@@ -60,16 +60,16 @@ class Walk {
  public:
   explicit Walk(const WalkMesh& mesh) : mesh_(mesh), probe_(mesh.corners) {}
 
-  /// The place of the cell that contains q, of several that with the lowest number; no_cell if
+  /// The place of the cell that contains q, of several that with the lowest number; no_index if
   /// there is none. `q`: in the mesh's columns; `key`: its curve key. Requires k >= 1.
   std::uint32_t find(const double* q, std::uint32_t key) {
     const std::uint32_t row = mesh_.row_at(key, key >= key_ ? row_ : 0);
     const bool from_last =
-        cell_ != no_cell && distance(key, key_) <= distance(key, mesh_.keys[row]);
+        cell_ != no_index && distance(key, key_) <= distance(key, mesh_.keys[row]);
     row_ = row;
     key_ = key;
     if (!from_last) cell_ = mesh_.lowest_cell[row];
-    if (!walk(q)) return no_cell;
+    if (!walk(q)) return no_index;
     return lowest();
   }
 
@@ -100,7 +100,7 @@ class Walk {
         if (sign == Sign::zero) zeros_.push_back(j);
       }
       if (j > k()) return true;
-      if (across[j] == no_cell) return false;
+      if (across[j] == no_index) return false;
       from = cell_;
       cell_ = across[j];
     }
@@ -119,7 +119,7 @@ class Walk {
     return lowest_around();
   }
   std::uint32_t lower(std::uint32_t a, std::uint32_t b) const {
-    return b == no_cell || mesh_.numbers[a] < mesh_.numbers[b] ? a : b;
+    return b == no_index || mesh_.numbers[a] < mesh_.numbers[b] ? a : b;
   }
   std::uint32_t lowest_around() {
     std::uint32_t best = cell_;
@@ -127,7 +127,7 @@ class Walk {
       best = lower(best, c);
       for (unsigned j = 0; j <= k(); ++j) {
         const std::uint32_t next = mesh_.neighbours_of(c)[j], v = mesh_.corners_of(c)[j];
-        if (next != no_cell && std::find(face_.begin(), face_.end(), v) == face_.end()) add(next);
+        if (next != no_index && std::find(face_.begin(), face_.end(), v) == face_.end()) add(next);
       }
     });
     return best;
@@ -135,7 +135,7 @@ class Walk {
 
   const WalkMesh& mesh_;
   std::vector<const double*> probe_;
-  std::uint32_t cell_ = no_cell, row_ = 0, key_ = 0;
+  std::uint32_t cell_ = no_index, row_ = 0, key_ = 0;
   std::vector<unsigned> zeros_;
   std::vector<std::uint32_t> face_;
   Flood flood_;
@@ -167,7 +167,7 @@ class NearestVertex {
 
   const WalkMesh& mesh_;
   const Adjacency<std::uint32_t>& graph_;
-  std::uint32_t row_ = no_cell, near_ = 0, key_ = 0;
+  std::uint32_t row_ = no_index, near_ = 0, key_ = 0;
   Flood flood_;
 };
 

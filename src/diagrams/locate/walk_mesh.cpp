@@ -115,13 +115,13 @@ void WalkMesh::take_cells(const Triangulation& t, const Array<std::uint32_t>& ro
       std::uint32_t* cell = cells.data() + i * 2 * corners;
       for (const std::uint32_t v : t.cell(numbers[i])) *cell++ = row_of[v];
       for (const std::uint32_t o : t.neighbours_of(numbers[i]))
-        *cell++ = o == no_cell ? no_cell : places[o];
+        *cell++ = o == no_index ? no_index : places[o];
     }
   });
-  lowest_cell.assign(vertex_count(), no_cell);
+  lowest_cell.assign(vertex_count(), no_index);
   for (std::uint32_t c = 0; c < count; ++c)
     for (const std::uint32_t v : t.cell(c))
-      if (lowest_cell[row_of[v]] == no_cell) lowest_cell[row_of[v]] = places[c];
+      if (lowest_cell[row_of[v]] == no_index) lowest_cell[row_of[v]] = places[c];
 }
 
 std::uint32_t WalkMesh::row_at(std::uint32_t key, std::uint32_t from) const {

@@ -79,7 +79,7 @@ double first_single_region(const Triangulation& t, const Array<double>& radii, d
     there[c] = true;
     ++region_count;
     for (const std::uint32_t o : t.neighbours_of(c)) {
-      if (o == no_cell || !there[o] || regions.root(o) == regions.root(c)) continue;
+      if (o == no_index || !there[o] || regions.root(o) == regions.root(c)) continue;
       regions.join(o, c);
       --region_count;
     }
@@ -137,12 +137,12 @@ Array<double> alpha_radii(const PointView& points, const Triangulation& triangul
   return radii;
 }
 
-double critical_alpha(const PointView& points, const Triangulation& triangulation, AlphaGoal goal,
+double critical_alpha(const PointView& points, const Triangulation& triangulation, bool one_region,
                       const RunOptions& options) {
   using namespace internal;
   const Array<double> radii = alpha_radii(points, triangulation, options);
   const double all = greatest_first_radius(triangulation, radii);
-  return goal == AlphaGoal::all_points ? all : first_single_region(triangulation, radii, all);
+  return one_region ? first_single_region(triangulation, radii, all) : all;
 }
 
 }  // namespace cullhull

@@ -50,7 +50,7 @@ class PolygonWriter {
  private:
   bool on_boundary(std::uint32_t c, unsigned j) const {
     const std::uint32_t o = t_.neighbours_of(c)[j];
-    return o == no_cell || !kept_[o];
+    return o == no_index || !kept_[o];
   }
 
   /// Finds the connected pieces, numbered in the order of their lowest cells.
@@ -59,7 +59,7 @@ class PolygonWriter {
     sets.clear(0, t_.size());
     for (const std::uint32_t c : cells)
       for (const std::uint32_t o : t_.neighbours_of(c))
-        if (o != no_cell && kept_[o]) sets.join(o, c);
+        if (o != no_index && kept_[o]) sets.join(o, c);
     piece_.assign(t_.size(), 0);
     for (const std::uint32_t c : cells) {
       const std::uint32_t root = sets.root(c);  // the lowest, so it comes first

@@ -74,7 +74,7 @@ class Digging {
     for (const std::uint32_t v : t.hull_facets) outside_[v] = 1;
     for (std::uint32_t c = 0; c < t.size(); ++c)
       for (unsigned j = 0; j < 3; ++j)
-        if (t.neighbours_of(c)[j] == no_cell) add(c, j);
+        if (t.neighbours_of(c)[j] == no_index) add(c, j);
   }
 
   Array<std::uint8_t> run(const Run& run) {
@@ -90,7 +90,7 @@ class Digging {
       kept_[side.cell] = 0;
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = t_.neighbours_of(side.cell)[j];
-        if (o == no_cell || kept_[o] == 0) continue;
+        if (o == no_index || kept_[o] == 0) continue;
         const unsigned corner = place_in(t_.neighbours_of(o), side.cell);
         if (corner == 3) bad_neighbours();
         add(o, corner);

@@ -12,7 +12,7 @@ namespace cullhull::internal {
 
 using RingPoint = std::array<double, 2>;
 
-/// A directed edge, and the site across it (no_point: none). The cell is on its left.
+/// A directed edge, and the site across it (no_index: none). The cell is on its left.
 struct ChainEdge {
   RingPoint from, to;
   std::uint32_t across;

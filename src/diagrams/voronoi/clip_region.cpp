@@ -57,7 +57,7 @@ RegionPiece<1> interval(double low, double high) {
   RegionPiece<1> piece;
   piece.corners = {{low}, {high}};
   piece.planes = {end_at(low, -1), end_at(high, 1)};
-  piece.across.assign(2, no_point);
+  piece.across.assign(2, no_index);
   return piece;
 }
 
@@ -71,7 +71,7 @@ void add_planes(RegionPiece<D>& piece) {
       through[k] = piece.corners[D == 2 ? (i + k) % n : piece.faces[i][k]];
     piece.planes.push_back(plane_through<D>(through));
   }
-  piece.across.assign(n, no_point);
+  piece.across.assign(n, no_index);
 }
 
 /// Corners (without the last one of a ring if it repeats the first), and edges between them.
@@ -84,11 +84,10 @@ struct Outline {
   PointView view() const { return PointView::row_major(corners.data(), size(), 2); }
 };
 
-Outline outline_of(const PolygonRings& rings) {
-  if (rings.points.dimension != 2)
-    refuse("a polygon has corners in dimension 2, not in ", rings.points.dimension);
-  const auto& offsets = rings.ring_offsets;
-  if (offsets.empty() || offsets.front() != 0 || offsets.back() != rings.points.count ||
+Outline outline_of(const PointView& corners, std::span<const std::uint64_t> offsets) {
+  if (corners.dimension != 2)
+    refuse("a polygon has corners in dimension 2, not in ", corners.dimension);
+  if (offsets.empty() || offsets.front() != 0 || offsets.back() != corners.count ||
       !std::is_sorted(offsets.begin(), offsets.end()))
     refuse("the rings' offsets do not ascend from 0 to the number of corners");
   Outline out;
@@ -96,15 +95,14 @@ Outline outline_of(const PolygonRings& rings) {
     const std::uint64_t begin = offsets[r];
     std::uint64_t end = offsets[r + 1];
     const auto repeats = [&](std::uint64_t a, std::uint64_t b) {
-      return rings.points.at(a, 0) == rings.points.at(b, 0) &&
-             rings.points.at(a, 1) == rings.points.at(b, 1);
+      return corners.at(a, 0) == corners.at(b, 0) && corners.at(a, 1) == corners.at(b, 1);
     };
     while (end > begin + 1 && repeats(begin, end - 1)) --end;
     if (end - begin < 3)
       refuse("ring ", r, " of the polygon has ", end - begin, " corners; three are needed");
     const auto first = static_cast<std::uint32_t>(out.size());
     for (std::uint64_t i = begin; i < end; ++i) {
-      for (unsigned j = 0; j < 2; ++j) out.corners.push_back(rings.points.at(i, j));
+      for (unsigned j = 0; j < 2; ++j) out.corners.push_back(corners.at(i, j));
       const auto place = first + static_cast<std::uint32_t>(i - begin);
       out.edges.push_back(place);
       out.edges.push_back(i + 1 < end ? place + 1 : first);
@@ -161,7 +159,7 @@ Region<2> triangles_of(const Outline& outline, const Triangulation& t) {
     // Plane i contains the edge from corner i to the next, opposite to the corner after that.
     for (unsigned i = 0; i < 3; ++i) {
       const std::uint32_t o = t.neighbours_of(c)[(i + 2) % 3];
-      region[c].across[i] = o == no_cell ? no_point : o;
+      region[c].across[i] = o == no_index ? no_index : o;
     }
   }
   return region;
@@ -277,14 +275,15 @@ template Region<3> box_region<3>(std::span<const double>, std::span<const double
 template Region<1> hull_region<1>(const PointView&, const Run&);
 template Region<3> hull_region<3>(const PointView&, const Run&);
 
-Region<2> polygon_region(const PolygonRings& rings, const Run& run) {
+Region<2> polygon_region(const PointView& corners, std::span<const std::uint64_t> ring_offsets,
+                         const Run& run) {
   // Every cell is cut by all planes of a piece; if there are more, triangles take less work.
   constexpr std::size_t few = 8;
-  Outline outline = outline_of(rings);
+  Outline outline = outline_of(corners, ring_offsets);
   const Hull hull = convex_hull(outline.view(), run.options);
   if (hull.affine_dimension != 2)
     refuse("the region spans dimension ", hull.affine_dimension, " only");
-  if (rings.ring_offsets.size() == 2 && outline.size() <= few && convex_ring(outline, hull)) {
+  if (ring_offsets.size() == 2 && outline.size() <= few && convex_ring(outline, hull)) {
     RegionPiece<2> piece;
     for (const std::uint64_t i : hull.vertices)
       piece.corners.push_back({outline.at(static_cast<std::uint32_t>(i))[0],

@@ -36,7 +36,7 @@ struct RegionPiece {
   std::vector<std::array<double, D>> corners;
   std::vector<RegionPlane<D>> planes;
   std::vector<std::vector<std::uint32_t>> faces;  ///< D = 3: the corners on each plane
-  std::vector<std::uint32_t> across;              ///< the piece beyond each plane, or no_point
+  std::vector<std::uint32_t> across;              ///< the piece beyond each plane, or no_index
 
   /// Whether a point whose coordinates are the nearest doubles `rounded` is certainly inside.
   bool surely_inside(const double* rounded) const;
@@ -54,6 +54,7 @@ Region<D> hull_region(const PointView& points, const Run& run);
 
 /// One or several polygons, not necessarily convex, with holes: one piece if the region is convex
 /// and has few corners, otherwise the triangles of its constrained triangulation.
-Region<2> polygon_region(const PolygonRings& rings, const Run& run);
+Region<2> polygon_region(const PointView& corners, std::span<const std::uint64_t> ring_offsets,
+                         const Run& run);
 
 }  // namespace cullhull::internal

@@ -107,7 +107,7 @@ class PieceBoundary {
       const PieceEdge &before = edges_[ring[i > 0 ? i - 1 : ring.size() - 1]], &e = edges_[ring[i]];
       if (before.plane == e.plane && !corners_.is_given(e.from)) continue;
       out.points.push_back(e.start);
-      out.across.push_back(corners_.is_bisector(e.plane) ? corners_.label(e.plane) : no_point);
+      out.across.push_back(corners_.is_bisector(e.plane) ? corners_.label(e.plane) : no_index);
     }
     return out;
   }
@@ -132,7 +132,7 @@ void each_seam(const CellCorners<2>& corners, const std::vector<CellPiece>& piec
                const Body& body) {
   for (std::uint32_t i = 0; i < pieces.size(); ++i)
     for (const std::uint32_t plane : pieces[i].planes) {
-      if (corners.is_bisector(plane) || corners.label(plane) == no_point) continue;
+      if (corners.is_bisector(plane) || corners.label(plane) == no_index) continue;
       const auto other = std::lower_bound(
           pieces.begin(), pieces.end(), corners.label(plane),
           [](const CellPiece& p, std::uint32_t number) { return p.piece < number; });
@@ -168,7 +168,7 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
     const auto& [piece, vertices, planes] = pieces[i];
     for (std::size_t e = 0; e < planes.size(); ++e) {
       const std::uint32_t plane = planes[e];
-      if (!corners.is_bisector(plane) && corners.label(plane) != no_point) continue;
+      if (!corners.is_bisector(plane) && corners.label(plane) != no_index) continue;
       PieceEdge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], plane, {}};
       corners.round(edge.from, edge.start.data());
       boundaries[sets.root(i)].push_back(edge);

@@ -11,7 +11,7 @@
 
 namespace cullhull::internal {
 
-/// Corners of a ring, and the site across the edge that begins at each; no_point if there is none.
+/// Corners of a ring, and the site across the edge that begins at each; no_index if there is none.
 struct CellRing {
   std::vector<std::array<double, 2>> points;
   std::vector<std::uint32_t> across;

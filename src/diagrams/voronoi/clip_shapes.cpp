@@ -77,7 +77,7 @@ void ClipShape<2>::cut(CellCorners<2>& corners, std::uint32_t plane) {
   const std::size_t n = vertices.size();
   for (std::size_t i = 0; i < n; ++i)
     if (sides_[i] == Sign::zero && sides_[i + 1 < n ? i + 1 : 0] == Sign::zero &&
-        !corners.is_bisector(planes[i]) && corners.label(planes[i]) != no_point)
+        !corners.is_bisector(planes[i]) && corners.label(planes[i]) != no_index)
       planes[i] = plane;
 }
 

@@ -400,7 +400,7 @@ class CellWriter {
     }
     across_.clear();
     for (const std::uint32_t plane : shape.planes)
-      across_.push_back(corners.is_bisector(plane) ? corners.label(plane) : no_point);
+      across_.push_back(corners.is_bisector(plane) ? corners.label(plane) : no_index);
     if constexpr (D == 3)
       add_faces(shape.starts, shape.items, across_);
     else
@@ -451,15 +451,15 @@ void join(std::vector<Part>& parts, ClippedCells& out) {
   out.vertex_offsets.assign(1, 0);
   for (Array<std::uint64_t>* list : {&out.polygon_offsets, &out.polygon_rings, &out.ring_starts})
     if (out.dimension == 2) list->assign(1, 0);
-  for (Array<std::uint64_t>* list : {&out.face_offsets, &out.face_starts})
-    if (out.dimension == 3) list->assign(1, 0);
+  if (out.dimension == 3) out.face_offsets.assign(1, 0);
   for (Part& part : parts) {
     append(out.vertices, part.vertices);
-    append(out.face_vertices, part.face_vertices);
+    append(out.faces.items, part.face_vertices);
     append(out.neighbours, part.neighbours);
     append_sums(out.vertex_offsets, part.vertex_counts);
     append_sums(out.face_offsets, part.face_counts);
-    append_sums(out.face_starts, part.face_sizes);
+    for (const std::uint32_t size : part.face_sizes)
+      out.faces.offsets.push_back(out.faces.offsets.back() + size);
     append_sums(out.polygon_offsets, part.polygon_counts);
     append_sums(out.polygon_rings, part.ring_counts);
     append_sums(out.ring_starts, part.ring_sizes);
@@ -477,8 +477,9 @@ PiecesOfCells pieces_of(const DiagramCells& cells, const Triangulation& t, const
 
 template <unsigned D>
 ClippedCells clip(const PointView& points, const Triangulation& t, const Region<D>& region,
-                  std::span<const double> weights, bool shapes, const Voronoi* diagram,
-                  const Run& run) {
+                  std::span<const double> weights, const ClipOptions& options, const Run& run) {
+  const bool shapes = options.shapes;
+  const Voronoi* const diagram = options.diagram;
   begin_step(run, clip_bytes(t.point_count, t.size(), D, shapes, diagram != nullptr),
              "the clipped cells of the diagram");
   ClippedCells out;
@@ -512,49 +513,42 @@ ClippedCells clip(const PointView& points, const Triangulation& t, const Region<
 
 namespace cullhull {
 
-ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& t,
                           std::span<const double> low, std::span<const double> high,
-                          std::span<const double> weights, bool shapes, const RunOptions& options,
-                          const Voronoi* diagram) {
+                          std::span<const double> weights, const ClipOptions& options) {
   using namespace internal;
   const Call call(options);
-  const Run& run = call.run;
-  const Triangulation& t = triangulation;
   check_dimension(t);
   check_box(t, low, high);
   return with_dimension<1, 2, 3>(t.dimension, [&](auto d) {
-    return clip<d()>(points, t, box_region<d()>(low, high), weights, shapes, diagram, run);
+    return clip<d()>(points, t, box_region<d()>(low, high), weights, options, call.run);
   });
 }
 
-ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
-                          const PointView& region, std::span<const double> weights, bool shapes,
-                          const RunOptions& options, const Voronoi* diagram) {
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& t, const PointView& region,
+                          std::span<const double> weights, const ClipOptions& options) {
   using namespace internal;
-  const Triangulation& t = triangulation;
   check_dimension(t);
   if (region.dimension != t.dimension)
     refuse("a region in dimension ", region.dimension, " for a diagram in dimension ", t.dimension);
   if (t.dimension == 2) {
     const std::uint64_t one[2] = {0, region.count};
-    return clip_voronoi(points, t, PolygonRings{region, one}, weights, shapes, options, diagram);
+    return clip_voronoi(points, t, region, one, weights, options);
   }
   const Call call(options);
   const Run& run = call.run;
-  return t.dimension == 1
-             ? clip<1>(points, t, hull_region<1>(region, run), weights, shapes, diagram, run)
-             : clip<3>(points, t, hull_region<3>(region, run), weights, shapes, diagram, run);
+  return t.dimension == 1 ? clip<1>(points, t, hull_region<1>(region, run), weights, options, run)
+                          : clip<3>(points, t, hull_region<3>(region, run), weights, options, run);
 }
 
-ClippedCells clip_voronoi(const PointView& points, const Triangulation& triangulation,
-                          const PolygonRings& region, std::span<const double> weights, bool shapes,
-                          const RunOptions& options, const Voronoi* diagram) {
+ClippedCells clip_voronoi(const PointView& points, const Triangulation& t, const PointView& corners,
+                          std::span<const std::uint64_t> ring_offsets,
+                          std::span<const double> weights, const ClipOptions& options) {
   using namespace internal;
   const Call call(options);
-  const Run& run = call.run;
-  const Triangulation& t = triangulation;
   if (t.dimension != 2) refuse("a polygon for a diagram in dimension ", t.dimension);
-  return clip<2>(points, t, polygon_region(region, run), weights, shapes, diagram, run);
+  return clip<2>(points, t, polygon_region(corners, ring_offsets, call.run), weights, options,
+                 call.run);
 }
 
 }  // namespace cullhull

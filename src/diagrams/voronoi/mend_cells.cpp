@@ -158,8 +158,8 @@ class CellMender {
         const auto place = cell_of.find({to, from});
         if (place != cell_of.end())
           across = place->second;
-        else if (across != no_point && has_polygons(across))
-          across = no_point;
+        else if (across != no_index && has_polygons(across))
+          across = no_index;
       });
   }
 

@@ -10,9 +10,9 @@
 namespace cullhull::internal {
 namespace {
 
-/// For each point the lowest cell at it; no_cell without any.
+/// For each point the lowest cell at it; no_index without any.
 Array<std::uint32_t> lowest_cells(const Triangulation& t) {
-  Array<std::uint32_t> lowest(t.point_count, no_cell);
+  Array<std::uint32_t> lowest(t.point_count, no_index);
   for (auto c = static_cast<std::uint32_t>(t.size()); c-- > 0;)
     for (const std::uint32_t v : t.cell(c)) lowest[v] = c;
   return lowest;
@@ -38,7 +38,7 @@ class PlaneWalk {
     std::vector<std::uint32_t>& regions = out_.regions;
     const std::size_t before = regions.size();
     higher_.clear();
-    if (start != no_cell) {
+    if (start != no_index) {
       const std::uint32_t first = most_clockwise(v, start);
       if (first_is_open_) regions.push_back(at_infinity);
       std::uint32_t right = first_is_open_ ? at_infinity : t_.group(across(first, v, 2));
@@ -50,8 +50,8 @@ class PlaneWalk {
         if (regions.size() == before || regions.back() != group) regions.push_back(group);
         right = group;
         const std::uint32_t next = t_.neighbours_of(c)[(at + 1) % 3];
-        if (next == no_cell) add_ridge(v, t_.cell(c)[(at + 2) % 3], at_infinity, right);
-        if (next == no_cell || next == first) break;
+        if (next == no_index) add_ridge(v, t_.cell(c)[(at + 2) % 3], at_infinity, right);
+        if (next == no_index || next == first) break;
         if (++steps > t_.size()) bad_neighbours();
         c = next;
       }
@@ -85,7 +85,7 @@ class PlaneWalk {
     std::uint64_t steps = 0;
     for (std::uint32_t c = across(start, v, 2); c != start; c = across(c, v, 2)) {
       if (++steps > t_.size()) bad_neighbours();
-      if (c == no_cell) {
+      if (c == no_index) {
         first_is_open_ = true;
         return first;
       }

@@ -119,7 +119,7 @@ class RidgeWriter {
   bool on_hull(const EdgeCells::Star& e, std::uint32_t v) {
     for (const auto& item : e.cells)
       for (unsigned j = 0; j <= k_; ++j) {
-        if (t_.neighbours_of(item.cell)[j] != no_cell || on_edge(e, t_.cell(item.cell)[j]))
+        if (t_.neighbours_of(item.cell)[j] != no_index || on_edge(e, t_.cell(item.cell)[j]))
           continue;
         if (!on_plane(item.cell, j, v)) return false;
       }
@@ -154,7 +154,7 @@ class RidgeWriter {
     std::uint32_t first = e.cells[0].cell;
     for (const auto& item : e.cells) {  // infinity first
       if (!at_hull(e, item.cell)) continue;
-      if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_cell) continue;
+      if (t_.neighbours_of(item.cell)[others(e, item.cell).second] != no_index) continue;
       out.push_back(at_infinity);
       first = item.cell;
     }
@@ -167,7 +167,7 @@ class RidgeWriter {
       if (left-- == 0) bad_neighbours();
       if (out.empty() || out.back() != t_.group(c)) out.push_back(t_.group(c));
       c = t_.neighbours_of(c)[leave];
-      if (c == no_cell || c == first) break;
+      if (c == no_index || c == first) break;
       const auto v = t_.cell(c);
       std::uint32_t added = kept;
       for (unsigned i = 0; i < 4; ++i) {
@@ -186,7 +186,7 @@ class RidgeWriter {
   bool at_hull(const EdgeCells::Star& e, std::uint32_t c) const {
     const auto v = t_.cell(c), across = t_.neighbours_of(c);
     for (unsigned i = 0; i <= k_; ++i)
-      if (across[i] == no_cell && !on_edge(e, v[i])) return true;
+      if (across[i] == no_index && !on_edge(e, v[i])) return true;
     return false;
   }
 
@@ -195,7 +195,7 @@ class RidgeWriter {
     for (const auto& item : e.cells) {
       out.push_back(t_.group(item.cell));
       for (unsigned j = 0; j <= k_ && k_ > 1; ++j)
-        unbounded = unbounded || (t_.neighbours_of(item.cell)[j] == no_cell &&
+        unbounded = unbounded || (t_.neighbours_of(item.cell)[j] == no_index &&
                                   !on_edge(e, t_.cell(item.cell)[j]));
     }
     if (unbounded) out.push_back(at_infinity);

@@ -101,7 +101,7 @@ void require_lists(const Triangulation& t, const Run& run) {
         require_list(v[i] < t.point_count, "cells");
         for (unsigned j = 0; j < i; ++j) require_list(v[i] != v[j], "cells");
         const std::uint32_t o = t.neighbours_of(c)[i];
-        require_list(o < cells || o == no_cell, "neighbours");
+        require_list(o < cells || o == no_index, "neighbours");
       }
     }
   });

@@ -285,21 +285,19 @@ std::string file_crs(const std::string& path) {
   return crs.empty() ? crs_beside(file) : crs;
 }
 
-CommonCrs common_crs(const std::vector<std::string>& files) {
-  CommonCrs common;
+std::string common_crs(const std::vector<std::string>& files,
+                       std::pair<std::string, std::string>* differing) {
+  std::string common, first;
   for (const std::string& file : files) {
     const std::string crs = file_crs(file);
-    const bool same =
-        crs == common.crs || (internal::is_wgs84(crs) && internal::is_wgs84(common.crs));
+    const bool same = crs == common || (internal::is_wgs84(crs) && internal::is_wgs84(common));
     if (crs.empty() || same) continue;
-    if (common.first.empty()) {
-      common.crs = crs;
-      common.first = file;
-    } else {
-      common.crs.clear();
-      common.other = file;
-      break;
+    if (!first.empty()) {
+      if (differing != nullptr) *differing = {first, file};
+      return "";
     }
+    common = crs;
+    first = file;
   }
   return common;
 }

@@ -7,6 +7,7 @@
 
 #include "cullhull/placement.hpp"
 #include "io/columns.hpp"
+#include "io/grid_axes.hpp"
 #include "io/text/lines.hpp"
 #include "parallel/byte_order.hpp"
 

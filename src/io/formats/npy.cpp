@@ -9,6 +9,7 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/text/lines.hpp"
+#include "io/write/npy_writers.hpp"
 #include "io/write/output_file.hpp"
 #include "parallel/byte_order.hpp"
 #include "parallel/dispatch.hpp"
@@ -520,6 +521,50 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
   with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
+struct NpyPointsWriter::Impl {
+  OutputFile out;
+  std::uint64_t points;  ///< that are missing
+  std::uint32_t dimension;
+  ScalarType type;
+};
+
+NpyPointsWriter::NpyPointsWriter(const std::string& path, std::uint64_t count,
+                                 std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{OutputFile(path), count, dimension, type}) {
+  impl_->out.write(npy_header(npy_descr(type).c_str(), {count, dimension}));
+  if (count == 0) impl_->out.commit();
+}
+NpyPointsWriter::~NpyPointsWriter() = default;
+
+void NpyPointsWriter::write(const double* coordinates, std::uint64_t count) {
+  if (count > impl_->points)
+    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
+  if (count == 0) return;
+  write_values(impl_->out, coordinates, count * impl_->dimension, impl_->type);
+  if ((impl_->points -= count) == 0) impl_->out.commit();
+}
+
+struct NpySequenceWriter::Impl {
+  OutputFile out;
+  std::uint64_t frames, values;
+  ScalarType type;
+};
+
+NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
+                                     std::uint64_t count, std::uint32_t dimension, ScalarType type)
+    : impl_(new Impl{OutputFile(path), frames, count * dimension, type}) {
+  impl_->out.write(npy_header(npy_descr(type).c_str(), {frames, count, dimension}));
+  if (frames == 0) impl_->out.commit();
+}
+NpySequenceWriter::~NpySequenceWriter() = default;
+
+void NpySequenceWriter::write(const double* coordinates) {
+  if (impl_->frames == 0)
+    throw Error(ErrorCode::invalid_argument, "more frames written than were announced");
+  write_values(impl_->out, coordinates, impl_->values, impl_->type);
+  if (--impl_->frames == 0) impl_->out.commit();
+}
+
 }  // namespace cullhull::internal
 
 namespace cullhull {
@@ -531,54 +576,9 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
   out.commit();
 }
 
-struct NpyPointsWriter::Impl {
-  internal::OutputFile out;
-  std::uint64_t points;  ///< that are missing
-  std::uint32_t dimension;
-  ScalarType type;
-};
-
-NpyPointsWriter::NpyPointsWriter(const std::string& path, std::uint64_t count,
-                                 std::uint32_t dimension, ScalarType type)
-    : impl_(new Impl{internal::OutputFile(path), count, dimension, type}) {
-  impl_->out.write(internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension}));
-  if (count == 0) impl_->out.commit();
-}
-NpyPointsWriter::~NpyPointsWriter() = default;
-
-void NpyPointsWriter::write(const double* coordinates, std::uint64_t count) {
-  if (count > impl_->points)
-    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
-  if (count == 0) return;
-  internal::write_values(impl_->out, coordinates, count * impl_->dimension, impl_->type);
-  if ((impl_->points -= count) == 0) impl_->out.commit();
-}
-
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type) {
-  NpyPointsWriter(path, count, dimension, type).write(coordinates, count);
-}
-
-struct NpySequenceWriter::Impl {
-  internal::OutputFile out;
-  std::uint64_t frames, values;
-  ScalarType type;
-};
-
-NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
-                                     std::uint64_t count, std::uint32_t dimension, ScalarType type)
-    : impl_(new Impl{internal::OutputFile(path), frames, count * dimension, type}) {
-  impl_->out.write(
-      internal::npy_header(internal::npy_descr(type).c_str(), {frames, count, dimension}));
-  if (frames == 0) impl_->out.commit();
-}
-NpySequenceWriter::~NpySequenceWriter() = default;
-
-void NpySequenceWriter::write(const double* coordinates) {
-  if (impl_->frames == 0)
-    throw Error(ErrorCode::invalid_argument, "more frames written than were announced");
-  internal::write_values(impl_->out, coordinates, impl_->values, impl_->type);
-  if (--impl_->frames == 0) impl_->out.commit();
+  internal::NpyPointsWriter(path, count, dimension, type).write(coordinates, count);
 }
 
 }  // namespace cullhull

@@ -110,10 +110,6 @@ Polygons read_polygons(const Source& source, bool lines) {
 
 namespace cullhull {
 
-PolygonRings Polygons::rings() const {
-  return {PointView::row_major(corners.data(), corners.size() / 2, 2), ring_offsets};
-}
-
 namespace {
 
 Polygons read_rings(const std::string& path, bool lines) {

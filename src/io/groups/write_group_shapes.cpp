@@ -59,7 +59,8 @@ void find_shape(const PointView& points, const GroupShape& wanted, const Options
     out.shape = concave_hull(points, t, out.limit, options);
     return;
   }
-  out.limit = wanted.alpha >= 0 ? wanted.alpha : critical_alpha(points, t, wanted.goal, options);
+  out.limit =
+      wanted.alpha >= 0 ? wanted.alpha : critical_alpha(points, t, wanted.one_region, options);
   out.shape = alpha_shape(points, t, out.limit, options);
 }
 

@@ -64,18 +64,11 @@ void write_result_json(const Coordinates& points, const Hull& hull, const TextSi
   w.end_document();
 }
 
-}  // namespace cullhull::internal
-
-namespace cullhull {
-
-namespace {
-
-std::string report_json(const internal::Coordinates& points, const Hull& hull,
-                        const JsonExtras& extras, bool with_lists) {
+std::string hull_to_json(const Hull& hull, const JsonExtras& extras) {
   std::string text;
-  internal::JsonWriter w(text);
+  JsonWriter w(text);
   const Statistics& s = hull.statistics;
-  w.begin_document(internal::head_of("hull_report", hull));
+  w.begin_document(head_of("hull_report", hull));
   w.member("threads", s.threads);
   w.member("backend", backend_name(s.backend));
   w.key("cull");
@@ -90,23 +83,10 @@ std::string report_json(const internal::Coordinates& points, const Hull& hull,
   w.member("engine", "native");
   w.member("seconds", s.hull_seconds);
   w.end_object();
-  internal::write_measures(w, hull);
-  internal::write_run(w, hull, extras);
-  if (with_lists) internal::write_lists(w, points, hull);
+  write_measures(w, hull);
+  write_run(w, hull, extras);
   w.end_document();
   return text;
 }
 
-}  // namespace
-
-std::string hull_to_json(const PointView& points, const Hull& hull, const JsonExtras& extras,
-                         bool with_lists) {
-  return report_json(points, hull, extras, with_lists);
-}
-
-std::string hull_to_json(const HullState& state, const Hull& hull, const JsonExtras& extras,
-                         bool with_lists) {
-  return report_json(state, hull, extras, with_lists);
-}
-
-}  // namespace cullhull
+}  // namespace cullhull::internal

@@ -140,7 +140,7 @@ class RowFinder {
           source_.size - static_cast<std::size_t>(row_.begin - source_.data) <= preview_bytes;
       while (all_here && following.next(next) && next.fields.list.size() == 1) ++rows;
       if (!all_here || next.fields.list.size() != 1 || rows != count) return;
-      say(Remark::Kind::spelling, "the first line is taken as the number of points, which follow");
+      say("the first line is taken as the number of points, which follow");
     }
     preamble_.kind = Preamble::count_line;
     preamble_.count = count;
@@ -148,9 +148,8 @@ class RowFinder {
     if (!move_on(lines)) fail(source_, "no points");
   }
 
-  void say(Remark::Kind kind, const std::string& text) const {
-    remark(source_, options_, text, kind);
-  }
+  void say(const std::string& text) const { remark(source_, options_, text); }
+  void say_of_columns(const std::string& text) const { remark(source_, options_, text, true); }
 
   char separator_of(const DataLine& line) const {
     return said_separator_ ? separator_ : find_separator(line.begin, line.end, options_.decimal);
@@ -253,7 +252,7 @@ class RowFinder {
       any = any || !cell.empty();
     }
     if (!any) return;
-    say(Remark::Kind::spelling, "line " + std::to_string(row_.number) + ", of units, is skipped");
+    say("line " + std::to_string(row_.number) + ", of units, is skipped");
     if (!move_on(lines)) fail(source_, "no points after the line of column names");
   }
 
@@ -313,7 +312,7 @@ class RowFinder {
     const bool one_more = width == named + 1;
     if (one_more && quoted_names_ && *skip_blanks(row_.begin, row_.end) == '"') {
       names_.insert(names_.begin(), "");
-      say(Remark::Kind::spelling, "the first column, which has no name, is left out");
+      say("the first column, which has no name, is left out");
       return;
     }
     if (!options_.columns.empty() && wanted_.empty()) {
@@ -424,7 +423,7 @@ class RowFinder {
     const bool four = beside_key.size() == 4 && known.size() == 3 && beside_key[3].size() == 1 &&
                       are_series(beside_key) && begins_with_number(cell_of_row(others[3]));
     if (four) {
-      say(Remark::Kind::columns, listed(others) + " are taken as coordinates");
+      say_of_columns(listed(others) + " are taken as coordinates");
       return others;
     }
     if (!known.empty()) {
@@ -440,8 +439,8 @@ class RowFinder {
            ", number the points; --columns (in Python columns=) takes them all the same");
     if (taken.empty() || !(are_series(names) || all.size() == 1)) refuse_names();
     if (taken != others)
-      say(Remark::Kind::columns,
-          listed(taken) + " are taken as coordinates, not " + listed(without(others, taken)));
+      say_of_columns(listed(taken) + " are taken as coordinates, not " +
+                     listed(without(others, taken)));
     return taken;
   }
 
@@ -478,15 +477,15 @@ class RowFinder {
                                       : " and ") +
               printable_text(names_[known[i]]);
     if (known.size() == names_.size())
-      return say(Remark::Kind::columns, text + " are taken as coordinates, in this order");
+      return say_of_columns(text + " are taken as coordinates, in this order");
     // The column of a requested key does not count as missing.
     if (known.size() + (options_.key.empty() ? 0 : 1) >= names_.size()) return;
     std::vector<std::uint32_t> heights;
     for (const std::uint32_t j : without(all, known))
       if (known.size() == 2 && is_height_name(names_[j])) heights.push_back(j);
-    say(Remark::Kind::columns, text + " of " + std::to_string(names_.size()) +
-                                   " columns are taken as coordinates" +
-                                   (heights.empty() ? "" : ", not " + listed(heights)));
+    say_of_columns(text + " of " + std::to_string(names_.size()) +
+                   " columns are taken as coordinates" +
+                   (heights.empty() ? "" : ", not " + listed(heights)));
   }
 
   /// "POINT (1 2)" and the like, in quotes or not.
@@ -529,7 +528,7 @@ class RowFinder {
     const FileFormat* const format = format_named(format_);
     if (format == nullptr || format->space_first == nullptr || !format->space_first(width))
       return all;
-    say(Remark::Kind::columns, "the first three of " + std::to_string(width) +
+    say_of_columns("the first three of " + std::to_string(width) +
                                    " columns are taken as coordinates, as ." + format_ +
                                    " has them");
     return {0, 1, 2};
@@ -577,7 +576,7 @@ class RowFinder {
     });
     if (points) return;
     preamble_.decimal = ',';
-    say(Remark::Kind::spelling, "commas are read as decimal marks; --decimal . refuses them");
+    say("commas are read as decimal marks; --decimal . refuses them");
   }
 
   std::size_t preview_size() const {
@@ -619,21 +618,20 @@ class RowFinder {
     });
     constexpr std::size_t enough = 4;  // rows that are not so by chance
     if (coloured && !bytes_alone && rows > 0)
-      say(Remark::Kind::spelling, "all " + std::to_string(d) +
-                                      " columns are taken as coordinates; if the last three are "
-                                      "colours, --columns 0:3 takes x, y and z");
+      say("all " + std::to_string(d) +
+          " columns are taken as coordinates; if the last three are "
+          "colours, --columns 0:3 takes x, y and z");
     else if ((format_ == "xyz" || preamble_.kind == Preamble::count_line) && d > 3)
-      say(Remark::Kind::spelling, "all " + std::to_string(d) +
-                                      " columns are taken as coordinates; --columns 0:3 takes x, y "
-                                      "and z alone");
+      say("all " + std::to_string(d) +
+          " columns are taken as coordinates; --columns 0:3 takes x, y "
+          "and z alone");
     else if (counts && rows >= enough && (start == 0 || start == 1))
-      say(Remark::Kind::spelling,
-          "the first column numbers the rows and is taken as a coordinate; "
+      say("the first column numbers the rows and is taken as a coordinate; "
           "--columns 1:" +
-              std::to_string(d) + " leaves it out");
+          std::to_string(d) + " leaves it out");
     else if (numbers_columns && rows > 1)
-      say(Remark::Kind::spelling, "the first line, 0 to " + std::to_string(d - 1) +
-                                      ", is taken as a point; remove it if it numbers the columns");
+      say("the first line, 0 to " + std::to_string(d - 1) +
+          ", is taken as a point; remove it if it numbers the columns");
   }
 
   const Source& source_;

@@ -12,6 +12,7 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
+#include "io/write/npy_writers.hpp"
 #include "io/write/output_file.hpp"
 
 namespace cullhull::internal {
@@ -208,7 +209,7 @@ void check_made_dimension(const std::string& format, std::uint32_t dimension) {
 }  // namespace
 
 struct PointsWriter::Impl {
-  std::unique_ptr<NpyPointsWriter> npy;
+  std::unique_ptr<internal::NpyPointsWriter> npy;
   std::unique_ptr<internal::OutputFile> out;
   std::string format;
   std::uint64_t count, left;
@@ -249,7 +250,7 @@ PointsWriter::PointsWriter(const std::string& path, std::uint64_t count, std::ui
     internal::refuse_format(path, impl.format, {internal::OutputKind::made});
   check_made_dimension(impl.format, dimension);
   if (impl.format == "npy") {
-    impl.npy = std::make_unique<NpyPointsWriter>(path, count, dimension, type);
+    impl.npy = std::make_unique<internal::NpyPointsWriter>(path, count, dimension, type);
     return;
   }
   impl.out = std::make_unique<internal::OutputFile>(path);

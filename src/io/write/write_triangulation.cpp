@@ -49,7 +49,7 @@ std::vector<double> lift(const PointView& points, std::span<const double> height
 /// Rows of indices, each row on a line; a flat list if `width` is 0. `none` is written as -1.
 template <class Items>
 void indices(JsonWriter& w, const char* name, const Items& items, std::uint64_t width,
-             std::uint32_t none = no_cell) {
+             std::uint32_t none = no_index) {
   const auto one = [&](std::uint32_t v) { w.index(v, none); };
   if (width == 0) {
     w.key(name);
@@ -192,8 +192,7 @@ HullMesh mesh_of(const ClippedCells& cells, bool triangles) {
     }
     for (std::uint64_t face = cells.face_offsets[i]; face < cells.face_offsets[i + 1]; ++face) {
       polygon.clear();
-      for (std::uint64_t v = cells.face_starts[face]; v < cells.face_starts[face + 1]; ++v)
-        polygon.push_back(first + cells.face_vertices[v]);
+      for (const std::uint32_t v : cells.faces[face]) polygon.push_back(first + v);
       add(polygon);
     }
   }
@@ -335,7 +334,7 @@ void add_line_of(std::string& out, const Row& row) {
     first = false;
     if constexpr (std::is_floating_point_v<std::remove_cvref_t<decltype(v)>>)
       append_number(out, v);
-    else if (v == no_cell)
+    else if (v == no_index)
       out += "-1";
     else
       append_number(out, std::uint64_t{v});
