@@ -24,11 +24,13 @@ void InsertionNd<D>::append_round(NormOrder& order) {
 /// remaining points against all facets costs more than it saves.
 template <unsigned D>
 void InsertionNd<D>::insert_outermost(NormOrder& order) {
-  if (dim() < sieve_min_dimension || dim() > sieve_max_dimension) return;
-  // The number of facet tests that take as long as sorting a point and locating its facet, for 4D
-  // to 8D. Measured on balls.
-  constexpr std::size_t worth[] = {3000, 4500, 8000, 14000, 25000};
-  const std::size_t most = worth[dim() - sieve_min_dimension];
+  // In 4D a normal distribution of 10,000 points takes 0.6 of the time; from 5D on it gains 2 % at
+  // the most and 6D loses 8.
+  if (dim() != 4) return;
+  // The most facets that are tested, and how many tests take as long as sorting a point and
+  // locating its facet. Up to 3,000 gain nothing more on normal distributions and lose 5 % on
+  // balls.
+  constexpr std::size_t most = 450;
   std::vector<float> planes;
   for (std::size_t asked = 0; order.left() > 0 && live_ < most;) {
     expected_ = order_.size() + order.left();
