@@ -33,7 +33,7 @@ struct Filtered {
 
 /// The most 3D points that are filtered by a map of the outermost points, which takes little more
 /// than one pass over them. With more points a larger sample and a finer map are faster.
-inline constexpr std::uint64_t most_by_outermost = 40'000;
+inline constexpr std::uint64_t most_by_outermost = 1 << 16;
 
 /// Runs the filter that the options ask for. Points with a NaN or an infinity always survive, so
 /// that gathering the survivors reports them; `rows`, if present, has been checked. If a sample's
