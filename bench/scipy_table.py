@@ -82,26 +82,24 @@ def find_simplex(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
     return lambda: found.find_simplex(questions)
 
 
-def linear(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+def interpolator(name: str, kind: Any, points: Any, **choices: Any) -> Any:
     module = scipy.interpolate if kind is scipy.spatial else kind
-    found, questions = module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points)
+    return getattr(module, f"{name}NDInterpolator")(points, points[:, 0], **choices)
+
+
+def linear(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
+    found, questions = interpolator("Linear", kind, points, **choices), asked(points)
     return lambda: found(questions)
 
 
 def nearest(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
-    module = scipy.interpolate if kind is scipy.spatial else kind
-    found, questions = module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points)
+    found, questions = interpolator("Nearest", kind, points, **choices), asked(points)
     return lambda: found(questions)
 
 
 def build_nearest(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
     questions = asked(points)
-    return lambda: nearest_values(kind, points, questions, **choices)
-
-
-def nearest_values(kind: Any, points: Any, questions: Any, **choices: Any) -> Any:
-    module = scipy.interpolate if kind is scipy.spatial else kind
-    return module.NearestNDInterpolator(points, points[:, 0], **choices)(questions)
+    return lambda: interpolator("Nearest", kind, points, **choices)(questions)
 
 
 def one_by_one(function: Callable[[Any], Any], questions: Any) -> Callable[[], Any]:
@@ -116,43 +114,26 @@ def find_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
 
 
 def linear_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
-    module = scipy.interpolate if kind is scipy.spatial else kind
-    return one_by_one(module.LinearNDInterpolator(points, points[:, 0], **choices), asked(points))
+    return one_by_one(interpolator("Linear", kind, points, **choices), asked(points))
 
 
 def nearest_one(kind: Any, points: Any, **choices: Any) -> Callable[[], Any]:
-    module = scipy.interpolate if kind is scipy.spatial else kind
-    return one_by_one(module.NearestNDInterpolator(points, points[:, 0], **choices), asked(points))
+    return one_by_one(interpolator("Nearest", kind, points, **choices), asked(points))
 
 
 def agree(what: str, a: Any, b: Any) -> bool:
     """Whether the results are the same, but for what Qhull takes for flat or equal."""
     if what == "hull":
         return bool(np.isclose(a[-1], b[-1]) and np.isin(b[0], a[0]).all())
-    if what == "delaunay":
-        return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
-    if what == "voronoi":
+    if what in ("delaunay", "voronoi"):
         return bool(abs(len(a[0]) - len(b[0])) <= 0.001 * len(b[0]) + 2)
     if what in ("find_simplex", "find_one"):
         return bool(((a < 0) == (b < 0)).mean() > 0.999)
     return bool(np.isclose(a, b, rtol=1e-6, atol=1e-6, equal_nan=True).mean() > 0.999)
 
 
-CALLS = {
-    call.__name__: call
-    for call in (
-        hull,
-        delaunay,
-        voronoi,
-        find_simplex,
-        linear,
-        nearest,
-        build_nearest,
-        find_one,
-        linear_one,
-        nearest_one,
-    )
-}
+OF_SETS = (hull, delaunay, voronoi, find_simplex, linear, nearest, build_nearest)
+CALLS = {call.__name__: call for call in (*OF_SETS, find_one, linear_one, nearest_one)}
 
 
 def row(
@@ -221,15 +202,8 @@ def main() -> None:
             for n in map(number, arguments.sizes):
                 if shape == "sphere" and n > LARGEST_SPHERE.get(d, n):
                     break
-                ours, theirs = row(
-                    arguments.what,
-                    shape,
-                    n,
-                    d,
-                    arguments.threads,
-                    arguments.seconds,
-                    arguments.once,
-                )
+                how = (arguments.threads, arguments.seconds, arguments.once)
+                ours, theirs = row(arguments.what, shape, n, d, *how)
                 a, b = statistics.median(ours), statistics.median(theirs)
                 worst = f"{percentile(ours, 0.99) * 1e6:,.1f}" if len(ours) >= 100 else ""
                 print(

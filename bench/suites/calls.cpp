@@ -187,7 +187,7 @@ double quantile(std::vector<double> v, double q) {
 class CallsSuite {
  public:
   CallsSuite(const CallSettings& settings, const Progress& progress, const std::stop_token& stop)
-      : settings_(settings), progress_(progress), stop_(stop) {
+      : settings_(settings), steps_(progress, stop) {
     if (settings.with_cgal && !cgal_program().empty()) rivals_.push_back({"CGAL", cgal_program()});
     rivals_.insert(rivals_.end(), settings.rivals.begin(), settings.rivals.end());
     first_call_ = settings.first_call;
@@ -198,16 +198,13 @@ class CallsSuite {
     const std::vector<Workload>& wanted =
         settings_.workloads.empty() ? call_workloads() : settings_.workloads;
     for (const Workload& w : wanted) check(w);
-    report_.suite = "calls";
-    report_.date = date_now();
-    report_.machine = describe_machine();
+    report_ = begin_report("calls");
     report_.command = command();
     for (const unsigned busy : settings_.busy) report_.figures.push_back(figure_of(busy));
     if (!first_call_.empty()) report_.figures.push_back(first_calls());
-    std::uint64_t done = 0;
-    for (const Workload& w : wanted) {
-      at_ = static_cast<double>(done++) / static_cast<double>(wanted.size());
-      measure(w);
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+      steps_.row(i, wanted.size());
+      measure(wanted[i]);
     }
     return std::move(report_);
   }
@@ -253,11 +250,6 @@ class CallsSuite {
             false,         {}};
   }
 
-  void step(const std::string& what) const {
-    if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    if (progress_) progress_(what.c_str(), at_);
-  }
-
   Row row_of(const Workload& w, const Hull& hull, const Certificate& certificate) const {
     Row row = begin_row(w);
     row.vertices = hull.vertices.size();
@@ -267,7 +259,7 @@ class CallsSuite {
   }
 
   void measure(const Workload& w) {
-    step(w.name() + ", points");
+    steps_.step(w.name() + ", points");
     const Sets sets = make_sets(w, settings_.seed);
     const Hull hull = convex_hull(sets[0]);
     const Row row = row_of(w, hull, certify(sets[0], hull));
@@ -285,7 +277,7 @@ class CallsSuite {
       for (const unsigned threads : settings_.threads) {
         Options options;
         options.threads = threads;
-        options.stop = stop_;
+        options.stop = steps_.stop();
         std::string name = "cullhull";
         if (threads > 0) name += fmt::format(", {} thread{}", threads, threads == 1 ? "" : "s");
         if (callers > 1) name += fmt::format(", {} callers", callers);
@@ -298,7 +290,7 @@ class CallsSuite {
     for (const RivalProgram& rival : rivals_)
       if (rival.name != "CGAL" || sets.all().dimension <= 3)
         all.push_back({rival.name, 1, {}, [&sets, &rival, this] {
-                         return time_program(sets, rival, {settings_.limit, stop_});
+                         return time_program(sets, rival, {settings_.limit, steps_.stop()});
                        }});
     return all;
   }
@@ -310,7 +302,7 @@ class CallsSuite {
     for (unsigned s = 0; s < slices; ++s)
       for (Contestant& c : contestants) {
         if (c.all_at_once && s + 1 < slices) continue;
-        step(w.name() + ", " + c.name);
+        steps_.step(w.name() + ", " + c.name);
         if (c.all_at_once)
           c.times = c.all_at_once();
         else
@@ -338,13 +330,13 @@ class CallsSuite {
 
   /// Times set 0 in a new process; reports its first call separately from later ones.
   Row first_call(const Workload& w, const Sets& sets, Row row) const {
-    step(w.name() + ", first call");
+    steps_.step(w.name() + ", first call");
     const Scratch file;
     const PointView set = sets.doubles(0);
     write_npy_points(file.path, reinterpret_cast<const double*>(set.data), set.count, set.dimension,
                      w.scalar);
     const auto child = run_program(
-        {first_call_, "hull", file.path, "--repeat", "9", "--json", "--quiet"}, {0, stop_});
+        {first_call_, "hull", file.path, "--repeat", "9", "--json", "--quiet"}, {0, steps_.stop()});
     std::vector<double> seconds;
     try {
       const auto json = nlohmann::json::parse(child ? child->output : "");
@@ -361,12 +353,10 @@ class CallsSuite {
   }
 
   const CallSettings& settings_;
-  const Progress& progress_;
-  std::stop_token stop_;
+  Steps steps_;
   std::vector<RivalProgram> rivals_;
   std::string first_call_;
   Report report_;
-  double at_ = 0;
 };
 
 }  // namespace

@@ -21,12 +21,9 @@ std::string cgal_of(const ContestSettings& settings) {
 
 Report begin_report(const char* suite, const ContestSettings& settings,
                     const std::vector<unsigned>& threads) {
-  Report report;
-  report.suite = suite;
-  report.date = date_now();
+  Report report = begin_report(suite);
   report.scale = settings.scale;
   report.threads = threads.back();
-  report.machine = describe_machine();
   std::string& text = report.command;
   text = fmt::format("cullhull-bench {} --scale {:g} --repeat {} --limit {:g}", suite,
                      settings.scale, settings.repeat, settings.limit);

@@ -9,6 +9,7 @@
 #include <functional>
 #include <limits>
 
+#include "contest.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -37,36 +38,26 @@ struct Set {
 };
 
 /// A set of points, used by several figures.
-struct Points {
-  std::vector<double> rows;
-  PointView view;
-};
-
 Points make(const Set& set) {
-  Points p;
-  p.rows = generate(set.shape, set.count, set.dimension);
-  p.view = PointView::row_major(p.rows.data(), set.count, set.dimension);
-  return p;
+  return points_of({set.shape, set.dimension, set.count},
+                   generate(set.shape, set.count, set.dimension));
 }
 
 class PaperSuite {
  public:
   PaperSuite(const PaperSettings& settings, const Progress& progress, const std::stop_token& stop)
-      : settings_(settings), progress_(progress), stop_(stop) {}
+      : settings_(settings), steps_(progress, stop) {}
 
   Report run() {
-    Report report;
-    report.suite = "paper";
-    report.date = date_now();
+    Report report = begin_report("paper");
     report.scale = settings_.scale;
     report.threads = settings_.threads;
-    report.machine = describe_machine();
     report.command = fmt::format("cullhull-bench paper --scale {:g} --repeat {} --limit {:g}",
                                  settings_.scale, settings_.repeat, settings_.limit);
     if (settings_.threads != 0) report.command += fmt::format(" --threads {}", settings_.threads);
     for (const std::string& f : settings_.figures) report.command += " --figure " + f;
     for (const unsigned t : thread_counts())
-      report.read_bandwidth.emplace_back(t, read_bandwidth(t, stop_));
+      report.read_bandwidth.emplace_back(t, read_bandwidth(t, steps_.stop()));
     report_ = &report;
     for (const Maker& maker : makers()) {
       if (!settings_.figures.empty() &&
@@ -106,7 +97,7 @@ class PaperSuite {
     counts.push_back(cores);
     return counts;
   }
-  ChildLimits limits() const { return {settings_.limit, stop_}; }
+  ChildLimits limits() const { return {settings_.limit, steps_.stop()}; }
 
   Set set(const char* what, const char* shape, unsigned d, std::uint64_t n,
           const char* paper = "") const {
@@ -122,17 +113,16 @@ class PaperSuite {
             set("4D-Sphere (ball)", "ball", 4, 8'000'000)};
   }
 
-  void step(const std::string& what, std::size_t at, std::size_t of) const {
-    if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
-    const std::string phase = figure_ + ", " + what;
-    if (progress_) progress_(phase.c_str(), static_cast<double>(at) / static_cast<double>(of));
+  void step(const std::string& what, std::size_t at, std::size_t of) {
+    steps_.row(at, of);
+    steps_.step(figure_ + ", " + what);
   }
 
   Options options(CullMethod cull = CullMethod::automatic, unsigned threads = 0) const {
     Options o;
     o.cull = cull;
     o.threads = threads != 0 ? threads : settings_.threads;
-    o.stop = stop_;
+    o.stop = steps_.stop();
     return o;
   }
 
@@ -184,10 +174,9 @@ class PaperSuite {
                              certificate.valid ? "certified" : "NOT certified");
   }
 
-  void add_qhull(Row& row, const char* name, const std::optional<QhullRun>& run,
-                 double seconds) const {
-    row.values.emplace_back(name, run ? seconds : missing);
-    if (run && !run->finished) row.unfinished.emplace_back(name);
+  static void add_qhull(Row& row, const char* name, const std::optional<QhullRun>& run,
+                        double seconds) {
+    add_rival(row, name, seconds, run.has_value(), !run || run->finished);
   }
 
   static void set_ratio(Row& row, const std::optional<QhullRun>& rival, double ours) {
@@ -223,6 +212,17 @@ class PaperSuite {
     return row;
   }
 
+  /// A row for each of these sets.
+  template <class MakeRow>
+  std::vector<Row> rows_of(const std::vector<Set>& sets, const MakeRow& row) {
+    std::vector<Row> rows;
+    for (const Set& s : sets) {
+      step(s.name, rows.size(), sets.size());
+      rows.push_back(row(s));
+    }
+    return rows;
+  }
+
   Figure static_sets() {
     Figure f{
         "",
@@ -232,23 +232,17 @@ class PaperSuite {
         "core. Qhull runs on one core here too, in the same run.",
         false,
         {}};
-    const std::vector<Set> sets = paper_sets();
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-      step(sets[i].name, i, sets.size());
-      f.rows.push_back(three_ways(sets[i]));
-      f.rows.back().paper = "10-27x";
-    }
+    f.rows = rows_of(paper_sets(), [&](const Set& s) { return three_ways(s); });
+    for (Row& row : f.rows) row.paper = "10-27x";
     return f;
   }
 
   Figure growing_sets() {
     Figure f{"", "The same as the set grows", "s", "", true, {}};
-    const std::uint64_t sizes[] = {10'000'000, 30'000'000, 50'000'000};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Set s = set("3D-Sphere (ball)", "ball", 3, sizes[i]);
-      step(s.name, i, 3);
-      f.rows.push_back(three_ways(s));
-    }
+    std::vector<Set> sets;
+    for (const std::uint64_t n : {10'000'000, 30'000'000, 50'000'000})
+      sets.push_back(set("3D-Sphere (ball)", "ball", 3, n));
+    f.rows = rows_of(sets, [&](const Set& s) { return three_ways(s); });
     return f;
   }
 
@@ -260,11 +254,9 @@ class PaperSuite {
              "among the survivors; the rest was work for the exact engine.",
              false,
              {}};
-    const std::vector<Set> sets = paper_sets();
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-      step(sets[i].name, i, sets.size());
-      const Points p = make(sets[i]);
-      Row row = row_of(sets[i]);
+    f.rows = rows_of(paper_sets(), [&](const Set& s) {
+      const Points p = make(s);
+      Row row = row_of(s);
       row.paper = "kept 1.4-5 %";
       const auto share = [](std::size_t a, std::uint64_t b) {
         return 100 * static_cast<double>(a) / static_cast<double>(b);
@@ -274,7 +266,7 @@ class PaperSuite {
                                          {CullMethod::gauge, "gauge map"}}) {
         const Hull hull = convex_hull(p.view, options(method));
         row.values.emplace_back(fmt::format("{}: kept", name),
-                                share(hull.statistics.survivors, sets[i].count));
+                                share(hull.statistics.survivors, s.count));
         row.values.emplace_back(fmt::format("{}: used", name),
                                 share(hull.vertices.size(), hull.statistics.survivors));
         row.agrees = row.agrees && (vertices == 0 || vertices == hull.vertices.size());
@@ -282,8 +274,8 @@ class PaperSuite {
       }
       row.vertices = vertices;
       row.check = fmt::format("{} vertices either way", vertices);
-      f.rows.push_back(std::move(row));
-    }
+      return row;
+    });
     return f;
   }
 
@@ -296,11 +288,7 @@ class PaperSuite {
              ".ply (4D: .json) of the hull.",
              false,
              {}};
-    const std::vector<Set> sets = paper_sets();
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-      step(sets[i].name, i, sets.size());
-      f.rows.push_back(shares_of(sets[i]));
-    }
+    f.rows = rows_of(paper_sets(), [&](const Set& s) { return shares_of(s); });
     return f;
   }
 
@@ -492,8 +480,7 @@ class PaperSuite {
   }
 
   const PaperSettings& settings_;
-  const Progress& progress_;
-  std::stop_token stop_;
+  Steps steps_;
   const Report* report_ = nullptr;
   std::string figure_;
   std::vector<Tracked> tracked_;

@@ -11,6 +11,7 @@
 
 #include "cullhull/io.hpp"
 #include "io/json/json_writer.hpp"
+#include "machine.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::bench {
@@ -45,6 +46,14 @@ std::vector<std::pair<std::string, std::string>> describe_machine() {
           {"memory", fmt::format("{:.0f} GiB", gib)},
           {"compiler", __VERSION__},
           {"version", CULLHULL_VERSION}};
+}
+
+Report begin_report(const char* suite) {
+  Report report;
+  report.suite = suite;
+  report.date = date_now();
+  report.machine = describe_machine();
+  return report;
 }
 
 bool Report::agrees() const {

@@ -60,6 +60,9 @@ struct Report {
 /// filter ran.
 double bandwidth_share(const Report& report, const PointView& points, const Statistics& statistics);
 
+/// A report of now, without figures.
+Report begin_report(const char* suite);
+
 /// Processor, cores, memory, compiler: what readers need for comparisons.
 std::vector<std::pair<std::string, std::string>> describe_machine();
 

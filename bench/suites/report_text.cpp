@@ -73,34 +73,33 @@ struct Extras {
         vertices(any_row(f, [](const Row& r) { return r.vertices > 0; })) {}
 };
 
-std::string ratio_text(const Row& row, const char* times) {
-  if (!(row.ratio > 0)) return "";
-  return (row.ratio_is_bound ? "> " : "") + three_digits(row.ratio) + times;
-}
+/// How a report writes a value, and the sign of a factor.
+struct Style {
+  std::string (*value)(double, const std::string&);
+  const char* times;
+};
 
-std::string percent(double share) { return share > 0 ? fmt::format("{:.0f} %", 100 * share) : ""; }
-
-std::string reads_text(const Row& row, const char* times) {
-  return row.reads > 0 ? three_digits(row.reads) + times : "";
-}
-
-Line table_line(const Figure& figure, const Row& row, const Line& names, const Extras& extras) {
-  Line line{row.name};
+/// A row's values, and of the columns in addition those that text and Markdown have in common.
+void add_cells(Line& line, const Figure& figure, const Row& row, const Line& names,
+               const Extras& extras, const Style& style) {
   for (const std::string& name : names) {
     const auto at = std::find_if(row.values.begin(), row.values.end(),
                                  [&](const auto& v) { return v.first == name; });
-    line.push_back(at == row.values.end()
-                       ? ""
-                       : (is_unfinished(row, name) ? "> " : "") + amount(at->second, figure.unit));
+    line.push_back(at == row.values.end() ? ""
+                                          : (is_unfinished(row, name) ? "> " : "") +
+                                                style.value(at->second, figure.unit));
   }
-  if (extras.ratio) line.push_back(ratio_text(row, "x"));
-  if (extras.paper) line.push_back(row.paper);
-  if (extras.bandwidth) line.push_back(percent(row.bandwidth));
-  if (extras.reads) line.push_back(reads_text(row, "x"));
-  std::string check = row.agrees ? row.check : "DIFFER: " + row.check;
-  if (!row.slower.empty()) check += "; SLOWER " + row.slower;
-  line.push_back(std::move(check));
-  return line;
+  if (extras.ratio)
+    line.push_back(row.ratio > 0
+                       ? (row.ratio_is_bound ? "> " : "") + three_digits(row.ratio) + style.times
+                       : "");
+  if (extras.paper)
+    line.push_back(row.paper.ends_with('x')
+                       ? row.paper.substr(0, row.paper.size() - 1) + style.times
+                       : row.paper);
+  if (extras.bandwidth)
+    line.push_back(row.bandwidth > 0 ? fmt::format("{:.0f} %", 100 * row.bandwidth) : "");
+  if (extras.reads) line.push_back(row.reads > 0 ? three_digits(row.reads) + style.times : "");
 }
 
 std::string figure_table(const Figure& figure) {
@@ -113,7 +112,12 @@ std::string figure_table(const Figure& figure) {
   if (extras.bandwidth) cells[0].emplace_back("of read bandwidth");
   if (extras.reads) cells[0].emplace_back("reads");
   cells[0].emplace_back("check");
-  for (const Row& row : figure.rows) cells.push_back(table_line(figure, row, names, extras));
+  for (const Row& row : figure.rows) {
+    Line& line = cells.emplace_back(Line{row.name});
+    add_cells(line, figure, row, names, extras, {amount, "x"});
+    line.push_back((row.agrees ? "" : "DIFFER: ") + row.check +
+                   (row.slower.empty() ? "" : "; SLOWER " + row.slower));
+  }
   std::vector<std::size_t> width(cells[0].size(), 0);
   for (const Line& line : cells)
     for (std::size_t c = 0; c < line.size(); ++c) width[c] = std::max(width[c], line[c].size());
@@ -181,19 +185,7 @@ std::string figure_markdown(const Figure& figure, Footnotes& notes) {
   text += '\n';
   for (const Row& row : figure.rows) {
     Line line{row.title.empty() ? row.name : row.title};
-    for (const std::string& name : names) {
-      const auto at = std::find_if(row.values.begin(), row.values.end(),
-                                   [&](const auto& v) { return v.first == name; });
-      line.push_back(at == row.values.end()
-                         ? ""
-                         : (is_unfinished(row, name) ? "> " : "") + bare(at->second, figure.unit));
-    }
-    if (extras.ratio) line.push_back(ratio_text(row, "×"));
-    if (extras.paper)
-      line.push_back(row.paper.ends_with('x') ? row.paper.substr(0, row.paper.size() - 1) + "×"
-                                              : row.paper);
-    if (extras.bandwidth) line.push_back(percent(row.bandwidth));
-    if (extras.reads) line.push_back(reads_text(row, "×"));
+    add_cells(line, figure, row, names, extras, {bare, "×"});
     const std::string mark = notes.mark(row.remark) + (row.agrees ? "" : notes.mark(row.check));
     if (extras.vertices)
       line.push_back((row.vertices > 0 ? grouped(row.vertices) : "") + mark);

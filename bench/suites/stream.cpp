@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "child.hpp"
+#include "contest.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
@@ -62,7 +63,7 @@ std::uint64_t read_plainly(const std::string& path) {
 class StreamSuite {
  public:
   StreamSuite(const StreamSettings& settings, const Progress& progress, const std::stop_token& stop)
-      : settings_(settings), progress_(progress), stop_(stop), folder_(settings.folder) {
+      : settings_(settings), steps_(progress, stop), folder_(settings.folder) {
     if (settings_.formats.empty()) settings_.formats = stream_formats();
     for (const std::string& format : settings_.formats)
       if (std::find(stream_formats().begin(), stream_formats().end(), format) ==
@@ -74,11 +75,8 @@ class StreamSuite {
   }
 
   Report run() {
-    Report report;
-    report.suite = "stream";
-    report.date = date_now();
+    Report report = begin_report("stream");
     report.scale = settings_.scale;
-    report.machine = describe_machine();
     report.command = fmt::format("cullhull-bench stream --scale {:g} --repeat {} --memory {}",
                                  settings_.scale, settings_.repeat, settings_.memory);
     for (const std::string& f : settings_.formats) report.command += " --format " + f;
@@ -91,11 +89,8 @@ class StreamSuite {
                  {}};
     Figure memory{"memory", "Peak resident set of the process that streams", "MB", "", false, {}};
     for (std::size_t i = 0; i < settings_.formats.size(); ++i) {
-      const std::string& format = settings_.formats[i];
-      if (progress_)
-        progress_(format.c_str(),
-                  static_cast<double>(i) / static_cast<double>(settings_.formats.size()));
-      measure(format, rates, memory);
+      steps_.row(i, settings_.formats.size());
+      measure(settings_.formats[i], rates, memory);
     }
     report.figures = {std::move(rates), std::move(memory)};
     return report;
@@ -113,7 +108,7 @@ class StreamSuite {
     run.seconds = seconds_of([&] {
       child = run_program({settings_.program, "hull", file, "--stream", stream, "--memory",
                            settings_.memory, "--json", "--quiet"},
-                          {0, stop_});
+                          {0, steps_.stop()});
     });
     const auto json = nlohmann::json::parse(child ? child->output : "", nullptr, false);
     if (!child || !json.is_object())
@@ -145,7 +140,8 @@ class StreamSuite {
       write_npy_points(npy, rows.data(), count, 3, ScalarType::f32);
     }
     if (npy != path) {
-      const auto packed = run_program({"/bin/sh", "-c", "exec gzip -1 \"$0\"", npy}, {0, stop_});
+      const auto packed =
+          run_program({"/bin/sh", "-c", "exec gzip -1 \"$0\"", npy}, {0, steps_.stop()});
       if (!packed) throw Error(ErrorCode::io, "no gzip that packs " + npy);
     }
     return count;
@@ -162,7 +158,7 @@ class StreamSuite {
     const Run whole = run_program_on(path, "off");
     std::vector<double> plain, streamed, peaks;
     for (unsigned k = 0; k < settings_.repeat; ++k) {
-      if (stop_.stop_requested()) throw Error(ErrorCode::cancelled, "cancelled");
+      steps_.step(format);
       plain.push_back(seconds_of([&] {
         if (static_cast<double>(read_plainly(path)) != bytes)
           throw Error(ErrorCode::io, path + ": cannot be read");
@@ -186,8 +182,7 @@ class StreamSuite {
   }
 
   StreamSettings settings_;
-  const Progress& progress_;
-  const std::stop_token& stop_;
+  Steps steps_;
   Folder folder_;
 };
 
