@@ -13,7 +13,7 @@ import numpy as np
 from cells import Cells
 from doors import DOORS, Door
 from package import Raised
-from program import Program
+from program import Program, Ran
 from schema import fault_of
 from sets import PointSet
 
@@ -167,10 +167,11 @@ class Across:
 
     # generate
 
+    def _generate(self, words: str, out: Path) -> Ran:
+        return self.program.run(["generate", *words.split(), "-q", "-o", str(out)])
+
     def _made(self) -> None:
-        told = self.program.run(
-            ["generate", "ball", "-n", "9", "-o", str(self.folder / "t.npy"), "--json"]
-        )
+        told = self._generate("ball -n 9 --json", self.folder / "t.npy")
         fault = fault_of(self.program.schema, "generate_report", told.out) if told.out else told.err
         self.cells.judge("program/generate/--json", fault, told.line)
         said = self.program.help_of("generate")
@@ -185,27 +186,13 @@ class Across:
         for name in motions:
             cell = f"program/generate/--motion {name}"
             out = self.folder / "moving.npy"
-            ran = self.program.run(
-                [
-                    "generate",
-                    "ball",
-                    "-n",
-                    "50",
-                    "--frames",
-                    "3",
-                    "--motion",
-                    name,
-                    "-q",
-                    "-o",
-                    str(out),
-                ]
-            )
+            ran = self._generate(f"ball -n 50 --frames 3 --motion {name}", out)
             good = ran.status == 0 and np.load(out).shape == (3, 50, 3)
             self.cells.judge(cell, None if good else f"status {ran.status}: {ran.err!r}", ran.line)
 
     def _format(self, ending: str) -> None:
         cell, out = f"program/generate/{ending}", self.folder / f"made{ending}"
-        ran = self.program.run(["generate", "ball", "-n", "100", "--seed", "7", "-q", "-o", str(out)])
+        ran = self._generate("ball -n 100 --seed 7", out)
         fault: Optional[str] = f"status {ran.status}: {ran.err!r}"
         if ran.status == 0:
             got = np.ascontiguousarray(self.cullhull.read(str(out)), np.float64)
@@ -218,9 +205,7 @@ class Across:
             self.cells.no_meaning(cell, "a shape of the plane")
             return
         out = self.folder / "made.npy"
-        ran = self.program.run(
-            ["generate", shape, "-n", "100", "-d", str(d), "--seed", "7", "-q", "-o", str(out)]
-        )
+        ran = self._generate(f"{shape} -n 100 -d {d} --seed 7", out)
         if ran.status != 0 or not both:
             self.cells.judge(
                 cell, f"status {ran.status}; in both lists: {both}; {ran.err!r}", ran.line
@@ -229,23 +214,7 @@ class Across:
         same = np.load(out).tobytes() == self.cullhull.generate(shape, 100, d, seed=7).tobytes()
         self.cells.judge(cell, None if same else "other bits than cullhull.generate", ran.line)
         single = self.folder / "single.npy"
-        self.program.run(
-            [
-                "generate",
-                shape,
-                "-n",
-                "100",
-                "-d",
-                str(d),
-                "--seed",
-                "7",
-                "-q",
-                "--type",
-                "f32",
-                "-o",
-                str(single),
-            ]
-        )
+        self._generate(f"{shape} -n 100 -d {d} --seed 7 --type f32", single)
         rounded = np.array_equal(np.load(single), np.load(out).astype(np.float32))
         self.cells.judge(f"{cell}/f32", None if rounded else "not the doubles, rounded", ran.line)
 
@@ -272,47 +241,33 @@ def _listed(row: Any) -> Any:
     return row.tolist() if hasattr(row, "tolist") else row
 
 
+def _members(result: Any, names: str) -> dict[str, Any]:
+    return {name: getattr(result, name) for name in names.split()}
+
+
 def _hull(cullhull: Any, p: Any) -> dict[str, Any]:
     h = cullhull.convex_hull(p)
     return {
-        "vertices": h.vertices,
+        **_members(h, "vertices facet_planes simplices centroid"),
         "facets": list(h.facets),
-        "facet_planes": h.facet_planes,
-        "simplices": h.simplices,
-        "centroid": h.centroid,
         "vertex_coordinates": h.vertex_points,
         "facet_neighbours": list(h.facet_neighbours),
     }
 
 
 def _cells(cullhull: Any, p: Any) -> dict[str, Any]:
-    t = cullhull.delaunay(p)
-    return {
-        "cells": t.cells,
-        "neighbours": t.neighbours,
-        "hull_facets": t.hull_facets,
-        "hull_cells": t.hull_cells,
-        "duplicates": t.duplicates,
-        "hidden": t.hidden,
-        "axes": t.axes,
-    }
+    names = "cells neighbours hull_facets hull_cells duplicates hidden axes"
+    return _members(cullhull.delaunay(p), names)
 
 
 def _diagram(cullhull: Any, p: Any) -> dict[str, Any]:
     v = cullhull.voronoi(p)
-    return {
-        "vertices": v.vertices,
-        "ridge_points": v.ridge_points,
-        "ridge_vertices": list(v.ridges),
-        "regions": list(v.regions),
-        "ray_vertices": v.ray_vertices,
-        "ray_directions": v.ray_directions,
-    }
+    lists = {"ridge_vertices": list(v.ridges), "regions": list(v.regions)}
+    return {**_members(v, "vertices ridge_points ray_vertices ray_directions"), **lists}
 
 
 def _shape(cullhull: Any, p: Any) -> dict[str, Any]:
-    a = cullhull.alpha_shape(p)
-    return {"cells": a.cells, "facets": a.facets}
+    return _members(cullhull.alpha_shape(p), "cells facets")
 
 
 def _corners(points: Any) -> tuple[Any, Any]:

@@ -169,57 +169,66 @@ ONE_FILE = {
 _BLOCKS = "reads in blocks: all points are never in memory"
 IN_BLOCKS = dict.fromkeys(("--cull", "--repeat", "--stream", "--backend"), _BLOCKS)
 
+def _row(name: str, *outputs: Output, words: str = "", **more: object) -> Row:
+    """A row whose name is its command line, but for -q, if no words are given."""
+    command, *options = (words or name).split()
+    return Row(name, (command, "-q", *options), outputs, **more)  # type: ignore[arg-type]
+
+
+def _main(name: str, *outputs: Output, words: str = "", **more: object) -> Row:
+    return _row(name, *outputs, words=words, doors="main", **more)
+
+
+def _track(name: str, *outputs: Output, words: str = "track", **more: object) -> Row:
+    return _row(name, *outputs, words=words, shape="sequence", without=SEQUENCE, **more)
+
+
+PLANE_MESHES = ((".ply", texts.ply), (".obj", texts.obj), (".off", texts.off), (".vtp", texts.vtp))
+TRIANGULATION = (_json("triangulation"), _report("triangulation"))
+VORONOI = (_json("voronoi"), _report("voronoi"))
+ALPHA = (_json("alpha_shape"), *PLANE_SHAPES)
+
+
+def _measures(ending: str, read: texts.Reader, reason: Reason = always) -> Output:
+    return Output(f"--measures {ending}", ("--measures", "{}"), ending, read, reason)
+
+
 ROWS = (
-    Row(
+    _row(
         "hull",
-        ("hull", "-q"),
-        (
-            *HULL_MESHES,
-            *PLANE_SHAPES,
-            _json("hull"),
-            _o(".txt", texts.counted_txt),
-            *IDS[:1],
-            _report("hull"),
-        ),
+        *(*HULL_MESHES, *PLANE_SHAPES, _json("hull"), _o(".txt", texts.counted_txt)),
+        *(*IDS[:1], _report("hull")),
         doors="every",
     ),
-    Row(
+    _row(
         "hull --format",
-        ("hull", "-q"),
-        tuple(_format(w) for w in QCONVEX_WORDS),
+        *(_format(w) for w in QCONVEX_WORDS),
+        words="hull",
         ways={"--stream": "--format o prints all points, which are never in memory together"},
     ),
-    *(Row(f"hull {o.name}", ("hull", "-q"), (o,), doors="main") for o in VERTICES),
-    Row("hull --triangles", ("hull", "-q", "--triangles"), HULL_MESHES[-1:], doors="main"),
-    Row("hull --polygons", ("hull", "-q", "--polygons"), HULL_MESHES[:3], doors="main"),
-    Row(
-        "hull --certify",
-        ("hull", "-q", "--certify"),
-        (_json("hull"), *IDS[1:2], _report("hull")),
-        doors="main",
-    ),
-    Row("hull --partial", ("hull", "-q"), (STATE, *IDS[2:], _report("hull")), ways=IN_BLOCKS),
-    Row(
+    *(_main(f"hull {o.name}", o, words="hull") for o in VERTICES),
+    _main("hull --triangles", *HULL_MESHES[-1:]),
+    _main("hull --polygons", *HULL_MESHES[:3]),
+    _main("hull --certify", _json("hull"), *IDS[1:2], _report("hull")),
+    _row("hull --partial", STATE, *IDS[2:], _report("hull"), words="hull", ways=IN_BLOCKS),
+    _row(
         "hull --part",
-        ("hull", "-q", "--part", "1/1"),
-        (_o(".npz", texts.archive, alike="values"),),
+        _o(".npz", texts.archive, alike="values"),
+        words="hull --part 1/1",
         ways=IN_BLOCKS,
         doors="main",
     ),
-    Row(
+    _row(
         "hull --only vertices",
-        ("hull", "-q", "--only", "vertices"),
-        (*IDS[:1], _report("extreme")),
+        *(*IDS[:1], _report("extreme")),
     ),
     *(
-        Row(
+        _row(
             f"cull -o {ids.name} --points {points.name}",
-            ("cull", "-q"),
-            (
-                ids,
-                replace(points, name=f"--points {points.name}", words=("--points", "{}")),
-                *([_report("cull")] if first else []),
-            ),
+            ids,
+            replace(points, name=f"--points {points.name}", words=("--points", "{}")),
+            *([_report("cull")] if first else []),
+            words="cull",
             ways={"--repeat": "the filter is the same", "--memory": "the filter is the same"},
             doors="all" if first else "main",
         )
@@ -232,233 +241,94 @@ ROWS = (
             (False, _s(".geojson", texts.geojson, mesh), _s(".geojson", texts.geojson, mesh)),
         )
     ),
-    Row("cull --partial", ("cull", "-q"), (STATE,), ways=IN_BLOCKS, doors="main"),
-    Row(
+    _main("cull --partial", STATE, words="cull", ways=IN_BLOCKS),
+    _row(
         "delaunay",
-        ("delaunay", "-q"),
-        (
-            *(
-                _o(e, r, PLANE)
-                for e, r in (
-                    (".ply", texts.ply),
-                    (".obj", texts.obj),
-                    (".off", texts.off),
-                    (".vtp", texts.vtp),
-                )
-            ),
-            _o(".stl", texts.stl, drawn, of_points=False),
-            _o(".glb", texts.glb, drawn, of_points=False),
-            _o(".vtk", texts.vtk, up_to_space),
-            *PLANE_SHAPES,
-            _json("triangulation"),
-            _report("triangulation"),
-            *(_format(w) for w in ("i", "Fn", "Fx", "p")),
-        ),
+        *(_o(e, r, PLANE) for e, r in PLANE_MESHES),
+        _o(".stl", texts.stl, drawn, of_points=False),
+        _o(".glb", texts.glb, drawn, of_points=False),
+        _o(".vtk", texts.vtk, up_to_space),
+        *(*PLANE_SHAPES, *TRIANGULATION),
+        *(_format(w) for w in ("i", "Fn", "Fx", "p")),
     ),
-    Row(
-        "delaunay --certify",
-        ("delaunay", "-q", "--certify"),
-        (_json("triangulation"), _report("triangulation")),
-        doors="main",
-    ),
-    Row(
-        "delaunay --furthest",
-        ("delaunay", "-q", "--furthest"),
-        (_json("triangulation"), _report("triangulation")),
-        doors="main",
-    ),
-    Row(
-        "delaunay --weights",
-        ("delaunay", "-q"),
-        (_json("triangulation"), _report("triangulation")),
-        extra="weights",
-    ),
-    Row(
+    _main("delaunay --certify", *TRIANGULATION),
+    _main("delaunay --furthest", *TRIANGULATION),
+    _row("delaunay --weights", *TRIANGULATION, words="delaunay", extra="weights"),
+    _main(
         "delaunay --edges",
-        ("delaunay", "-q"),
-        (_json("triangulation"), _report("triangulation")),
+        *TRIANGULATION,
+        words="delaunay",
         reason=lambda s: PLANE(s)
         or (None if s.count > 3 else "an edge needs two points to part others"),
-        doors="main",
         extra="edges",
     ),
-    Row(
+    _row(
         "voronoi",
-        ("voronoi", "-q"),
-        (
-            *(
-                _o(e, r, mesh, of_points=False)
-                for e, r in (
-                    (".ply", texts.ply),
-                    (".obj", texts.obj),
-                    (".off", texts.off),
-                    (".vtp", texts.vtp),
-                )
-            ),
-            *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
-            _json("voronoi"),
-            _report("voronoi"),
-            Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, up_to_space),
-            *(_format(w) for w in ("p", "o", "Fv")),
-        ),
+        *(_o(e, r, mesh, of_points=False) for e, r in PLANE_MESHES),
+        *(_o(o.name, o.read, PLANE, of_points=False) for o in PLANE_SHAPES),
+        *(*VORONOI, _measures(".npy", texts.measures, up_to_space)),
+        *(_format(w) for w in ("p", "o", "Fv")),
     ),
-    Row(
-        "voronoi --measures",
-        ("voronoi", "-q"),
-        (Output("--measures .csv", ("--measures", "{}"), ".csv", texts.measures_csv, up_to_space),),
-        doors="main",
+    _main(
+        "voronoi --measures", _measures(".csv", texts.measures_csv, up_to_space), words="voronoi"
     ),
-    Row(
+    _main(
         "voronoi --box",
-        ("voronoi", "-q", "--box", "{box}"),
+        *(_measures(".txt", texts.measures_csv), _report("voronoi")),
+        words="voronoi --box {box}",
         reason=up_to_space,
-        outputs=(
-            Output("--measures .txt", ("--measures", "{}"), ".txt", texts.measures_csv),
-            _report("voronoi"),
-        ),
-        doors="main",
     ),
-    Row(
+    _main(
         "voronoi --clip",
-        ("voronoi", "-q"),
-        (
-            _o(".geojson", PLANE_SHAPES[0].read, PLANE, of_points=False),
-            Output("--measures .npy", ("--measures", "{}"), ".npy", texts.measures, PLANE),
-            _report("voronoi"),
-        ),
+        _o(".geojson", PLANE_SHAPES[0].read, PLANE, of_points=False),
+        *(_measures(".npy", texts.measures, PLANE), _report("voronoi")),
+        words="voronoi",
         reason=PLANE,
-        doors="main",
         extra="clip",
     ),
-    Row(
+    _main(
         "voronoi --polygons",
-        ("voronoi", "-q", "--polygons"),
-        (_o(".ply", texts.ply, mesh, of_points=False), _o(".off", texts.off, mesh, of_points=False)),
-        doors="main",
+        *(_o(e, r, mesh, of_points=False) for e, r in PLANE_MESHES if e in (".ply", ".off")),
     ),
-    Row(
-        "voronoi --triangles",
-        ("voronoi", "-q", "--triangles"),
-        (_o(".vtp", texts.vtp, mesh, of_points=False),),
-        doors="main",
-    ),
-    Row("voronoi --certify", ("voronoi", "-q", "--certify"), (_report("voronoi"),), doors="main"),
-    Row(
-        "voronoi --furthest",
-        ("voronoi", "-q", "--furthest"),
-        (_json("voronoi"), _report("voronoi")),
-        doors="main",
-    ),
-    Row(
-        "voronoi --weights",
-        ("voronoi", "-q"),
-        (_json("voronoi"), _report("voronoi")),
-        doors="main",
-        extra="weights",
-    ),
-    Row(
+    _main("voronoi --triangles", _o(".vtp", texts.vtp, mesh, of_points=False)),
+    _main("voronoi --certify", _report("voronoi")),
+    _main("voronoi --furthest", *VORONOI),
+    _main("voronoi --weights", *VORONOI, words="voronoi", extra="weights"),
+    _row(
         "alpha",
-        ("alpha", "-q"),
-        (
-            *HULL_MESHES,
-            _o(".vtk", texts.vtk, up_to_space),
-            *PLANE_SHAPES,
-            _json("alpha_shape"),
-            _report("alpha"),
-        ),
+        *(*HULL_MESHES, _o(".vtk", texts.vtk, up_to_space), *PLANE_SHAPES),
+        *(_json("alpha_shape"), _report("alpha")),
     ),
-    Row(
-        "alpha --alpha all-points",
-        ("alpha", "-q", "--alpha", "all-points"),
-        (_json("alpha_shape"), *PLANE_SHAPES),
-        doors="main",
-    ),
-    Row(
-        "alpha --alpha NUMBER",
-        ("alpha", "-q", "--alpha", "20"),
-        (_json("alpha_shape"), *PLANE_SHAPES),
-        doors="main",
-    ),
-    Row(
-        "alpha --ratio",
-        ("alpha", "-q", "--ratio", "0.3"),
-        (_json("alpha_shape"), *PLANE_SHAPES),
-        reason=PLANE,
-    ),
-    Row("certify", ("certify", "-q"), (_report("certify"),), shape="with hull", reason=has_hull),
-    Row(
+    _main("alpha --alpha all-points", *ALPHA),
+    _main("alpha --alpha NUMBER", *ALPHA, words="alpha --alpha 20"),
+    _row("alpha --ratio", *ALPHA, words="alpha --ratio 0.3", reason=PLANE),
+    _row("certify", _report("certify"), shape="with hull", reason=has_hull),
+    _row(
         "certify the reference",
-        ("certify", "-q"),
-        (_report("certify"),),
+        _report("certify"),
+        words="certify",
         shape="with reference",
         reason=has_hull,
         scalars="f64",
     ),
     Row("info", ("info",), (_report("info"),), not_finite=0),
-    Row(
-        "view",
-        ("view", "-q"),
-        (_o(".html", texts.page, alike="page"), _report("hull")),
-        doors="main",
-    ),
-    Row(
+    _main("view", _o(".html", texts.page, alike="page"), _report("hull")),
+    _main(
         "view --delaunay",
-        ("view", "-q", "--delaunay"),
-        (_o(".html", texts.page, alike="page"),),
+        _o(".html", texts.page, alike="page"),
         reason=lambda s: mesh(s) if s.finite else None,
-        doors="main",
     ),
-    Row(
-        "track",
-        ("track", "-q"),
-        (_report("track"),),
-        shape="sequence",
-        without=SEQUENCE,
-        ways={"--cull": "--json says how each frame was filtered"},
-    ),
-    Row(
-        "track --certify",
-        ("track", "-q", "--certify"),
-        (_report("track"),),
-        shape="sequence",
-        without=SEQUENCE,
-        doors="main",
-    ),
-    Row(
-        "track --polygons",
-        ("track", "-q", "--polygons"),
-        HULL_MESHES[:1],
-        shape="sequence",
-        without=SEQUENCE,
-        doors="main",
-    ),
-    Row(
-        "track --triangles",
-        ("track", "-q", "--triangles"),
-        HULL_MESHES[-1:],
-        shape="sequence",
-        without=SEQUENCE,
-        doors="main",
-    ),
+    _track("track", _report("track"), ways={"--cull": "--json says how each frame was filtered"}),
+    _track("track --certify", _report("track"), words="track --certify", doors="main"),
+    _track("track --polygons", *HULL_MESHES[:1], words="track --polygons", doors="main"),
+    _track("track --triangles", *HULL_MESHES[-1:], words="track --triangles", doors="main"),
     *(
-        Row(
-            f"track to {o.name}",
-            ("track", "-q"),
-            (o,),
-            shape="sequence",
-            without=SEQUENCE,
-            doors="main",
-        )
-        for o in (
-            *HULL_MESHES[:4],
-            _json("hull"),
-            _o(".txt", texts.counted_txt),
-        )
+        _track(f"track to {o.name}", o, doors="main")
+        for o in (*HULL_MESHES[:4], _json("hull"), _o(".txt", texts.counted_txt))
     ),
-    Row(
+    _row(
         "qconvex",
-        ("qconvex", "-q"),
-        tuple(Output(w, (w,), None, texts.text) for w in QCONVEX_WORDS),
+        *(Output(w, (w,), None, texts.text) for w in QCONVEX_WORDS),
         shape="qconvex",
         without=ONE_FILE,
     ),

@@ -7,6 +7,7 @@ one for each of `b`, `w` weights, `low` and `high` a box.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 from typing import Callable, Optional
 
@@ -106,6 +107,18 @@ def adding(kind: str) -> Call:
     return Call(f"{kind}.add_points", text, raises=added)
 
 
+def interpolator(
+    name: str, text: str, raises: Reason, reason: Reason = always, arrays: str = "few"
+) -> Call:
+    """A call of the class or function with which the name begins."""
+    called = re.split("[ .]", name)[0]
+    return Call(name, f"cullhull.{called}{text}", reason, raises, arrays=arrays, without=AXES)
+
+
+def spherical(method: str = "", text: str = "cullhull.SphericalVoronoi(p)", **more: str) -> Call:
+    return Call(f"SphericalVoronoi{method}", text, on_sphere, derive="sphere", **more)
+
+
 CALLS = (
     Call("convex_hull", "cullhull.convex_hull(p)", arrays="all"),
     Call("convex_hull certified", "cullhull.convex_hull(p, certify=True)"),
@@ -201,99 +214,26 @@ CALLS = (
         derive="halfspaces",
         raises=added,
     ),
-    Call(
-        "SphericalVoronoi", "cullhull.SphericalVoronoi(p)", on_sphere, derive="sphere", arrays="all"
-    ),
-    Call(
-        "SphericalVoronoi.calculate_areas",
-        "cullhull.SphericalVoronoi(p).calculate_areas()",
-        on_sphere,
-        derive="sphere",
-    ),
-    Call(
-        "SphericalVoronoi.sort_vertices_of_regions",
+    spherical(arrays="all"),
+    spherical(".calculate_areas", "cullhull.SphericalVoronoi(p).calculate_areas()"),
+    spherical(
+        ".sort_vertices_of_regions",
         "(v := cullhull.SphericalVoronoi(p)).sort_vertices_of_regions() or v",
-        on_sphere,
-        derive="sphere",
     ),
-    Call(
-        "LinearNDInterpolator",
-        "cullhull.LinearNDInterpolator(p, v)(b)",
-        arrays="all",
-        without=AXES,
-        raises=as_scipy,
+    interpolator("LinearNDInterpolator", "(p, v)(b)", as_scipy, arrays="all"),
+    interpolator("LinearNDInterpolator itself", "(p, v)", as_scipy),
+    interpolator("NaturalNDInterpolator itself", "(p, v)", natural),
+    interpolator("NearestNDInterpolator itself", "(p, v)", nearest_as_scipy),
+    interpolator("LinearNDInterpolator asked", "(b, vb)(p)", asked_as_scipy),
+    interpolator("NaturalNDInterpolator", "(p, v)(b)", natural, arrays="all"),
+    interpolator("NaturalNDInterpolator asked", "(b, vb)(p)", natural_asked),
+    interpolator(
+        "NaturalNDInterpolator.neighbours", "(p, v).neighbours(b.mean(axis=0))", natural
     ),
-    Call(
-        "LinearNDInterpolator itself",
-        "cullhull.LinearNDInterpolator(p, v)",
-        without=AXES,
-        raises=as_scipy,
-    ),
-    Call(
-        "NaturalNDInterpolator itself",
-        "cullhull.NaturalNDInterpolator(p, v)",
-        without=AXES,
-        raises=natural,
-    ),
-    Call(
-        "NearestNDInterpolator itself",
-        "cullhull.NearestNDInterpolator(p, v)",
-        without=AXES,
-        raises=nearest_as_scipy,
-    ),
-    Call(
-        "LinearNDInterpolator asked",
-        "cullhull.LinearNDInterpolator(b, vb)(p)",
-        without=AXES,
-        raises=asked_as_scipy,
-    ),
-    Call(
-        "NaturalNDInterpolator",
-        "cullhull.NaturalNDInterpolator(p, v)(b)",
-        arrays="all",
-        without=AXES,
-        raises=natural,
-    ),
-    Call(
-        "NaturalNDInterpolator asked",
-        "cullhull.NaturalNDInterpolator(b, vb)(p)",
-        without=AXES,
-        raises=natural_asked,
-    ),
-    Call(
-        "NaturalNDInterpolator.neighbours",
-        "cullhull.NaturalNDInterpolator(p, v).neighbours(b.mean(axis=0))",
-        without=AXES,
-        raises=natural,
-    ),
-    Call(
-        "NearestNDInterpolator",
-        "cullhull.NearestNDInterpolator(p, v)(b)",
-        arrays="all",
-        without=AXES,
-        raises=nearest_as_scipy,
-    ),
-    Call(
-        "NearestNDInterpolator asked",
-        "cullhull.NearestNDInterpolator(b, vb)(p)",
-        without=AXES,
-        raises=nearest_asked,
-    ),
-    Call(
-        "griddata",
-        "cullhull.griddata(p, v, b)",
-        NOT_LINE,
-        arrays="all",
-        without=AXES,
-        raises=as_scipy,
-    ),
-    Call(
-        "griddata asked",
-        "cullhull.griddata(b, vb, p)",
-        NOT_LINE,
-        without=AXES,
-        raises=asked_as_scipy,
-    ),
+    interpolator("NearestNDInterpolator", "(p, v)(b)", nearest_as_scipy, arrays="all"),
+    interpolator("NearestNDInterpolator asked", "(b, vb)(p)", nearest_asked),
+    interpolator("griddata", "(p, v, b)", as_scipy, NOT_LINE, arrays="all"),
+    interpolator("griddata asked", "(b, vb, p)", asked_as_scipy, NOT_LINE),
     Call("Hull.contains", "cullhull.convex_hull(b).contains(p)", arrays="all"),
     Call("Hull.sides", "cullhull.convex_hull(b).sides(p)"),
     Call("Hull.distance", "cullhull.convex_hull(b).distance(p)"),
@@ -328,10 +268,7 @@ CALLS = (
     ),
     Call("Hull.mesh", "cullhull.convex_hull(p).mesh()"),
     Call("HullBatch.mesh", "cullhull.convex_hulls([p, p]).mesh()"),
-    Call(
-        "GroupHulls.mesh",
-        "cullhull.hulls_by(p, np.zeros(len(a))).mesh()",
-    ),
+    Call("GroupHulls.mesh", "cullhull.hulls_by(p, np.zeros(len(a))).mesh()"),
     Call("Triangulation.mesh", "cullhull.delaunay(p).mesh()"),
     Call(
         "ConstrainedTriangulation.mesh",
@@ -347,50 +284,17 @@ CALLS = (
 )
 
 #: Public names without a `Call`, and why.
+_ERRORS = """BackendUnavailable BadFile Cancelled Error FileError InternalError InvalidArgument
+    NotCertified NotFinite OutOfBudget QhullError""".split()
+_RESULTS = """AlphaShape Certificate ClippedCells ConcaveHull ConstrainedTriangulation GroupHulls
+    Hull HullBatch Lists Mesh NearestFacets Rays Simplified Triangulation VoronoiDiagram""".split()
+_OF_DEVICES = ("DeviceArray", "DeviceHullBatch", "convex_hulls_on_device", "cuda_status")
 ELSEWHERE = {
-    **dict.fromkeys(
-        (
-            "BackendUnavailable",
-            "BadFile",
-            "Cancelled",
-            "Error",
-            "FileError",
-            "InternalError",
-            "InvalidArgument",
-            "NotCertified",
-            "NotFinite",
-            "OutOfBudget",
-            "QhullError",
-        ),
-        "an error: the cells hold which set raises which",
-    ),
-    **dict.fromkeys(
-        ("OptionWarning", "ShapeWarning"), "a warning: test_qhull_options, test_arrays"
-    ),
-    **dict.fromkeys(
-        (
-            "AlphaShape",
-            "Certificate",
-            "ClippedCells",
-            "ConcaveHull",
-            "ConstrainedTriangulation",
-            "GroupHulls",
-            "Hull",
-            "HullBatch",
-            "Lists",
-            "Mesh",
-            "NearestFacets",
-            "Rays",
-            "Simplified",
-            "Triangulation",
-            "VoronoiDiagram",
-        ),
-        "a result: made by a function, compared member by member",
-    ),
-    **dict.fromkeys(
-        ("DeviceArray", "DeviceHullBatch", "convex_hulls_on_device", "cuda_status"),
-        "needs a device: tests/gpu",
-    ),
+    **dict.fromkeys(_ERRORS, "an error: the cells hold which set raises which"),
+    "OptionWarning": "a warning: test_qhull_options",
+    "ShapeWarning": "a warning: test_arrays",
+    **dict.fromkeys(_RESULTS, "a result: made by a function, compared member by member"),
+    **dict.fromkeys(_OF_DEVICES, "needs a device: tests/gpu"),
     "__version__": "a text",
     "convex_hull_plot_2d": "an output: the cells 'plot'",
     "delaunay_plot_2d": "an output: the cells 'plot'",
@@ -401,26 +305,14 @@ ELSEWHERE = {
     "load_hull": "takes files: test_hull",
 }
 
-_DRAWN = (
-    "AlphaShape",
-    "ClippedCells",
-    "ConcaveHull",
-    "ConstrainedTriangulation",
-    "ConvexHull",
-    "Delaunay",
-    "GroupHulls",
-    "Hull",
-    "HullBatch",
-    "HullState",
-    "TolerantConvexHull",
-    "TolerantDelaunay",
-    "TolerantVoronoi",
-    "Triangulation",
-    "Voronoi",
-    "VoronoiDiagram",
-)
+_DRAWN = """AlphaShape ClippedCells ConcaveHull ConstrainedTriangulation ConvexHull Delaunay
+    GroupHulls Hull HullBatch HullState TolerantConvexHull TolerantDelaunay TolerantVoronoi
+    Triangulation Voronoi VoronoiDiagram""".split()
 _DIAGRAMS = ("HullState", "TolerantVoronoi", "Voronoi", "VoronoiDiagram")
 _EXPORTED = tuple(kind for kind in _DRAWN if kind not in _DIAGRAMS)
+
+_CLOSED = """Delaunay Voronoi HalfspaceIntersection TolerantConvexHull TolerantDelaunay
+    TolerantVoronoi""".split()
 
 #: Public methods of results without a `Call`, and why.
 METHODS_ELSEWHERE = {
@@ -439,14 +331,9 @@ METHODS_ELSEWHERE = {
     "HullState.load": "an output: the cells 'save'",
     "HullStream.hull": "asked by HullStream.push",
     "HullStream.state": "asked by HullStream.extend",
-    "Delaunay.close": "inherited: ConvexHull.close",
-    "Voronoi.close": "inherited: ConvexHull.close",
-    "HalfspaceIntersection.close": "inherited: ConvexHull.close",
-    "TolerantConvexHull.close": "inherited: ConvexHull.close",
-    "TolerantDelaunay.close": "inherited: ConvexHull.close",
+    **{f"{kind}.close": "inherited: ConvexHull.close" for kind in _CLOSED},
     "TolerantDelaunay.lift_points": "inherited: Delaunay.lift_points",
     "TolerantDelaunay.plane_distance": "inherited: Delaunay.plane_distance",
-    "TolerantVoronoi.close": "inherited: ConvexHull.close",
     "ConcaveHull.polygons": "inherited: AlphaShape.polygons",
     **dict.fromkeys(
         ("GroupHulls.get", "GroupHulls.items", "GroupHulls.keys", "GroupHulls.values"),
