@@ -1,24 +1,33 @@
-// What a call throws, as text.
+// What a call throws, as text; what a text has.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <string>
+#include <string_view>
 
 #include "cullhull/error.hpp"
 
 namespace cullhull::testing_support {
 
-/// The message of the Error that `body` throws, whose code is expected to be `code`.
-template <class Body>
-std::string message_of(const Body& body, ErrorCode code) {
+/// The message of the Error that `call` throws, which must have code `code` and be one line.
+template <class Call>
+std::string error_of(ErrorCode code, const Call& call) {
   try {
-    body();
+    call();
   } catch (const Error& e) {
-    EXPECT_EQ(e.code(), code) << e.what();
-    return e.what();
+    EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
+    const std::string what = e.what();
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    return what;
   }
-  return "nothing was thrown";
+  ADD_FAILURE() << "no error";
+  return "";
+}
+
+template <class Call>
+std::string message_of(const Call& call, ErrorCode code) {
+  return error_of(code, call);
 }
 
 /// Code and message of the Error that `call` throws; empty if it throws none.
@@ -30,6 +39,15 @@ std::string error_of(const Call& call) {
     return std::to_string(static_cast<int>(e.code())) + " " + e.what();
   }
   return "";
+}
+
+/// Whether `text` has every one of `parts`.
+template <class... Parts>
+::testing::AssertionResult has(std::string_view text, const Parts&... parts) {
+  for (const std::string_view part : {std::string_view(parts)...})
+    if (text.find(part) == std::string_view::npos)
+      return ::testing::AssertionFailure() << "no [" << part << "] in [" << text << "]";
+  return ::testing::AssertionSuccess() << "there is [" << text << "]";
 }
 
 }  // namespace cullhull::testing_support

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "agreement/expect_json.hpp"
 #include "cgal.hpp"
@@ -29,12 +28,12 @@ TEST(BenchCommand, HelpAndUsage) {
                "unknown command 'rival'; did you mean rivals? (see cullhull-bench --help)");
   const Ran json = run_app({"cullhull-bench", "--json"});
   EXPECT_EQ(json.status, 2) << json.err;
-  EXPECT_EQ(json.err.find("--json=-"), std::string::npos) << json.err;
+  EXPECT_FALSE(has(json.err, "--json=-"));
   const Ran cut = run_app({"cullhull-bench", "rivals", "--workload", std::string(5000, 'x')});
   EXPECT_TRUE(cut.status == 1 || cut.status == 2) << cut.status;
   EXPECT_TRUE(one_line(cut.err)) << cut.err.substr(0, 100);
   EXPECT_LT(cut.err.size(), 700U) << cut.err.substr(0, 100);
-  EXPECT_NE(cut.err.find("xxx"), std::string::npos) << cut.err.substr(0, 300);
+  EXPECT_TRUE(has(cut.err, "xxx")) << cut.err.substr(0, 300);
   const Folder f;
   expect_error({"cullhull-bench", "calls", "--seconds", "0", "--json=" + (f / "m.csv")}, 2,
                ".json");
@@ -70,7 +69,7 @@ TEST(BenchCommand, BadUsage) {
     EXPECT_EQ(ran.out, "");
   }
   EXPECT_EQ(run_app({"cullhull-bench"}).out, run_app({"cullhull-bench", "--help"}).out);
-  EXPECT_EQ(run_app({"cullhull-bench"}).status, 0);
+  run_well({"cullhull-bench"});
 }
 
 /// Every row has values that are times or shares, and says how it was checked.
@@ -99,18 +98,16 @@ TEST(BenchPaper, EveryFigureAtASmallScale) {
   const Folder f;
   const std::string file = f / "report.json";
   const Ran ran =
-      run_app({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1", "--json=" + file});
-  ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("figure-12"), std::string::npos);
-  const auto report = nlohmann::json::parse(read_file(file));
+      run_well({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1", "--json=" + file});
+  EXPECT_TRUE(has(ran.out, "figure-12"));
+  const auto report = json_in(file);
   EXPECT_EQ(report["suite"], "paper");
   EXPECT_EQ(report["scale"], 0.0005);
   expect_sound(report);
   EXPECT_EQ(report["figures"].size(), 8U);
 
-  const Ran one = run_app({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1",
-                           "--figure", "threads", "--json"});
-  ASSERT_EQ(one.status, 0) << one.err;
+  const Ran one = run_well({"cullhull-bench", "paper", "--scale", "0.0005", "--repeat", "1",
+                            "--figure", "threads", "--json"});
   EXPECT_EQ(nlohmann::json::parse(one.out)["figures"].size(), 1U);
   EXPECT_EQ(run_app({"cullhull-bench", "paper", "--figure", "figure-99"}).status, 2);
   EXPECT_EQ(run_app({"cullhull-bench", "paper", "--scale", "0"}).status, 2);
@@ -135,9 +132,8 @@ const std::vector<std::string> rivals = {"cullhull-bench", "rivals", "--repeat",
 
 TEST(BenchRivals, MarksWhereARivalIsFaster) {
   const Ran ran =
-      run_app(with(rivals, {"--scale", "0.001", "--workload", "ball-3d-8M", "--workload",
-                            "sphere-4d-100k", "--threads", "1,2", "--json"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
+      run_well(joined(rivals, {"--scale", "0.001", "--workload", "ball-3d-8M", "--workload",
+                               "sphere-4d-100k", "--threads", "1,2", "--json"}));
   const auto report = nlohmann::json::parse(ran.out);
   expect_sound(report);
   const auto& all = report["figures"].back();
@@ -163,12 +159,11 @@ TEST(BenchRivals, MarksWhereARivalIsFaster) {
 
 TEST(BenchRivals, EveryCombinationAndHardPoints) {
   const Folder f;
-  const Ran ran = run_app(with(
+  const Ran ran = run_well(joined(
       rivals,
       {"--scale",  "1",           "--shape",   "ball",     "--shape", "sphere",     "--dimension",
        "2",        "--dimension", "3",         "--points", "500",     "--scalar",   "f32",
        "--scalar", "i32",         "--threads", "1",        "--json",  "--markdown", f / "t.md"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
   const auto report = nlohmann::json::parse(ran.out);
   expect_sound(report);
   const auto rows = rows_of(report);
@@ -176,13 +171,12 @@ TEST(BenchRivals, EveryCombinationAndHardPoints) {
   for (const char* name : {"ball-2d-500-f32", "ball-3d-500-i32", "sphere-3d-500-f32"})
     EXPECT_EQ(rows.count(name), 1U) << name;
   const std::string table = read_file(f / "t.md");
-  EXPECT_NE(table.find("| 2D disk 500, f32"), std::string::npos) << table;
+  EXPECT_TRUE(has(table, "| 2D disk 500, f32"));
 
-  const Ran hard = run_app(
-      with(rivals, {"--scale", "1", "--workload", "turned-lattice-surface-3d-600", "--workload",
-                    "two-circles-3d-300", "--workload", "turned-squashed-3d-300", "--workload",
-                    "cone-3d-300", "--workload", "grid-3d-2k-i32", "--json"}));
-  ASSERT_EQ(hard.status, 0) << hard.err;
+  const Ran hard = run_well(
+      joined(rivals, {"--scale", "1", "--workload", "turned-lattice-surface-3d-600", "--workload",
+                      "two-circles-3d-300", "--workload", "turned-squashed-3d-300", "--workload",
+                      "cone-3d-300", "--workload", "grid-3d-2k-i32", "--json"}));
   const auto found = nlohmann::json::parse(hard.out);
   expect_sound(found);
   EXPECT_EQ(rows_of(found).at("two-circles-3d-300")["vertices"], 300);
@@ -190,9 +184,8 @@ TEST(BenchRivals, EveryCombinationAndHardPoints) {
 }
 
 TEST(BenchRivals, ARivalThatTakesTooLongIsStopped) {
-  const Ran ran = run_app(with(rivals, {"--scale", "1", "--workload", "sphere-3d-200k", "--limit",
-                                        "0.1", "--without", "cgal", "--json"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(joined(rivals, {"--scale", "1", "--workload", "sphere-3d-200k",
+                                           "--limit", "0.1", "--without", "cgal", "--json"}));
   const auto row = rows_of(nlohmann::json::parse(ran.out)).begin()->second;
   EXPECT_FALSE(row["values"].contains("CGAL"));
   if (row["values"]["Qhull"].is_null()) return;  // built without
@@ -220,32 +213,24 @@ TEST(BenchRivals, OtherExtremePointsAreAnError) {
   command += " rivals --scale 1 --repeat 1 --workload cube-3d-100 -q --json=";
   command += out + " 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
-  const auto report = nlohmann::json::parse(read_file(out));
+  const auto report = json_in(out);
   EXPECT_EQ(report["figures"][0]["id"], "differ");
   const auto& row = report["figures"][0]["rows"][0];
   EXPECT_FALSE(row["agrees"].get<bool>());
   EXPECT_EQ(row["values"]["CGAL"], 1.0);
-  EXPECT_NE(row["check"].get<std::string>().find("2 only CGAL's"), std::string::npos) << row;
+  EXPECT_TRUE(has(row["check"].get<std::string>(), "2 only CGAL's")) << row;
 }
 
 TEST(BenchRivals, BadUsage) {
-  for (const auto& words : std::vector<std::vector<std::string>>{{"--workload", "nothing"},
-                                                                 {"--workload", "nothing-3d-1k"},
-                                                                 {"--workload", "squashed-4d-1k"},
-                                                                 {"--threads", "0"},
-                                                                 {"--json", "--markdown=-"},
-                                                                 {"--threads", "1,many"},
-                                                                 {"--points", "many"}}) {
-    const Ran ran = run_app(with(rivals, words));
-    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
-    EXPECT_TRUE(one_line(ran.err)) << ran.err;
-  }
+  for (const auto& words :
+       command_lines({"--workload nothing", "--workload nothing-3d-1k", "--workload squashed-4d-1k",
+                      "--threads 0", "--json --markdown=-", "--threads 1,many", "--points many"}))
+    expect_error(joined(rivals, words), 2, "");
 }
 
 TEST(BenchStream, EveryFormatHasTheHullThatItHasInMemory) {
   const Ran ran =
-      run_app({"cullhull-bench", "stream", "--scale", "0.0005", "--repeat", "1", "--json"});
-  ASSERT_EQ(ran.status, 0) << ran.err;
+      run_well({"cullhull-bench", "stream", "--scale", "0.0005", "--repeat", "1", "--json"});
   const auto report = nlohmann::json::parse(ran.out);
   ASSERT_EQ(report["figures"].size(), 2U);
   const auto& rates = report["figures"][0]["rows"];
@@ -271,28 +256,26 @@ TEST(BenchLifting, EveryFamilyAndDimensionAgreesWithARivalOrIsCertified) {
   const Folder f;
   const std::string file = f / "scan.csv";
   write_file(file, "0,0,9\n1,0,9\n0,1,9\n1,1.5,9\n7,7,9\n");
-  const Ran ran = run_app(with(lifting, {"--shape",     "uniform",
-                                         "--shape",     "clustered",
-                                         "--shape",     "lattice",
-                                         "--shape",     "sphere",
-                                         "--shape",     "lines",
-                                         "--dimension", "2",
-                                         "--dimension", "3",
-                                         "--dimension", "4",
-                                         "--points",    "300",
-                                         "--workload",  "scan-2d-1M",
-                                         "--workload",  "uniform-5d-60-f32",
-                                         "--scan",      file,
-                                         "--threads",   "1,2",
-                                         "--json"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(joined(lifting, {"--shape",     "uniform",
+                                            "--shape",     "clustered",
+                                            "--shape",     "lattice",
+                                            "--shape",     "sphere",
+                                            "--shape",     "lines",
+                                            "--dimension", "2",
+                                            "--dimension", "3",
+                                            "--dimension", "4",
+                                            "--points",    "300",
+                                            "--workload",  "scan-2d-1M",
+                                            "--workload",  "uniform-5d-60-f32",
+                                            "--scan",      file,
+                                            "--threads",   "1,2",
+                                            "--json"}));
   const auto report = nlohmann::json::parse(ran.out);
   expect_sound(report);
   const auto rows = rows_of(report);
   ASSERT_EQ(rows.size(), 17U);
   // All of a lattice is ties: beyond the plane its cells are not counted but certified.
-  EXPECT_NE(rows.at("lattice-3d-300")["check"].get<std::string>().find(", certified"),
-            std::string::npos);
+  EXPECT_TRUE(has(rows.at("lattice-3d-300")["check"].get<std::string>(), ", certified"));
   EXPECT_EQ(rows.at("scan-2d-5")["check"].get<std::string>().substr(0, 7), "4 cells");
   for (const auto& [name, row] : rows) {
     EXPECT_GT(row["values"]["cullhull, 1 thread"], 0) << name;
@@ -309,8 +292,8 @@ TEST(BenchLifting, ProgramsOfOthersAndWhoCountsOtherCells) {
   const Folder f;
   const std::string one_and_one = "printf '\\0\\0\\0\\0\\0\\0\\360?\\0\\0\\0\\0\\0\\0\\360?'\n";
   const std::vector<std::string> square = {"--workload", "lattice-2d-4", "--without", "qhull"};
-  const auto other = run_app(with(
-      with(lifting, square),
+  const auto other = run_app(joined(
+      joined(lifting, square),
       {"--rival", "other=" + script_at(f / "other", "test \"$2\" = delaunay && " + one_and_one),
        "--without", "cgal", "--json"}));
   ASSERT_EQ(other.status, 0) << other.err;
@@ -318,10 +301,9 @@ TEST(BenchLifting, ProgramsOfOthersAndWhoCountsOtherCells) {
   EXPECT_EQ(row["values"]["other"], 1.0);
   EXPECT_EQ(row["check"], "2 cells, other 1, certified");
 
-  const Ran silent = run_app(with(
-      with(lifting, square), {"--rival", "silent=" + script_at(f / "silent", "printf 12"), "-q"}));
-  EXPECT_EQ(silent.status, 1);
-  EXPECT_TRUE(one_line(silent.err)) << silent.err;
+  expect_error(joined(joined(lifting, square),
+                      {"--rival", "silent=" + script_at(f / "silent", "printf 12"), "-q"}),
+               1, "");
 
   const std::string ours = f / "cullhull-bench", out = f / "report.json";
   std::filesystem::copy_file(CULLHULL_APP "-bench", ours);
@@ -329,32 +311,26 @@ TEST(BenchLifting, ProgramsOfOthersAndWhoCountsOtherCells) {
   std::string command = ours + " lifting --scale 1 --repeat 1 --without qhull -q";
   command += " --workload lattice-2d-4 --json=" + out + " 2>/dev/null";
   EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 3);
-  const auto report = nlohmann::json::parse(read_file(out));
+  const auto report = json_in(out);
   EXPECT_EQ(report["figures"][0]["id"], "differ");
   EXPECT_EQ(report["figures"][0]["rows"][0]["check"], "2 cells, CGAL 1");
 }
 
 TEST(BenchLifting, BadUsage) {
-  for (const auto& words : std::vector<std::vector<std::string>>{{"--workload", "scan-2d-10"},
-                                                                 {"--workload", "nothing-2d-10"},
-                                                                 {"--workload", "squashed-2d-10"},
-                                                                 {"--rival", "program"},
-                                                                 {"--threads", "0"}}) {
-    const Ran ran = run_app(with(lifting, words));
-    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
-    EXPECT_TRUE(one_line(ran.err)) << ran.err;
-  }
-  EXPECT_EQ(run_app(with(lifting, {"--workload", "scan-2d-10", "--scan", "/no/file.ply"})).status,
+  for (const auto& words :
+       command_lines({"--workload scan-2d-10", "--workload nothing-2d-10",
+                      "--workload squashed-2d-10", "--rival program", "--threads 0"}))
+    expect_error(joined(lifting, words), 2, "");
+  EXPECT_EQ(run_app(joined(lifting, {"--workload", "scan-2d-10", "--scan", "/no/file.ply"})).status,
             1);
 }
 
 const std::vector<std::string> calls = {"cullhull-bench", "calls", "--seconds", "0", "--json"};
 
 TEST(BenchCalls, AFigureForEachLoadAndTheFirstCall) {
-  const Ran ran = run_app(
-      with(calls, {"--shape", "ball", "--dimension", "2", "--dimension", "4", "--points", "30",
-                   "--scalar", "f32", "--threads", "0,2", "--callers", "1,3", "--busy", "0,2"}));
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(
+      joined(calls, {"--shape", "ball", "--dimension", "2", "--dimension", "4", "--points", "30",
+                     "--scalar", "f32", "--threads", "0,2", "--callers", "1,3", "--busy", "0,2"}));
   const auto report = nlohmann::json::parse(ran.out);
   expect_sound(report);
   std::vector<std::string> ids;
@@ -377,7 +353,7 @@ TEST(BenchCalls, ProgramsOfOthers) {
   const std::string program = f / "rival";
   const auto measured_with = [&](const char* script) {
     script_at(program, script);
-    return run_app(with(calls, {"--points", "8", "--busy", "0", "--rival", "slow=" + program}));
+    return run_app(joined(calls, {"--points", "8", "--busy", "0", "--rival", "slow=" + program}));
   };
   const Ran ran = measured_with(
       "test -s \"$1\" && for i in $(seq $2); do printf '\\0\\0\\0\\0\\0\\0\\360?'; "
@@ -389,21 +365,14 @@ TEST(BenchCalls, ProgramsOfOthers) {
   const Ran less = measured_with("printf 1234");
   EXPECT_EQ(less.status, 1);
   EXPECT_TRUE(one_line(less.err)) << less.err;
-  EXPECT_NE(less.err.find(program), std::string::npos) << less.err;
+  EXPECT_TRUE(has(less.err, program));
 }
 
 TEST(BenchCalls, BadUsage) {
-  for (const auto& words : std::vector<std::vector<std::string>>{{"--callers", "0"},
-                                                                 {"--callers", "all"},
-                                                                 {"--busy", "some"},
-                                                                 {"--rival", "program"},
-                                                                 {"--rival", "=program"},
-                                                                 {"--shape", "squashed"},
-                                                                 {"--seconds", "-1"}}) {
-    const Ran ran = run_app(with(calls, words));
-    EXPECT_EQ(ran.status, 2) << words[1] << ran.err;
-    EXPECT_TRUE(one_line(ran.err)) << ran.err;
-  }
+  for (const auto& words :
+       command_lines({"--callers 0", "--callers all", "--busy some", "--rival program",
+                      "--rival =program", "--shape squashed", "--seconds -1"}))
+    expect_error(joined(calls, words), 2, "");
 }
 
 }  // namespace cullhull::bench_command_test

@@ -1,10 +1,7 @@
 // cullhull alpha as users meet it.
 #include <cmath>
-#include <nlohmann/json.hpp>
 
-#include "agreement/run_app.hpp"
-#include "cullhull/io.hpp"
-#include "cullhull/triangulation_io.hpp"
+#include "agreement/expect_json.hpp"
 
 namespace cullhull::cli_alpha_test {
 
@@ -22,15 +19,13 @@ std::string squares_and_triangle() {
 TEST(CliAlpha, SaysWhatThereIs) {
   const Folder f;
   write_file(f / "p.txt", squares_and_triangle());
-  const Ran ran = run_app({"alpha", f / "p.txt", "--alpha", "all-points"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("alpha      0.7071067811865476\n"), std::string::npos) << ran.out;
-  EXPECT_NE(ran.out.find("cells      19 of 23, 15 facets around 2 regions\n"), std::string::npos)
-      << ran.out;
+  const Ran ran = run_well({"alpha", f / "p.txt", "--alpha", "all-points"});
+  EXPECT_TRUE(has(ran.out, "alpha      0.7071067811865476\n"));
+  EXPECT_TRUE(has(ran.out, "cells      19 of 23, 15 facets around 2 regions\n"));
   const Ran one = run_app({"alpha", f / "p.txt"});
-  EXPECT_NE(one.out.find("around 1 region\n"), std::string::npos) << one.out;
+  EXPECT_TRUE(has(one.out, "around 1 region\n"));
   const Ran all = run_app({"alpha", f / "p.txt", "--alpha", "inf"});
-  EXPECT_NE(all.out.find("cells      23 of 23"), std::string::npos) << all.out;
+  EXPECT_TRUE(has(all.out, "cells      23 of 23"));
 }
 
 // A point is missing in the middle of a grid: the shape has a hole of four half squares.
@@ -46,22 +41,19 @@ TEST(CliAlpha, SaysAreaAndPerimeter) {
         cube += std::to_string(x) + " " + std::to_string(y) + " " + std::to_string(z) + "\n";
   const auto said = [&](const std::string& text, const std::vector<std::string>& more) {
     write_file(f / "p.txt", text);
-    std::vector<std::string> words{"alpha", f / "p.txt", "--json=" + (f / "r.json")};
-    words.insert(words.end(), more.begin(), more.end());
-    const Ran ran = run_app(words);
-    EXPECT_EQ(ran.status, 0) << ran.err;
-    return std::pair{ran.out, json::parse(read_file(f / "r.json"))};
+    const Ran ran = run_well(joined({"alpha", f / "p.txt", "--json=" + (f / "r.json")}, more));
+    return std::pair{ran.out, json_in(f / "r.json")};
   };
   const auto [plane, of_plane] = said(ring, {"--alpha", "0.71"});
-  EXPECT_NE(plane.find("\nperimeter  29.65685424949238"), std::string::npos) << plane;
-  EXPECT_NE(plane.find("\narea       34\n"), std::string::npos) << plane;
+  EXPECT_TRUE(has(plane, "\nperimeter  29.65685424949238"));
+  EXPECT_TRUE(has(plane, "\narea       34\n"));
   EXPECT_DOUBLE_EQ(of_plane["perimeter"].get<double>(), 24 + 4 * std::sqrt(2.0));
   EXPECT_EQ(of_plane["area"], 34.0);
   const auto [whole, of_whole] = said(ring, {"--ratio", "1"});
   EXPECT_EQ(of_whole["perimeter"], 24.0);
   EXPECT_EQ(of_whole["area"], 36.0);
   const auto [space, of_space] = said(cube, {});
-  EXPECT_NE(space.find("\narea       24\nvolume     8\n"), std::string::npos) << space;
+  EXPECT_TRUE(has(space, "\narea       24\nvolume     8\n"));
   EXPECT_EQ(of_space["volume"], 8.0);
   const auto [huge, of_huge] = said("0 0\n1e150 0\n0 1e150\n1e150 1e150\n", {});
   EXPECT_DOUBLE_EQ(of_huge["area"].get<double>(), 1e300) << huge;
@@ -87,24 +79,19 @@ TEST(CliAlpha, AShapeForEachGroup) {
   table += "9,9,Bonn\n8,8,Bonn\n7,7,Bonn\n5,5,Kiel\n5,5,Kiel\n";
   write_file(f / "p.csv", table);
   write_file(f / "ulm.txt", ulm);
-  for (const std::vector<std::string>& how : {std::vector<std::string>{},
-                                              {"--alpha", "0.75"},
-                                              {"--alpha", "all-points"},
-                                              {"--edge-length", "1.2"},
-                                              {"--ratio", "0.3"}}) {
+  for (const std::vector<std::string>& how : command_lines(
+           {"", "--alpha 0.75", "--alpha all-points", "--edge-length 1.2", "--ratio 0.3"})) {
     const auto run = [&](std::vector<std::string> words) {
       words.insert(words.end(), how.begin(), how.end());
-      const Ran ran = run_app(words);
-      EXPECT_EQ(ran.status, 0) << ran.err;
-      return ran.out;
+      return run_well(words).out;
     };
     for (const char* name : {"g.geojson", "g.csv", "g.json"}) {
       const std::string said = run({"alpha", f / "p.csv", "--by", "town", "-o", f / name});
-      EXPECT_NE(said.find("groups     3\n"), std::string::npos) << said;
+      EXPECT_TRUE(has(said, "groups     3\n"));
     }
     (void)run({"alpha", f / "ulm.txt", "-q", "-o", f / "one.wkt", "--json=" + (f / "r.json")});
-    const json one = json::parse(read_file(f / "r.json"));
-    const json map = json::parse(read_file(f / "g.geojson"));
+    const json one = json_in(f / "r.json");
+    const json map = json_in(f / "g.geojson");
     ASSERT_EQ(map["features"].size(), 3U);
     const json& bonn = map["features"][0];
     const json& kiel = map["features"][1];
@@ -123,7 +110,7 @@ TEST(CliAlpha, AShapeForEachGroup) {
     const std::string csv = read_file(f / "g.csv");
     EXPECT_EQ(csv.substr(0, csv.find('\n')),
               std::string("town,points,") + limit + ",perimeter,area,wkt");
-    const json records = json::parse(read_file(f / "g.json"));
+    const json records = json_in(f / "g.json");
     EXPECT_EQ(records["kind"], "group_shapes");
     const json& record = records["groups"][2];
     EXPECT_EQ(record["cells"].size(), one["cell_count"]);
@@ -131,12 +118,8 @@ TEST(CliAlpha, AShapeForEachGroup) {
     EXPECT_EQ(record["area"], one["area"]);
     EXPECT_EQ(record["coordinates"].size(), 12U);
   }
-  EXPECT_EQ(
-      run_app({"alpha", f / "p.csv", "-q", "--by", "town", "-o", f / "g.csv", "--alpha", "inf"})
-          .status,
-      0);
-  EXPECT_NE(read_file(f / "g.csv").find("\nBonn,3,inf,5.656854249492381,0,"), std::string::npos)
-      << read_file(f / "g.csv");
+  run_well({"alpha", f / "p.csv", "-q", "--by", "town", "-o", f / "g.csv", "--alpha", "inf"});
+  EXPECT_TRUE(has(read_file(f / "g.csv"), "\nBonn,3,inf,5.656854249492381,0,"));
   expect_error({"alpha", f / "p.csv", "--by", "town"}, 2,
                "--by writes the shapes of groups to one -o");
   expect_error({"alpha", f / "p.csv", "--by", "town", "-o", f / "g.ply"}, 2,
@@ -156,18 +139,16 @@ TEST(CliAlpha, ByTheLengthOfEdges) {
       if (y <= 1 || x % 4 <= 1) text += std::to_string(x) + " " + std::to_string(y) + "\n";
   write_file(f / "p.txt", text);
   const Ran ran =
-      run_app({"alpha", f / "p.txt", "--edge-length", "1", "-o", f / "a.wkt", "-o", f / "a.json"});
-  ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("edges      replaced where longer than 1\n"), std::string::npos)
-      << ran.out;
-  EXPECT_NE(ran.out.find("around 1 region\n"), std::string::npos) << ran.out;
+      run_well({"alpha", f / "p.txt", "--edge-length", "1", "-o", f / "a.wkt", "-o", f / "a.json"});
+  EXPECT_TRUE(has(ran.out, "edges      replaced where longer than 1\n"));
+  EXPECT_TRUE(has(ran.out, "around 1 region\n"));
   const auto points_of_ring = [&] {
     const std::string wkt = read_file(f / "a.wkt");
     return std::count(wkt.begin(), wkt.end(), ',') + 1;
   };
   EXPECT_EQ(points_of_ring(), 45);  // every point, and the first again
-  EXPECT_EQ(nlohmann::json::parse(read_file(f / "a.json"))["facets"].size(), 44U);
-  ASSERT_EQ(run_app({"alpha", f / "p.txt", "--ratio", "1", "-q", "-o", f / "a.wkt"}).status, 0);
+  EXPECT_EQ(json_in(f / "a.json")["facets"].size(), 44U);
+  run_well({"alpha", f / "p.txt", "--ratio", "1", "-q", "-o", f / "a.wkt"});
   EXPECT_EQ(points_of_ring(), 25);  // those on the convex hull
   const Ran half = run_app({"alpha", f / "p.txt", "--ratio", "0.5", "--json"});
   EXPECT_EQ(nlohmann::json::parse(half.out)["alpha"], nullptr);
@@ -191,11 +172,9 @@ TEST(CliAlpha, WritesPolygonsWithHoles) {
       if (x < 3 || x > 5 || y < 3 || y > 5)
         text += std::to_string(x) + " " + std::to_string(y) + "\n";
   write_file(f / "p.txt", text);
-  ASSERT_EQ(run_app({"alpha", f / "p.txt", "-q", "--alpha", "0.75", "-o", f / "a.geojson", "-o",
-                     f / "a.wkt", "-o", f / "a.json", "-o", f / "a.vtk", "-o", f / "a.off"})
-                .status,
-            0);
-  const json map = json::parse(read_file(f / "a.geojson"));
+  run_well({"alpha", f / "p.txt", "-q", "--alpha", "0.75", "-o", f / "a.geojson", "-o", f / "a.wkt",
+            "-o", f / "a.json", "-o", f / "a.vtk", "-o", f / "a.off"});
+  const json map = json_in(f / "a.geojson");
   ASSERT_EQ(map["features"].size(), 1U);
   const json rings = map["features"][0]["geometry"]["coordinates"];
   ASSERT_EQ(rings.size(), 2U);
@@ -203,21 +182,19 @@ TEST(CliAlpha, WritesPolygonsWithHoles) {
   EXPECT_EQ(rings[0].front(), rings[0].back());
   EXPECT_EQ(rings[1].size(), 13U);  // its corners are cut
   EXPECT_EQ(read_file(f / "a.wkt").substr(0, 35), "GEOMETRYCOLLECTION (POLYGON ((0 0, ");
-  const json a = json::parse(read_file(f / "a.json"));
+  const json a = json_in(f / "a.json");
   EXPECT_EQ(a["alpha"], 0.75);
   EXPECT_EQ(a["cells"].size(), 2U * (64 - 16) + 4);
   EXPECT_EQ(a["facets"].size(), 44U);
   EXPECT_EQ(read_file(f / "a.off").substr(0, 15), "OFF\n72 100 172\n");
-  EXPECT_NE(read_file(f / "a.vtk").find("CELLS 100 400\n"), std::string::npos);
+  EXPECT_TRUE(has(read_file(f / "a.vtk"), "CELLS 100 400\n"));
 }
 
 TEST(CliAlpha, WritesSurfacesInSpace) {
   const Folder f;
   write_points(f / "ball.npy", "ball", 500, 3);
   for (const char* ending : {"ply", "obj", "off", "stl", "glb", "vtp", "vtk", "json"})
-    EXPECT_EQ(
-        run_app({"alpha", f / "ball.npy", "-q", "-o", f / (std::string("s.") + ending)}).status, 0)
-        << ending;
+    run_well({"alpha", f / "ball.npy", "-q", "-o", f / (std::string("s.") + ending)});
   const std::string off = read_file(f / "s.off");
   std::uint64_t vertices = 0, faces = 0, edges = 0;
   ASSERT_EQ(std::sscanf(off.c_str(), "OFF\n%lu %lu %lu", &vertices, &faces, &edges), 3);
@@ -229,8 +206,7 @@ TEST(CliAlpha, WritesSurfacesInSpace) {
 TEST(CliAlpha, FewPointsAndRefusals) {
   const Folder f;
   write_file(f / "line.txt", "0 0\n1 1\n2 2\n");
-  const Ran ran = run_app({"alpha", f / "line.txt", "-o", f / "a.wkt", "-o", f / "a.ply"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well({"alpha", f / "line.txt", "-o", f / "a.wkt", "-o", f / "a.ply"});
   EXPECT_EQ(read_file(f / "a.wkt"), "GEOMETRYCOLLECTION (LINESTRING (0 0, 2 2))\n");
   expect_error({"alpha", f / "line.txt", "--alpha", "-1"}, 2, "a number >= 0");
   expect_error({"alpha", f / "line.txt", "--alpha", "auto"}, 2, "expected one-region");

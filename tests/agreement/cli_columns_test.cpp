@@ -76,8 +76,7 @@ TEST_F(CliColumns, TheRemarkIsOneLineHoweverManyFiles) {
 TEST_F(CliColumns, TheHintGoesByTheKindOfARemarkNotByItsWords) {
   const std::string name = f_ / "x: taken as coordinates.off";
   write_file(name, "OFF\n4 1 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\nmore\n");
-  const Ran ran = run_app({"hull", name, "-q"});
-  EXPECT_EQ(ran.status, 0);
+  const Ran ran = run_well({"hull", name, "-q"});
   EXPECT_EQ(ran.err, "cullhull: " + name + ": text after the last face is passed over\n");
 }
 
@@ -86,16 +85,14 @@ TEST_F(CliColumns, EveryCommandThatReadsPoints) {
   const std::vector<std::string> chosen{"--columns", "y,z"};
   const auto run = [&](std::vector<std::string> words) {
     words.insert(words.end(), chosen.begin(), chosen.end());
-    const Ran ran = run_app(words);
-    EXPECT_EQ(ran.status, 0) << words[0] << ": " << ran.err;
-    return ran;
+    return run_well(words);
   };
   run({"hull", named, "-o", f_ / "flat.json"});
   run({"certify", named, f_ / "flat.json"});
   run({"cull", named, "-o", f_ / "ids.csv"});
   run({"cull", plain, "-o", f_ / "plain-ids.csv"});
   EXPECT_EQ(read_file(f_ / "ids.csv"), read_file(f_ / "plain-ids.csv"));
-  EXPECT_EQ(run({"info", named}).out.find("axis 2"), std::string::npos);
+  EXPECT_FALSE(has(run({"info", named}).out, "axis 2"));
   expect_error({"hull", named, "--columns", "x,q"}, 2, "no column 'q'; there are 'name', 'x', 'y'");
   expect_error({"hull", named, "--columns", "name,x"}, 1, "named.csv:2: column 'name': 'a, b'");
   expect_error({"hull", named, "--columns", "x,q", "--stream", "on"}, 2, "no column 'q'");

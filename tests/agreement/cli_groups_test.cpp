@@ -2,10 +2,9 @@
 // the threads.
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <random>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/group_hulls.hpp"
 
@@ -81,10 +80,9 @@ TEST(CliGroups, EachGroupIsTheHullOfItsPoints) {
       write_file(f / "p.csv", t.text);
       const std::string columns = "2:";
       const Ran ran =
-          run_app({"hull", f / "p.csv", "--by", "key", "--columns", columns, "-o", f / "h.json"});
-      ASSERT_EQ(ran.status, 0) << ran.err;
-      EXPECT_NE(ran.out.find("groups     200"), std::string::npos) << ran.out;
-      const auto json = nlohmann::json::parse(read_file(f / "h.json"));
+          run_well({"hull", f / "p.csv", "--by", "key", "--columns", columns, "-o", f / "h.json"});
+      EXPECT_TRUE(has(ran.out, "groups     200"));
+      const auto json = json_in(f / "h.json");
       ASSERT_EQ(json["groups"].size(), t.groups.size());
       double last = -1;
       for (const auto& group : json["groups"]) {
@@ -112,8 +110,7 @@ TEST(CliGroups, TheBytesDependOnPointsAndKeysAlone) {
       arguments.insert(arguments.begin(), "hull");
       arguments.insert(arguments.end(), {"--by", "key", "--columns", "c0,c1", "-q", "-o",
                                          f / (std::string("out.") + ending)});
-      const Ran ran = run_app(arguments);
-      EXPECT_EQ(ran.status, 0) << ran.err;
+      const Ran ran = run_well(arguments);
       EXPECT_EQ(ran.out, "");
       return read_file(f / (std::string("out.") + ending));
     };
@@ -153,10 +150,8 @@ TEST(CliGroups, ABatchIsWrittenAsItsFileWouldBe) {
       for (const std::uint64_t v : batch.vertices[set])
         for (std::uint32_t j = 0; j < d; ++j) corners.push_back(view.at(offsets[set] + v, j));
     for (const std::string format : {"csv", "json"}) {
-      ASSERT_EQ(run_app({"hull", f / "p.csv", "--by", "key", "--columns", "2:", "-o",
-                         f / ("theirs." + format)})
-                    .status,
-                0);
+      run_well(
+          {"hull", f / "p.csv", "--by", "key", "--columns", "2:", "-o", f / ("theirs." + format)});
       write_group_hulls(f / "ours", batch, corners, keys, "key", format);
       EXPECT_EQ(read_file(f / "ours"), read_file(f / ("theirs." + format)));
     }
@@ -173,9 +168,9 @@ TEST(CliGroups, KeysThatAreNumbersAndThoseThatAreNot) {
   const auto keys = [](const std::string& rows) {
     const Folder f;
     write_file(f / "p.csv", "k,x,y\n" + rows);
-    EXPECT_EQ(run_app({"hull", f / "p.csv", "--by", "k", "-o", f / "h.geojson"}).status, 0);
+    run_well({"hull", f / "p.csv", "--by", "k", "-o", f / "h.geojson"});
     std::string list;
-    const auto written = nlohmann::json::parse(read_file(f / "h.geojson"));
+    const auto written = json_in(f / "h.geojson");
     for (const auto& feature : written["features"]) list += feature["properties"]["k"].dump() + " ";
     return list;
   };
@@ -190,8 +185,7 @@ TEST(CliGroups, NumbersOfAnArrayAreKeys) {
   const Folder f;
   const std::vector<double> rows{1, 0, 0, 2, 5, 5, 1, 2, 0, 1, 0, 2, 2, 6, 6};
   write_npy_points(f / "p.npy", rows.data(), 5, 3, ScalarType::f32);
-  const Ran ran = run_app({"hull", f / "p.npy", "--by", "0", "-o", f / "h.csv"});
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well({"hull", f / "p.npy", "--by", "0", "-o", f / "h.csv"});
   EXPECT_EQ(read_file(f / "h.csv"),
             "\"column 0\",points,vertices,perimeter,area,wkt\n"
             "1,3,3,6.82842712474619,2,\"POLYGON ((0 0, 2 0, 0 2, 0 0))\"\n"

@@ -2,11 +2,10 @@
 // nothing is lost or overwritten without a word.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/stream.hpp"
@@ -20,23 +19,16 @@ TEST(CliIds, OneIdForTwoPointsIsRefused) {
   write_file(f / "a.txt", "0 0\n4 0\n0 4\n");
   write_file(f / "b.txt", "9 9\n9 5\n5 9\n");
   for (const char* name : {"a", "b"})
-    ASSERT_EQ(run_app({"hull", f / (std::string(name) + ".txt"), "-q", "--partial",
-                       f / (std::string(name) + ".hullstate")})
-                  .status,
-              0);
+    run_well({"hull", f / (std::string(name) + ".txt"), "-q", "--partial",
+              f / (std::string(name) + ".hullstate")});
   expect_error({"hull", f / "a.hullstate", f / "b.hullstate", "--global-ids"}, 2,
                "two different points have the id 0");
   // Without --global-ids they are numbered on; ids of their own are kept.
-  ASSERT_EQ(
-      run_app({"hull", f / "a.hullstate", f / "b.hullstate", "-q", "--vertices", f / "on.csv"})
-          .status,
-      0);
+  run_well({"hull", f / "a.hullstate", f / "b.hullstate", "-q", "--vertices", f / "on.csv"});
   EXPECT_EQ(read_file(f / "on.csv"), "id\n0\n1\n2\n3\n4\n5\n");
   // The same points twice are the same points.
-  ASSERT_EQ(run_app({"hull", f / "a.hullstate", f / "a.hullstate", "--global-ids", "-q",
-                     "--vertices", f / "twice.csv"})
-                .status,
-            0);
+  run_well({"hull", f / "a.hullstate", f / "a.hullstate", "--global-ids", "-q", "--vertices",
+            f / "twice.csv"});
   EXPECT_EQ(read_file(f / "twice.csv"), "id\n0\n1\n2\n");
 }
 
@@ -49,7 +41,7 @@ TEST(CliIds, OverlapsOfInnerPointsLeaveTheHullWhole) {
   write_file(f / "all.txt", read_file(f / "a.txt") + read_file(f / "b.txt"));
   const auto run = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"hull", "-q"});
-    EXPECT_EQ(run_app(words).status, 0);
+    run_well(words);
   };
   run({f / "a.txt", "--partial", f / "a.hullstate"});
   run({f / "b.txt", "--first-id", "3", "--partial", f / "b.hullstate"});
@@ -57,8 +49,8 @@ TEST(CliIds, OverlapsOfInnerPointsLeaveTheHullWhole) {
   for (const auto& [first, second] :
        {std::pair("a.hullstate", "b.hullstate"), std::pair("b.hullstate", "a.hullstate")}) {
     run({f / first, f / second, "--global-ids", "--json=" + (f / "both.json")});
-    const auto both = nlohmann::json::parse(read_file(f / "both.json"));
-    const auto all = nlohmann::json::parse(read_file(f / "all.json"));
+    const auto both = json_in(f / "both.json");
+    const auto all = json_in(f / "all.json");
     EXPECT_EQ(both["area"], all["area"]);
     EXPECT_EQ(both["points"]["count"], 8);
   }
@@ -68,12 +60,8 @@ TEST(CliIds, StatesThatDisagreeStayUnchanged) {
   const double near[] = {0, 0, 1, 0, 0, 1}, far[] = {7, 7, 8, 7, 7, 8};
   HullState state(PointView::row_major(near, 3, 2));
   const HullState before = state;
-  try {
-    state.merge(HullState(PointView::row_major(far, 3, 2)));
-    FAIL() << "merged";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
-  }
+  error_of(ErrorCode::invalid_argument,
+           [&] { state.merge(HullState(PointView::row_major(far, 3, 2))); });
   EXPECT_EQ(state, before);
 }
 
@@ -82,21 +70,17 @@ TEST(CliIds, NumbersOfOptionsAreDecimal) {
   write_file(f / "p.txt", "0 0\n1 0\n0 1\n");
   for (const char* bad : {"-1", "18446744073709551616", "0x10", "1e3", "+1", "", "1 "})
     EXPECT_EQ(run_app({"hull", f / "p.txt", "--first-id", bad}).status, 2) << bad;
-  ASSERT_EQ(
-      run_app({"hull", f / "p.txt", "-q", "--first-id", "010", "--vertices", f / "v.csv"}).status,
-      0);
+  run_well({"hull", f / "p.txt", "-q", "--first-id", "010", "--vertices", f / "v.csv"});
   EXPECT_EQ(read_file(f / "v.csv"), "id\n10\n11\n12\n");
-  EXPECT_EQ(run_app({"hull", f / "p.txt", "-q", "--threads", "01"}).status, 0);
+  run_well({"hull", f / "p.txt", "-q", "--threads", "01"});
   EXPECT_EQ(run_app({"hull", f / "p.txt", "-q", "--threads", "-1"}).status, 2);
 }
 
 TEST(CliIds, GoUpToTheGreatestSignedNumber) {
   const Folder f;
   write_file(f / "p.txt", "0 0\n1 0\n0 1\n");
-  ASSERT_EQ(run_app({"hull", f / "p.txt", "-q", "--first-id", "9223372036854775805", "--vertices",
-                     f / "v.txt"})
-                .status,
-            0);
+  run_well(
+      {"hull", f / "p.txt", "-q", "--first-id", "9223372036854775805", "--vertices", f / "v.txt"});
   EXPECT_EQ(read_file(f / "v.txt"),
             "9223372036854775805\n9223372036854775806\n9223372036854775807\n");
   expect_error({"hull", f / "p.txt", "--first-id", "9223372036854775806"}, 2,
@@ -108,17 +92,10 @@ TEST(CliIds, GoUpToTheGreatestSignedNumber) {
 TEST(CliIds, AHullNumberedFromAnyIdIsCertified) {
   const Folder f;
   write_points(f / "p.npy", "sphere", 300, 3);
-  ASSERT_EQ(
-      run_app({"hull", f / "p.npy", "-q", "--first-id", "1000", "--certify", "-o", f / "h.json"})
-          .status,
-      0);
-  EXPECT_EQ(nlohmann::json::parse(read_file(f / "h.json"))["vertices"][0], 1000);
+  run_well({"hull", f / "p.npy", "-q", "--first-id", "1000", "--certify", "-o", f / "h.json"});
+  EXPECT_EQ(json_in(f / "h.json")["vertices"][0], 1000);
   for (const char* way : {"on", "off"})
-    EXPECT_EQ(
-        run_app({"certify", f / "p.npy", f / "h.json", "-q", "--first-id", "1000", "--stream", way})
-            .status,
-        0)
-        << way;
+    run_well({"certify", f / "p.npy", f / "h.json", "-q", "--first-id", "1000", "--stream", way});
   expect_error({"certify", f / "p.npy", f / "h.json"}, 1, "--first-id");
   expect_error({"certify", f / "p.npy", f / "h.json", "--first-id", "1001"}, 1, "--first-id");
 }
@@ -184,9 +161,9 @@ TEST(CliIds, AnEditedCheckpointIsRefused) {
   write_file(f / "c", "cullhull checkpoint 1\n{}\n");
   expect_error(words, 1, "another version");
   write_file(f / "c", text);
-  EXPECT_EQ(run_app(words).status, 0);
+  run_well(words);
   const std::string resumed = read_file(f / "h.json");
-  ASSERT_EQ(run_app({"hull", f / "tile-*.npy", "-q", "-o", f / "whole.json"}).status, 0);
+  run_well({"hull", f / "tile-*.npy", "-q", "-o", f / "whole.json"});
   EXPECT_EQ(resumed, read_file(f / "whole.json"));
 }
 
@@ -197,14 +174,12 @@ TEST(CliIds, NoPointsAreTheSameInMemoryAndInBlocks) {
              "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\n"
              "property float y\nproperty float z\nend_header\n");
   for (const char* name : {"none.npy", "none.ply"}) {
-    ASSERT_EQ(run_app({"hull", f / name, "-q", "--stream", "off", "-o", f / "memory.json"}).status,
-              0);
-    const Ran blocks = run_app({"hull", f / name, "-q", "--stream", "on", "-o", f / "blocks.json"});
-    EXPECT_EQ(blocks.status, 0) << blocks.err;
+    run_well({"hull", f / name, "-q", "--stream", "off", "-o", f / "memory.json"});
+    const Ran blocks =
+        run_well({"hull", f / name, "-q", "--stream", "on", "-o", f / "blocks.json"});
     EXPECT_EQ(read_file(f / "blocks.json"), read_file(f / "memory.json")) << name;
     const Ran pipe =
-        run_app({"hull", "-", "-q", "--stream", "on", "-o", f / "pipe.json"}, f / name);
-    EXPECT_EQ(pipe.status, 0) << pipe.err;
+        run_well({"hull", "-", "-q", "--stream", "on", "-o", f / "pipe.json"}, f / name);
     EXPECT_EQ(read_file(f / "pipe.json"), read_file(f / "memory.json")) << name;
   }
 }
@@ -214,9 +189,8 @@ TEST(CliIds, CommentsBeyondTheFirstMegabyte) {
   std::string text;
   while (text.size() < 5 << 20) text += "# a comment before the points\n";
   write_file(f / "p.txt", text + "0 0\n1 0\n0 1\n");
-  ASSERT_EQ(run_app({"hull", f / "p.txt", "-q", "--stream", "off", "-o", f / "a.json"}).status, 0);
-  const Ran blocks = run_app({"hull", f / "p.txt", "-q", "--stream", "on", "-o", f / "b.json"});
-  EXPECT_EQ(blocks.status, 0) << blocks.err;
+  run_well({"hull", f / "p.txt", "-q", "--stream", "off", "-o", f / "a.json"});
+  const Ran blocks = run_well({"hull", f / "p.txt", "-q", "--stream", "on", "-o", f / "b.json"});
   EXPECT_EQ(read_file(f / "b.json"), read_file(f / "a.json"));
   write_file(f / "none.txt", text);
   expect_error({"hull", f / "none.txt", "--stream", "on"}, 1, "no points");

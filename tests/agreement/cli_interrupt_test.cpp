@@ -17,7 +17,7 @@ TEST(CliInterrupt, InterruptedWorkLeavesNoFile) {
     ASSERT_TRUE(app.at_work());
     app.signal(number);
     EXPECT_EQ(app.wait(), 130) << app.shown();
-    EXPECT_NE(app.shown().find("cancelled"), std::string::npos) << app.shown();
+    EXPECT_TRUE(has(app.shown(), "cancelled"));
     EXPECT_EQ(f.entries(), 1U);
   }
 }
@@ -55,13 +55,11 @@ int interrupted_while_reading(const std::vector<std::string>& arguments,
 TEST(CliInterrupt, EveryCommandSaysThatItWasCancelled) {
   const Folder f;
   const std::string errors = f / "errors.txt";
-  const std::vector<std::vector<std::string>> commands = {{"hull", "-"},
-                                                          {"cull", "-", "-o", f / "ids.npy"},
-                                                          {"info", "-"},
-                                                          {"certify", "-", f / "hull.json"},
-                                                          {"view", "-", "-o", f / "page.html"}};
+  const std::vector<std::vector<std::string>> commands =
+      command_lines(f, {"hull -", "cull - -o @ids.npy", "info -",
+                        "certify - @hull.json", "view - -o @page.html"});
   write_points(f / "p.npy", "ball", 100, 3);
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
+  run_well({"hull", f / "p.npy", "-o", f / "hull.json"});
   for (const auto& command : commands) {
     EXPECT_EQ(interrupted_while_reading(command, errors), 130) << command[0];
     EXPECT_EQ(read_file(errors), "cullhull: cancelled\n") << command[0];
@@ -103,8 +101,8 @@ TEST(CliInterrupt, AnInputCutShortUnderItsReaderIsOneLine) {
   ASSERT_TRUE(app.at_work());
   std::filesystem::resize_file(f / "p.npy", 100);
   EXPECT_EQ(app.wait(), 1);
-  EXPECT_NE(app.shown().find("cullhull: "), std::string::npos) << app.shown();
-  EXPECT_NE(app.shown().find("p.npy"), std::string::npos) << app.shown();
+  EXPECT_TRUE(has(app.shown(), "cullhull: "));
+  EXPECT_TRUE(has(app.shown(), "p.npy"));
   EXPECT_EQ(f.entries(), 1U);
 }
 

@@ -3,11 +3,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <random>
 
 #include "agreement/expect_json.hpp"
-#include "agreement/run_app.hpp"
 #include "bench/suites/las_bytes.hpp"
 #include "cullhull/point_blocks.hpp"
 
@@ -45,13 +43,6 @@ Numbers rows_from(const Numbers& numbers, std::size_t first, std::size_t last) {
           numbers.begin() + static_cast<std::ptrdiff_t>(3 * last)};
 }
 
-nlohmann::json json_of(const std::string& path) { return nlohmann::json::parse(read_file(path)); }
-
-void expect_success(const std::vector<std::string>& words) {
-  const Ran ran = run_app(words);
-  ASSERT_EQ(ran.status, 0) << ran.err;
-}
-
 std::vector<double> vertices_of_obj(const std::string& text) {
   std::vector<double> rows;
   std::istringstream lines(text);
@@ -81,16 +72,15 @@ TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
       EXPECT_NEAR(expected.back(), laspy, std::abs(laspy) * 0x1p-52);
     }
   for (const char* stream : {"off", "on"}) {
-    const Ran ran = run_app({"hull", f / "a.las", "--stream", stream, "-o", f / "a.obj", "-o",
-                             f / "a.json", "--certify"});
-    ASSERT_EQ(ran.status, 0) << ran.err;
+    const Ran ran = run_well({"hull", f / "a.las", "--stream", stream, "-o", f / "a.obj", "-o",
+                              f / "a.json", "--certify"});
     EXPECT_EQ(vertices_of_obj(read_file(f / "a.obj")), expected) << stream;
-    const auto json = json_of(f / "a.json");
+    const auto json = json_in(f / "a.json");
     EXPECT_DOUBLE_EQ(json["volume"].get<double>(), hull.volume / 1e9);
     EXPECT_DOUBLE_EQ(json["area"].get<double>(), hull.area / 1e6);
     EXPECT_EQ(json["centroid"][1].get<double>(), hull.centroid[1] / 1000);
     for (const char* again : {"off", "on"})
-      expect_success({"certify", f / "a.las", f / "a.json", "--stream", again});
+      run_well({"certify", f / "a.las", f / "a.json", "--stream", again});
   }
   std::string text = read_file(f / "a.json");
   const std::string x = nlohmann::json(expected[0]).dump();
@@ -99,7 +89,7 @@ TEST(CliLas, MeshesLieWhereScaleAndOffsetPutThem) {
   for (const char* stream : {"off", "on"})
     expect_error({"certify", f / "a.las", f / "b.json", "--stream", stream}, 3, "not certified");
   // A number that is wrong is named in the integers that were compared.
-  auto wrong = json_of(f / "a.json");
+  auto wrong = json_in(f / "a.json");
   wrong["volume"] = 1;
   write_file(f / "c.json", wrong.dump());
   for (const char* stream : {"off", "on"})
@@ -112,8 +102,8 @@ TEST(CliLas, PlansHaveMeasuresInTheirUnits) {
   write_file(
       f / "a.las",
       bench::las_bytes({0, 0, 7, 3000, 0, 7, 3000, 4000, 9, 0, 4000, 9, 1000, 1000, 8}, metres));
-  expect_success({"hull", f / "a.las", "--columns", "y,x", "-o", f / "a.geojson"});
-  const auto feature = json_of(f / "a.geojson");
+  run_well({"hull", f / "a.las", "--columns", "y,x", "-o", f / "a.geojson"});
+  const auto feature = json_in(f / "a.geojson");
   EXPECT_EQ(feature["properties"]["area"].get<double>(), 12);
   EXPECT_EQ(feature["properties"]["perimeter"].get<double>(), 14);
   EXPECT_EQ(feature["geometry"]["coordinates"][0].size(), 5U);
@@ -134,10 +124,10 @@ TEST(CliLas, GeometriesHaveTheDecimalsOfTheGrid) {
     words.push_back(out);
     return words;
   };
-  expect_success(with({"hull"}, f / "hull.geojson"));
-  expect_success(with({"hull"}, f / "hull.wkt"));
-  expect_success(with({"alpha"}, f / "alpha.geojson"));
-  expect_success(with({"delaunay"}, f / "delaunay.wkt"));
+  run_well(with({"hull"}, f / "hull.geojson"));
+  run_well(with({"hull"}, f / "hull.wkt"));
+  run_well(with({"alpha"}, f / "alpha.geojson"));
+  run_well(with({"delaunay"}, f / "delaunay.wkt"));
   for (const char* name : {"hull.geojson", "hull.wkt", "alpha.geojson", "delaunay.wkt"}) {
     const std::string text = read_file(f / name);
     std::size_t found = 0;
@@ -167,17 +157,17 @@ TEST(CliLas, TilesOfACommonGridAreOneFile) {
   for (const char* stream : {"off", "on"})
     for (const char* name : {"ply", "json", "obj"}) {
       const auto out = [&](const char* stem) { return f / (std::string(stem) + "." + name); };
-      expect_success({"hull", f / "all.las", "-o", out("all")});
-      expect_success({"hull", f / "t1.las", f / "t2.las", "--stream", stream, "-o", out("tiles")});
+      run_well({"hull", f / "all.las", "-o", out("all")});
+      run_well({"hull", f / "t1.las", f / "t2.las", "--stream", stream, "-o", out("tiles")});
       EXPECT_EQ(read_file(out("tiles")), read_file(out("all"))) << stream << name;
     }
   for (const char* command : {"delaunay", "voronoi"}) {
-    expect_success({command, f / "all.las", "-o", f / "all.json"});
-    expect_success({command, f / "t1.las", f / "t2.las", "-o", f / "tiles.json"});
+    run_well({command, f / "all.las", "-o", f / "all.json"});
+    run_well({command, f / "t1.las", f / "t2.las", "-o", f / "tiles.json"});
     EXPECT_EQ(read_file(f / "tiles.json"), read_file(f / "all.json")) << command;
   }
-  expect_success({"alpha", f / "all.las", "--columns", "x,y", "-o", f / "all.wkt"});
-  expect_success({"alpha", f / "t1.las", f / "t2.las", "--columns", "x,y", "-o", f / "tiles.wkt"});
+  run_well({"alpha", f / "all.las", "--columns", "x,y", "-o", f / "all.wkt"});
+  run_well({"alpha", f / "t1.las", f / "t2.las", "--columns", "x,y", "-o", f / "tiles.wkt"});
   EXPECT_EQ(read_file(f / "tiles.wkt"), read_file(f / "all.wkt"));
 }
 
@@ -198,21 +188,21 @@ TEST(CliLas, OtherMixturesAreInTheWorldInAnyOrder) {
   for (std::size_t i = 0; i < second.size(); ++i) all.push_back(odd.at(i % 3, second[i]));
   all.insert(all.end(), rows.begin(), rows.end());
   write_rows(f / "all.npy", all);
-  expect_success({"hull", f / "all.npy", "--json=" + (f / "all.json")});
-  const auto expected = json_of(f / "all.json");
+  run_well({"hull", f / "all.npy", "--json=" + (f / "all.json")});
+  const auto expected = json_in(f / "all.json");
   const std::vector<std::vector<std::string>> orders{{a, b, p}, {b, p, a}, {p, a, b}, {b, a, p}};
   for (const auto& order : orders)
     for (const char* stream : {"off", "on"}) {
-      expect_success({"hull", order[0], order[1], order[2], "--stream", stream,
-                      "--json=" + (f / "mixed.json")});
-      const auto json = json_of(f / "mixed.json");
+      run_well({"hull", order[0], order[1], order[2], "--stream", stream,
+                "--json=" + (f / "mixed.json")});
+      const auto json = json_in(f / "mixed.json");
       EXPECT_EQ(json["placement"]["numbers"], "rounded");
       EXPECT_EQ(json["vertex_count"], expected["vertex_count"]);
       EXPECT_NEAR(json["volume"].get<double>(), expected["volume"].get<double>(),
                   expected["volume"].get<double>() * 1e-9);
     }
-  expect_success({"delaunay", a, b, p, "-o", f / "mixed.obj.json"});
-  expect_success({"delaunay", f / "all.npy", "-o", f / "all.obj.json"});
+  run_well({"delaunay", a, b, p, "-o", f / "mixed.obj.json"});
+  run_well({"delaunay", f / "all.npy", "-o", f / "all.obj.json"});
   EXPECT_EQ(read_file(f / "mixed.obj.json"), read_file(f / "all.obj.json"));
 }
 
@@ -222,14 +212,14 @@ TEST(CliLas, TriangulationsAreThoseOfTheGrid) {
   const Numbers numbers = ball(500);
   write_file(f / "a.las", bench::las_bytes(numbers, metres));
   write_rows(f / "grid.npy", on_grid(numbers));
-  expect_success({"delaunay", f / "a.las", "-o", f / "a.json", "-o", f / "a.vtk", "--certify"});
-  expect_success({"delaunay", f / "grid.npy", "-o", f / "grid.json"});
+  run_well({"delaunay", f / "a.las", "-o", f / "a.json", "-o", f / "a.vtk", "--certify"});
+  run_well({"delaunay", f / "grid.npy", "-o", f / "grid.json"});
   EXPECT_EQ(read_file(f / "a.json"), read_file(f / "grid.json"));
-  expect_success({"delaunay", f / "a.las", "--raw", "-o", f / "raw.json"});
+  run_well({"delaunay", f / "a.las", "--raw", "-o", f / "raw.json"});
   EXPECT_NE(read_file(f / "raw.json"), read_file(f / "grid.json"));
-  expect_success({"voronoi", f / "a.las", "-o", f / "a.json", "--measures", f / "a.csv"});
-  expect_success({"voronoi", f / "grid.npy", "-o", f / "grid.json", "--measures", f / "grid.csv"});
-  const auto placed = json_of(f / "a.json"), grid = json_of(f / "grid.json");
+  run_well({"voronoi", f / "a.las", "-o", f / "a.json", "--measures", f / "a.csv"});
+  run_well({"voronoi", f / "grid.npy", "-o", f / "grid.json", "--measures", f / "grid.csv"});
+  const auto placed = json_in(f / "a.json"), grid = json_in(f / "grid.json");
   EXPECT_EQ(placed["ridge_points"], grid["ridge_points"]);
   for (std::size_t i = 0; i < grid["vertices"].size(); ++i)
     for (std::size_t j = 0; j < 3; ++j)
@@ -250,19 +240,18 @@ TEST(CliLas, BoxesLengthsAndWeightsAreInTheWorld) {
   write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const auto plan = [&](std::vector<std::string> words) {
     words.insert(words.end(), {"--columns", "x,y"});
-    expect_success(words);
+    run_well(words);
   };
   plan({"voronoi", f / "a.las", "--box", "499999,3999999,500001,4000001", "-o", f / "v.wkt",
         "--json=" + (f / "v")});
-  EXPECT_DOUBLE_EQ(json_of(f / "v")["measure"].get<double>(), 4);
+  EXPECT_DOUBLE_EQ(json_in(f / "v")["measure"].get<double>(), 4);
   plan({"alpha", f / "a.las", "--alpha", "0.5", "--json=" + (f / "a")});
-  EXPECT_EQ(json_of(f / "a")["alpha"].get<double>(), 0.5);
+  EXPECT_EQ(json_in(f / "a")["alpha"].get<double>(), 0.5);
   plan({"alpha", f / "a.las", "--edge-length", "25.5", "--json=" + (f / "e")});
-  EXPECT_EQ(json_of(f / "e")["edge_length"].get<double>(), 25.5);
+  EXPECT_EQ(json_in(f / "e")["edge_length"].get<double>(), 25.5);
   write_rows(f / "grid.npy", on_grid(numbers));
-  expect_success(
-      {"alpha", f / "grid.npy", "--columns", "0,1", "--alpha", "500", "--json=" + (f / "g")});
-  EXPECT_EQ(json_of(f / "a")["cell_count"], json_of(f / "g")["cell_count"]);
+  run_well({"alpha", f / "grid.npy", "--columns", "0,1", "--alpha", "500", "--json=" + (f / "g")});
+  EXPECT_EQ(json_in(f / "a")["cell_count"], json_in(f / "g")["cell_count"]);
   std::vector<double> weights, scaled;
   for (int i = 0; i < 500; ++i) {
     weights.push_back(i % 7 * 1000.0);
@@ -270,8 +259,8 @@ TEST(CliLas, BoxesLengthsAndWeightsAreInTheWorld) {
   }
   write_rows(f / "w.npy", weights, 1);
   write_rows(f / "s.npy", scaled, 1);
-  expect_success({"delaunay", f / "a.las", "--weights", f / "w.npy", "-o", f / "w.json"});
-  expect_success({"delaunay", f / "grid.npy", "--weights", f / "s.npy", "-o", f / "s.json"});
+  run_well({"delaunay", f / "a.las", "--weights", f / "w.npy", "-o", f / "w.json"});
+  run_well({"delaunay", f / "grid.npy", "--weights", f / "s.npy", "-o", f / "s.json"});
   EXPECT_EQ(read_file(f / "w.json"), read_file(f / "s.json"));
 }
 
@@ -279,29 +268,27 @@ TEST(CliLas, FieldsOfTheRecordAreColumnsAndKeys) {
   const Folder f;
   const Numbers numbers = ball(900);
   write_file(f / "a.las", bench::las_bytes(numbers, metres, 3));
-  expect_success({"hull", f / "a.las", "--by", "classification", "--columns", "x,y", "-o",
-                  f / "groups.geojson"});
-  const auto groups = json_of(f / "groups.geojson")["features"];
+  run_well({"hull", f / "a.las", "--by", "classification", "--columns", "x,y", "-o",
+            f / "groups.geojson"});
+  const auto groups = json_in(f / "groups.geojson")["features"];
   ASSERT_EQ(groups.size(), 3U);
   for (std::size_t c = 0; c < 3; ++c) {
     Numbers of_class;
     for (std::size_t i = c; i < 900; i += 3)
       for (std::size_t j = 0; j < 3; ++j) of_class.push_back(numbers[3 * i + j]);
     write_file(f / "c.las", bench::las_bytes(of_class, metres));
-    expect_success({"hull", f / "c.las", "--columns", "x,y", "-o", f / "c.geojson"});
-    EXPECT_EQ(groups[c]["geometry"], json_of(f / "c.geojson")["geometry"]);
+    run_well({"hull", f / "c.las", "--columns", "x,y", "-o", f / "c.geojson"});
+    EXPECT_EQ(groups[c]["geometry"], json_in(f / "c.geojson")["geometry"]);
     EXPECT_EQ(groups[c]["properties"]["classification"], c);
-    EXPECT_EQ(groups[c]["properties"]["area"], json_of(f / "c.geojson")["properties"]["area"]);
+    EXPECT_EQ(groups[c]["properties"]["area"], json_in(f / "c.geojson")["properties"]["area"]);
   }
   // From a pipe the same.
-  const Ran piped = run_app(
+  const Ran piped = run_well(
       {"hull", "-", "--by", "classification", "--columns", "x,y", "-o", f / "piped.geojson"},
       f / "a.las");
-  EXPECT_EQ(piped.status, 0) << piped.err;
   EXPECT_EQ(read_file(f / "piped.geojson"), read_file(f / "groups.geojson"));
-  expect_success(
-      {"info", f / "a.las", "--columns", "x,classification,key_point", "--json=" + (f / "i")});
-  const auto axes = json_of(f / "i")["axes"];
+  run_well({"info", f / "a.las", "--columns", "x,classification,key_point", "--json=" + (f / "i")});
+  const auto axes = json_in(f / "i")["axes"];
   EXPECT_EQ(axes[1]["greatest"].get<double>(), 2);
   EXPECT_EQ(axes[2]["least"].get<double>(), 1);
   expect_error({"info", f / "a.las", "--columns", "x,nir"}, 2, "no column 'nir'; there are 'x'");
@@ -336,18 +323,14 @@ TEST(CliLas, CoordinatesBesideGpsTimeAreInTheWorld) {
   write_rows(f / "world.npy", world);
   write_rows(f / "stored.npy", stored);
   for (const std::string kind : {"world", "stored"}) {
-    expect_success({"hull", f / (kind + ".npy"), "-o", f / "npy.json"});
+    run_well({"hull", f / (kind + ".npy"), "-o", f / "npy.json"});
     std::vector<std::string> words{"--columns", "x,y,gps_time", "-o", f / "las.json"};
     if (kind == "stored") words.emplace_back("--raw");
     for (const char* stream : {"off", "on"}) {
-      std::vector<std::string> command{"hull", f / "a.las", "--stream", stream};
-      command.insert(command.end(), words.begin(), words.end());
-      expect_success(command);
+      run_well(joined({"hull", f / "a.las", "--stream", stream}, words));
       EXPECT_EQ(read_file(f / "las.json"), read_file(f / "npy.json")) << kind << " " << stream;
     }
-    std::vector<std::string> piped{"hull", "-"};
-    piped.insert(piped.end(), words.begin(), words.end());
-    EXPECT_EQ(run_app(piped, f / "a.las").status, 0);
+    run_well(joined({"hull", "-"}, words), f / "a.las");
     EXPECT_EQ(read_file(f / "las.json"), read_file(f / "npy.json")) << kind << " from a pipe";
   }
 }
@@ -359,10 +342,10 @@ TEST(CliLas, RawGivesTheNumbersOfTheFile) {
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
   for (const char* stream : {"off", "on"}) {
-    expect_success({"hull", f / "a.las", "--raw", "--stream", stream, "-o", f / "raw.json"});
-    expect_success({"hull", f / "a.npy", "-o", f / "npy.json"});
+    run_well({"hull", f / "a.las", "--raw", "--stream", stream, "-o", f / "raw.json"});
+    run_well({"hull", f / "a.npy", "-o", f / "npy.json"});
     EXPECT_EQ(read_file(f / "raw.json"), read_file(f / "npy.json"));
-    expect_success({"certify", f / "a.las", f / "raw.json", "--raw", "--stream", stream});
+    run_well({"certify", f / "a.las", f / "raw.json", "--raw", "--stream", stream});
   }
   expect_error({"certify", f / "a.las", f / "raw.json"}, 3, "not certified");
 }
@@ -373,12 +356,12 @@ TEST(CliLas, StatesAndPipesKeepTheGrid) {
   write_file(f / "all.las", bench::las_bytes(numbers, metres));
   write_file(f / "t1.las", bench::las_bytes(rows_from(numbers, 0, 900), metres));
   write_file(f / "t2.las", bench::las_bytes(rows_from(numbers, 900, 2000), metres));
-  expect_success({"hull", f / "all.las", "-o", f / "all.json"});
-  expect_success({"hull", f / "t1.las", "--partial", f / "t1.hullstate"});
-  expect_success({"hull", f / "t2.las", "--partial", f / "t2.hullstate"});
+  run_well({"hull", f / "all.las", "-o", f / "all.json"});
+  run_well({"hull", f / "t1.las", "--partial", f / "t1.hullstate"});
+  run_well({"hull", f / "t2.las", "--partial", f / "t2.hullstate"});
   for (const auto& inputs :
        {std::pair{"t1.hullstate", "t2.hullstate"}, {"t1.las", "t2.hullstate"}}) {
-    expect_success({"hull", f / inputs.first, f / inputs.second, "-o", f / "parts.json"});
+    run_well({"hull", f / inputs.first, f / inputs.second, "-o", f / "parts.json"});
     EXPECT_EQ(read_file(f / "parts.json"), read_file(f / "all.json")) << inputs.first;
   }
   for (const char* command : {"hull", "cull"})  // raw beside placed coordinates
@@ -416,16 +399,16 @@ TEST(CliLas, StatesOfTilesOnDifferentGrids) {
       states.push_back(f / (std::string(name) + ".hullstate"));
       write_file(tiles.back(),
                  bench::las_bytes(numbers, {{scale, scale, scale}, {offset, offset, offset}}));
-      expect_success({"hull", tiles.back(), "--partial", states.back()});
+      run_well({"hull", tiles.back(), "--partial", states.back()});
     }
-    expect_success({"hull", tiles[0], tiles[1], "-o", f / "tiles.obj"});
+    run_well({"hull", tiles[0], tiles[1], "-o", f / "tiles.obj"});
     const Ran ran = run_app({"hull", states[0], states[1], "-o", f / "states.obj"});
     if (ran.status == 0) {
       EXPECT_EQ(read_file(f / "states.obj"), read_file(f / "tiles.obj")) << "set " << set;
       continue;
     }
     EXPECT_EQ(ran.status, 1);
-    EXPECT_NE(ran.err.find("decimals"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "decimals"));
     ++refused;
   }
   EXPECT_LT(refused, 20U);
@@ -436,11 +419,11 @@ TEST(CliLas, TracksAreInTheWorld) {
   const Numbers numbers = ball(300);
   for (const char* name : {"f1.las", "f2.las"})
     write_file(f / name, bench::las_bytes(numbers, metres));
-  expect_success({"track", f / "f1.las", f / "f2.las", "-o", f / "t%d.obj", "--json=" + (f / "t"),
-                  "--certify"});
-  expect_success({"hull", f / "f1.las", "-o", f / "h.obj", "--json=" + (f / "h")});
+  run_well({"track", f / "f1.las", f / "f2.las", "-o", f / "t%d.obj", "--json=" + (f / "t"),
+            "--certify"});
+  run_well({"hull", f / "f1.las", "-o", f / "h.obj", "--json=" + (f / "h")});
   EXPECT_EQ(read_file(f / "t1.obj"), read_file(f / "h.obj"));
-  EXPECT_EQ(json_of(f / "t")["frames"][1]["volume"], json_of(f / "h")["volume"]);
+  EXPECT_EQ(json_in(f / "t")["frames"][1]["volume"], json_in(f / "h")["volume"]);
 }
 
 TEST(CliLas, ReportsNameTheUnits) {
@@ -449,14 +432,13 @@ TEST(CliLas, ReportsNameTheUnits) {
   for (const char* stream : {"off", "on"})
     for (const char* command : {"hull", "cull", "info"}) {
       const Ran ran = run_app({command, f / "a.las", "--stream", stream});
-      EXPECT_NE(ran.out.find("exact on the grid of 0.001; scale 0.001 0.001 0.01, offset 500000"),
-                std::string::npos)
-          << ran.out;
+      EXPECT_TRUE(
+          has(ran.out, "exact on the grid of 0.001; scale 0.001 0.001 0.01, offset 500000"));
       const std::string x = command == std::string("info") ? "axis 0     500000 to 500003"
                                                            : "extent     500000 to 500003, 4000000";
-      EXPECT_NE(ran.out.find(x), std::string::npos) << ran.out;
-      expect_success({command, f / "a.las", "--stream", stream, "--json=" + (f / "j")});
-      const auto placement = json_of(f / "j")["placement"];
+      EXPECT_TRUE(has(ran.out, x));
+      run_well({command, f / "a.las", "--stream", stream, "--json=" + (f / "j")});
+      const auto placement = json_in(f / "j")["placement"];
       EXPECT_EQ(placement["numbers"], "grid");
       EXPECT_EQ(placement["grid"].get<double>(), 0.001);
       EXPECT_EQ(placement["offset"][2].get<double>(), -12.5);
@@ -469,23 +451,14 @@ TEST(CliLas, EveryReportHasThePlacement) {
   for (const char* name : {"a.las", "b.las"})
     write_file(f / name, bench::las_bytes(numbers, metres));
   write_npy_points(f / "w.npy", std::vector<double>(5).data(), 5, 1, ScalarType::f64);
-  expect_success({"hull", f / "a.las", "-o", f / "h.json"});
-  const std::vector<std::vector<std::string>> commands = {
-      {"hull", f / "a.las"},
-      {"hull", f / "a.las", "--stream", "on"},
-      {"hull", f / "a.las", "--only", "vertices"},
-      {"hull", f / "a.las", "--only", "vertices", "--stream", "on"},
-      {"hull", f / "a.las", "--partial", f / "s.hullstate", "--stream", "on"},
-      {"hull", f / "s.hullstate", "--only", "vertices"},
-      {"certify", f / "a.las", f / "h.json"},
-      {"certify", f / "a.las", f / "h.json", "--stream", "on"},
-      {"track", f / "a.las", f / "b.las"},
-      {"cull", f / "a.las"},
-      {"delaunay", f / "a.las"},
-      {"delaunay", f / "a.las", "--weights", f / "w.npy"},
-      {"voronoi", f / "a.las"},
-      {"alpha", f / "a.las"},
-      {"view", f / "a.las", "-o", f / "v.html"}};
+  run_well({"hull", f / "a.las", "-o", f / "h.json"});
+  const std::vector<std::vector<std::string>> commands = command_lines(
+      f, {"hull @a.las", "hull @a.las --stream on", "hull @a.las --only vertices",
+          "hull @a.las --only vertices --stream on",
+          "hull @a.las --partial @s.hullstate --stream on", "hull @s.hullstate --only vertices",
+          "certify @a.las @h.json", "certify @a.las @h.json --stream on", "track @a.las @b.las",
+          "cull @a.las", "delaunay @a.las", "delaunay @a.las --weights @w.npy", "voronoi @a.las",
+          "alpha @a.las", "view @a.las -o @v.html"});
   for (std::vector<std::string> words : commands)
     for (const bool raw : {false, true}) {
       const bool state = words[1].ends_with(".hullstate");
@@ -493,9 +466,9 @@ TEST(CliLas, EveryReportHasThePlacement) {
       if (raw && (state || partial || words[0] == "certify")) continue;  // kept in the world
       if (raw) words.push_back("--raw");
       words.push_back("--json=" + (f / "j"));
-      expect_success(words);
+      run_well(words);
       words.pop_back();
-      const nlohmann::json report = json_of(f / "j");
+      const nlohmann::json report = json_in(f / "j");
       const std::string what = words[0] + " " + words[2 % words.size()] + (raw ? " raw" : "");
       ASSERT_TRUE(report.contains("placement")) << what;
       const nlohmann::json placement = report["placement"];
@@ -519,7 +492,7 @@ TEST(CliLas, PointsAsTextAreInTheWorld) {
   write_file(f / "a.las", bench::las_bytes(numbers, metres));
   const std::vector<double> grid = on_grid(numbers);
   for (const char* stream : {"off", "on"}) {
-    expect_success(
+    run_well(
         {"cull", f / "a.las", "--stream", stream, "-o", f / "ids.txt", "--points", f / "kept.csv"});
     std::istringstream ids(read_file(f / "ids.txt")), kept(read_file(f / "kept.csv"));
     std::string line;
@@ -543,27 +516,16 @@ TEST(CliLas, WithoutAScaleRawAloneReads) {
   write_file(f / "good.las", bench::las_bytes(numbers, metres));
   const std::vector<double> wide(numbers.begin(), numbers.end());
   write_npy_points(f / "a.npy", wide.data(), 500, 3, ScalarType::i32);
-  expect_success({"hull", f / "a.npy", "-o", f / "npy.obj"});
-  expect_success({"hull", "--raw", f / "a.las", "-o", f / "las.obj"});
+  run_well({"hull", f / "a.npy", "-o", f / "npy.obj"});
+  run_well({"hull", "--raw", f / "a.las", "-o", f / "las.obj"});
   EXPECT_EQ(read_file(f / "las.obj"), read_file(f / "npy.obj"));
   const std::string say = "a.las: byte 131: the scale of x is 0, which gives no coordinates";
-  const std::vector<std::vector<std::string>> commands = {
-      {"hull", f / "a.las"},
-      {"hull", f / "a.las", "--stream", "on"},
-      {"hull", f / "a.las", "--columns", "x,y"},
-      {"hull", f / "a.las", "--by", "classification", "-o", f / "h.csv"},
-      {"hull", f / "good.las", f / "a.las"},
-      {"hull", f / "a.las", f / "good.las", "--stream", "on"},
-      {"cull", f / "a.las", "-o", f / "ids.npy"},
-      {"info", f / "a.las"},
-      {"delaunay", f / "a.las"},
-      {"track", f / "good.las", f / "a.las"},
-      {"view", f / "a.las", "-o", f / "page.html"}};
-  for (const std::vector<std::string>& command : commands) {
-    const Ran ran = run_app(command);
-    EXPECT_EQ(ran.status, 1) << ran.err;
-    EXPECT_NE(ran.err.find(say), std::string::npos) << ran.err;
-  }
+  const std::vector<std::vector<std::string>> commands = command_lines(
+      f, {"hull @a.las", "hull @a.las --stream on", "hull @a.las --columns x,y",
+          "hull @a.las --by classification -o @h.csv", "hull @good.las @a.las",
+          "hull @a.las @good.las --stream on", "cull @a.las -o @ids.npy", "info @a.las",
+          "delaunay @a.las", "track @good.las @a.las", "view @a.las -o @page.html"});
+  for (const std::vector<std::string>& command : commands) expect_error(command, 1, say);
 }
 
 // What --raw takes is said, also where the header gives no place; and no header written has NaN.
@@ -581,17 +543,14 @@ TEST(CliLas, RawIsSaidAndWritten) {
     for (const char* stream : {"off", "on"}) {
       for (const std::vector<std::string>& inputs :
            {std::vector<std::string>{f / "a.las"}, {f / "a.las", f / "p.csv"}}) {
-        std::vector<std::string> words{"hull", "--raw", "--stream", stream};
-        words.insert(words.end(), inputs.begin(), inputs.end());
-        const Ran ran = run_app(words);
-        EXPECT_EQ(ran.status, 0) << ran.err;
-        EXPECT_NE(ran.out.find(say), std::string::npos) << ran.out;
+        const Ran ran = run_well(joined({"hull", "--raw", "--stream", stream}, inputs));
+        EXPECT_TRUE(has(ran.out, say));
       }
       const auto report =
           expect_json({"hull", "--raw", f / "a.las", "--stream", stream, "--json"}, "hull_report");
       EXPECT_EQ(report["placement"]["numbers"], "file");
     }
-    expect_success({"cull", f / "a.las", "--raw", "-o", f / "b.las"});
+    run_well({"cull", f / "a.las", "--raw", "-o", f / "b.las"});
     const std::string written = read_file(f / "b.las");
     for (std::size_t at = 179; at < 227; at += 8) {
       double end = 0;

@@ -38,9 +38,7 @@ bool loaded(const Ran& ran) {
 TEST(Limits, MakingPointsTakesNoMoreMemoryTheMoreThereAre) {
   const Folder f;
   const auto make = [&](const char* count, const std::string& name) {
-    const Ran ran = run_app({"generate", "gauss", "-n", count, "--seed", "3", "-o", f / name});
-    EXPECT_EQ(ran.status, 0) << ran.err;
-    return ran.peak_bytes;
+    return run_well({"generate", "gauss", "-n", count, "--seed", "3", "-o", f / name}).peak_bytes;
   };
   const std::uint64_t besides = make("10", "few.npy"), peak = make("4000001", "many.npy");
   if (!testing::sanitized) {
@@ -109,22 +107,20 @@ TEST(Limits, TooFewProcesses) {
   }
   const Ran one = run_limited({"hull", f / "p.npy"}, as_user(1));
   EXPECT_EQ(one.status, 1);
-  EXPECT_NE(one.err.find("thread"), std::string::npos) << one.err;
+  EXPECT_TRUE(has(one.err, "thread"));
 }
 
 TEST(Limits, FileSize) {
   const Folder f;
   write_ball(f / "p.npy", 20000);
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"generate", "ball", "-n", "100k", "-o", f / "big.npy"},
-        {"hull", f / "p.npy", "-q", "-o", f / "hull.json"},
-        {"hull", f / "p.npy", "-q", "-o", f / "hull.ply"},
-        {"view", f / "p.npy", "-q", "-o", f / "page.html"},
-        {"cull", f / "p.npy", "-q", "--cull", "none", "-o", f / "ids.npy"}}) {
+       command_lines(f, {"generate ball -n 100k -o @big.npy", "hull @p.npy -q -o @hull.json",
+                         "hull @p.npy -q -o @hull.ply", "view @p.npy -q -o @page.html",
+                         "cull @p.npy -q --cull none -o @ids.npy"})) {
     const Ran ran = run_limited(arguments, [] { limit_to(RLIMIT_FSIZE, 10000); });
     EXPECT_EQ(ran.status, 1) << arguments[0];
     EXPECT_TRUE(one_line(ran.err)) << arguments[0];
-    EXPECT_NE(ran.err.find("File too large"), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, "File too large"));
     EXPECT_EQ(f.entries(), 1U) << arguments[0] << ": something was left over";
   }
 }
@@ -133,14 +129,9 @@ TEST(Limits, FullDisk) {
   const Folder f;
   write_ball(f / "p.npy", 20000);
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"hull", f / "p.npy", "-q", "--vertices", "/dev/full"},
-        {"hull", f / "p.npy", "-q", "--json=/dev/full"},
-        {"cull", f / "p.npy", "-q", "--json=/dev/full"}}) {
-    const Ran ran = run_app(arguments);
-    EXPECT_EQ(ran.status, 1) << arguments[0];
-    EXPECT_TRUE(one_line(ran.err)) << arguments[0];
-    EXPECT_NE(ran.err.find("/dev/full: cannot write: No space left"), std::string::npos) << ran.err;
-  }
+       command_lines(f, {"hull @p.npy -q --vertices /dev/full", "hull @p.npy -q --json=/dev/full",
+                         "cull @p.npy -q --json=/dev/full"}))
+    expect_error(arguments, 1, "/dev/full: cannot write: No space left");
 }
 
 TEST(Limits, FullFileSystem) {
@@ -149,10 +140,7 @@ TEST(Limits, FullFileSystem) {
   std::filesystem::create_directory(f / "small");
   if (::mount("tmpfs", (f / "small").c_str(), "tmpfs", 0, "size=64k") != 0)
     GTEST_SKIP() << "no file system can be mounted here";
-  const Ran ran = run_app({"hull", f / "p.npy", "-q", "-o", f / "small/hull.json"});
-  EXPECT_EQ(ran.status, 1);
-  EXPECT_TRUE(one_line(ran.err));
-  EXPECT_NE(ran.err.find("No space left"), std::string::npos) << ran.err;
+  expect_error({"hull", f / "p.npy", "-q", "-o", f / "small/hull.json"}, 1, "No space left");
   EXPECT_TRUE(std::filesystem::is_empty(f / "small"));
   ::umount((f / "small").c_str());
 }

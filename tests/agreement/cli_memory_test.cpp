@@ -5,7 +5,6 @@
 
 #include "agreement/run_app.hpp"
 #include "cullhull/generate.hpp"
-#include "cullhull/io.hpp"
 
 namespace cullhull::cli_memory_test {
 
@@ -14,19 +13,13 @@ using namespace testing;
 /// Made points in a format of points; 4.8 MB as .npy, more than one block.
 std::string points_in(const Folder& f, const std::string& ending, const std::string& count) {
   const std::string path = f / (count + ending);
-  const Ran made = run_app({"generate", "ball", "-n", count, "-d", "3", "-q", "-o", path});
-  EXPECT_EQ(made.status, 0) << made.err;
+  const Ran made = run_well({"generate", "ball", "-n", count, "-d", "3", "-q", "-o", path});
   return path;
 }
 
 std::string method_of(const std::vector<std::string>& arguments, const std::string& input) {
-  const Ran ran = run_app(arguments, input);
-  EXPECT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(arguments, input);
   return nlohmann::json::parse(ran.out)["cull"]["method"];
-}
-
-bool names(const Ran& ran, const std::string& words) {
-  return ran.err.find(words) != std::string::npos;
 }
 
 TEST(CliMemory, AutoReadsAPipeInBlocksBeyondTheFirst) {
@@ -49,8 +42,7 @@ TEST(CliMemory, APipeGivesTheBytesOfItsFile) {
       if (ending == ".raw") options = {"--dim", "3", "--type", "f64"};
       if (ending == ".wkt" || ending == ".csv") options = {"--input-format", ending.substr(1)};
       const std::string path = points_in(f, ending, count);
-      std::vector<std::string> words{"hull", path, "-q", "-o", f / "file.json"};
-      words.insert(words.end(), options.begin(), options.end());
+      std::vector<std::string> words = joined({"hull", path, "-q", "-o", f / "file.json"}, options);
       const Ran of_file = run_app(words);
       words[1] = "-";
       words[4] = f / "pipe.json";
@@ -66,7 +58,7 @@ TEST(CliMemory, ACompressedPipeIsReadInBlocks) {
   const std::string few = points_in(f, ".npy", "1k"), packed = f / "packed";
   ASSERT_EQ(std::system(("gzip -c " + few + " > " + packed).c_str()), 0);
   EXPECT_EQ(method_of({"hull", "-", "--json"}, packed), "stream");
-  EXPECT_EQ(run_app({"delaunay", "-", "-q"}, packed).status, 0);
+  run_well({"delaunay", "-", "-q"}, packed);
 }
 
 TEST(CliMemory, APipeThatEndsWithinAPoint) {
@@ -91,51 +83,48 @@ TEST(CliMemory, RefusalsNameStreamOnWhereItHelps) {
   const auto refused = [](const std::vector<std::string>& words, const std::string& input) {
     const Ran ran = run_app(words, input);
     EXPECT_EQ(ran.status, 4) << words[0] << ran.err;
-    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
-    return ran;
+    EXPECT_TRUE(one_line(ran.err));
+    return ran.err;
   };
   for (const char* command : {"hull", "cull"}) {
-    EXPECT_TRUE(names(refused({command, "-", "--stream", "off", "--memory", "2M"}, npy),
-                      "--stream on reads it in blocks"));
-    EXPECT_TRUE(names(refused({command, csv, "--stream", "off", "--memory", "2M"}, csv),
-                      "--stream on reads it in blocks"));
-    EXPECT_TRUE(names(refused({command, "-", "--cull", "gauge", "--memory", "2M"}, npy),
-                      "without --cull gauge it is read in blocks"));
+    EXPECT_TRUE(has(refused({command, "-", "--stream", "off", "--memory", "2M"}, npy),
+                    "--stream on reads it in blocks"));
+    EXPECT_TRUE(has(refused({command, csv, "--stream", "off", "--memory", "2M"}, csv),
+                    "--stream on reads it in blocks"));
+    EXPECT_TRUE(has(refused({command, "-", "--cull", "gauge", "--memory", "2M"}, npy),
+                    "without --cull gauge it is read in blocks"));
     EXPECT_FALSE(
-        names(refused({command, obj, "--stream", "off", "--memory", "2M"}, obj), "--stream"));
+        has(refused({command, obj, "--stream", "off", "--memory", "2M"}, obj), "--stream"));
   }
-  EXPECT_TRUE(names(refused({"hull", "-", "--certify", "--memory", "2M"}, npy),
-                    "without --certify of standard input it is read in blocks"));
+  EXPECT_TRUE(has(refused({"hull", "-", "--certify", "--memory", "2M"}, npy),
+                  "without --certify of standard input it is read in blocks"));
   for (const char* command : {"delaunay", "voronoi", "alpha"})
     for (const std::string& input : {npy, csv, obj})
-      EXPECT_FALSE(names(refused({command, "-", "--memory", "2M"}, input), "blocks")) << input;
-  EXPECT_FALSE(names(refused({"qconvex", "s", "--memory", "2M"}, npy), "blocks"));
-  EXPECT_FALSE(names(refused({"view", "-", "-o", f / "v.html", "--memory", "2M"}, npy), "blocks"));
+      EXPECT_FALSE(has(refused({command, "-", "--memory", "2M"}, input), "blocks")) << input;
+  EXPECT_FALSE(has(refused({"qconvex", "s", "--memory", "2M"}, npy), "blocks"));
+  EXPECT_FALSE(has(refused({"view", "-", "-o", f / "v.html", "--memory", "2M"}, npy), "blocks"));
 }
 
 TEST(CliMemory, SeveralInputsWithAPipe) {
   const Folder f;
   const std::string npy = points_in(f, ".npy", "200k"), few = points_in(f, ".npy", "1k");
-  const Ran together = run_app({"delaunay", few, "-", "--memory", "2M"}, npy);
-  EXPECT_EQ(together.status, 4) << together.err;
+  expect_error({"delaunay", few, "-", "--memory", "2M"}, 4, "", npy);
   EXPECT_EQ(method_of({"hull", few, "-", "--json", "--memory", "8M"}, npy), "stream");
-  const Ran twice = run_app({"hull", "-", "-"}, npy);
-  EXPECT_EQ(twice.status, 2) << twice.err;
+  expect_error({"hull", "-", "-"}, 2, "", npy);
 }
 
 TEST(CliMemory, DiagramsAreRefusedBeforeTheWork) {
   const Folder f;
   const std::string plane = f / "plane.npy";
-  ASSERT_EQ(run_app({"generate", "disk", "-n", "100k", "-d", "2", "-q", "-o", plane}).status, 0);
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"delaunay", plane, "--memory", "10M"},
-           {"voronoi", plane, "--memory", "25M"},
-           {"voronoi", plane, "--box=-1,-1,1,1", "--memory", "50M"},
-           {"alpha", plane, "--memory", "10M"}}) {
+  run_well({"generate", "disk", "-n", "100k", "-d", "2", "-q", "-o", plane});
+  for (const std::vector<std::string>& words :
+       command_lines(f, {"delaunay @plane.npy --memory 10M", "voronoi @plane.npy --memory 25M",
+                         "voronoi @plane.npy --box=-1,-1,1,1 --memory 50M",
+                         "alpha @plane.npy --memory 10M"})) {
     const Ran ran = run_app(words);
     EXPECT_EQ(ran.status, 4) << words[0] << ran.err;
-    EXPECT_TRUE(names(ran, "cells of the triangulation need about ")) << ran.err;
-    EXPECT_TRUE(names(ran, "--memory ")) << ran.err;
+    EXPECT_TRUE(has(ran.err, "cells of the triangulation need about "));
+    EXPECT_TRUE(has(ran.err, "--memory "));
   }
 }
 
@@ -180,7 +169,7 @@ TEST(CliPipe, AFullDiskIsOneLine) {
     const Ran ran = run_app(words, "/dev/null", "/dev/full");
     EXPECT_EQ(ran.status, 1) << ran.err;
     EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
-    EXPECT_TRUE(names(ran, "No space left")) << ran.err;
+    EXPECT_TRUE(has(ran.err, "No space left"));
   }
 }
 
@@ -189,26 +178,21 @@ TEST(CliPipe, AFullDiskIsOneLine) {
 TEST(CliStates, OptionsOfPointsAreRefusedForStatesAlone) {
   const Folder f;
   const std::string points = points_in(f, ".npy", "1k"), state = f / "a.hullstate";
-  ASSERT_EQ(run_app({"hull", points, "-q", "--partial", state}).status, 0);
+  run_well({"hull", points, "-q", "--partial", state});
   for (const char* command : {"hull", "cull"})
-    for (const std::vector<std::string>& option : std::vector<std::vector<std::string>>{
-             {"--columns", "q"}, {"--dim", "7"}, {"--type", "f32"}, {"--input-format", "csv"}}) {
-      const Ran ran = run_app({command, state, option[0], option[1]});
-      EXPECT_EQ(ran.status, 2) << command << option[0] << ran.err;
-      EXPECT_TRUE(names(ran, option[0])) << ran.err;
-    }
-  EXPECT_EQ(run_app({"hull", state}).status, 0);
-  EXPECT_EQ(run_app({"hull", state, points, "--columns", "0:3"}).status, 0);
+    for (const std::vector<std::string>& option :
+         command_lines({"--columns q", "--dim 7", "--type f32", "--input-format csv"}))
+      expect_error({command, state, option[0], option[1]}, 2, option[0]);
+  run_well({"hull", state});
+  run_well({"hull", state, points, "--columns", "0:3"});
 }
 
 TEST(CliStates, DimAndTypeAreOfRawInputInBlocksToo) {
   const Folder f;
   const std::string csv = points_in(f, ".csv", "1k");
-  for (const char* stream : {"on", "off"}) {
-    const Ran ran = run_app({"hull", csv, "--dim", "3", "--stream", stream});
-    EXPECT_EQ(ran.status, 2) << ran.err;
-    EXPECT_TRUE(names(ran, "--dim and --type describe raw input")) << ran.err;
-  }
+  for (const char* stream : {"on", "off"})
+    expect_error({"hull", csv, "--dim", "3", "--stream", stream}, 2,
+                 "--dim and --type describe raw input");
 }
 
 // ----------------------------------------------------------- advice that the command can follow
@@ -226,16 +210,14 @@ TEST(CliAdvice, MessagesNameOnlyOptionsOfTheCommand) {
   las[105] = 20;
   las[107] = 1;
   write_file(f / "unusable.las", las);  // its scales are 0
-  EXPECT_TRUE(names(run_app({"hull", f / "unusable.las"}), "--raw"));
-  EXPECT_TRUE(names(run_app({"hull", f / "mixed.geojson"}), "--columns"));
-  for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{"qconvex", "TI", f / "unusable.las"},
-                                             {"qconvex", "TI", f / "mixed.geojson"},
-                                             {"track", f / "mixed.geojson"}}) {
+  EXPECT_TRUE(has(run_app({"hull", f / "unusable.las"}).err, "--raw"));
+  EXPECT_TRUE(has(run_app({"hull", f / "mixed.geojson"}).err, "--columns"));
+  for (const std::vector<std::string>& words : command_lines(
+           f, {"qconvex TI @unusable.las", "qconvex TI @mixed.geojson", "track @mixed.geojson"})) {
     const Ran ran = run_app(words);
     EXPECT_EQ(ran.status, 1) << ran.err;
-    EXPECT_FALSE(names(ran, "--")) << ran.err;
-    EXPECT_TRUE(names(ran, words.back())) << ran.err;
+    EXPECT_FALSE(has(ran.err, "--"));
+    EXPECT_TRUE(has(ran.err, words.back()));
   }
 }
 

@@ -32,7 +32,7 @@ std::vector<std::uint64_t> lines_of(const std::string& text) {
 std::vector<std::uint64_t> npy_ids(const std::string& path) {
   const std::string bytes = read_file(path);
   EXPECT_EQ(bytes.substr(1, 5), "NUMPY") << path;
-  EXPECT_NE(bytes.find("'<i8'"), std::string::npos) << path;
+  EXPECT_TRUE(has(bytes, "'<i8'")) << path;
   const std::size_t begin = bytes.find('\n') + 1;
   std::vector<std::uint64_t> ids((bytes.size() - begin) / 8);
   std::memcpy(ids.data(), bytes.data() + begin, ids.size() * 8);
@@ -43,13 +43,12 @@ TEST(CliOutputs, IdsAsTheNameSays) {
   const Folder f;
   write_points(f / "p.npy", "ball", 3000, 3);
   for (const std::vector<std::string>& command :
-       {std::vector<std::string>{"hull", f / "p.npy", "-q", "--vertices"},
-        {"hull", f / "p.npy", "-q", "--only", "vertices", "--vertices"},
-        {"cull", f / "p.npy", "-q", "-o"}}) {
+       command_lines(f, {"hull @p.npy -q --vertices", "hull @p.npy -q --only vertices --vertices",
+                         "cull @p.npy -q -o"})) {
     const auto write = [&](const std::string& name) {
       auto arguments = command;
       arguments.push_back(f / name);
-      EXPECT_EQ(run_app(arguments).status, 0) << command[0];
+      run_well(arguments);
       return read_file(f / name);
     };
     write("ids.npy");
@@ -69,15 +68,13 @@ TEST(CliOutputs, CullWritesPoints) {
   const Folder f;
   for (const ScalarType type : {ScalarType::f64, ScalarType::f32}) {
     write_points(f / "p.npy", "ball", 5000, 3, type);
-    ASSERT_EQ(run_app({"cull", f / "p.npy", "-q", "-o", f / "ids.npy"}).status, 0);
+    run_well({"cull", f / "p.npy", "-q", "-o", f / "ids.npy"});
     const auto ids = npy_ids(f / "ids.npy");
     const PointFile all = open_points(f / "p.npy");
     for (const char* name : {"s.ply", "s.xyz"})
-      ASSERT_EQ(run_app({"cull", f / "p.npy", "-q", "-o", f / name}).status, 0) << name;
+      run_well({"cull", f / "p.npy", "-q", "-o", f / name});
     for (const char* name : {"t.npy", "t.ply", "t.csv", "t.xyz", "t.txt"})
-      ASSERT_EQ(
-          run_app({"cull", f / "p.npy", "-q", "-o", f / "ids.csv", "--points", f / name}).status, 0)
-          << name;
+      run_well({"cull", f / "p.npy", "-q", "-o", f / "ids.csv", "--points", f / name});
     for (const char* name : {"s.ply", "s.xyz", "t.npy", "t.ply", "t.csv", "t.xyz", "t.txt"}) {
       const PointFile some = open_points(f / name);
       ASSERT_EQ(some.points().count, ids.size()) << name;
@@ -92,7 +89,7 @@ TEST(CliOutputs, CullWritesPoints) {
   }
   write_points(f / "four.npy", "ball", 5000, 4);
   expect_refused(f, {"cull", f / "four.npy", "-o", f / "a.ply"}, "dimension 2 or 3");
-  EXPECT_EQ(run_app({"cull", f / "four.npy", "-q", "--points", f / "a.csv"}).status, 0);
+  run_well({"cull", f / "four.npy", "-q", "--points", f / "a.csv"});
   EXPECT_EQ(open_points(f / "a.csv").points().dimension, 4U);
 }
 
@@ -120,8 +117,8 @@ TEST(CliOutputs, NothingOverwritesAnInput) {
   const Folder f;
   const std::string ply = f / "p.ply", npy = f / "p.npy", json = f / "h.json";
   write_points(npy, "ball", 300, 3);
-  ASSERT_EQ(run_app({"cull", npy, "-q", "--cull", "none", "-o", ply}).status, 0);
-  ASSERT_EQ(run_app({"hull", npy, "-q", "-o", json}).status, 0);
+  run_well({"cull", npy, "-q", "--cull", "none", "-o", ply});
+  run_well({"hull", npy, "-q", "-o", json});
   std::filesystem::create_symlink(ply, f / "link.ply");
   std::filesystem::create_hard_link(ply, f / "hard.ply");
   std::filesystem::create_directory(f / "sub");
@@ -147,7 +144,7 @@ TEST(CliOutputs, NothingOverwritesAnInput) {
   expect_refused(f, {"track", f / "t*.ply", "-o", f / "t%d.ply"}, "would overwrite the input");
   EXPECT_EQ(read_file(ply), before);
   // A name that merely looks alike is another file.
-  EXPECT_EQ(run_app({"hull", ply, "-q", "-o", f / "P.ply"}).status, 0);
+  run_well({"hull", ply, "-q", "-o", f / "P.ply"});
 }
 
 TEST(CliOutputs, NoTwoOutputsOfOneName) {
@@ -162,50 +159,43 @@ TEST(CliOutputs, NoTwoOutputsOfOneName) {
   write_file(f / "old.txt", "");
   std::filesystem::create_symlink(f / "old.txt", f / "new.txt");
   expect_refused(f, {"hull", p, "-o", f / "old.txt", "--vertices", f / "new.txt"}, "--vertices");
-  for (const std::vector<std::string>& two : {std::vector<std::string>{"--json", "--format", "i"},
-                                              {"--json", "--vertices", "-"},
-                                              {"--vertices", "-", "-o", "-"},
-                                              {"-o", "-", "-o", "-"}}) {
-    std::vector<std::string> arguments{"hull", p};
-    arguments.insert(arguments.end(), two.begin(), two.end());
-    expect_refused(f, arguments, "standard output");
+  for (const std::vector<std::string>& two : command_lines(
+           {"--json --format i", "--json --vertices -", "--vertices - -o -", "-o - -o -"})) {
+    expect_refused(f, joined({"hull", p}, two), "standard output");
   }
   // Devices have no name to share.
-  EXPECT_EQ(run_app({"hull", p, "-q", "-o", "/dev/null", "--vertices", "/dev/null"}).status, 0);
+  run_well({"hull", p, "-q", "-o", "/dev/null", "--vertices", "/dev/null"});
 }
 
 TEST(CliOutputs, StandardOutputTakesResults) {
   const Folder f;
   const std::string p = f / "p.npy";
   write_points(p, "ball", 300, 3);
-  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.json"}).status, 0);
-  const Ran ran = run_app({"hull", p, "-o", "-"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
+  run_well({"hull", p, "-q", "-o", f / "h.json"});
+  const Ran ran = run_well({"hull", p, "-o", "-"});
   EXPECT_EQ(ran.out, read_file(f / "h.json"));
-  ASSERT_EQ(run_app({"cull", p, "-q", "-o", f / "ids.npy"}).status, 0);
+  run_well({"cull", p, "-q", "-o", f / "ids.npy"});
   EXPECT_EQ(run_app({"cull", p, "-o", "-"}).out, read_file(f / "ids.npy"));
-  ASSERT_EQ(run_app({"generate", "ball", "-n", "300", "-q", "-o", f / "g.npy"}).status, 0);
+  run_well({"generate", "ball", "-n", "300", "-q", "-o", f / "g.npy"});
   EXPECT_EQ(run_app({"generate", "ball", "-n", "300", "-o", "-"}).out, read_file(f / "g.npy"));
 }
 
 TEST(CliOutputs, WhatWasWrittenIsSaid) {
   const Folder f;
   const std::string p = f / "p.npy";
-  const Ran made = run_app({"generate", "ball", "-n", "1000", "-o", p});
-  EXPECT_EQ(made.status, 0);
-  EXPECT_NE(made.out.find("points     1,000 x 3 f64, ball, seed 1\n"), std::string::npos)
-      << made.out;
-  EXPECT_NE(made.out.find("wrote      " + p + ", 24,128 bytes\n"), std::string::npos) << made.out;
+  const Ran made = run_well({"generate", "ball", "-n", "1000", "-o", p});
+  EXPECT_TRUE(has(made.out, "points     1,000 x 3 f64, ball, seed 1\n"));
+  EXPECT_TRUE(has(made.out, "wrote      " + p + ", 24,128 bytes\n"));
   EXPECT_EQ(run_app({"generate", "ball", "-n", "1000", "-q", "-o", p}).out, "");
   const Ran page = run_app({"view", p, "-o", f / "page.html"});
   if (page.status != 5) {  // built without three.js
     EXPECT_EQ(page.status, 0) << page.err;
     EXPECT_EQ(page.out.find("wrote      " + (f / "page.html") + ", "), 0U) << page.out;
   }
-  EXPECT_NE(run_app({"hull", p, "-o", f / "h.ply"}).out.find("wrote      " + (f / "h.ply") + ", "),
-            std::string::npos);
-  EXPECT_NE(run_app({"cull", p, "-o", f / "s.npy"}).out.find("wrote      " + (f / "s.npy") + ", "),
-            std::string::npos);
+  EXPECT_TRUE(
+      has(run_app({"hull", p, "-o", f / "h.ply"}).out, "wrote      " + (f / "h.ply") + ", "));
+  EXPECT_TRUE(
+      has(run_app({"cull", p, "-o", f / "s.npy"}).out, "wrote      " + (f / "s.npy") + ", "));
 }
 
 // Polygons are more than some programs read: trimesh and PyVista of .ply, Open3D of .obj.
@@ -214,9 +204,9 @@ TEST(CliOutputs, TrianglesByDefaultPolygonsOnRequest) {
   const std::string p = f / "p.txt";
   write_file(p, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n");
   for (const std::string name : {"h.ply", "h.off", "h.obj"})
-    ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / name}).status, 0) << name;
+    run_well({"hull", p, "-q", "-o", f / name});
   const std::string ply = read_file(f / "h.ply");
-  EXPECT_NE(ply.find("element face 12\n"), std::string::npos);
+  EXPECT_TRUE(has(ply, "element face 12\n"));
   const std::size_t faces = ply.find("end_header\n") + 11 + std::size_t{8} * 24;
   ASSERT_EQ(ply.size(), faces + std::size_t{12} * 13);
   for (std::size_t t = 0; t < 12; ++t) EXPECT_EQ(ply[faces + 13 * t], 3);
@@ -230,19 +220,19 @@ TEST(CliOutputs, TrianglesByDefaultPolygonsOnRequest) {
   const auto faces_of = [&](const std::string& option, const std::string& name) {
     std::vector<std::string> words{"hull", p, "-q", "-o", f / name};
     if (!option.empty()) words.push_back(option);
-    EXPECT_EQ(run_app(words).status, 0) << option << name;
+    run_well(words);
     return read_file(f / name);
   };
-  EXPECT_NE(faces_of("--polygons", "h.ply").find("element face 6\n"), std::string::npos);
+  EXPECT_TRUE(has(faces_of("--polygons", "h.ply"), "element face 6\n"));
   EXPECT_EQ(faces_of("--polygons", "h.off").substr(0, 11), "OFF\n8 6 12\n");
   EXPECT_EQ(faces_of("--triangles", "h.off").substr(0, 11), "OFF\n8 12 18");
-  EXPECT_NE(faces_of("", "h.vtp").find("NumberOfPolys=\"6\""), std::string::npos);
-  EXPECT_NE(faces_of("--polygons", "h.vtp").find("NumberOfPolys=\"6\""), std::string::npos);
-  EXPECT_NE(faces_of("--triangles", "h.vtp").find("NumberOfPolys=\"12\""), std::string::npos);
+  EXPECT_TRUE(has(faces_of("", "h.vtp"), "NumberOfPolys=\"6\""));
+  EXPECT_TRUE(has(faces_of("--polygons", "h.vtp"), "NumberOfPolys=\"6\""));
+  EXPECT_TRUE(has(faces_of("--triangles", "h.vtp"), "NumberOfPolys=\"12\""));
   const std::string pattern = f / "t%d.off";
-  ASSERT_EQ(run_app({"track", p, "-q", "-o", pattern, "--polygons"}).status, 0);
+  run_well({"track", p, "-q", "-o", pattern, "--polygons"});
   EXPECT_EQ(read_file(f / "t0.off").substr(0, 11), "OFF\n8 6 12\n");
-  ASSERT_EQ(run_app({"track", p, "-q", "-o", pattern}).status, 0);
+  run_well({"track", p, "-q", "-o", pattern});
   EXPECT_EQ(read_file(f / "t0.off").substr(0, 11), "OFF\n8 12 18");
   for (const char* option : {"--polygons", "--triangles"}) {
     expect_refused(f, {"hull", p, option, "-o", f / "n.stl"}, "is of meshes");
@@ -252,7 +242,7 @@ TEST(CliOutputs, TrianglesByDefaultPolygonsOnRequest) {
   expect_refused(f, {"hull", p, "--polygons", "--triangles", "-o", f / "n.ply"}, "exclude");
   // The hull of points in the plane is one polygon, or a fan.
   write_file(p, "0 0\n1 0\n0 1\n1 1\n2 0.5\n");
-  ASSERT_EQ(run_app({"hull", p, "-q", "-o", f / "h.off"}).status, 0);
+  run_well({"hull", p, "-q", "-o", f / "h.off"});
   EXPECT_EQ(read_file(f / "h.off").substr(0, 9), "OFF\n5 3 7");
   EXPECT_EQ(faces_of("--polygons", "h.off").substr(0, 9), "OFF\n5 1 5");
 }
@@ -266,7 +256,7 @@ TEST(CliOutputs, ClippedCellsAsTriangles) {
              R"({"type": "Polygon", "coordinates": [
                  [[0, 0], [4, 0], [4, 1], [1, 1], [1, 4], [0, 4], [0, 0]],
                  [[0.25, 0.25], [0.25, 0.5], [0.5, 0.5], [0.5, 0.25], [0.25, 0.25]]]})");
-  ASSERT_EQ(run_app({"voronoi", p, "-q", "--clip", region, "-o", out}).status, 0);
+  run_well({"voronoi", p, "-q", "--clip", region, "-o", out});
   std::istringstream in(read_file(out));
   std::string word;
   std::size_t vertices = 0, faces = 0, edges = 0;
@@ -285,8 +275,7 @@ TEST(CliOutputs, ClippedCellsAsTriangles) {
   }
   EXPECT_DOUBLE_EQ(area, 7 - 0.0625);
   expect_error({"voronoi", p, "-q", "--clip", region, "-o", out, "--polygons"}, 2, "has a hole");
-  EXPECT_EQ(
-      run_app({"voronoi", p, "-q", "--clip", region, "-o", f / "c.vtp", "--triangles"}).status, 0);
+  run_well({"voronoi", p, "-q", "--clip", region, "-o", f / "c.vtp", "--triangles"});
   expect_error({"voronoi", p, "--clip", region, "-o", f / "c.geojson", "--polygons"}, 2,
                "is of meshes");
 }

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "agreement/run_app.hpp"
-#include "cullhull/io.hpp"
 
 namespace cullhull::cli_qconvex_test {
 
@@ -83,8 +82,7 @@ struct Pair {
     std::vector<std::string> arguments{"qconvex"};
     std::istringstream in(words);
     for (std::string word; in >> word;) arguments.push_back(word);
-    const Ran ran = run_app(arguments, f / "in");
-    EXPECT_EQ(ran.status, 0) << name << " " << words << ran.err;
+    const Ran ran = run_well(arguments, f / "in");
     return ran.out + ran.err;
   }
   std::string theirs(const std::string& words) const {
@@ -150,7 +148,7 @@ TEST(Qconvex, TotalsAreTheSame) {
       return text.substr(0, text.find(end));
     };
     EXPECT_EQ(p.ours("s"), before(p.theirs("s"), "\nStatistics for") + "\n") << p.name;
-    EXPECT_NE(p.ours("FA").find("Total volume: "), std::string::npos) << p.name;
+    EXPECT_TRUE(has(p.ours("FA"), "Total volume: ")) << p.name;
   }
 }
 
@@ -234,13 +232,11 @@ TEST(Qconvex, FilesAndReports) {
   const std::string want = run_app({"qconvex", "Fx"}, f / "p.txt").out;
   EXPECT_FALSE(want.empty());
   EXPECT_EQ(run_app({"qconvex", "TI", f / "p.txt", "Fx"}).out, want);
-  const Ran to = run_app({"qconvex", "Fx", "TO", f / "hull", "TI", f / "p.txt", "Tv", "Pp", "Qs"});
-  EXPECT_EQ(to.status, 0) << to.err;
+  const Ran to = run_well({"qconvex", "Fx", "TO", f / "hull", "TI", f / "p.txt", "Tv", "Pp", "Qs"});
   EXPECT_EQ(to.out, "");
   EXPECT_EQ(read_file(f / "hull"), want);
   EXPECT_EQ(run_app({"qconvex", "TI", f / "p.txt", "Fx", "TF100000"}).err, "");
-  EXPECT_NE(run_app({"qconvex", "TI", f / "p.txt", "Fx", "TF10"}).err.find("Number of facets"),
-            std::string::npos);
+  EXPECT_TRUE(has(run_app({"qconvex", "TI", f / "p.txt", "Fx", "TF10"}).err, "Number of facets"));
   const Ran summary = run_app({"qconvex", "TI", f / "p.txt"});
   EXPECT_EQ(summary.out, "");
   EXPECT_EQ(summary.err.find("\nConvex hull of 30 points in 3-d:\n"), 0U) << summary.err;
@@ -264,11 +260,7 @@ TEST(Qconvex, FilesAndReports) {
                                                 {"C0.1"},
                                                 {"bogus"},
                                                 {""}}) {
-    std::vector<std::string> arguments{"qconvex"};
-    arguments.insert(arguments.end(), words.begin(), words.end());
-    const Ran ran = run_app(arguments, f / "p.txt");
-    EXPECT_EQ(ran.status, 2) << words[0] << ran.out;
-    EXPECT_TRUE(one_line(ran.err)) << words[0];
+    expect_error(joined({"qconvex"}, words), 2, "", f / "p.txt");
   }
   for (const std::string word : {"m", "G", "FM"})
     EXPECT_NE(run_app({"qconvex", word}, f / "p.txt").err.find("-o writes .obj"),

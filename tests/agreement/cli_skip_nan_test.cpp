@@ -70,23 +70,21 @@ TEST_F(CliSkipNan, TheHullHasTheIdsOfTheFile) {
     for (const std::uint64_t n : {1U, 4U, 50U, 400U}) {
       const Pair made = pair_of(shape, n, d);
       write(made);
-      ASSERT_EQ(run_app({"hull", f / "kept.csv", "-q", "-o", f / "kept.json"}).status, 0);
-      const json kept = json::parse(read_file(f / "kept.json"));
+      run_well({"hull", f / "kept.csv", "-q", "-o", f / "kept.json"});
+      const json kept = json_in(f / "kept.json");
       for (const char* stream : {"off", "on"}) {
         const std::string out = f / (std::string(stream) + ".json");
-        const Ran ran = run_app(
+        const Ran ran = run_well(
             {"hull", f / "nan.csv", "--skip-nan", "--certify", "--stream", stream, "-o", out});
-        ASSERT_EQ(ran.status, 0) << ran.err;
         const std::uint64_t skipped = made.count - n;
-        EXPECT_NE(ran.out.find("skipped    " + std::to_string(skipped)), std::string::npos)
-            << ran.out;
-        const json found = json::parse(read_file(out));
+        EXPECT_TRUE(has(ran.out, "skipped    " + std::to_string(skipped)));
+        const json found = json_in(out);
         EXPECT_EQ(found["points"]["count"], made.count);
         for (const char* ids : {"vertices", "facets", "simplices"})
           EXPECT_EQ(found[ids], mapped(kept[ids], made.rows)) << shape << n << stream << ids;
         for (const char* same : {"facet_planes", "vertex_coordinates", "facet_neighbours"})
           EXPECT_EQ(found[same], kept[same]) << shape << n << stream;
-        EXPECT_EQ(run_app({"certify", f / "nan.csv", out, "--skip-nan"}).status, 0);
+        run_well({"certify", f / "nan.csv", out, "--skip-nan"});
       }
       EXPECT_EQ(read_file(f / "on.json"), read_file(f / "off.json"));
     }
@@ -119,7 +117,7 @@ TEST_F(CliSkipNan, ReportsCountThem) {
   EXPECT_EQ(document({"voronoi", p, "--skip-nan", "--json"}, "voronoi_report")["skipped"], skipped);
   EXPECT_EQ(document({"alpha", p, "--skip-nan", "--json"}, "alpha_report")["skipped"], skipped);
   EXPECT_EQ(document({"track", p, "--skip-nan", "--json"}, "track_report")["skipped"], skipped);
-  ASSERT_EQ(run_app({"hull", p, "--skip-nan", "-q", "-o", f / "h.json"}).status, 0);
+  run_well({"hull", p, "--skip-nan", "-q", "-o", f / "h.json"});
   EXPECT_EQ(
       document({"certify", p, f / "h.json", "--skip-nan", "--json"}, "certify_report")["skipped"],
       skipped);
@@ -133,9 +131,7 @@ TEST_F(CliSkipNan, SurvivorsAreThoseOfTheOtherPoints) {
   write(made);
   for (const char* stream : {"off", "on"}) {
     const auto ids = [&](const std::string& input, const std::vector<std::string>& more) {
-      std::vector<std::string> words{"cull", input, "-q", "--stream", stream, "-o", f / "ids.txt"};
-      words.insert(words.end(), more.begin(), more.end());
-      EXPECT_EQ(run_app(words).status, 0);
+      run_well(joined({"cull", input, "-q", "--stream", stream, "-o", f / "ids.txt"}, more));
       std::istringstream in(read_file(f / "ids.txt"));
       std::vector<std::uint64_t> found;
       for (std::uint64_t id; in >> id;) found.push_back(id);
@@ -156,9 +152,8 @@ TEST_F(CliSkipNan, TriangulationsHaveTheIdsOfTheFile) {
         std::vector<std::string> words{"delaunay", input, "-q", "--certify", "-o", out};
         for (const char* word : {furthest, more})
           if (*word != 0) words.emplace_back(word);
-        const Ran ran = run_app(words);
-        EXPECT_EQ(ran.status, 0) << ran.err;
-        return json::parse(read_file(out));
+        const Ran ran = run_well(words);
+        return json_in(out);
       };
       const json kept = run(f / "kept.csv", f / "kept.json", "");
       const json found = run(f / "nan.csv", f / "nan.json", "--skip-nan");
@@ -168,10 +163,8 @@ TEST_F(CliSkipNan, TriangulationsHaveTheIdsOfTheFile) {
       EXPECT_EQ(found["hidden"].size(), kept["hidden"].size() + made.count - 200);
       EXPECT_EQ(found["duplicates"].size(), kept["duplicates"].size());
     }
-    ASSERT_EQ(run_app({"voronoi", f / "kept.csv", "-q", "--measures", f / "kept.txt"}).status, 0);
-    ASSERT_EQ(
-        run_app({"voronoi", f / "nan.csv", "--skip-nan", "-q", "--measures", f / "nan.txt"}).status,
-        0);
+    run_well({"voronoi", f / "kept.csv", "-q", "--measures", f / "kept.txt"});
+    run_well({"voronoi", f / "nan.csv", "--skip-nan", "-q", "--measures", f / "nan.txt"});
     std::istringstream with(read_file(f / "nan.txt")), without(read_file(f / "kept.txt"));
     std::vector<double> all, others;
     for (double v; with >> v;) all.push_back(v);
@@ -183,9 +176,8 @@ TEST_F(CliSkipNan, TriangulationsHaveTheIdsOfTheFile) {
     }
     for (const double v : all) EXPECT_EQ(v, 0);
     for (const char* command : {"alpha", "delaunay", "voronoi"}) {
-      ASSERT_EQ(run_app({command, f / "kept.csv", "-q", "-o", f / "kept.wkt"}).status, 0);
-      ASSERT_EQ(run_app({command, f / "nan.csv", "--skip-nan", "-q", "-o", f / "nan.wkt"}).status,
-                0);
+      run_well({command, f / "kept.csv", "-q", "-o", f / "kept.wkt"});
+      run_well({command, f / "nan.csv", "--skip-nan", "-q", "-o", f / "nan.wkt"});
       EXPECT_EQ(std::string(command) == "voronoi" ||
                     read_file(f / "kept.wkt") == read_file(f / "nan.wkt"),
                 true)
@@ -197,59 +189,48 @@ TEST_F(CliSkipNan, TriangulationsHaveTheIdsOfTheFile) {
 TEST_F(CliSkipNan, WeightsAndHeightsBesideThem) {
   write_file(f / "p.csv",
              "x,y,z,w\nnan,nan,nan,nan\n0,0,1,0\n4,0,2,0\nnan,1,nan,nan\n0,4,3,0\n1,1,4,-9\n");
-  const Ran tin = run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--height", "z",
-                           "--skip-nan", "-q", "-o", f / "tin.json"});
-  ASSERT_EQ(tin.status, 0) << tin.err;
-  const json found = json::parse(read_file(f / "tin.json"));
+  const Ran tin = run_well({"delaunay", f / "p.csv", "--columns", "x,y", "--height", "z",
+                            "--skip-nan", "-q", "-o", f / "tin.json"});
+  const json found = json_in(f / "tin.json");
   EXPECT_EQ(found["cells"], json::parse("[[1,2,5],[1,5,4],[2,4,5]]"));
-  const Ran power = run_app({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", "w",
-                             "--skip-nan", "-q", "-o", f / "power.json"});
-  ASSERT_EQ(power.status, 0) << power.err;
-  const json regular = json::parse(read_file(f / "power.json"));
+  const Ran power = run_well({"delaunay", f / "p.csv", "--columns", "x,y", "--weights", "w",
+                              "--skip-nan", "-q", "-o", f / "power.json"});
+  const json regular = json_in(f / "power.json");
   EXPECT_EQ(regular["cells"], json::parse("[[1,2,4]]"));
   EXPECT_EQ(regular["hidden"], json::parse("[0,3,5]"));
   write_file(f / "edges.txt", "1 2\n3 4\n");
-  const Ran edges = run_app(
-      {"delaunay", f / "p.csv", "--columns", "x,y", "--skip-nan", "--edges", f / "edges.txt"});
-  EXPECT_EQ(edges.status, 1);
-  EXPECT_NE(edges.err.find("edges.txt:2: edge 1 has point 3, which --skip-nan leaves out"),
-            std::string::npos)
-      << edges.err;
+  expect_error(
+      {"delaunay", f / "p.csv", "--columns", "x,y", "--skip-nan", "--edges", f / "edges.txt"}, 1,
+      "edges.txt:2: edge 1 has point 3, which --skip-nan leaves out");
 }
 
 TEST_F(CliSkipNan, GroupsStatesAndCheckpoints) {
   write_file(f / "g.csv", "x,y,k\nnan,0,b\n0,0,a\n1,0,a\nnan,nan,a\n0,1,a\n5,5,b\n6,5,b\n5,6,b\n");
-  const Ran groups = run_app({"hull", f / "g.csv", "--by", "k", "--skip-nan", "-o", f / "g.json"});
-  ASSERT_EQ(groups.status, 0) << groups.err;
-  EXPECT_NE(groups.out.find("skipped    2 points"), std::string::npos) << groups.out;
-  const json written = json::parse(read_file(f / "g.json"));
+  const Ran groups = run_well({"hull", f / "g.csv", "--by", "k", "--skip-nan", "-o", f / "g.json"});
+  EXPECT_TRUE(has(groups.out, "skipped    2 points"));
+  const json written = json_in(f / "g.json");
   ASSERT_EQ(written["groups"].size(), 2U);
   // A state keeps the ids, and counts what was left out.
   const Pair made = pair_of("sphere", 300, 3);
   write(made);
-  ASSERT_EQ(
-      run_app({"hull", f / "nan.csv", "--skip-nan", "-q", "--partial", f / "a.hullstate"}).status,
-      0);
-  ASSERT_EQ(run_app({"hull", f / "a.hullstate", "-q", "-o", f / "merged.json"}).status, 0);
-  ASSERT_EQ(run_app({"hull", f / "nan.csv", "--skip-nan", "-q", "-o", f / "h.json"}).status, 0);
+  run_well({"hull", f / "nan.csv", "--skip-nan", "-q", "--partial", f / "a.hullstate"});
+  run_well({"hull", f / "a.hullstate", "-q", "-o", f / "merged.json"});
+  run_well({"hull", f / "nan.csv", "--skip-nan", "-q", "-o", f / "h.json"});
   EXPECT_EQ(read_file(f / "merged.json"), read_file(f / "h.json"));
-  const Ran twice = run_app({"hull", f / "nan.csv", f / "nan.csv", "--skip-nan", "--stream", "on",
-                             "-q", "-o", f / "twice.json", "--checkpoint", f / "c"});
-  ASSERT_EQ(twice.status, 0) << twice.err;
-  const json both = json::parse(read_file(f / "twice.json"));
+  const Ran twice = run_well({"hull", f / "nan.csv", f / "nan.csv", "--skip-nan", "--stream", "on",
+                              "-q", "-o", f / "twice.json", "--checkpoint", f / "c"});
+  const json both = json_in(f / "twice.json");
   EXPECT_EQ(both["points"]["count"], 2 * made.count);
-  EXPECT_EQ(both["vertices"], json::parse(read_file(f / "h.json"))["vertices"]);
+  EXPECT_EQ(both["vertices"], json_in(f / "h.json")["vertices"]);
 }
 
 TEST_F(CliSkipNan, FramesAndPages) {
   write_file(f / "f-1.xyz", "nan nan\n0 0\n1 0\n0 1\n");
   write_file(f / "f-2.xyz", "5 5\n0 0\nnan 0\n0 1\n");
-  ASSERT_EQ(run_app({"track", f / "f-1.xyz", f / "f-2.xyz", "--skip-nan", "-q", "--certify", "-o",
-                     f / "h-%d.json"})
-                .status,
-            0);
-  EXPECT_EQ(json::parse(read_file(f / "h-0.json"))["vertices"], json::parse("[1,2,3]"));
-  EXPECT_EQ(json::parse(read_file(f / "h-1.json"))["vertices"], json::parse("[0,3,1]"));
+  run_well({"track", f / "f-1.xyz", f / "f-2.xyz", "--skip-nan", "-q", "--certify", "-o",
+            f / "h-%d.json"});
+  EXPECT_EQ(json_in(f / "h-0.json")["vertices"], json::parse("[1,2,3]"));
+  EXPECT_EQ(json_in(f / "h-1.json")["vertices"], json::parse("[0,3,1]"));
   const Ran page = run_app({"view", f / "f-1.xyz", "--skip-nan", "-o", f / "p.html", "--json"});
   if (page.status == 5) return;  // built without three.js
   ASSERT_EQ(page.status, 0) << page.err;
@@ -265,9 +246,8 @@ TEST_F(CliSkipNan, NoOtherPoints) {
     EXPECT_EQ(found["vertex_count"], 0) << stream;
   }
   for (const char* command : {"delaunay", "voronoi", "alpha", "cull", "info"})
-    EXPECT_EQ(run_app({command, f / "none.txt", "--skip-nan"}).status,
-              run_app({command, f / "none.txt", "--skip-nan"}).status)
-        << command;
+    EXPECT_TRUE(has(run_well({command, f / "none.txt", "--skip-nan"}).out,
+                    "skipped    2 points with a NaN coordinate"));
 }
 
 TEST_F(CliSkipNan, TheErrorNamesIt) {
@@ -275,18 +255,14 @@ TEST_F(CliSkipNan, TheErrorNamesIt) {
   for (const char* command : {"hull", "cull", "delaunay", "voronoi", "alpha", "track"}) {
     const Ran ran = run_app({command, f / "p.txt"});
     EXPECT_EQ(ran.status, 1) << command;
-    EXPECT_NE(ran.err.find("p.txt:2: "), std::string::npos) << ran.err;
-    EXPECT_NE(ran.err.find("point 1, coordinate 1 is NaN; --skip-nan leaves such points out"),
-              std::string::npos)
-        << ran.err;
+    EXPECT_TRUE(has(ran.err, "p.txt:2: "));
+    EXPECT_TRUE(has(ran.err, "point 1, coordinate 1 is NaN; --skip-nan leaves such points out"));
   }
   // An infinity is no mark; its point has the id of the file.
   write_file(f / "inf.txt", "nan 0\n0 0\ninf 0\n1 1\n");
-  for (const char* stream : {"off", "on"}) {
-    const Ran ran = run_app({"hull", f / "inf.txt", "--skip-nan", "--stream", stream});
-    EXPECT_EQ(ran.status, 1);
-    EXPECT_NE(ran.err.find("point 2, coordinate 0 is infinite"), std::string::npos) << ran.err;
-  }
+  for (const char* stream : {"off", "on"})
+    expect_error({"hull", f / "inf.txt", "--skip-nan", "--stream", stream}, 1,
+                 "point 2, coordinate 0 is infinite");
 }
 
 TEST(SkipNan, FilesOfPointsNameTheirRows) {
@@ -301,8 +277,7 @@ TEST(SkipNan, FilesOfPointsNameTheirRows) {
   EXPECT_EQ(file.rows(), (std::vector<std::uint64_t>{1, 2, 4}));
   EXPECT_EQ(file.skipped(), 2U);
   ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_NE(remarks[0].find("2 of 5 points have a NaN coordinate and are skipped"),
-            std::string::npos);
+  EXPECT_TRUE(has(remarks[0], "2 of 5 points have a NaN coordinate and are skipped"));
   Hull hull = convex_hull(file.points());
   hull.rename([&](std::uint64_t i) { return file.rows()[i]; });
   EXPECT_EQ(hull.vertices, (std::vector<std::uint64_t>{1, 2, 4}));

@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
@@ -61,8 +60,7 @@ std::string hull_bytes(const Folder& f, std::vector<std::string> arguments,
   std::filesystem::remove(out);
   arguments.insert(arguments.begin(), "hull");
   arguments.insert(arguments.end(), {"-o", out});
-  const Ran ran = run_app(arguments, input);
-  EXPECT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(arguments, input);
   return read_file(out);
 }
 
@@ -145,8 +143,7 @@ TEST(CliStream, PartsAsStatesPutTogether) {
   const std::string expected = hull_bytes(f, {f / "whole.npy"});
   for (const std::string name : {"a", "b"}) {
     const Ran ran =
-        run_app({"hull", f / (name + ".npy"), "--partial", f / (name + ".hullstate"), "--quiet"});
-    EXPECT_EQ(ran.status, 0) << ran.err;
+        run_well({"hull", f / (name + ".npy"), "--partial", f / (name + ".hullstate"), "--quiet"});
     EXPECT_EQ(ran.out, "");
   }
   EXPECT_EQ(hull_bytes(f, {f / "a.hullstate", f / "b.hullstate"}), expected);
@@ -154,9 +151,7 @@ TEST(CliStream, PartsAsStatesPutTogether) {
   EXPECT_EQ(hull_bytes(f, {f / "a.npy", "-"}, f / "b.hullstate"), expected);
 
   // The same with ids that are the whole's from the start.
-  EXPECT_EQ(
-      run_app({"hull", f / "b.npy", "--partial", f / "g.hullstate", "--first-id", "7000"}).status,
-      0);
+  run_well({"hull", f / "b.npy", "--partial", f / "g.hullstate", "--first-id", "7000"});
   EXPECT_EQ(hull_bytes(f, {f / "g.hullstate", f / "a.hullstate", "--global-ids"}), expected);
   EXPECT_EQ(hull_bytes(f, {f / "g.hullstate", f / "a.hullstate"}), expected);
   const Ran mixed = run_app({"hull", f / "g.hullstate", f / "a.npy"});
@@ -168,12 +163,9 @@ TEST(CliStream, PartsAsStatesPutTogether) {
   std::string broken = read_file(f / "a.hullstate");
   broken[200] = static_cast<char>(broken[200] ^ 1);
   write_file(f / "broken.hullstate", broken);
-  const Ran ran = run_app({"hull", f / "broken.hullstate"});
-  EXPECT_EQ(ran.status, 1);
-  EXPECT_TRUE(one_line(ran.err));
-  EXPECT_NE(ran.err.find("broken.hullstate: hull state: its check sum"), std::string::npos);
+  expect_error({"hull", f / "broken.hullstate"}, 1, "broken.hullstate: hull state: its check sum");
 
-  EXPECT_EQ(run_app({"hull", f / "a.npy", "--partial", f / "a.npz"}).status, 0);
+  run_well({"hull", f / "a.npy", "--partial", f / "a.npz"});
   EXPECT_EQ(read_file(f / "a.npz").substr(0, 2), "PK");
 }
 
@@ -267,21 +259,18 @@ TEST(CliStream, CertifiesInBlocks) {
   write_npy(f / "a.npy", part(rows, 3, 0, 7000), 3);
   write_npy(f / "b.npy", part(rows, 3, 7000, 20000), 3);
   const std::string a = f / "a.npy", b = f / "b.npy", hull = f / "hull.json";
-  EXPECT_EQ(run_app({"hull", a, b, "-o", hull, "--certify"}).status, 0);
-  EXPECT_EQ(run_app({"certify", a, b, hull}).status, 0);
-  EXPECT_EQ(run_app({"certify", a, b, hull, "--stream", "off"}).status, 0);
-  for (const auto& wrong : std::vector<std::vector<std::string>>{{b, a}, {a}, {a, b, a}}) {
-    std::vector<std::string> words{"certify"};
-    words.insert(words.end(), wrong.begin(), wrong.end());
+  run_well({"hull", a, b, "-o", hull, "--certify"});
+  run_well({"certify", a, b, hull});
+  run_well({"certify", a, b, hull, "--stream", "off"});
+  for (const auto& wrong : command_lines(f, {"@b.npy @a.npy", "@a.npy", "@a.npy @b.npy @a.npy"})) {
+    std::vector<std::string> words = joined({"certify"}, wrong);
     words.insert(words.end(), {hull, "--stream", "on"});
-    const Ran ran = run_app(words);
-    EXPECT_EQ(ran.status, 3);
-    EXPECT_TRUE(one_line(ran.err));
+    expect_error(words, 3, "");
   }
   // A point beyond the hull, and one that has left its vertex, both far into the second file.
   for (const double far : {5.0, 0.0}) {
     std::vector<double> changed = rows;
-    const auto result = nlohmann::json::parse(read_file(hull));
+    const auto result = json_in(hull);
     const std::size_t vertex = result["vertices"].back();
     for (int j = 0; j < 3; ++j) changed[3 * vertex + static_cast<std::size_t>(j)] = far;
     write_npy(f / "c.npy", part(changed, 3, 7000, 20000), 3);
@@ -289,7 +278,7 @@ TEST(CliStream, CertifiesInBlocks) {
     EXPECT_EQ(ran.status, 3) << far;
     // A point far outside is named; one that lies inside is only missed.
     const std::string say = far > 0 ? std::to_string(vertex) : "are among the points";
-    EXPECT_NE(ran.err.find(say), std::string::npos) << ran.err;
+    EXPECT_TRUE(has(ran.err, say));
   }
 }
 
@@ -307,26 +296,26 @@ TEST(CliStream, InfoAndCullTakeMany) {
   const auto whole = info({f / "whole.npy"}), both = info({f / "a.npy", f / "b.npy"});
   EXPECT_EQ(both["axes"], whole["axes"]);
   EXPECT_EQ(both["points"], whole["points"]);
-  EXPECT_EQ(run_app({"cull", f / "a.npy", f / "b.npy", "-o", f / "ids.csv"}).status, 0);
-  EXPECT_EQ(run_app({"hull", f / "whole.npy", "--vertices", f / "vertices.csv"}).status, 0);
+  run_well({"cull", f / "a.npy", f / "b.npy", "-o", f / "ids.csv"});
+  run_well({"hull", f / "whole.npy", "--vertices", f / "vertices.csv"});
   EXPECT_EQ(read_file(f / "ids.csv"), read_file(f / "vertices.csv"));
-  EXPECT_EQ(run_app({"cull", f / "a.npy", f / "b.npy", "-o", f / "points.ply"}).status, 0);
-  EXPECT_NE(read_file(f / "points.ply").find("property double z"), std::string::npos);
+  run_well({"cull", f / "a.npy", f / "b.npy", "-o", f / "points.ply"});
+  EXPECT_TRUE(has(read_file(f / "points.ply"), "property double z"));
 }
 
 TEST(CliStream, CullKeepsDuplicatesInMemoryAlone) {
   const Folder f;
   write_file(f / "a.csv", "0,0\n4,0\n0,4\n0,0\n4,0\n2,0\n");
   const auto kept = [&](const char* stream) {
-    EXPECT_EQ(run_app({"cull", f / "a.csv", "--stream", stream, "-o", f / "ids.csv"}).status, 0);
+    run_well({"cull", f / "a.csv", "--stream", stream, "-o", f / "ids.csv"});
     return read_file(f / "ids.csv");
   };
   EXPECT_EQ(kept("off"), "id\n0\n1\n2\n3\n4\n5\n");
   EXPECT_EQ(kept("on"), "id\n0\n1\n2\n");
   std::string help = run_app({"cull", "--help"}).out;
   std::replace(help.begin(), help.end(), '\n', ' ');
-  EXPECT_NE(help.find("every extreme point survives, with its duplicates"), std::string::npos);
-  EXPECT_NE(help.find("in blocks (--stream), only the extreme points survive"), std::string::npos);
+  EXPECT_TRUE(has(help, "every extreme point survives, with its duplicates"));
+  EXPECT_TRUE(has(help, "in blocks (--stream), only the extreme points survive"));
 }
 
 TEST(CliStream, ErrorsNameTheFileAndThePoint) {
@@ -350,34 +339,20 @@ TEST(CliStream, ErrorsNameTheFileAndThePoint) {
       {{"@" + (f / "none.txt")}, "none.txt: cannot open the list"},
   };
   for (const auto& c : cases) {
-    std::vector<std::string> words{"hull", "--stream", "on"};
-    words.insert(words.end(), c.words.begin(), c.words.end());
-    const Ran ran = run_app(words);
-    EXPECT_EQ(ran.status, 1) << c.say;
-    EXPECT_TRUE(one_line(ran.err));
-    EXPECT_NE(ran.err.find(c.say), std::string::npos) << ran.err;
+    expect_error(joined({"hull", "--stream", "on"}, c.words), 1, c.say);
   }
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"--stream", "on", "--repeat", "2"},
-        {"--stream", "off", "--partial", f / "p.hullstate"},
-        {"--stream", "on", "--format", "o"},
-        {"--partial", f / "p.npy"},
-        {"--checkpoint", f / "a.npy"}}) {
-    std::vector<std::string> all{"hull", f / "a.npy"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Ran ran = run_app(all);
-    EXPECT_EQ(ran.status, 2) << words[0] << words[1];
-    EXPECT_TRUE(one_line(ran.err));
+       command_lines(f, {"--stream on --repeat 2", "--stream off --partial @p.hullstate",
+                         "--stream on --format o", "--partial @p.npy", "--checkpoint @a.npy"})) {
+    expect_error(joined({"hull", f / "a.npy"}, words), 2, "");
   }
 }
 
 TEST(CliStream, BudgetIsToldInOneLine) {
   const Folder f;
   write_npy(f / "sphere.npy", generate("sphere", 300000, 3, 1), 3, ScalarType::f32);
-  const Ran ran = run_app({"hull", f / "sphere.npy", "--stream", "on", "--memory", "8MiB"});
-  EXPECT_EQ(ran.status, 4);
-  EXPECT_TRUE(one_line(ran.err));
-  EXPECT_NE(ran.err.find("the stream holds "), std::string::npos) << ran.err;
+  expect_error({"hull", f / "sphere.npy", "--stream", "on", "--memory", "8MiB"}, 4,
+               "the stream holds ");
 }
 
 // Points that are all extreme are what a budget is for: refused or done, no more is resident than
@@ -420,7 +395,7 @@ TEST(CliStream, AFileLargerThanTheAddressSpace) {
         ::setrlimit(RLIMIT_AS, &limit);
       });
   EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_EQ(run_app({"hull", f / "once.npy", "--vertices", f / "once.csv"}).status, 0);
+  run_well({"hull", f / "once.npy", "--vertices", f / "once.csv"});
   EXPECT_EQ(read_file(f / "ids.csv"), read_file(f / "once.csv"));
 }
 
@@ -451,6 +426,16 @@ std::chrono::microseconds time_of_whole(const std::vector<std::string>& words) {
   EXPECT_EQ(testing::wait_for(start_quietly(words)), 0);
   return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() -
                                                                start);
+}
+
+/// Kills runs until one has left a checkpoint.
+void leave_a_checkpoint(const Folder& f) {
+  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
+    const pid_t child = start_quietly(checkpointed(f));
+    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
+    testing::send(child, SIGKILL);
+    testing::wait_for(child);
+  }
 }
 
 TEST(CliStream, KilledAtAnyMomentAndResumed) {
@@ -499,7 +484,7 @@ TEST(CliStream, InterruptedAndResumed) {
     if (std::filesystem::exists(f / "run.checkpoint")) ++interrupted;
   }
   EXPECT_GT(interrupted, 0);
-  EXPECT_EQ(run_app(words).status, 0);
+  run_well(words);
   EXPECT_EQ(read_file(f / "hull.json"), expected);
 }
 
@@ -508,13 +493,7 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   write_slow_input(f);
   // What is still to be read takes several looks at the clock.
   write_npy(f / "tile-999.npy", generate("ball", 3000000, 3, 9), 3);
-  // One good checkpoint first.
-  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
-    const pid_t child = start_quietly(checkpointed(f));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
-    testing::send(child, SIGKILL);
-    testing::wait_for(child);
-  }
+  leave_a_checkpoint(f);
   ASSERT_TRUE(std::filesystem::exists(f / "run.checkpoint"));
   const std::string before = read_file(f / "run.checkpoint");
   const Ran ran = run_limited(checkpointed(f), [] {
@@ -523,22 +502,16 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   });
   EXPECT_EQ(ran.status, 1);
   EXPECT_TRUE(one_line(ran.err));
-  EXPECT_NE(ran.err.find("run.checkpoint: cannot write"), std::string::npos) << ran.err;
+  EXPECT_TRUE(has(ran.err, "run.checkpoint: cannot write"));
   EXPECT_EQ(read_file(f / "run.checkpoint"), before);
 }
 
 TEST(CliStream, ACheckpointOfOtherInputsIsRefused) {
   const Folder f;
   write_slow_input(f);
-  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
-    const pid_t child = start_quietly(checkpointed(f));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
-    testing::send(child, SIGKILL);
-    testing::wait_for(child);
-  }
-  const Ran other = run_app({"hull", f / "tile-100.npy", "--checkpoint", f / "run.checkpoint"});
-  EXPECT_EQ(other.status, 2);
-  EXPECT_NE(other.err.find("is of other inputs"), std::string::npos) << other.err;
+  leave_a_checkpoint(f);
+  expect_error({"hull", f / "tile-100.npy", "--checkpoint", f / "run.checkpoint"}, 2,
+               "is of other inputs");
   write_file(f / "broken", "something else");
   const Ran broken = run_app({"hull", f / "tile-100.npy", "--checkpoint", f / "broken"});
   EXPECT_EQ(broken.status, 1);

@@ -1,8 +1,8 @@
 // The program over tables: what it says of the columns it uses, --decimal, and files that lie on
 // their side. tests/reference/io_tables_test.cpp has the layouts themselves.
-#include <nlohmann/json.hpp>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
+#include "cullhull/io.hpp"
 
 namespace cullhull::cli_tables_test {
 
@@ -31,9 +31,7 @@ std::vector<Sample> samples() {
            {"price", "mass"}}};
 }
 
-nlohmann::json json_of(const std::string& path) { return nlohmann::json::parse(read_file(path)); }
-
-std::string joined(const nlohmann::json& words) {
+std::string listed(const nlohmann::json& words) {
   std::string text;
   for (const auto& word : words) text += (text.empty() ? "" : ", ") + word.get<std::string>();
   return text;
@@ -42,17 +40,16 @@ std::string joined(const nlohmann::json& words) {
 TEST(CliTables, SummaryAndReportNameTheColumns) {
   const Folder f;
   for (const Sample& sample : samples()) {
-    const std::string path = f / sample.file, line = "columns    " + joined(sample.columns) + "\n";
+    const std::string path = f / sample.file, line = "columns    " + listed(sample.columns) + "\n";
     write_file(path, sample.text);
     const auto run = [&](std::vector<std::string> words, const std::string& input = "/dev/null") {
       SCOPED_TRACE(sample.file + " " + words[0]);
       words.insert(words.end(), sample.options.begin(), sample.options.end());
       const std::vector<std::string> plain = words;
       words.push_back("--json=" + (f / "report.json"));
-      const Ran ran = run_app(words, input);
-      EXPECT_EQ(ran.status, 0) << ran.err;
-      EXPECT_NE(ran.out.find(line), std::string::npos) << ran.out;
-      EXPECT_EQ(json_of(f / "report.json")["columns"], sample.columns);
+      const Ran ran = run_well(words, input);
+      EXPECT_TRUE(has(ran.out, line));
+      EXPECT_EQ(json_in(f / "report.json")["columns"], sample.columns);
     };
     for (const char* stream : {"on", "off"}) {
       run({"hull", path, "--stream", stream, "-o", f / "hull.json"});
@@ -64,13 +61,10 @@ TEST(CliTables, SummaryAndReportNameTheColumns) {
     run({"delaunay", path});
     if (sample.columns.size() == 2) run({"alpha", path, "--alpha", "10"});
     if (sample.columns.size() == 2) run({"voronoi", path});
-    const Ran checked = run_app([&] {
-      std::vector<std::string> words{"certify", path, f / "hull.json", "--json=" + (f / "c.json")};
-      words.insert(words.end(), sample.options.begin(), sample.options.end());
-      return words;
+    const Ran checked = run_well([&] {
+      return joined({"certify", path, f / "hull.json", "--json=" + (f / "c.json")}, sample.options);
     }());
-    EXPECT_EQ(checked.status, 0) << checked.err;
-    EXPECT_EQ(json_of(f / "c.json")["columns"], sample.columns);
+    EXPECT_EQ(json_in(f / "c.json")["columns"], sample.columns);
   }
 }
 
@@ -81,14 +75,12 @@ TEST(CliTables, PipesAreReadAsFilesAre) {
     if (sample.file.ends_with(".node") || sample.file.ends_with(".pts")) continue;
     write_file(f / sample.file, sample.text);
     for (const char* stream : {"on", "off"}) {
-      std::vector<std::string> words{"hull",       f / sample.file, "-o",
-                                     f / "a.json", "--stream",      stream};
-      words.insert(words.end(), sample.options.begin(), sample.options.end());
+      std::vector<std::string> words =
+          joined({"hull", f / sample.file, "-o", f / "a.json", "--stream", stream}, sample.options);
       const Ran file = run_app(words);
       words[1] = "-";
       words[3] = f / "b.json";
-      const Ran pipe = run_app(words, f / sample.file);
-      EXPECT_EQ(pipe.status, 0) << sample.file << pipe.err;
+      const Ran pipe = run_well(words, f / sample.file);
       EXPECT_EQ(read_file(f / "a.json"), read_file(f / "b.json")) << sample.file;
     }
   }
@@ -99,12 +91,12 @@ TEST(CliTables, OtherFormatsReportTheirColumnsToo) {
   write_file(f / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n");
   for (const char* stream : {"on", "off"}) {
     const Ran all = run_app({"hull", f / "a.obj", "--stream", stream, "--json=" + (f / "r.json")});
-    EXPECT_EQ(all.out.find("columns"), std::string::npos) << all.out;
-    EXPECT_EQ(json_of(f / "r.json")["columns"], (nlohmann::json{"x", "y", "z"}));
+    EXPECT_FALSE(has(all.out, "columns"));
+    EXPECT_EQ(json_in(f / "r.json")["columns"], (nlohmann::json{"x", "y", "z"}));
     const Ran two = run_app(
         {"hull", f / "a.obj", "--columns", "z,0", "--stream", stream, "--json=" + (f / "r.json")});
-    EXPECT_NE(two.out.find("columns    z, x\n"), std::string::npos) << two.out;
-    EXPECT_EQ(json_of(f / "r.json")["columns"], (nlohmann::json{"z", "x"}));
+    EXPECT_TRUE(has(two.out, "columns    z, x\n"));
+    EXPECT_EQ(json_in(f / "r.json")["columns"], (nlohmann::json{"z", "x"}));
   }
 }
 
@@ -112,16 +104,12 @@ TEST(CliTables, NamesThatSayNothingAreRefused) {
   const Folder f;
   write_file(f / "a.csv", "mass,L\xC3\xA4nge\n1,2\n3,4\n5,1\n");
   for (const char* stream : {"on", "off"}) {
-    const Ran ran = run_app({"hull", f / "a.csv", "--stream", stream});
-    EXPECT_EQ(ran.status, 1);
-    EXPECT_NE(
-        ran.err.find("a.csv:1: the names of the columns are not known as coordinates: 'mass', "
-                     "'L\xC3\xA4nge'; --columns takes some by name or by number from 0, as "
-                     "--columns mass,L\xC3\xA4nge or --columns 0,1"),
-        std::string::npos)
-        << ran.err;
+    expect_error({"hull", f / "a.csv", "--stream", stream}, 1,
+                 "a.csv:1: the names of the columns are not known as coordinates: 'mass', "
+                 "'L\xC3\xA4nge'; --columns takes some by name or by number from 0, as "
+                 "--columns mass,L\xC3\xA4nge or --columns 0,1");
     for (const char* columns : {"mass,L\xC3\xA4nge", "0,1", "0:2"})
-      EXPECT_EQ(run_app({"hull", f / "a.csv", "--stream", stream, "--columns", columns}).status, 0);
+      run_well({"hull", f / "a.csv", "--stream", stream, "--columns", columns});
   }
 }
 
@@ -132,8 +120,8 @@ TEST(CliTables, DecimalCommasAreOneRemark) {
     const Ran ran = run_app({"hull", f / "z.txt", "--stream", stream, "--json=" + (f / "r.json")});
     EXPECT_EQ(ran.err, "cullhull: " + (f / "z.txt") +
                            ": commas are read as decimal marks; --decimal . refuses them\n");
-    EXPECT_EQ(json_of(f / "r.json")["points"]["dimension"], 2);
-    EXPECT_DOUBLE_EQ(json_of(f / "r.json")["area"].get<double>(), 5);
+    EXPECT_EQ(json_in(f / "r.json")["points"]["dimension"], 2);
+    EXPECT_DOUBLE_EQ(json_in(f / "r.json")["area"].get<double>(), 5);
   }
   EXPECT_EQ(run_app({"hull", f / "z.txt", "--decimal", ","}).err, "");
   expect_error({"hull", f / "z.txt", "--decimal", "."}, 1, "--decimal , reads decimal commas");
@@ -158,10 +146,8 @@ TEST(CliTables, AFileOnItsSideIsRemarkedOn) {
   for (const char* name : {"a.npy", "a.txt"})
     for (const char* stream : {"on", "off"})
       for (const char* command : {"hull", "info"}) {
-        const Ran ran = run_app({command, f / name, "--stream", stream});
-        EXPECT_EQ(ran.status, 0) << ran.err;
-        EXPECT_NE(ran.err.find("3 points in 50 dimensions"), std::string::npos)
-            << command << name << stream << ran.err;
+        const Ran ran = run_well({command, f / name, "--stream", stream});
+        EXPECT_TRUE(has(ran.err, "3 points in 50 dimensions")) << command << name << stream;
       }
   write_npy_points(f / "b.npy", few.data(), 3, 8, ScalarType::f64);
   EXPECT_EQ(run_app({"hull", f / "b.npy"}).err, "");

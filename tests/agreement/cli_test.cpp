@@ -4,10 +4,9 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "agreement/run_app.hpp"
+#include "agreement/expect_json.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/io.hpp"
@@ -19,28 +18,25 @@ namespace cullhull::cli_test {
 using namespace testing;
 
 TEST(Cli, HelpTeaches) {
-  const Ran main = run_app({"--help"});
-  EXPECT_EQ(main.status, 0);
+  const Ran main = run_well({"--help"});
   for (const std::string command :
        {"hull", "cull", "track", "certify", "generate", "info", "view"}) {
-    EXPECT_NE(main.out.find("\n  " + command), std::string::npos) << main.out;
-    const Ran ran = run_app({command, "--help"});
-    EXPECT_EQ(ran.status, 0) << command;
+    EXPECT_TRUE(has(main.out, "\n  " + command));
+    const Ran ran = run_well({command, "--help"});
     EXPECT_EQ(ran.err, "") << command;
-    EXPECT_NE(ran.out.find("Exit status"), std::string::npos) << command;
+    EXPECT_TRUE(has(ran.out, "Exit status")) << command;
   }
-  EXPECT_NE(run_app({"hull", "--help"}).out.find("--certify"), std::string::npos);
-  EXPECT_NE(run_app({"generate", "--help"}).out.find("octahedron"), std::string::npos);
+  EXPECT_TRUE(has(run_app({"hull", "--help"}).out, "--certify"));
+  EXPECT_TRUE(has(run_app({"generate", "--help"}).out, "octahedron"));
   EXPECT_EQ(run_app({"--version"}).out, CULLHULL_VERSION "\n");
 }
 
 TEST(Cli, LicensesArePrinted) {
-  const Ran ran = run_app({"--licenses"});
-  EXPECT_EQ(ran.status, 0);
+  const Ran ran = run_well({"--licenses"});
   for (const std::string words :
        {"MIT License", "==== Apache-2.0 (Highway) ====", "GCC RUNTIME LIBRARY EXCEPTION",
         "GNU LESSER GENERAL PUBLIC LICENSE", "Stephen L. Moshier"})
-    EXPECT_NE(ran.out.find(words), std::string::npos) << words;
+    EXPECT_TRUE(has(ran.out, words)) << words;
 }
 
 TEST(Cli, BadUsageIsStatusTwo) {
@@ -113,7 +109,7 @@ TEST(Cli, TheFirstPointThatIsNotFiniteIsNamed) {
   for (const std::string cull : {"none", "gauge", "pseudo-hull", "auto"})
     expect_error({"hull", f / "nan.npy", "--cull", cull}, 1, "1234");
   expect_error({"cull", f / "nan.npy", "-o", f / "ids.npy"}, 1, "1234");
-  EXPECT_NE(run_app({"info", f / "nan.npy"}).out.find("1234"), std::string::npos);
+  EXPECT_TRUE(has(run_app({"info", f / "nan.npy"}).out, "1234"));
   EXPECT_EQ(f.entries(), 1U);
 }
 
@@ -150,8 +146,7 @@ TEST(Cli, EveryPathWritesTheSameBytes) {
                                               "--threads", threads,     "--vertices", f / "v.npy"};
         for (const std::string& e : c.extensions)
           arguments.insert(arguments.end(), {"-o", f / ("hull" + e)});
-        const Ran ran = run_app(arguments);
-        ASSERT_EQ(ran.status, 0) << c.shape << ran.err;
+        const Ran ran = run_well(arguments);
         std::vector<std::string> bytes{read_file(f / "v.npy")};
         for (const std::string& e : c.extensions) bytes.push_back(read_file(f / ("hull" + e)));
         for (const std::string format : {"Fx", "n"})
@@ -168,8 +163,7 @@ TEST(Cli, EveryPathWritesTheSameBytes) {
 TEST(Cli, ReportHasTheKeysChecksRelyOn) {
   const Folder f;
   write_points(f / "p.npy", "ball", 20000, 3, ScalarType::f32);
-  const Ran ran = run_app({"hull", f / "p.npy", "--json", "--certify", "--repeat", "3"});
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well({"hull", f / "p.npy", "--json", "--certify", "--repeat", "3"});
   EXPECT_EQ(ran.err, "");  // no progress where there is no terminal
   const auto json = nlohmann::json::parse(ran.out);
   for (const char* key :
@@ -186,17 +180,16 @@ TEST(Cli, ReportHasTheKeysChecksRelyOn) {
   EXPECT_EQ(json["compute_seconds"].get<double>(), times[1]);
   EXPECT_EQ(json["certified"], true);
   EXPECT_EQ(json["simplex_count"].get<int>(), 2 * json["vertex_count"].get<int>() - 4);
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "--json=" + (f / "r.json"), "-q"}).status, 0);
-  EXPECT_EQ(nlohmann::json::parse(read_file(f / "r.json"))["volume"], json["volume"]);
+  run_well({"hull", f / "p.npy", "--json=" + (f / "r.json"), "-q"});
+  EXPECT_EQ(json_in(f / "r.json")["volume"], json["volume"]);
 }
 
 TEST(Cli, CertifyAcceptsOurHullAndRefusesAnother) {
   const Folder f;
   write_points(f / "p.npy", "ball", 3000, 3);
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "-o", f / "hull.json"}).status, 0);
-  const Ran good = run_app({"certify", f / "p.npy", f / "hull.json"});
-  EXPECT_EQ(good.status, 0) << good.err;
-  EXPECT_NE(good.out.find("certified"), std::string::npos);
+  run_well({"hull", f / "p.npy", "-o", f / "hull.json"});
+  const Ran good = run_well({"certify", f / "p.npy", f / "hull.json"});
+  EXPECT_TRUE(has(good.out, "certified"));
   write_npy_points(f / "q.npy", generate("ball", 3000, 3, 4).data(), 3000, 3, ScalarType::f64);
   expect_error({"certify", f / "q.npy", f / "hull.json"}, 3, "not certified");
 }
@@ -205,10 +198,9 @@ TEST(Cli, OnlyVerticesWritesTheHullsIds) {
   const Folder f;
   write_points(f / "p.npy", "gauss", 2000, 5);
   const std::string p = f / "p.npy";
-  EXPECT_EQ(run_app({"hull", p, "--vertices", f / "hull.npy"}).status, 0);
+  run_well({"hull", p, "--vertices", f / "hull.npy"});
   const Ran ran =
-      run_app({"hull", p, "--only", "vertices", "--vertices", f / "only.npy", "--json"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
+      run_well({"hull", p, "--only", "vertices", "--vertices", f / "only.npy", "--json"});
   EXPECT_EQ(read_file(f / "only.npy"), read_file(f / "hull.npy"));
   const auto json = nlohmann::json::parse(ran.out);
   EXPECT_EQ(json["affine_dimension"], 5);
@@ -220,12 +212,12 @@ TEST(Cli, OnlyVerticesWritesTheHullsIds) {
 TEST(Cli, CullKeepsEveryVertex) {
   const Folder f;
   write_points(f / "p.npy", "ball", 50000, 3);
-  ASSERT_EQ(run_app({"cull", f / "p.npy", "-o", f / "ids.npy"}).status, 0);
-  ASSERT_EQ(run_app({"hull", f / "p.npy", "--vertices", f / "v.npy"}).status, 0);
+  run_well({"cull", f / "p.npy", "-o", f / "ids.npy"});
+  run_well({"hull", f / "p.npy", "--vertices", f / "v.npy"});
   const auto ids = [](const std::string& path) {
     const std::string bytes = read_file(path);
     const std::size_t begin = bytes.find('\n') + 1;
-    EXPECT_NE(bytes.find("'<i8'"), std::string::npos);
+    EXPECT_TRUE(has(bytes, "'<i8'"));
     std::vector<std::int64_t> list((bytes.size() - begin) / 8);
     std::memcpy(list.data(), bytes.data() + begin, list.size() * 8);
     return list;
@@ -289,22 +281,17 @@ TEST(Cli, ReadsRawAndStandardInput) {
 
 TEST(Cli, GenerateIsReproducible) {
   const Folder f;
-  ASSERT_EQ(run_app({"generate", "grid:9", "-n", "2k", "-d", "4", "--seed", "5", "-o", f / "a.npy"})
-                .status,
-            0);
-  ASSERT_EQ(
-      run_app({"generate", "grid:9", "-n", "2000", "-d", "4", "--seed", "5", "-o", f / "b.npy"})
-          .status,
-      0);
+  run_well({"generate", "grid:9", "-n", "2k", "-d", "4", "--seed", "5", "-o", f / "a.npy"});
+  run_well({"generate", "grid:9", "-n", "2000", "-d", "4", "--seed", "5", "-o", f / "b.npy"});
   EXPECT_EQ(read_file(f / "a.npy"), read_file(f / "b.npy"));
   const PointFile file = open_points(f / "a.npy");
   EXPECT_EQ(file.points().count, 2000U);
   EXPECT_EQ(file.points().dimension, 4U);
-  ASSERT_EQ(run_app({"generate", "disk", "-n", "7", "--type", "f32", "-o", f / "c.npy"}).status, 0);
+  run_well({"generate", "disk", "-n", "7", "--type", "f32", "-o", f / "c.npy"});
   const PointFile disk = open_points(f / "c.npy");
   EXPECT_EQ(disk.points().dimension, 2U);
   EXPECT_EQ(disk.points().scalar, ScalarType::f32);
-  ASSERT_EQ(run_app({"generate", "cyclic", "-n", "40", "-d", "4", "-o", f / "d.npy"}).status, 0);
+  run_well({"generate", "cyclic", "-n", "40", "-d", "4", "-o", f / "d.npy"});
   const auto json = nlohmann::json::parse(run_app({"hull", f / "d.npy", "--json"}).out);
   EXPECT_EQ(json["vertex_count"], 40);
   EXPECT_EQ(json["facet_count"], 40 * 37 / 2);  // n (n - 3) / 2
@@ -313,11 +300,9 @@ TEST(Cli, GenerateIsReproducible) {
 TEST(Cli, OutputThatCannotBeWrittenIsOneLine) {
   const Folder f;
   write_points(f / "p.npy", "ball", 5000, 3);
-  for (const std::vector<std::string>& arguments : {std::vector<std::string>{"hull", f / "p.npy"},
-                                                    {"hull", f / "p.npy", "--json"},
-                                                    {"hull", f / "p.npy", "--format", "n"},
-                                                    {"info", f / "p.npy"},
-                                                    {"--help"}}) {
+  for (const std::vector<std::string>& arguments :
+       command_lines(f, {"hull @p.npy", "hull @p.npy --json", "hull @p.npy --format n",
+                         "info @p.npy", "--help"})) {
     const Ran full = run_app(arguments, "/dev/null", "/dev/full");
     EXPECT_EQ(full.status, 1) << arguments[0];
     EXPECT_TRUE(one_line(full.err));
@@ -346,23 +331,20 @@ TEST(Cli, OutputThatCannotBeWrittenIsOneLine) {
 // The frames' hulls are those of the frames by themselves, byte for byte.
 TEST(Cli, TrackWritesWhatHullWrites) {
   const Folder f;
-  ASSERT_EQ(run_app({"generate", "bumpy", "-n", "9000", "--frames", "4", "--motion", "fracture",
-                     "-o", f / "s.npy"})
-                .status,
-            0);
+  run_well({"generate", "bumpy", "-n", "9000", "--frames", "4", "--motion", "fracture", "-o",
+            f / "s.npy"});
   const MovingPoints moving("bumpy", "fracture", 9000, 3, 4, 1);
   std::vector<double> frame(27000);
   std::vector<std::string> hulls;
   for (std::uint64_t k = 0; k < 4; ++k) {
     moving.frame(k, frame.data());
     write_npy_points(f / "one.npy", frame.data(), 9000, 3, ScalarType::f64);
-    ASSERT_EQ(run_app({"hull", f / "one.npy", "-o", f / "one.json"}).status, 0);
+    run_well({"hull", f / "one.npy", "-o", f / "one.json"});
     hulls.push_back(read_file(f / "one.json"));
   }
   for (const std::string cull : {"auto", "gauge", "pseudo-hull", "none"}) {
-    const Ran ran = run_app({"track", f / "s.npy", "--cull", cull, "--certify", "-o",
-                             f / ("h" + cull + "-%03d.json"), "--json"});
-    ASSERT_EQ(ran.status, 0) << ran.err;
+    const Ran ran = run_well({"track", f / "s.npy", "--cull", cull, "--certify", "-o",
+                              f / ("h" + cull + "-%03d.json"), "--json"});
     const auto report = nlohmann::json::parse(ran.out);
     ASSERT_EQ(report.at("frames").size(), 4U);
     EXPECT_EQ(report.at("certified"), true);
@@ -390,10 +372,8 @@ TEST(Cli, TrackWritesWhatHullWrites) {
 
 TEST(Cli, TrackOnADeviceOrNot) {
   const Folder f;
-  ASSERT_EQ(run_app({"generate", "ball", "-n", "20k", "--frames", "3", "--motion", "twist", "-o",
-                     f / "s.npy"})
-                .status,
-            0);
+  run_well(
+      {"generate", "ball", "-n", "20k", "--frames", "3", "--motion", "twist", "-o", f / "s.npy"});
   const std::vector<std::string> arguments{"track",     f / "s.npy", "--cull", "gauge",
                                            "--backend", "cuda",      "--json"};
   const CudaStatus status = cuda_status();
@@ -401,8 +381,7 @@ TEST(Cli, TrackOnADeviceOrNot) {
     expect_error(arguments, 5, "frame 0: " + status.reason);
     return;
   }
-  const Ran ran = run_app(arguments);
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const Ran ran = run_well(arguments);
   const auto report = nlohmann::json::parse(ran.out);
   EXPECT_EQ(report.at("backend"), "cuda");
   EXPECT_EQ(report.at("totals").at("led_frames"), 2);
@@ -414,13 +393,12 @@ TEST(Cli, TrackReadsFoldersAndRefusesWhatItMust) {
   for (const int k : {2, 10, 1})
     write_points(f / ("in/f" + std::to_string(k) + ".npy"), "ball", 200 + static_cast<unsigned>(k),
                  3);
-  const Ran ran = run_app({"track", f / "in", "-o", f / "out/", "--json=" + (f / "r.json")});
-  ASSERT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("frames     3"), std::string::npos) << ran.out;
-  EXPECT_EQ(nlohmann::json::parse(read_file(f / "r.json")).at("points").at("count"), 210);
-  EXPECT_EQ(run_app({"hull", f / "in/f2.npy", "-o", f / "two.ply"}).status, 0);
+  const Ran ran = run_well({"track", f / "in", "-o", f / "out/", "--json=" + (f / "r.json")});
+  EXPECT_TRUE(has(ran.out, "frames     3"));
+  EXPECT_EQ(json_in(f / "r.json").at("points").at("count"), 210);
+  run_well({"hull", f / "in/f2.npy", "-o", f / "two.ply"});
   EXPECT_EQ(read_file(f / "out/frame-000001.ply"), read_file(f / "two.ply"));
-  EXPECT_EQ(run_app({"track", f / "in/f*.npy", "-q"}).status, 0);
+  run_well({"track", f / "in/f*.npy", "-q"});
 
   expect_error({"track", f / "in", "-o", f / "x.ply"}, 2, "%04d");
   expect_error({"track", f / "in", "-o", f / "%s.ply"}, 2, "%d");

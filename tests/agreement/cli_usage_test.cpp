@@ -7,7 +7,6 @@
 #include "agreement/run_app.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
-#include "cullhull/io.hpp"
 
 namespace cullhull::cli_usage_test {
 
@@ -26,19 +25,13 @@ TEST(CliUsage, DidYouMean) {
                "unknown command 'bench'; it is now the program cullhull-bench");
   expect_error({"infos"}, 2, "did you mean info?");
   expect_error({"hull", p, "--columns"}, 2, "--columns needs a value (see cullhull hull --help)");
-  for (const std::vector<std::string>& far : {std::vector<std::string>{"hull", p, "--colour"},
-                                              {"fly"},
-                                              {"convert"},
-                                              {"help", "convert"},
-                                              {"hull", p, "--resolution"},
-                                              {"hull", p, "--formats-all"},
-                                              {"hull", p, "--xyzzy"},
-                                              {"hull", p, "--area"},
-                                              {"hull", p, "--2d"},
-                                              {"hull", p, "-v"}}) {
+  for (const std::vector<std::string>& far : command_lines(
+           f, {"hull @p.npy --colour", "fly", "convert", "help convert", "hull @p.npy --resolution",
+               "hull @p.npy --formats-all", "hull @p.npy --xyzzy", "hull @p.npy --area",
+               "hull @p.npy --2d", "hull @p.npy -v"})) {
     const Ran ran = run_app(far);
     EXPECT_EQ(ran.status, 2);
-    EXPECT_EQ(ran.err.find("did you mean"), std::string::npos) << ran.err;
+    EXPECT_FALSE(has(ran.err, "did you mean"));
   }
   expect_error({"info", p, "--no-such"}, 2, "--no-such");
 }
@@ -57,9 +50,9 @@ TEST(CliUsage, ASecondNameAfterAnOutput) {
   expect_error({"hull", p, "-q", "--output", a, b, "-o", b}, 2, "each output needs an -o");
   EXPECT_FALSE(std::filesystem::exists(a));
   // Inputs after the output, and several outputs.
-  EXPECT_EQ(run_app({"hull", "-q", "-o", a, p, f / "q.txt"}).status, 0);
-  EXPECT_EQ(run_app({"hull", p, "-q", "-o", a, "-o", b}).status, 0);
-  EXPECT_EQ(run_app({"hull", p, "-o", a, "-q", "--threads", "1"}).status, 0);
+  run_well({"hull", "-q", "-o", a, p, f / "q.txt"});
+  run_well({"hull", p, "-q", "-o", a, "-o", b});
+  run_well({"hull", p, "-o", a, "-q", "--threads", "1"});
 }
 
 /// Lines with more columns than that, and lines that begin with the second part of a word of the
@@ -119,10 +112,9 @@ TEST(CliUsage, HelpFitsTheTerminal) {
   };
   // The text of an option stays in its column, and its lines are filled.
   const std::string narrow = shown(80);
-  EXPECT_NE(narrow.find("\n  --format WORDS              Print the hull as qconvex does. Quote "
-                        "several\n                              words: --format 'Fx n'\n"),
-            std::string::npos)
-      << narrow;
+  EXPECT_TRUE(has(narrow,
+                  "\n  --format WORDS              Print the hull as qconvex does. Quote "
+                  "several\n                              words: --format 'Fx n'\n"));
   ::setenv("COLUMNS", "50", 1);  // as exported, it is taken before the window's
   expect_fits(shown(80), run_app({"hull", "--help"}).out, 50);
   ::setenv("COLUMNS", "0", 1);
@@ -162,8 +154,7 @@ TEST(CliUsage, HelpByCommand) {
 
 TEST(CliUsage, TheProgramAloneShowsItsHelp) {
   expect_help_alone({});
-  const Ran version = run_app({"--version"});
-  EXPECT_EQ(version.status, 0);
+  const Ran version = run_well({"--version"});
   EXPECT_EQ(run_app({"-V"}).out, version.out);
   EXPECT_EQ(version.out.find('\n') + 1, version.out.size());
 }
@@ -171,12 +162,12 @@ TEST(CliUsage, TheProgramAloneShowsItsHelp) {
 TEST(CliUsage, HelpByTopic) {
   const Ran formats = run_app({"help", "formats"}), units = run_app({"help", "units"});
   EXPECT_EQ(formats.status, 0) << formats.err;
-  EXPECT_NE(formats.out.find(".pcd"), std::string::npos);
+  EXPECT_TRUE(has(formats.out, ".pcd"));
   EXPECT_EQ(units.status, 0) << units.err;
-  EXPECT_NE(units.out.find("scale"), std::string::npos);
+  EXPECT_TRUE(has(units.out, "scale"));
   const std::string help = run_app({"--help"}).out;
-  EXPECT_NE(help.find("\nTopics:\n  formats "), std::string::npos) << help;
-  EXPECT_NE(help.find("\n  units "), std::string::npos) << help;
+  EXPECT_TRUE(has(help, "\nTopics:\n  formats "));
+  EXPECT_TRUE(has(help, "\n  units "));
   expect_error({"help", "format"}, 2, "no command or topic 'format'; did you mean formats?");
   expect_error({"help", "formats", "units"}, 2, "");
 }
@@ -190,12 +181,12 @@ TEST(CliUsage, OptionsStandInSectionsAndInputsAreDescribedOnce) {
   ASSERT_EQ(commands.size(), 13U);
   for (const std::string& command : commands) {
     const std::string help = run_app({command, "--help"}).out;
-    EXPECT_EQ(help.find("\nOptions:\n"), std::string::npos) << help;
-    EXPECT_NE(help.find("\nOther:\n"), std::string::npos) << help;
-    EXPECT_NE(help.find("\nExamples:\n"), std::string::npos) << help;
-    EXPECT_NE(help.find("\nExit status: "), std::string::npos) << help;
-    EXPECT_EQ(help.find("\n\n\n"), std::string::npos) << help;
-    EXPECT_EQ(help.find(".pcd"), std::string::npos) << "formats belong to help formats";
+    EXPECT_FALSE(has(help, "\nOptions:\n"));
+    EXPECT_TRUE(has(help, "\nOther:\n"));
+    EXPECT_TRUE(has(help, "\nExamples:\n"));
+    EXPECT_TRUE(has(help, "\nExit status: "));
+    EXPECT_FALSE(has(help, "\n\n\n"));
+    EXPECT_FALSE(has(help, ".pcd")) << "formats belong to help formats";
     const bool points = command != "generate" && command != "completion" && command != "man";
     EXPECT_EQ(help.find("help formats") != std::string::npos, points) << help;
     std::istringstream lines(help);
@@ -254,7 +245,7 @@ TEST(CliUsage, RepeatedArgumentsAreCutAndEscaped) {
     EXPECT_TRUE(ran.status == 1 || ran.status == 2) << arguments[0].substr(0, 20);
     EXPECT_TRUE(one_line(ran.err)) << ran.err.substr(0, 100);
     EXPECT_LT(ran.err.size(), 700U) << ran.err.substr(0, 100);
-    EXPECT_NE(ran.err.find("xxx"), std::string::npos) << ran.err.substr(0, 300);
+    EXPECT_TRUE(has(ran.err, "xxx")) << ran.err.substr(0, 300);
   }
   for (const std::string word : {"a\nb", "a\x1b[31mb", "a\rb",
                                  "a\x7f"
@@ -269,7 +260,7 @@ TEST(CliUsage, RepeatedArgumentsAreCutAndEscaped) {
       EXPECT_TRUE(one_line(ran.err)) << ran.err;
       for (const char c : ran.err.substr(0, ran.err.size() - 1))
         EXPECT_FALSE(static_cast<unsigned char>(c) < 32 || c == 127) << ran.err;
-      EXPECT_EQ(ran.err.find("\xC2\x9B"), std::string::npos);
+      EXPECT_FALSE(has(ran.err, "\xC2\x9B"));
     }
   }
 }
@@ -281,9 +272,7 @@ TEST(CliUsage, SeedsAndBudgetsAreReadWhole) {
   for (const std::string seed :
        {"18446744073709551616", "99999999999999999999999", "-1", "1.5", "0x10", "", "7 ", "+7"})
     expect_error({"generate", "ball", "-n", "5", "--seed", seed, "-o", out}, 2, "--seed");
-  EXPECT_EQ(
-      run_app({"generate", "ball", "-n", "5", "--seed", "18446744073709551615", "-o", out}).status,
-      0);
+  run_well({"generate", "ball", "-n", "5", "--seed", "18446744073709551615", "-o", out});
   for (const std::string memory : {"", "K", "-1", "lots"})
     expect_error({"hull", f / "p.npy", "--memory", memory}, 2, "--memory");
   expect_error({"hull", f / "p.npy", "--memory="}, 2, "--memory");
@@ -306,7 +295,7 @@ TEST(CliUsage, NotFiniteNamesTheFile) {
     expect_error({"view", p, "-o", f / "w.html"}, 1, want);
   expect_error({"track", good, p}, 1, p + ":3: frame 1: point 2, coordinate 1 is NaN");
   const Ran stream = run_app({"hull", "-"}, p);
-  EXPECT_NE(stream.err.find("standard input:3: point 2"), std::string::npos) << stream.err;
+  EXPECT_TRUE(has(stream.err, "standard input:3: point 2"));
   const std::string csv = f / "p.csv";
   write_file(csv, "# words\nname,x,y\n\na,0,0\n# more\nb,1,0\n\nc,inf,1\n");
   expect_error({"hull", csv, "--columns", "x,y"}, 1,
@@ -336,8 +325,7 @@ TEST(CliUsage, NotFiniteNamesTheLineWhereverTheTextComesFrom) {
   write_points(f / "p.npy", "ball", 3, 2);
   write_file(f / "c.csv", "id,x,y,note\n0,1,2,nan\n1,inf,2,a\n");
   const Ran ran = run_app({"hull", f / "c.csv"});
-  EXPECT_NE(ran.err.find("c.csv:3: point 1, coordinate 0 is infinite"), std::string::npos)
-      << ran.err;
+  EXPECT_TRUE(has(ran.err, "c.csv:3: point 1, coordinate 0 is infinite"));
 }
 
 /// A bad row behind blank lines and comments, so that its line is not its point's number.
@@ -497,8 +485,7 @@ TEST(CliUsage, GeometriesAreReadByEveryCommand) {
   write_file(f / "p.wkt", "POLYGON ((0 0, 4 0, 4 4, 0 4, 0 0))\nPOINT (1 2)\n");
   for (const char* command : {"hull", "delaunay", "voronoi", "alpha"}) {
     const auto result = [&](const char* input) {
-      const Ran ran = run_app({command, f / input, "-q", "-o", f / "out.json"});
-      EXPECT_EQ(ran.status, 0) << command << ran.err;
+      const Ran ran = run_well({command, f / input, "-q", "-o", f / "out.json"});
       EXPECT_EQ(ran.err, "") << command;
       return read_file(f / "out.json");
     };
@@ -516,8 +503,7 @@ TEST(CliUsage, GenerateWritesWhatIsRead) {
   const auto ids = [&](const std::string& file) {
     std::vector<std::string> words{"hull", file, "--format", "p"};
     if (file.ends_with(".raw")) words.insert(words.end(), {"--dim", "3", "--type", "f64"});
-    const Ran ran = run_app(words);
-    EXPECT_EQ(ran.status, 0) << file << ran.err;
+    const Ran ran = run_well(words);
     EXPECT_EQ(ran.err, "") << file;
     return ran.out;
   };
@@ -555,8 +541,8 @@ TEST(CliUsage, GenerateWritesWhatIsRead) {
       "must end in .npy");
   EXPECT_FALSE(std::filesystem::exists(f / "d.ply")) << "nothing is left of what was refused";
   for (const char* name : {"e.geojson", "e.wkt", "e.ply", "e.off"}) {
-    ASSERT_EQ(run_app({"generate", "ball", "-n", "0", "-o", f / name}).status, 0) << name;
-    EXPECT_EQ(run_app({"info", f / name}).status, 0) << name;
+    run_well({"generate", "ball", "-n", "0", "-o", f / name});
+    run_well({"info", f / name});
   }
 }
 
@@ -587,9 +573,6 @@ TEST(CliUsage, MeasuresHaveTheNamesOfTheirDimension) {
     write_file(f / "p.txt", text);
     return run_app({"hull", f / "p.txt"}).out;
   };
-  const auto has = [](const std::string& text, const char* part) {
-    return text.find(part) != std::string::npos;
-  };
   const std::string plane = said("0 0\n2 0\n0 3\n2 3\n");
   EXPECT_TRUE(has(plane, "\nperimeter  10\n") && has(plane, "\narea       6\n")) << plane;
   EXPECT_FALSE(has(plane, "volume")) << plane;
@@ -609,17 +592,17 @@ TEST(CliUsage, ProgressHasABarARateAndTheTimeLeft) {
   OnTerminal frames(
       {"generate", "ball", "-n", "300k", "--frames", "40", "--motion", "spin", "-o", f / "s.npy"});
   EXPECT_EQ(frames.wait(), 0) << frames.shown();
-  EXPECT_NE(frames.shown().find("frames     [####"), std::string::npos) << frames.shown();
-  EXPECT_NE(frames.shown().find(" of 40 frames"), std::string::npos) << frames.shown();
-  EXPECT_NE(frames.shown().find(" frames/s  "), std::string::npos) << frames.shown();
-  EXPECT_NE(frames.shown().find(" s left"), std::string::npos) << frames.shown();
+  EXPECT_TRUE(has(frames.shown(), "frames     [####"));
+  EXPECT_TRUE(has(frames.shown(), " of 40 frames"));
+  EXPECT_TRUE(has(frames.shown(), " frames/s  "));
+  EXPECT_TRUE(has(frames.shown(), " s left"));
   EXPECT_TRUE(frames.shown().ends_with("\r\x1b[K")) << "the line is wiped";
   write_points(f / "p.npy", "sphere", 4000, 6);
   OnTerminal hull({"hull", f / "p.npy", "--memory", "64G"});
   EXPECT_EQ(hull.wait(), 0) << hull.shown();
-  EXPECT_NE(hull.shown().find("hull       ["), std::string::npos) << hull.shown();
-  EXPECT_NE(hull.shown().find(" s left"), std::string::npos) << hull.shown();
-  EXPECT_EQ(hull.shown().find("/s"), std::string::npos) << "a rate of what?\n" << hull.shown();
+  EXPECT_TRUE(has(hull.shown(), "hull       ["));
+  EXPECT_TRUE(has(hull.shown(), " s left"));
+  EXPECT_FALSE(has(hull.shown(), "/s")) << "a rate of what?\n" << hull.shown();
   OnTerminal quiet({"hull", f / "p.npy", "-q", "--cull", "none", "--threads", "1"});
   EXPECT_EQ(quiet.wait(), 0);
   EXPECT_EQ(quiet.shown(), "");
@@ -656,17 +639,15 @@ std::string shown_of_a_pipe(const std::vector<std::string>& arguments, const std
 TEST(CliUsage, ProgressOfAPipeCountsBytes) {
   const auto before = ::signal(SIGPIPE, SIG_IGN);  // should the program end early
   const Folder f;
-  for (const std::vector<std::string>& arguments :
-       std::vector<std::vector<std::string>>{{"hull", "-", "--stream", "on"},
-                                             {"info", "-", "--stream", "on"},
-                                             {"hull", "-", "--by", "2", "-o", f / "groups.json"}}) {
+  for (const std::vector<std::string>& arguments : command_lines(
+           f, {"hull - --stream on", "info - --stream on", "hull - --by 2 -o @groups.json"})) {
     const std::string shown = shown_of_a_pipe(arguments, "0 0 1\n1 0 1\n0 1 1\n", "B/s");
-    EXPECT_NE(shown.find("\r\x1b[Kread       "), std::string::npos) << shown;
+    EXPECT_TRUE(has(shown, "\r\x1b[Kread       "));
     std::istringstream lines(shown);
     for (std::string line; std::getline(lines, line, '\r');) {
       if (line.find("read") == std::string::npos) continue;
-      EXPECT_EQ(line.find('%'), std::string::npos) << "a share of what?\n" << line;
-      EXPECT_EQ(line.find("left"), std::string::npos) << line;
+      EXPECT_FALSE(has(line, "%")) << "a share of what?\n" << line;
+      EXPECT_FALSE(has(line, "left"));
     }
   }
   ::signal(SIGPIPE, before);
@@ -685,10 +666,10 @@ TEST(CliUsage, ProgressOfFilesThatAreReadInBlocks) {
     ASSERT_EQ(hull.wait(), 0) << hull.shown();
     const std::string& shown = hull.shown();
     if (shown.find("B/s  ") == std::string::npos && inputs < 4096) continue;
-    EXPECT_NE(shown.find("\r\x1b[Kread       [####"), std::string::npos) << shown;
-    EXPECT_NE(shown.find(" of "), std::string::npos) << shown;
-    EXPECT_NE(shown.find(" MB/s  "), std::string::npos) << shown;
-    EXPECT_NE(shown.find(" s left"), std::string::npos) << shown;
+    EXPECT_TRUE(has(shown, "\r\x1b[Kread       [####"));
+    EXPECT_TRUE(has(shown, " of "));
+    EXPECT_TRUE(has(shown, " MB/s  "));
+    EXPECT_TRUE(has(shown, " s left"));
     EXPECT_TRUE(shown.ends_with("\r\x1b[K")) << "the line is wiped";
     break;
   }
@@ -700,8 +681,8 @@ TEST(CliUsage, NoTimesOfADeviceThatIsNotThere) {
   write_points(f / "p.npy", "ball", 300000, 3);
   const auto json = nlohmann::json::parse(run_app({"cull", f / "p.npy", "--json"}).out);
   const std::string why = json["cull"]["reason"];
-  EXPECT_NE(why.find("on the CPU"), std::string::npos) << why;
-  EXPECT_EQ(why.find("on a CUDA device"), std::string::npos) << why;
+  EXPECT_TRUE(has(why, "on the CPU"));
+  EXPECT_FALSE(has(why, "on a CUDA device"));
 }
 
 }  // namespace cullhull::cli_usage_test

@@ -38,7 +38,7 @@ TEST_F(CliView, SeveralFilesAreOneSet) {
     words.emplace_back("--frames");
     EXPECT_EQ(expect_json(words, "view_report")["frames"].size(), 2U) << inputs[0];
   }
-  ASSERT_EQ(run_app({"track", f / "tiles", "-q", "-o", f / "h-%d.json"}).status, 0);
+  run_well({"track", f / "tiles", "-q", "-o", f / "h-%d.json"});
   const json hulls =
       expect_json({"view", f / "h-*.json", "-o", f / "v.html", "--json"}, "view_report");
   EXPECT_EQ(hulls["frames"].size(), 2U);
@@ -46,24 +46,18 @@ TEST_F(CliView, SeveralFilesAreOneSet) {
 }
 
 TEST_F(CliView, WithoutAnOutputThePageIsBesideTheInput) {
-  const Ran ran = run_app({"view", f / "p.txt", "--no-open"});
-  EXPECT_EQ(ran.status, 0) << ran.err;
-  EXPECT_NE(ran.out.find("p.html"), std::string::npos) << ran.out;
-  EXPECT_EQ(run_app({"view", f / "p.txt", "-q"}).status, 0);  // its own page is replaced
-  EXPECT_EQ(run_app({"view", f / "tiles/", "-q"}).status, 0);
+  const Ran ran = run_well({"view", f / "p.txt", "--no-open"});
+  EXPECT_TRUE(has(ran.out, "p.html"));
+  run_well({"view", f / "p.txt", "-q"});  // its own page is replaced
+  run_well({"view", f / "tiles/", "-q"});
   EXPECT_TRUE(std::filesystem::exists(f / "tiles.html"));
   write_file(f / "q.txt", "0 0\n1 0\n0 1\n");
   write_file(f / "q.html", "<html>mine</html>");
-  const Ran foreign = run_app({"view", f / "q.txt"});
-  EXPECT_EQ(foreign.status, 2);
-  EXPECT_NE(foreign.err.find("q.html: is there and is no page of cullhull's"), std::string::npos)
-      << foreign.err;
+  expect_error({"view", f / "q.txt"}, 2, "q.html: is there and is no page of cullhull's");
   EXPECT_EQ(read_file(f / "q.html"), "<html>mine</html>");
   for (const std::vector<std::string>& inputs :
        {std::vector<std::string>{"-"}, {f / "p.txt", f / "q.txt"}, {f / "tiles/*.txt"}}) {
-    std::vector<std::string> words{"view"};
-    words.insert(words.end(), inputs.begin(), inputs.end());
-    EXPECT_EQ(run_app(words).status, 2) << inputs[0];
+    EXPECT_EQ(run_app(joined({"view"}, inputs)).status, 2) << inputs[0];
   }
 }
 
@@ -75,10 +69,10 @@ TEST_F(CliView, ABrowserOpensThePage) {
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", ((f / "bin") + ":" + path).c_str(), 1);
   ::setenv("DISPLAY", ":99", 1);
-  EXPECT_EQ(run_app({"view", f / "p.txt", "--no-open", "-q"}).status, 0);
-  EXPECT_EQ(run_app({"view", f / "p.txt", "-q", "-o", f / "v.html"}).status, 0);
+  run_well({"view", f / "p.txt", "--no-open", "-q"});
+  run_well({"view", f / "p.txt", "-q", "-o", f / "v.html"});
   EXPECT_FALSE(std::filesystem::exists(f / "opened"));
-  EXPECT_EQ(run_app({"view", f / "p.txt", "-q"}).status, 0);
+  run_well({"view", f / "p.txt", "-q"});
   for (int i = 0; i < 200 && read_file(f / "opened").empty(); ++i) ::usleep(50'000);
   EXPECT_EQ(read_file(f / "opened"), f / "p.html");
   ::setenv("PATH", path.c_str(), 1);

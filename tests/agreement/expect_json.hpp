@@ -13,8 +13,12 @@
 
 namespace cullhull::testing {
 
+inline nlohmann::json json_in(const std::string& path) {
+  return nlohmann::json::parse(read_file(path));
+}
+
 inline const JsonSchema& schema() {
-  static const JsonSchema instance(nlohmann::json::parse(read_file(CULLHULL_SCHEMA)));
+  static const JsonSchema instance(json_in(CULLHULL_SCHEMA));
   return instance;
 }
 

@@ -22,12 +22,22 @@
 #include <vector>
 
 #include "cullhull/generate.hpp"
-#include "cullhull/io.hpp"
+#include "cullhull/point_view.hpp"
 #include "sanitized.hpp"
+#include "thrown.hpp"
 
 extern char** environ;
 
+namespace cullhull {
+// Of cullhull/io.hpp, which most tests of the program do without.
+void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
+                      std::uint32_t dimension, ScalarType type);
+}  // namespace cullhull
+
 namespace cullhull::testing {
+
+using testing_support::error_of;
+using testing_support::has;
 
 /// A folder of its own, removed with everything in it.
 class Folder {
@@ -52,6 +62,34 @@ class Folder {
  private:
   std::filesystem::path path_;
 };
+
+/// The words of command lines.
+inline std::vector<std::vector<std::string>> command_lines(const std::vector<std::string>& lines) {
+  std::vector<std::vector<std::string>> all;
+  for (const std::string& line : lines) {
+    std::istringstream in(line);
+    all.emplace_back();
+    for (std::string word; in >> word;) all.back().push_back(word);
+  }
+  return all;
+}
+
+/// The same with @ for the folder: "hull @p.txt".
+inline std::vector<std::vector<std::string>> command_lines(const Folder& folder,
+                                                           const std::vector<std::string>& lines) {
+  std::vector<std::vector<std::string>> all = command_lines(lines);
+  for (std::vector<std::string>& words : all)
+    for (std::string& word : words)
+      if (const std::size_t at = word.find('@'); at != std::string::npos)
+        word.replace(at, 1, folder / "");
+  return all;
+}
+
+inline std::vector<std::string> joined(std::vector<std::string> words,
+                                       const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
 
 inline void write_file(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary) << bytes;
@@ -120,6 +158,13 @@ inline void send(pid_t child, int number) {
   if (child > 0) ::kill(child, number);
 }
 
+/// A command line to show where a test failed.
+inline std::string all_words(const std::vector<std::string>& arguments) {
+  std::string line;
+  for (const std::string& a : arguments) line += " " + a;
+  return line;
+}
+
 struct Ran {
   int status = -1;
   std::string out, err;
@@ -142,6 +187,14 @@ inline Ran run_app(const std::vector<std::string>& arguments,
   for (const int fd : fds) ::close(fd);
   if (output.empty()) ran.out = read_file(out);
   ran.err = read_file(err);
+  return ran;
+}
+
+/// As run_app, of a run that must end well.
+inline Ran run_well(const std::vector<std::string>& arguments,
+                    const std::string& input = "/dev/null", const std::string& output = "") {
+  Ran ran = run_app(arguments, input, output);
+  EXPECT_EQ(ran.status, 0) << all_words(arguments) << "\n" << ran.err;
   return ran;
 }
 
@@ -181,11 +234,10 @@ inline ::testing::AssertionResult one_line(const std::string& err) {
 inline void expect_error(const std::vector<std::string>& arguments, int status,
                          const std::string& part, const std::string& input = "/dev/null") {
   const Ran ran = run_app(arguments, input);
-  std::string line;
-  for (const std::string& a : arguments) line += " " + a;
+  const std::string line = all_words(arguments);
   EXPECT_EQ(ran.status, status) << line << "\n" << ran.err;
   EXPECT_TRUE(one_line(ran.err)) << line;
-  EXPECT_NE(ran.err.find(part), std::string::npos) << line << "\n" << ran.err;
+  EXPECT_TRUE(has(ran.err, part)) << line << "\n" << ran.err;
   EXPECT_EQ(ran.out, "") << line;
 }
 
@@ -196,18 +248,16 @@ inline void expect_same_help(std::vector<std::string> program, const std::string
   std::vector<std::string> flag = program;
   flag.insert(flag.end(), {command, "--help"});
   program.insert(program.end(), {"help", command});
-  const Ran asked = run_app(program);
-  EXPECT_EQ(asked.status, 0) << command << asked.err;
+  const Ran asked = run_well(program);
   EXPECT_EQ(asked.out, run_app(flag).out) << command;
-  EXPECT_NE(asked.out.find("Usage: " + name + " " + command), std::string::npos) << asked.out;
+  EXPECT_TRUE(has(asked.out, "Usage: " + name + " " + command));
 }
 
 /// The program without a word prints its help.
 inline void expect_help_alone(std::vector<std::string> program) {
-  const Ran alone = run_app(program);
-  EXPECT_EQ(alone.status, 0) << alone.err;
+  const Ran alone = run_well(program);
   EXPECT_EQ(alone.err, "");
-  EXPECT_NE(alone.out.find("Subcommands:"), std::string::npos) << alone.out;
+  EXPECT_TRUE(has(alone.out, "Subcommands:"));
   program.emplace_back("--help");
   EXPECT_EQ(alone.out, run_app(program).out);
 }
