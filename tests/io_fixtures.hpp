@@ -22,8 +22,12 @@
 #include "cullhull/point_blocks.hpp"
 #include "io/source.hpp"
 #include "parallel/byte_order.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing {
+
+using testing_support::error_of;
+using testing_support::has;
 
 /// A folder that is gone when the test is over.
 class TemporaryFolder {
@@ -97,6 +101,28 @@ inline Rows rows_of(const PointView& view) {
   return rows;
 }
 
+/// Takes points in blocks and drops them.
+inline BlockVisitor no_visitor() {
+  BlockVisitor visitor;
+  visitor.points = [](const PointView&, std::uint64_t) {};
+  return visitor;
+}
+
+/// Options by which what is remarked goes to `said`.
+inline ReadOptions remarks_to(std::vector<std::string>& said) {
+  ReadOptions options;
+  options.remark = [&](const std::string& line) { said.push_back(line); };
+  return options;
+}
+
+/// The one line that reading these bytes, whose points are `want`, says to the user.
+inline std::string remark_on(std::string_view bytes, const std::string& format, const Rows& want) {
+  std::vector<std::string> said;
+  EXPECT_EQ(rows_of(parse(bytes, format, remarks_to(said)).view), want) << bytes;
+  EXPECT_LE(said.size(), 1U) << bytes;
+  return said.empty() ? "" : said[0];
+}
+
 /// All points by id, read in blocks of about `block_bytes`, so small that rows are cut everywhere.
 inline Rows rows_in_blocks(const std::string& path, const ReadOptions& read = {},
                            std::uint64_t block_bytes = 4096) {
@@ -118,21 +144,6 @@ inline Rows rows_in_blocks(const std::string& path, const ReadOptions& read = {}
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;
-}
-
-/// The message of the Error that `call` throws, which must have code `code` and be one line.
-template <class Call>
-std::string error_of(ErrorCode code, const Call& call) {
-  try {
-    call();
-  } catch (const Error& e) {
-    EXPECT_EQ(static_cast<int>(e.code()), static_cast<int>(code)) << e.what();
-    const std::string what = e.what();
-    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    return what;
-  }
-  ADD_FAILURE() << "no error";
-  return "";
 }
 
 /// The message for bytes that must be refused.
@@ -221,21 +232,17 @@ inline Example square() {
 
 /// What reading the file says against it, "" if nothing: the same whole and in blocks.
 inline std::string error_whole_and_in_blocks(const std::string& path) {
-  std::string messages[2];
-  try {
-    open_points(path);
-  } catch (const Error& e) {
-    messages[0] = e.what();
-  }
-  try {
-    BlockVisitor visitor;
-    visitor.points = [](const PointView&, std::uint64_t) {};
-    visit_blocks({path}, visitor, {});
-  } catch (const Error& e) {
-    messages[1] = e.what();
-  }
-  EXPECT_EQ(messages[0], messages[1]);
-  return messages[0];
+  const auto message_of = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string whole = message_of([&] { open_points(path); });
+  EXPECT_EQ(message_of([&] { visit_blocks({path}, no_visitor(), {}); }), whole);
+  return whole;
 }
 
 }  // namespace cullhull::testing

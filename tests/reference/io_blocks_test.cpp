@@ -14,9 +14,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull::io_blocks_test {
-
-using Rows = std::vector<std::vector<double>>;
+namespace cullhull::testing::io_blocks_test {
 
 /// Row by id, of blocks that come from several threads. An id twice, or none, is a failure.
 class Collected {
@@ -41,17 +39,11 @@ class Collected {
   Rows rows_;
 };
 
-Rows rows_of(const std::vector<std::string>& files, const ReadOptions& options = {}) {
-  Rows rows;
-  for (const std::string& file : files) {
-    const PointFile opened = open_points(file, options);
-    const PointView& points = opened.points();
-    for (std::uint64_t i = 0; i < points.count; ++i) {
-      rows.emplace_back();
-      for (std::uint32_t j = 0; j < points.dimension; ++j) rows.back().push_back(points.at(i, j));
-    }
-  }
-  return rows;
+Rows all_rows(const std::vector<std::string>& files) {
+  Rows all;
+  for (const std::string& file : files)
+    for (std::vector<double>& row : rows_of(open_points(file).points())) all.push_back(row);
+  return all;
 }
 
 std::string number(double v) {
@@ -61,7 +53,7 @@ std::string number(double v) {
 }
 
 /// The same kind of points in every format there is, unequal numbers of them.
-std::vector<std::string> write_all_formats(const testing::TemporaryFolder& folder) {
+std::vector<std::string> write_all_formats(const TemporaryFolder& folder) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name, const std::string& bytes) {
     names.push_back(folder.write(name, bytes));
@@ -99,9 +91,9 @@ std::vector<std::string> write_all_formats(const testing::TemporaryFolder& folde
 }
 
 TEST(IoBlocks, TheSamePointsWhateverTheBlocks) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::vector<std::string> files = write_all_formats(folder);
-  const Rows expected = rows_of(files);
+  const Rows expected = all_rows(files);
   for (const std::size_t block : {std::size_t{1}, std::size_t{100}, std::size_t{1} << 20})
     for (const unsigned readers : {1U, 2U, 7U}) {
       SCOPED_TRACE(std::to_string(block) + " bytes, " + std::to_string(readers) + " readers");
@@ -120,9 +112,9 @@ TEST(IoBlocks, TheSamePointsWhateverTheBlocks) {
 
 // Whatever position a pause has told, reading from there gives all that had not been visited.
 TEST(IoBlocks, GoesOnFromEveryPause) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::vector<std::string> files = write_all_formats(folder);
-  const Rows expected = rows_of(files);
+  const Rows expected = all_rows(files);
   Collected first;
   BlockOptions options;
   options.block_bytes = 200;
@@ -160,28 +152,22 @@ TEST(IoBlocks, GoesOnFromEveryPause) {
 }
 
 TEST(IoBlocks, StopsAtTheErrorOfTheLowestBlock) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::string text;
   for (int i = 0; i < 1000; ++i) text += i == 700 || i == 900 ? "1 2\n" : "1 2 3\n";
   const std::vector<std::string> files{folder.write("a.xyz", text)};
   for (int round = 0; round < 20; ++round) {
-    BlockVisitor visitor;
-    visitor.points = [](const PointView&, std::uint64_t) {};
     BlockOptions options;
     options.block_bytes = 64;
     options.readers = 6;
-    try {
-      visit_blocks(files, visitor, options);
-      FAIL() << "no error";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::bad_file);
-      EXPECT_NE(std::string(e.what()).find("a.xyz:701: "), std::string::npos) << e.what();
-    }
+    EXPECT_TRUE(
+        has(error_of(ErrorCode::bad_file, [&] { visit_blocks(files, no_visitor(), options); }),
+            "a.xyz:701: "));
   }
 }
 
 TEST(IoBlocks, MixedDimensionsAreToldOfTheLowestBlockThatDiffers) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   std::vector<std::string> files;  // arrays, whose blocks are loaded in any order
   const std::vector<double> numbers = generate("ball", 20000, 3, 1);
   for (const std::uint32_t d : {3, 3, 2, 2, 3}) {
@@ -192,18 +178,14 @@ TEST(IoBlocks, MixedDimensionsAreToldOfTheLowestBlockThatDiffers) {
   for (unsigned round = 0; round < 1000; ++round) {
     BlockOptions options;
     options.readers = 2 + round % 4;
-    BlockVisitor visitor;
-    visitor.points = [](const PointView&, std::uint64_t) {};
-    const std::string reason =
-        testing::error_of(ErrorCode::bad_file, [&] { visit_blocks(files, visitor, options); });
-    EXPECT_NE(reason.find("part-2.npy: points of dimension 2, but of 3 in"), std::string::npos)
-        << reason;
-    EXPECT_NE(reason.find("part-0.npy"), std::string::npos) << reason;
+    EXPECT_TRUE(
+        has(error_of(ErrorCode::bad_file, [&] { visit_blocks(files, no_visitor(), options); }),
+            "part-2.npy: points of dimension 2, but of 3 in", "part-0.npy"));
   }
 }
 
 TEST(IoBlocks, CancelledWithAPositionToGoOnFrom) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::vector<std::string> files = write_all_formats(folder);
   std::stop_source stop;
   std::atomic<std::uint64_t> visited{0};
@@ -218,52 +200,36 @@ TEST(IoBlocks, CancelledWithAPositionToGoOnFrom) {
   BlockOptions options;
   options.block_bytes = 64;
   options.read.stop = stop.get_token();
-  try {
-    visit_blocks(files, visitor, options);
-    FAIL() << "not cancelled";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  error_of(ErrorCode::cancelled, [&] { visit_blocks(files, visitor, options); });
   EXPECT_EQ(told.points, visited);
   EXPECT_GT(told.points, 50U);
 }
 
 TEST(IoBlocks, PromisesThatAreNotKept) {
-  const testing::TemporaryFolder folder;
-  const auto error_of = [&](const std::string& name, const std::string& bytes) {
-    BlockVisitor visitor;
-    visitor.points = [](const PointView&, std::uint64_t) {};
-    try {
-      visit_blocks({folder.write(name, bytes)}, visitor, {});
-    } catch (const Error& e) {
-      return std::string(e.what());
-    }
-    return std::string("no error");
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& name, const std::string& bytes) {
+    const std::string path = folder.write(name, bytes);
+    return error_of(ErrorCode::bad_file, [&] { visit_blocks({path}, no_visitor(), {}); });
   };
-  EXPECT_NE(error_of("a.txt", "3\n4\n1 2 3\n4 5 6\n1 1 1\n").find("promises 4 points, but 3"),
-            std::string::npos);
-  EXPECT_NE(error_of("b.npy", "\x93NUMPY").find("b.npy: byte 0"), std::string::npos);
-  EXPECT_NE(error_of("c.xyz", "").find("c.xyz: empty file"), std::string::npos);
-  EXPECT_NE(error_of("d.hullstate", "no state").find("d.hullstate: hull state: too short"),
-            std::string::npos);
+  EXPECT_TRUE(has(error("a.txt", "3\n4\n1 2 3\n4 5 6\n1 1 1\n"), "promises 4 points, but 3"));
+  EXPECT_TRUE(has(error("b.npy", "\x93NUMPY"), "b.npy: byte 0"));
+  EXPECT_TRUE(has(error("c.xyz", ""), "c.xyz: empty file"));
+  EXPECT_TRUE(has(error("d.hullstate", "no state"), "d.hullstate: hull state: too short"));
   BlockOptions raw;
   raw.read.format = "raw";
   raw.read.raw_dimension = 2;
   raw.read.raw_scalar = ScalarType::f32;
-  BlockVisitor visitor;
-  visitor.points = [](const PointView&, std::uint64_t) {};
-  EXPECT_THROW(visit_blocks({folder.write("e.raw", "123456789")}, visitor, raw), Error);
+  EXPECT_THROW(visit_blocks({folder.write("e.raw", "123456789")}, no_visitor(), raw), Error);
 }
 
 TEST(IoBlocks, StatesAreFiles) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::vector<double> rows = generate("ball", 500, 3, 1);
   const HullState state(PointView::row_major(rows.data(), 500, 3), 7);
   write_state(folder.file("a.hullstate"), state);
   EXPECT_EQ(read_state(folder.file("a.hullstate")), state);
   EXPECT_THROW(write_state(folder.file("a.npy"), state), Error);
-  BlockVisitor visitor;
-  visitor.points = [](const PointView&, std::uint64_t) {};
+  BlockVisitor visitor = no_visitor();
   EXPECT_THROW(visit_blocks({folder.file("a.hullstate")}, visitor, {}), Error);
   std::uint64_t first_id = 1;
   visitor.state = [&](const HullState& read, std::uint64_t first) {
@@ -274,4 +240,4 @@ TEST(IoBlocks, StatesAreFiles) {
   EXPECT_EQ(first_id, 0U);
 }
 
-}  // namespace cullhull::io_blocks_test
+}  // namespace cullhull::testing::io_blocks_test

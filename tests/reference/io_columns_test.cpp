@@ -2,8 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -11,6 +9,7 @@
 
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_columns_test {
 
@@ -61,9 +60,7 @@ TEST(Columns, SeparatorsOtherThanCommas) {
 
 void expect_rows_and_remark(const char* text, const Rows& want, const std::string& remark) {
   std::vector<std::string> said;
-  ReadOptions options;
-  options.remark = [&](const std::string& line) { said.push_back(line); };
-  EXPECT_EQ(rows_of(parse(text, "csv", options).view), want) << text;
+  EXPECT_EQ(rows_of(parse(text, "csv", remarks_to(said)).view), want) << text;
   EXPECT_EQ(said, remark.empty() ? std::vector<std::string>{} : std::vector{remark}) << text;
 }
 
@@ -128,7 +125,7 @@ TEST(Columns, ThatNumberThePointsAreNoCoordinates) {
            {"1,2\n3,4\n", {{1, 2}, {3, 4}}, ""}})
     expect_rows_and_remark(text, want, remark);
   EXPECT_EQ(rows("id,a,b\n1,2,3\n", "id,a"), (Rows{{1, 2}}));
-  EXPECT_NE(refusal("id\n1\n", "csv").find("number the points"), std::string::npos);
+  EXPECT_TRUE(has(refusal("id\n1\n", "csv"), "number the points"));
   EXPECT_EQ(rows("id\n1\n", "id"), (Rows{{1}}));
 }
 
@@ -158,7 +155,7 @@ TEST(Columns, RowsThatAreNone) {
             "F:2: column 'x': '1,5' is not a number; --decimal , reads decimal commas (in Python "
             "decimal=\",\")");
   for (const char* twice : {"x,x,y\n1,2,3\n", "lon,lat,lat\n1,2,3\n"})
-    EXPECT_NE(refusal(twice, "csv").find("not known as coordinates"), std::string::npos);
+    EXPECT_TRUE(has(refusal(twice, "csv"), "not known as coordinates"));
   EXPECT_EQ(refused("x,y\n", "x"), "F: no points after the line of column names");
 }
 
@@ -176,11 +173,11 @@ TEST(Columns, ThatAreNotThere) {
   EXPECT_EQ(not_there(towns, "99999999999"),
             "F: columns '99999999999': write a range such as 0:3 or a list such as 0,2,5");
   for (const char* chosen : {"x,", ",x", ",", "1,,2", "::"})
-    EXPECT_NE(not_there(towns, chosen).find("0:3"), std::string::npos) << chosen;
-  EXPECT_NE(not_there("1 2 3\n", "x,y", "txt").find("no names of columns here"), std::string::npos);
+    EXPECT_TRUE(has(not_there(towns, chosen), "0:3")) << chosen;
+  EXPECT_TRUE(has(not_there("1 2 3\n", "x,y", "txt"), "no names of columns here"));
   std::string all = "0:";
   for (int i = 0; i < 1000; ++i) all += ",0:";
-  EXPECT_NE(not_there(towns, all).find("twice"), std::string::npos);
+  EXPECT_TRUE(has(not_there(towns, all), "twice"));
 }
 
 TEST(Columns, OfOtherFormats) {
@@ -189,13 +186,13 @@ TEST(Columns, OfOtherFormats) {
   EXPECT_EQ(rows(obj, "z,y,x", "obj"), (Rows{{3, 2, 1}, {6, 5, 4}}));
   EXPECT_EQ(rows(obj, "1:", "obj"), (Rows{{2, 3}, {5, 6}}));
   EXPECT_EQ(rows(obj, "y,z,x", "obj"), (Rows{{2, 3, 1}, {5, 6, 4}}));
-  EXPECT_NE(not_there(obj, "w", "obj").find("'x', 'y', 'z'"), std::string::npos);
+  EXPECT_TRUE(has(not_there(obj, "w", "obj"), "'x', 'y', 'z'"));
   EXPECT_EQ(rows("3 rbox 2 D3\n2\n1 2 3\n4 5 6\n", "2,0", "txt"), (Rows{{3, 1}, {6, 4}}));
   const std::string npy =
       testing::npy("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 3), }\n",
                    bytes_of(1.0) + bytes_of(2.0) + bytes_of(3.0));
   EXPECT_EQ(rows(npy, "2,0,1", "npy"), (Rows{{3, 1, 2}}));
-  EXPECT_NE(not_there(npy, "x", "npy").find("0:3"), std::string::npos);
+  EXPECT_TRUE(has(not_there(npy, "x", "npy"), "0:3"));
 }
 
 /// Two points of each format whose coordinates have the names x, y and z whatever its dimension.
@@ -280,8 +277,7 @@ TEST(Columns, EveryCombinationOfUpToFourNames) {
         SCOPED_TRACE(f.format + " " + std::to_string(width) + "D " + text + ": " + error);
         EXPECT_EQ(error.empty(), there && once);
         if (!there) {
-          EXPECT_NE(error.find(width == 2 ? "there are 'x', 'y'" : "there are 'x', 'y', 'z'"),
-                    std::string::npos);
+          EXPECT_TRUE(has(error, width == 2 ? "there are 'x', 'y'" : "there are 'x', 'y', 'z'"));
         }
         if (!error.empty()) continue;
         Rows want(all.size());
@@ -304,9 +300,9 @@ TEST(Columns, EveryCombinationOfUpToFourNames) {
           EXPECT_EQ(open_points(path, weighed).weights(), (std::vector<double>{3, 6}));
           EXPECT_NO_THROW(read_keys());
         } else {
-          EXPECT_NE(error_of(ErrorCode::invalid_argument, [&] { open_points(path, weighed); })
-                        .find("there are 'x', 'y'"),
-                    std::string::npos);
+          EXPECT_TRUE(
+              has(error_of(ErrorCode::invalid_argument, [&] { open_points(path, weighed); }),
+                  "there are 'x', 'y'"));
           error_of(ErrorCode::invalid_argument, read_keys);
         }
       }
@@ -324,7 +320,7 @@ TEST(Columns, OfAPlaneAtTheEndOfAPageHaveNoZ) {
   text.insert(4, "comment " + std::string(page - used % page, 'p') + "\n");
   std::string error;
   rows_or_error(folder.write("page.ply", text + points), columns("x,y,z"), error);
-  EXPECT_NE(error.find("no column 'z'; there are 'x', 'y'"), std::string::npos) << error;
+  EXPECT_TRUE(has(error, "no column 'z'; there are 'x', 'y'"));
 }
 
 TEST(Columns, ColoursStayWhereColumnsAreCopied) {
@@ -334,10 +330,8 @@ TEST(Columns, ColoursStayWhereColumnsAreCopied) {
       "blue\nend_header\n" +
       bytes_of(1.f) + bytes_of(2.f) + bytes_of(3.f) + "abc" + bytes_of(4.f) + bytes_of(5.f) +
       bytes_of(6.f) + "def";
-  const std::string path = std::filesystem::temp_directory_path() / "cullhull-colours.ply";
-  std::ofstream(path, std::ios::binary) << ply;
-  const PointFile file = open_points(path, columns("y,z,x"));
-  std::filesystem::remove(path);
+  const TemporaryFolder folder;
+  const PointFile file = open_points(folder.write("a.ply", ply), columns("y,z,x"));
   EXPECT_EQ(rows_of(file.points()), (Rows{{2, 3, 1}, {5, 6, 4}}));
   EXPECT_EQ(rows_of(file.colours()), (Rows{{'a', 'b', 'c'}, {'d', 'e', 'f'}}));
   EXPECT_FALSE(file.mapped());
@@ -348,14 +342,13 @@ TEST(Columns, InBlocksAsInMemory) {
   for (int i = 0; i < 3000; ++i)
     text += (i % 7 == 0 ? "\"a, \"\"b\"\"\"," : "c d,") + std::to_string(i * 7 % 1000) + "," +
             std::to_string(i) + ".5,//x\n";
-  const std::string path = std::filesystem::temp_directory_path() / "cullhull-blocks.csv";
-  std::ofstream(path, std::ios::binary) << text;
+  const TemporaryFolder folder;
+  const std::string path = folder.write("a.csv", text);
   const Rows want = rows(text, "\"the x\",y");
   ASSERT_EQ(want.size(), 3000U);
   EXPECT_EQ(want[7], (std::vector<double>{7.5, 49}));
   for (const std::uint64_t bytes : {64, 1000, 1 << 20})
     EXPECT_EQ(rows_in_blocks(path, columns("the x,y"), bytes), want) << bytes;
-  std::filesystem::remove(path);
 }
 
 }  // namespace cullhull::testing::io_columns_test

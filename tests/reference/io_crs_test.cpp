@@ -11,6 +11,8 @@
 
 namespace cullhull::io_crs_test {
 
+using testing_support::has;
+
 using testing::slurp;
 using testing::TemporaryFolder;
 
@@ -175,7 +177,7 @@ TEST(IoCrs, EveryWriterOfGeoJsonNamesIt) {
   };
   const std::vector<std::string> none = write_all(""), utm = write_all("EPSG:25832");
   for (std::size_t i = 0; i < none.size(); ++i) {
-    EXPECT_EQ(none[i].find("crs"), std::string::npos) << none[i];
+    EXPECT_FALSE(has(none[i], "crs"));
     // Nothing else differs.
     std::string without = utm[i];
     const std::size_t at = without.find(member + ", ");
@@ -215,8 +217,7 @@ TEST(IoCrs, ColumnsBesidePoints) {
   const Triangulation t = delaunay(points);
   const double low[] = {-1, -1}, high[] = {5, 5};
   write_cells(path, clip_voronoi(points, t, low, high), "", Faces::by_format, extras);
-  EXPECT_NE(slurp(path).find("{\"point\": 3, \"name\": \"d, e\", \"depth\": 4}"),
-            std::string::npos);
+  EXPECT_TRUE(has(slurp(path), "{\"point\": 3, \"name\": \"d, e\", \"depth\": 4}"));
   const std::vector<double> line(5);
   EXPECT_THROW(write_points(path, PointView::row_major(line.data(), 5, 1), {0}), Error);
 }

@@ -6,6 +6,7 @@
 
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_fields_test {
 
@@ -68,13 +69,9 @@ void expect_fields(const std::string& path) {
   const PointFile file = open_points(path, weighted);
   EXPECT_EQ(rows_of(file.points()), (Rows{{0, 1}, {10, 11}, {20, 21}}));
   EXPECT_EQ(file.weights(), (std::vector<double>{0, .5, 1}));
-  try {
-    open_points(path, options_of("x,nope"));
-    ADD_FAILURE() << path;
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
-    EXPECT_NE(std::string(e.what()).find("'label'"), std::string::npos) << e.what();
-  }
+  EXPECT_TRUE(
+      has(error_of(ErrorCode::invalid_argument, [&] { open_points(path, options_of("x,nope")); }),
+          "'label'"));
 }
 
 TEST(IoFields, Ply) {
@@ -194,12 +191,7 @@ TEST(IoFields, PropertiesOfGeoJson) {
         {"x,region", ":1: property 'region' of this feature has no value"},
         {"x,nope", "no column 'nope'; there are 'x', 'y', 'Region', 'on', 'region'"},
         {"x,REGION", "more than one column 'REGION'"}})
-    try {
-      open_points(parts, options_of(columns));
-      ADD_FAILURE() << columns;
-    } catch (const Error& e) {
-      EXPECT_NE(std::string(e.what()).find(why), std::string::npos) << e.what();
-    }
+    EXPECT_TRUE(has(error_of([&, c = columns] { open_points(parts, options_of(c)); }), why));
 }
 
 // RFC 8142 and its relatives: a text after the other.
@@ -218,14 +210,8 @@ TEST(IoFields, SequencesOfGeoJsonTexts) {
                                    {one + "\n{\"type\":", 2},
                                    {one + "\n\n[1]", 3},
                                    {one + "\n" + feature("{}", "[1,null]"), 2}})
-    try {
-      open_points(folder.write("a.geojsonl", text));
-      ADD_FAILURE() << text;
-    } catch (const Error& e) {
-      EXPECT_NE(std::string(e.what()).find("a.geojsonl:" + std::to_string(line) + ":"),
-                std::string::npos)
-          << e.what();
-    }
+    EXPECT_TRUE(has(error_of([&, t = text] { open_points(folder.write("a.geojsonl", t)); }),
+                    "a.geojsonl:" + std::to_string(line) + ":"));
 }
 
 }  // namespace cullhull::testing::io_fields_test

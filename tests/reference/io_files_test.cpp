@@ -11,6 +11,7 @@
 #include "io/mapped_file.hpp"
 #include "io/write/output_file.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_files_test {
 
@@ -19,15 +20,13 @@ TEST(Open, RefusalsOfTheSystem) {
   const std::string missing = folder.file("none.npy");
   EXPECT_EQ(error_of(ErrorCode::io, [&] { open_points(missing); }),
             missing + ": cannot open: No such file or directory");
-  EXPECT_NE(error_of(ErrorCode::io, [&] { open_points(folder.file("")); }).find("directory"),
-            std::string::npos);
-  EXPECT_EQ(error_of(ErrorCode::io, [&] { open_points(folder.file("a\nb")); }).find('\n'),
-            std::string::npos);
+  EXPECT_TRUE(has(error_of(ErrorCode::io, [&] { open_points(folder.file("")); }), "directory"));
+  EXPECT_FALSE(has(error_of(ErrorCode::io, [&] { open_points(folder.file("a\nb")); }), "\n"));
   const std::string locked = folder.write("locked.txt", "1 2\n");
   chmod(locked.c_str(), 0);
   if (access(locked.c_str(), R_OK) != 0) {  // root may read everything
     const std::string message = error_of(ErrorCode::io, [&] { open_points(locked); });
-    EXPECT_NE(message.find("Permission denied"), std::string::npos);
+    EXPECT_TRUE(has(message, "Permission denied"));
   }
 }
 
@@ -59,11 +58,10 @@ TEST(Open, FormatByExtensionThenContent) {
   // The extension wins over the content.
   error_of(ErrorCode::bad_file, [&] { open_points(folder.write("h.npy", "1 2 3\n")); });
   const std::string zeros = folder.write("i", std::string(100, '\0'));
-  EXPECT_NE(error_of(ErrorCode::bad_file, [&] { open_points(zeros); }).find("raw numbers"),
-            std::string::npos);
-  EXPECT_NE(error_of(ErrorCode::bad_file, [&] { open_points(folder.write("j", "{\"a\": 1}")); })
-                .find("JSON"),
-            std::string::npos);
+  EXPECT_TRUE(has(error_of(ErrorCode::bad_file, [&] { open_points(zeros); }), "raw numbers"));
+  EXPECT_TRUE(
+      has(error_of(ErrorCode::bad_file, [&] { open_points(folder.write("j", "{\"a\": 1}")); }),
+          "JSON"));
   ReadOptions options;
   options.format = "dwg";
   error_of(ErrorCode::invalid_argument, [&] { open_points(folder.file("c"), options); });

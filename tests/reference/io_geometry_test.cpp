@@ -5,6 +5,7 @@
 
 #include "cullhull/cullhull.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_geometry_test {
 
@@ -67,9 +68,8 @@ TEST(Geometry, FlatHullsAreLinesAndPoints) {
 TEST(Geometry, OtherDimensionsAreRefused) {
   const Example e = cube();
   for (const char* name : {"a.geojson", "a.wkt"})
-    EXPECT_NE(error_of(ErrorCode::invalid_argument, [&] { (void)written(e.view(), name); })
-                  .find("holds hulls of 2D points, not 3D"),
-              std::string::npos);
+    EXPECT_TRUE(has(error_of(ErrorCode::invalid_argument, [&] { (void)written(e.view(), name); }),
+                    "holds hulls of 2D points, not 3D"));
 }
 
 template <class T>
@@ -120,28 +120,26 @@ TEST(Glb, WhatItCannotHold) {
   const auto said = [](const std::vector<double>& rows) {
     return error_of(ErrorCode::invalid_argument, [&] { (void)written(rows, 3, "a.glb"); });
   };
-  EXPECT_NE(said({0, 0, 0, 1, 1, 1}).find("holds triangles"), std::string::npos);
-  EXPECT_NE(said({0, 0, 0, 1e300, 0, 0, 0, 1, 0}).find("32-bit floats"), std::string::npos);
+  EXPECT_TRUE(has(said({0, 0, 0, 1, 1, 1}), "holds triangles"));
+  EXPECT_TRUE(has(said({0, 0, 0, 1e300, 0, 0, 0, 1, 0}), "32-bit floats"));
 }
 
 TEST(Vtp, HoldsDoublesPolygonsLinesAndPoints) {
   const std::string plane = written({0.1, 0, 0, 1, 1, 1, 1, 0}, 2, "a.vtp");
-  EXPECT_NE(plane.find("<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" "
-                       "format=\"ascii\">\n0.1 0 0\n1 0 0\n1 1 0\n0 1 0\n</DataArray>"),
-            std::string::npos)
-      << plane;
-  EXPECT_NE(plane.find("NumberOfPolys=\"1\""), std::string::npos);
-  EXPECT_NE(plane.find("Name=\"offsets\" format=\"ascii\">\n4\n"), std::string::npos);
+  EXPECT_TRUE(has(plane,
+                  "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" "
+                  "format=\"ascii\">\n0.1 0 0\n1 0 0\n1 1 0\n0 1 0\n</DataArray>"));
+  EXPECT_TRUE(has(plane, "NumberOfPolys=\"1\""));
+  EXPECT_TRUE(has(plane, "Name=\"offsets\" format=\"ascii\">\n4\n"));
   const Example e = cube();
   const std::string solid = written(e.view(), "a.vtp");
-  EXPECT_NE(solid.find("NumberOfPoints=\"8\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
-                       "NumberOfStrips=\"0\" NumberOfPolys=\"6\""),
-            std::string::npos);
-  EXPECT_NE(solid.find("Name=\"offsets\" format=\"ascii\">\n4 8 12 16 20 24\n"), std::string::npos);
-  EXPECT_NE(written(e.view(), "a.vtp", Faces::triangles).find("NumberOfPolys=\"12\""),
-            std::string::npos);
-  EXPECT_NE(written({0, 0, 0, 1, 2, 3}, 3, "a.vtp").find("<Lines>"), std::string::npos);
-  EXPECT_NE(written({0, 0, 0}, 3, "a.vtp").find("<Verts>"), std::string::npos);
+  EXPECT_TRUE(has(solid,
+                  "NumberOfPoints=\"8\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
+                  "NumberOfStrips=\"0\" NumberOfPolys=\"6\""));
+  EXPECT_TRUE(has(solid, "Name=\"offsets\" format=\"ascii\">\n4 8 12 16 20 24\n"));
+  EXPECT_TRUE(has(written(e.view(), "a.vtp", Faces::triangles), "NumberOfPolys=\"12\""));
+  EXPECT_TRUE(has(written({0, 0, 0, 1, 2, 3}, 3, "a.vtp"), "<Lines>"));
+  EXPECT_TRUE(has(written({0, 0, 0}, 3, "a.vtp"), "<Verts>"));
 }
 
 }  // namespace cullhull::testing::io_geometry_test

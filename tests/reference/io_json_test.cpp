@@ -5,6 +5,7 @@
 #include <stop_token>
 #include <utility>
 
+#include "agreement/canonical_hash.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/version.hpp"
@@ -13,6 +14,7 @@
 #include "io/json/json.hpp"
 #include "io/json/json_writer.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_json_test {
 
@@ -29,22 +31,8 @@ std::string result_text(const Example& e) {
 }
 
 void expect_equal(const Hull& a, const Hull& b) {
-  EXPECT_EQ(a.dimension, b.dimension);
-  EXPECT_EQ(a.point_count, b.point_count);
   EXPECT_EQ(a.scalar, b.scalar);
-  EXPECT_EQ(a.affine_dimension, b.affine_dimension);
-  EXPECT_EQ(a.vertices, b.vertices);
-  EXPECT_EQ(a.facets.offsets, b.facets.offsets);
-  EXPECT_EQ(a.facets.items, b.facets.items);
-  EXPECT_EQ(a.facet_neighbours.offsets, b.facet_neighbours.offsets);
-  EXPECT_EQ(a.facet_neighbours.items, b.facet_neighbours.items);
-  EXPECT_EQ(a.facet_planes, b.facet_planes);
-  EXPECT_EQ(a.simplices, b.simplices);
-  EXPECT_EQ(a.simplex_neighbours, b.simplex_neighbours);
-  EXPECT_EQ(a.simplex_facets, b.simplex_facets);
-  EXPECT_EQ(a.volume, b.volume);
-  EXPECT_EQ(a.area, b.area);
-  EXPECT_EQ(a.centroid, b.centroid);
+  EXPECT_EQ(testing_support::canonical_hash(a), testing_support::canonical_hash(b));
 }
 
 TEST(Json, ResultRoundTrip) {
@@ -208,8 +196,7 @@ TEST(Json, HostileFilesAreRefused) {
     json bad = good;
     bad.erase(key);
     const std::string text = bad.dump();
-    EXPECT_NE(error_of(ErrorCode::bad_file, [&] { read(text); }).find("F: " + key + ": missing"),
-              std::string::npos);
+    EXPECT_TRUE(has(error_of(ErrorCode::bad_file, [&] { read(text); }), "F: " + key + ": missing"));
   }
 }
 
@@ -332,16 +319,11 @@ TEST(Json, ReadingIsCancelled) {
   options.poll = [&] {
     if (++polls == 3) source.request_stop();
   };
-  const auto code = [&](const Options& o) {
-    try {
-      internal::certify_source(view, {"F", text.data(), text.size()}, o);
-    } catch (const Error& e) {
-      return e.code();
-    }
-    return ErrorCode::internal;
+  const auto read_with = [&](const Options& o) {
+    internal::certify_source(view, {"F", text.data(), text.size()}, o);
   };
-  EXPECT_EQ(code({}), ErrorCode::bad_file);
-  EXPECT_EQ(code(options), ErrorCode::cancelled);
+  error_of(ErrorCode::bad_file, [&] { read_with({}); });
+  error_of(ErrorCode::cancelled, [&] { read_with(options); });
   EXPECT_EQ(polls, 3U);
 }
 

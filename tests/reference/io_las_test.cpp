@@ -7,7 +7,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
-namespace cullhull::io_las_test {
+namespace cullhull::testing::io_las_test {
 
 constexpr unsigned least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
@@ -23,7 +23,7 @@ struct Las {
     const unsigned begin = offset != 0 ? offset : size + 54;
     const unsigned length = record != 0 ? record : least_record[format & 15] + 3;
     std::string b(std::max(begin, 375U), '\0');
-    const auto put = [&](std::size_t at, auto v) { b.replace(at, sizeof v, testing::bytes_of(v)); };
+    const auto put = [&](std::size_t at, auto v) { b.replace(at, sizeof v, bytes_of(v)); };
     b.replace(0, 4, "LASF");
     put(24, static_cast<std::uint8_t>(1));
     put(25, static_cast<std::uint8_t>(minor));
@@ -41,7 +41,7 @@ struct Las {
     b.resize(begin);
     for (const auto& p : points) {
       std::string r(length, '\x55');
-      r.replace(0, 12, testing::bytes_of(p[0], p[1], p[2]));
+      r.replace(0, 12, bytes_of(p[0], p[1], p[2]));
       b += r;
     }
     return b;
@@ -53,19 +53,19 @@ std::string vlr(unsigned id, const std::string& contents,
                 const std::string& user = "LASF_Projection") {
   std::string b(54, '\0');
   b.replace(2, user.size(), user);
-  b.replace(18, 2, testing::bytes_of(static_cast<std::uint16_t>(id)));
-  b.replace(20, 2, testing::bytes_of(static_cast<std::uint16_t>(contents.size())));
+  b.replace(18, 2, bytes_of(static_cast<std::uint16_t>(id)));
+  b.replace(20, 2, bytes_of(static_cast<std::uint16_t>(contents.size())));
   return b + contents;
 }
 
 /// GeoTIFF's directory: keys whose values stand in it. `told`: how many it says it has.
 std::string geo_keys(const std::vector<std::pair<unsigned, unsigned>>& keys, int told = -1) {
   const auto number = [](unsigned v) { return static_cast<std::uint16_t>(v); };
-  std::string b = testing::bytes_of(
-      number(1), number(1), number(0),
-      number(told < 0 ? static_cast<unsigned>(keys.size()) : static_cast<unsigned>(told)));
+  std::string b =
+      bytes_of(number(1), number(1), number(0),
+               number(told < 0 ? static_cast<unsigned>(keys.size()) : static_cast<unsigned>(told)));
   for (const auto& [key, value] : keys)
-    b += testing::bytes_of(number(key), number(0), number(1), number(value));
+    b += bytes_of(number(key), number(0), number(1), number(value));
   return vlr(34735, b);
 }
 
@@ -76,21 +76,21 @@ std::string with_records(const std::vector<std::string>& records) {
   Las las;
   las.offset = static_cast<unsigned>(227 + all.size());
   std::string bytes = las.bytes();
-  bytes.replace(100, 4, testing::bytes_of(static_cast<std::uint32_t>(records.size())));
+  bytes.replace(100, 4, bytes_of(static_cast<std::uint32_t>(records.size())));
   bytes.replace(227, all.size(), all);
   return bytes;
 }
 
 /// What a file with these records names as the unit of x and y.
 std::string unit_of(const std::vector<std::string>& records) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const PointFile file = open_points(folder.write("a.las", with_records(records)));
   EXPECT_FALSE(file.placement().empty());
   return file.placement().unit;
 }
 
 TEST(IoLas, SystemsByGeoTiffKeysAndWkt) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto crs_of = [&](const std::vector<std::string>& records) {
     return file_crs(folder.write("a.las", with_records(records)));
   };
@@ -115,24 +115,24 @@ TEST(IoLas, SystemsByGeoTiffKeysAndWkt) {
 }
 
 TEST(IoLas, SystemBehindThePoints) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const std::string of_wkt = R"(PROJCRS["p",ID["EPSG",25833]])";
   std::string bytes = Las{.minor = 4, .format = 6}.bytes();
   const auto add = [&](const std::string& user, unsigned id, const std::string& contents) {
     std::string head(60, '\0');
     head.replace(2, user.size(), user);
-    head.replace(18, 2, testing::bytes_of(static_cast<std::uint16_t>(id)));
-    head.replace(20, 8, testing::bytes_of(static_cast<std::uint64_t>(contents.size())));
+    head.replace(18, 2, bytes_of(static_cast<std::uint16_t>(id)));
+    head.replace(20, 8, bytes_of(static_cast<std::uint64_t>(contents.size())));
     bytes += head + contents;
   };
-  bytes.replace(235, 8, testing::bytes_of(static_cast<std::uint64_t>(bytes.size())));
-  bytes.replace(243, 4, testing::bytes_of(std::uint32_t{2}));
+  bytes.replace(235, 8, bytes_of(static_cast<std::uint64_t>(bytes.size())));
+  bytes.replace(243, 4, bytes_of(std::uint32_t{2}));
   add("other", 7, "abc");
   add("LASF_Projection", 2112, of_wkt);
   EXPECT_EQ(file_crs(folder.write("a.las", bytes)), "EPSG:25833");
   for (std::size_t cut = 1; cut < 180; cut += 11)
     EXPECT_EQ(file_crs(folder.write("a.las", bytes.substr(0, bytes.size() - cut))), "");
-  bytes.replace(235, 8, testing::bytes_of(~std::uint64_t{0} - 10));
+  bytes.replace(235, 8, bytes_of(~std::uint64_t{0} - 10));
   EXPECT_EQ(file_crs(folder.write("a.las", bytes)), "");
 }
 
@@ -191,7 +191,7 @@ void expect_points(const Las& las, const PointView& view) {
 }
 
 TEST(IoLas, EveryVersionAndPointFormat) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   for (unsigned minor = 0; minor <= 4; ++minor)
     for (unsigned format = 0; format <= 10; ++format) {
       SCOPED_TRACE(std::to_string(minor) + " " + std::to_string(format));
@@ -202,38 +202,25 @@ TEST(IoLas, EveryVersionAndPointFormat) {
       ReadOptions stored;
       stored.numbers = Numbers::raw;
       const PointFile file = open_points(path, stored);
-      EXPECT_EQ(file.mapped(), testing::lies_ready);
+      EXPECT_EQ(file.mapped(), lies_ready);
       EXPECT_EQ(file.format(),
                 "las 1." + std::to_string(minor) + ", point format " + std::to_string(format));
       expect_points(las, file.points());
-      std::size_t seen = 0;
-      BlockVisitor visitor;
-      visitor.points = [&](const PointView& block, std::uint64_t first) {
-        seen += block.count;
-        for (std::uint64_t i = 0; i < block.count; ++i)
-          for (std::uint32_t j = 0; j < 3; ++j) EXPECT_EQ(block.at(i, j), las.points[first + i][j]);
-      };
-      BlockOptions options;
-      options.read = stored;
-      options.block_bytes = 1;
-      options.readers = 1;
-      visit_blocks({path}, visitor, options);
-      EXPECT_EQ(seen, 3U);
+      EXPECT_EQ(rows_in_blocks(path, stored, 1), rows_of(file.points()));
       // By content, and with extra bytes behind the points, as waveforms and extended records are.
       const PointFile other = open_points(folder.write("b", las.bytes() + "more"), stored);
       expect_points(las, other.points());
     }
 }
 
-std::string error_of(const testing::TemporaryFolder& folder, const std::string& bytes) {
-  return testing::error_whole_and_in_blocks(folder.write("a.las", bytes));
+std::string said(const TemporaryFolder& folder, const std::string& bytes) {
+  return error_whole_and_in_blocks(folder.write("a.las", bytes));
 }
 
 TEST(IoLas, HeadersThatLie) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const auto expect_error = [&](const Las& las, const char* say) {
-    const std::string error = error_of(folder, las.bytes());
-    EXPECT_NE(error.find(say), std::string::npos) << error << " / " << say;
+    EXPECT_TRUE(has(said(folder, las.bytes()), say));
   };
   expect_error({.minor = 5}, "byte 24: LAS version 1.5");
   expect_error({.format = 11, .record = 80}, "byte 104: LAS point format 11");
@@ -246,17 +233,17 @@ TEST(IoLas, HeadersThatLie) {
   expect_error({.minor = 4, .promised = ~std::uint64_t{0} / 23}, "need more than");
   const std::string whole = Las().bytes();
   for (const std::size_t size : {4UL, 100UL, 226UL, 250UL, whole.size() - 1})
-    EXPECT_NE(error_of(folder, whole.substr(0, size)), "") << size;
+    EXPECT_NE(said(folder, whole.substr(0, size)), "") << size;
 }
 
 TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
-  const testing::TemporaryFolder folder;
+  const TemporaryFolder folder;
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const auto expect_refused = [&](const Las& las, const std::string& say) {
     SCOPED_TRACE(say);
     const std::string path = folder.write("a.las", las.bytes());
     EXPECT_EQ(
-        testing::error_whole_and_in_blocks(path),
+        error_whole_and_in_blocks(path),
         path + ": byte " + say +
             ", which gives no coordinates; --raw (Python: raw=True) reads the stored integers");
     // Beside a good tile, whose grid the report would have claimed for both.
@@ -264,15 +251,15 @@ TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
     ReadOptions on_grid;
     on_grid.numbers = Numbers::grid;
     for (const auto& files : {std::vector{good, path}, std::vector{path, good}})
-      testing::error_of(ErrorCode::bad_file, [&] { common_grid(files, on_grid); });
+      error_of(ErrorCode::bad_file, [&] { common_grid(files, on_grid); });
     ReadOptions stored;
     stored.numbers = Numbers::file;  // for a caller who places them
-    testing::error_of(ErrorCode::bad_file, [&] { open_points(path, stored); });
+    error_of(ErrorCode::bad_file, [&] { open_points(path, stored); });
     stored.numbers = Numbers::raw;
     const PointFile file = open_points(path, stored);
     EXPECT_TRUE(file.placement().empty());
     expect_points(las, file.points());
-    EXPECT_EQ(testing::rows_in_blocks(path, stored), testing::rows_of(file.points()));
+    EXPECT_EQ(rows_in_blocks(path, stored), rows_of(file.points()));
   };
   expect_refused({.scale = {0, 1, 1}}, "131: the scale of x is 0");
   expect_refused({.scale = {1, -0.0, 1}}, "139: the scale of y is -0");
@@ -284,4 +271,4 @@ TEST(IoLas, ScalesAndOffsetsThatGiveNoCoordinates) {
   expect_refused({.minor = 4, .origin = {std::nan(""), 0, 0}}, "155: the offset of x is nan");
 }
 
-}  // namespace cullhull::io_las_test
+}  // namespace cullhull::testing::io_las_test

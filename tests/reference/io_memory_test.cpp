@@ -9,12 +9,15 @@
 #include <fstream>
 #include <thread>
 
+#include "call_options.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 #include "io_fixtures.hpp"
 
 namespace cullhull::io_memory_test {
+
+using namespace testing_support;
 
 std::string rows_of_text(std::size_t n) {
   std::string text;
@@ -23,14 +26,7 @@ std::string rows_of_text(std::size_t n) {
 }
 
 std::string refusal(const std::string& path, const ReadOptions& options) {
-  try {
-    (void)open_points(path, options);
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << path << " was read";
-  return "";
+  return error_of(ErrorCode::out_of_budget, [&] { (void)open_points(path, options); });
 }
 
 TEST(IoMemory, ParsedPointsMustFitTheBudget) {
@@ -40,13 +36,13 @@ TEST(IoMemory, ParsedPointsMustFitTheBudget) {
   options.memory_budget = 1000 * 3 * sizeof(double);
   EXPECT_EQ(open_points(text, options).held_bytes(), options.memory_budget);
   --options.memory_budget;
-  EXPECT_NE(refusal(text, options).find("the memory budget is 23999 bytes"), std::string::npos);
+  EXPECT_TRUE(has(refusal(text, options), "the memory budget is 23999 bytes"));
   options.blocks_hint = "blocks are smaller";
   EXPECT_TRUE(refusal(text, options).ends_with("; blocks are smaller"));
   // Formats that are read whole need the memory in any case.
   std::string obj;
   for (int i = 0; i < 1000; ++i) obj += "v 1 2 3\n";
-  EXPECT_EQ(refusal(folder.write("a.obj", obj), options).find("blocks"), std::string::npos);
+  EXPECT_FALSE(has(refusal(folder.write("a.obj", obj), options), "blocks"));
 }
 
 TEST(IoMemory, ARemarkIsMadeOnce) {
@@ -120,16 +116,8 @@ TEST(IoMemory, AnIdlePipeHearsAStop) {
   std::remove(path.c_str());
   ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
   const int writer = ::open(path.c_str(), O_RDWR);
-  std::stop_source stop;
-  stop.request_stop();
-  ReadOptions options;
-  options.stop = stop.get_token();
-  try {
-    (void)open_points(path, options);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  const ReadOptions options = stopped<ReadOptions>();
+  error_of(ErrorCode::cancelled, [&] { (void)open_points(path, options); });
   ::close(writer);
 }
 
@@ -152,12 +140,7 @@ TEST(IoMemory, PlacingTheNumbersOfAScanCanBeCancelled) {
   const std::string path = folder.write("a.las", las);
   EXPECT_EQ(open_points(path, options).points().count, 1U);
   stop.request_stop();
-  try {
-    (void)open_points(path, options);
-    FAIL() << "the points were placed all the same";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  error_of(ErrorCode::cancelled, [&] { (void)open_points(path, options); });
 }
 
 }  // namespace cullhull::io_memory_test

@@ -36,16 +36,6 @@ TEST(Off, PlainColouredAndHighDimensional) {
             (Rows{{0, 0}, {1, 0}, {0, 1}}));
 }
 
-/// The one line that reading these bytes says to the user.
-std::string remark_on(std::string_view bytes, const std::string& format, const Rows& want) {
-  std::vector<std::string> said;
-  ReadOptions options;
-  options.remark = [&](const std::string& line) { said.push_back(line); };
-  EXPECT_EQ(rows_of(parse(bytes, format, options).view), want) << bytes;
-  EXPECT_LE(said.size(), 1U) << bytes;
-  return said.empty() ? "" : said[0];
-}
-
 // trimesh and Open3D read all these.
 TEST(Off, MagicWithoutABlankAndWhatFollowsTheFaces) {
   const Rows one{{1, 2, 3}};

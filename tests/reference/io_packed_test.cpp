@@ -17,6 +17,7 @@
 #include "cullhull/triangulation_io.hpp"
 #include "io/records.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 #if __has_include(<zlib.h>) && __has_include(<zstd.h>)
 #include <zlib.h>
 #include <zstd.h>
@@ -85,18 +86,10 @@ std::string zip(const std::vector<Member>& members, bool wide = false) {
 
 class Files : public ::testing::Test {
  protected:
-  Files() {
-    std::string pattern = std::filesystem::temp_directory_path() / "cullhull-packed-XXXXXX";
-    if (::mkdtemp(pattern.data()) == nullptr) std::abort();
-    folder_ = pattern;
-  }
-  ~Files() override { std::filesystem::remove_all(folder_); }
   std::string file(const std::string& name, const std::string& bytes) {
-    const std::string path = folder_ / name;
-    std::ofstream(path, std::ios::binary) << bytes;
-    return path;
+    return folder_.write(name, bytes);
   }
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 Rows in_memory(const std::string& path, const ReadOptions& options = {}) {
@@ -214,7 +207,7 @@ TEST_F(Files, EveryBitOfThemCorrupt) {
           EXPECT_TRUE(e.code() == ErrorCode::bad_file || e.code() == ErrorCode::invalid_argument ||
                       e.code() == ErrorCode::out_of_budget)
               << e.what();
-          EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
+          EXPECT_FALSE(has(e.what(), "\n"));
         }
     }
   EXPECT_GT(refusals, 400U);
@@ -233,7 +226,7 @@ TEST_F(Files, ABombStaysWithinTheBudget) {
     options.memory_budget = std::uint64_t{16} << 20;
     const std::string said =
         error_of(ErrorCode::out_of_budget, [&] { (void)open_points(path, options); });
-    EXPECT_NE(said.find("MiB"), std::string::npos) << said;
+    EXPECT_TRUE(has(said, "MiB"));
     std::uint64_t points = 0;
     std::mutex mutex;
     BlockVisitor visitor;
@@ -299,9 +292,9 @@ TEST_F(Files, ArchivesThatLie) {
     broken.replace(broken.size() - from_end, static_cast<std::size_t>(bytes), little(value, bytes));
     return refused(file("p.npz", broken));
   };
-  EXPECT_NE(changed(6, 0xFFFFFFF0, 4).find("is cut short, or no archive"), std::string::npos);
-  EXPECT_NE(changed(10, 0xFFFFFFF0, 4).find("directory of"), std::string::npos);
-  EXPECT_NE(changed(12, 9, 2).find("directory is cut short or corrupt"), std::string::npos);
+  EXPECT_TRUE(has(changed(6, 0xFFFFFFF0, 4), "is cut short, or no archive"));
+  EXPECT_TRUE(has(changed(10, 0xFFFFFFF0, 4), "directory of"));
+  EXPECT_TRUE(has(changed(12, 9, 2), "directory is cut short or corrupt"));
 }
 
 TEST_F(Files, SeveralInputsOfWhichSomeArePacked) {
@@ -312,9 +305,9 @@ TEST_F(Files, SeveralInputsOfWhichSomeArePacked) {
   EXPECT_EQ(files.size(), 2U);
   EXPECT_GT(input_bytes(files), 0U);
   EXPECT_TRUE(worth_streaming(files, {}));
-  files = input_files({(folder_ / "*.npz:q").string()});
-  EXPECT_EQ(files, (std::vector<std::string>{(folder_ / "a.npz:q").string()}));
-  EXPECT_EQ(file_of_input(files[0]), (folder_ / "a.npz").string());
+  files = input_files({folder_.file("*.npz:q")});
+  EXPECT_EQ(files, (std::vector<std::string>{folder_.file("a.npz:q")}));
+  EXPECT_EQ(file_of_input(files[0]), folder_.file("a.npz"));
   EXPECT_EQ(in_memory(files[0]), (Rows{{7, 8, 9}}));
 }
 

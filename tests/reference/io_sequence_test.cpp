@@ -5,6 +5,7 @@
 #include "cullhull/generate.hpp"
 #include "io/write/npy_writers.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_sequence_test {
 
@@ -77,22 +78,16 @@ TEST_F(Sequence, ArraysOfThreeAxes) {
 
 TEST_F(Sequence, WhatArraysMayNotBe) {
   const std::string data = bytes_of(1.0, 2.0, 3.0, 4.0);
-  EXPECT_NE(refusal(put("f.npy", array("<f8", "2, 2, 1", data, "True"))).find("Fortran"),
-            std::string::npos);
-  EXPECT_NE(refusal(put("s.npy", array("<f8", "3, 2, 1", data))).find("needs more"),
-            std::string::npos);
-  EXPECT_NE(refusal(put("l.npy", array("<f8", "1, 2, 1", data))).find("after the array"),
-            std::string::npos);
-  EXPECT_NE(refusal(put("o.npy", array("<f8", "4611686018427387904, 4, 2", data))).find("needs"),
-            std::string::npos);
-  EXPECT_NE(refusal(put("z.npy", array("<f8", "2, 2, 0", ""))).find("dimension 0"),
-            std::string::npos);
-  EXPECT_NE(refusal(put("x.npy", array("<f8", "1, 2, 2, 1", data))).find("4 axes"),
-            std::string::npos);
-  EXPECT_NE(refusal((folder_ / "none.npy").string()).find("none.npy"), std::string::npos);
-  EXPECT_NE(refusal((folder_ / "q*.xyz").string()).find("no file matches"), std::string::npos);
+  EXPECT_TRUE(has(refusal(put("f.npy", array("<f8", "2, 2, 1", data, "True"))), "Fortran"));
+  EXPECT_TRUE(has(refusal(put("s.npy", array("<f8", "3, 2, 1", data))), "needs more"));
+  EXPECT_TRUE(has(refusal(put("l.npy", array("<f8", "1, 2, 1", data))), "after the array"));
+  EXPECT_TRUE(has(refusal(put("o.npy", array("<f8", "4611686018427387904, 4, 2", data))), "needs"));
+  EXPECT_TRUE(has(refusal(put("z.npy", array("<f8", "2, 2, 0", ""))), "dimension 0"));
+  EXPECT_TRUE(has(refusal(put("x.npy", array("<f8", "1, 2, 2, 1", data))), "4 axes"));
+  EXPECT_TRUE(has(refusal((folder_ / "none.npy").string()), "none.npy"));
+  EXPECT_TRUE(has(refusal((folder_ / "q*.xyz").string()), "no file matches"));
   fs::create_directories(folder_ / "empty");
-  EXPECT_NE(refusal((folder_ / "empty").string()).find("without files"), std::string::npos);
+  EXPECT_TRUE(has(refusal((folder_ / "empty").string()), "without files"));
 }
 
 TEST_F(Sequence, AFileThatShrinksIsAnError) {

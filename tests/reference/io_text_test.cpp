@@ -1,8 +1,12 @@
 #include <cmath>
 
+#include "call_options.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_text_test {
+
+using testing_support::stopped;
 
 TEST(Text, SeparatorsCommentsAndLineEnds) {
   const Rows want{{1, -2.5}, {3, 4e-3}};
@@ -142,10 +146,7 @@ TEST(Text, OneLongLine) {
 }
 
 TEST(Text, StopsWhenAsked) {
-  std::stop_source source;
-  source.request_stop();
-  ReadOptions options;
-  options.stop = source.get_token();
+  const ReadOptions options = stopped<ReadOptions>();
   error_of(ErrorCode::cancelled, [&] { parse("1 2\n", "txt", options); });
 }
 

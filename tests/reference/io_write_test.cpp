@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::io_write_test {
 
@@ -93,7 +94,7 @@ TEST(Mesh, LongPolygonsHaveAWiderCount) {
     h.vertices.push_back(i);
   }
   const std::string ply = written(e, "a.ply", "", Faces::polygons);
-  EXPECT_NE(ply.find("property list uint int vertex_indices"), std::string::npos);
+  EXPECT_TRUE(has(ply, "property list uint int vertex_indices"));
   EXPECT_EQ(ply.substr(ply.size() - 4 * 301, 4), bytes_of(300));
   EXPECT_EQ(parse(ply, "ply").view.count, 300U);
 }
@@ -119,10 +120,9 @@ TEST(Mesh, RefusesWhatAFormatCannotHold) {
   e.hull.dimension = 4;
   e.coordinates.resize(36);
   for (const char* name : {"a.ply", "a.obj", "a.off", "a.stl"})
-    EXPECT_NE(error_of(ErrorCode::invalid_argument,
-                       [&] { write_hull(folder.file(name), e.view(), e.hull); })
-                  .find("4D"),
-              std::string::npos);
+    EXPECT_TRUE(has(error_of(ErrorCode::invalid_argument,
+                             [&] { write_hull(folder.file(name), e.view(), e.hull); }),
+                    "4D"));
   error_of(ErrorCode::invalid_argument,
            [&] { write_hull(folder.file("a.las"), cube().view(), cube().hull); });
   const Example far = [] {
@@ -145,7 +145,7 @@ TEST(QhullText, Cube) {
   EXPECT_EQ(text("Fx"), "8\n1\n2\n3\n4\n5\n6\n7\n8\n");
   EXPECT_EQ(text("i"), "6\n5 6 2 1 \n2 4 3 1 \n3 7 5 1 \n6 8 4 2 \n4 8 7 3 \n7 8 6 5 \n");
   EXPECT_EQ(text("o").substr(0, 29), "3\n9 6 12\n   0.5    0.5    0.5");
-  EXPECT_NE(text("o").find("     1      1      1 \n4 5 6 2 1 \n"), std::string::npos);
+  EXPECT_TRUE(has(text("o"), "     1      1      1 \n4 5 6 2 1 \n"));
   EXPECT_EQ(text("n").substr(0, 32), "4\n6\n     0     -1      0      0 ");
   EXPECT_EQ(text("p").substr(0, 26), "3\n8\n     0      0      0 \n");
   EXPECT_EQ(text("FV"), "3 1\n   0.5    0.5    0.5 \n");
