@@ -9,13 +9,17 @@
 #include <vector>
 
 #include "cullhull/generate.hpp"
-#include "filter/gauge/gauge_map.hpp"
+
+namespace cullhull::internal {
+struct InnerPolytope;
+}  // namespace cullhull::internal
 
 namespace cullhull::testing_support {
 
 /// The cross polytope with half axes `radius`, around `centre`.
-inline internal::InnerPolytope cross_polytope(unsigned d, double centre, double radius) {
-  internal::InnerPolytope p;
+template <class Polytope = internal::InnerPolytope>
+Polytope cross_polytope(unsigned d, double centre, double radius) {
+  Polytope p;
   p.dimension = d;
   for (unsigned j = 0; j < 2 * d; ++j)
     for (unsigned k = 0; k < d; ++k)

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "call_options.hpp"
 #include "canonical_hash.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
@@ -61,10 +62,7 @@ class AllPaths {
 
   /// The reference path's hull; every other path is compared to it.
   Hull run() {
-    Options plain;
-    plain.cull = CullMethod::none;
-    plain.threads = 1;
-    const Hull reference = convex_hull(view_of(set_), plain);
+    const Hull reference = convex_hull(view_of(set_), options_of(1, CullMethod::none));
     hash_ = canonical_hash(reference);
     certified(view_of(set_), reference, "reference");
     if (paths_ == Paths::reference) return reference;
@@ -89,16 +87,11 @@ class AllPaths {
 
  private:
   void certified(const PointView& view, const Hull& hull, const std::string& path) {
-    Options options;
-    options.threads = 2;
-    const Certificate c = certify(view, hull, options);
+    const Certificate c = certify(view, hull, options_of(2));
     EXPECT_TRUE(c.valid) << set_.name << ", " << path << ": " << c.reason;
   }
   void compare(const PointView& view, CullMethod cull, unsigned threads, const std::string& path) {
-    Options options;
-    options.cull = cull;
-    options.threads = threads;
-    const Hull h = convex_hull(view, options);
+    const Hull h = convex_hull(view, options_of(threads, cull));
     EXPECT_EQ(canonical_hash(h), hash_)
         << set_.name << ", " << path << ", cull " << static_cast<int>(cull) << ", threads "
         << threads << ": " << h.vertices.size() << " vertices, " << h.facet_count() << " facets";

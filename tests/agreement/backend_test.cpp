@@ -7,12 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "call_options.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/rates.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::backend_test {
+
+using namespace testing_support;
 
 std::vector<float> cube(std::size_t n, unsigned d) {
   std::mt19937_64 random(n);
@@ -23,14 +27,7 @@ std::vector<float> cube(std::size_t n, unsigned d) {
 }
 
 void expect_unavailable(const std::function<void()>& call) {
-  try {
-    call();
-    FAIL() << "no error";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::backend_unavailable) << e.what();
-    EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-    EXPECT_EQ(std::string(e.what()), cuda_status().reason);
-  }
+  EXPECT_EQ(error_of(ErrorCode::backend_unavailable, [&] { call(); }), cuda_status().reason);
 }
 
 TEST(Backend, StatusSaysWhy) {
@@ -62,12 +59,7 @@ TEST(Backend, AskedForAndNotThere) {
 
 TEST(Backend, DeviceViewsAreChecked) {
   const auto invalid = [](const DevicePointView& view) {
-    try {
-      convex_hull(view);
-      FAIL() << "no error";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
-    }
+    error_of(ErrorCode::invalid_argument, [&] { convex_hull(view); });
   };
   const float value = 0;
   invalid(DevicePointView::row_major(&value, 1, 0));
@@ -87,7 +79,7 @@ TEST(Backend, AutomaticFallsBack) {
   plain.backend = Backend::cpu;
   const Hull expected = convex_hull(view, plain);
   EXPECT_EQ(expected.statistics.backend, Backend::cpu);
-  EXPECT_NE(expected.statistics.cull_reason.find("CPU as asked"), std::string::npos);
+  EXPECT_TRUE(has(expected.statistics.cull_reason, "CPU as asked"));
 
   const testing_support::WithRates miracle({.host_read = 1e3, .host_copy = 1e15, .link = 1e15});
   const Hull hull = convex_hull(view);
@@ -95,8 +87,7 @@ TEST(Backend, AutomaticFallsBack) {
   const CudaStatus status = cuda_status();
   EXPECT_EQ(hull.statistics.backend, status.available ? Backend::cuda : Backend::cpu);
   if (!status.available) {
-    EXPECT_NE(hull.statistics.cull_reason.find(", but " + status.reason), std::string::npos)
-        << hull.statistics.cull_reason;
+    EXPECT_TRUE(has(hull.statistics.cull_reason, ", but " + status.reason));
   }
 }
 
@@ -105,11 +96,9 @@ TEST(Backend, EveryReasonIsALine) {
   for (const CullMethod method :
        {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull, CullMethod::none})
     for (const std::size_t n : {std::size_t{3}, std::size_t{200000}}) {
-      Options options;
-      options.cull = method;
-      const Survivors s = cull(PointView::row_major(rows.data(), n, 3), options);
+      const Survivors s = cull(PointView::row_major(rows.data(), n, 3), options_of(0, method));
       EXPECT_FALSE(s.reason.empty());
-      EXPECT_EQ(s.reason.find('\n'), std::string::npos);
+      EXPECT_FALSE(has(s.reason, "\n"));
       EXPECT_EQ(s.backend, Backend::cpu);
     }
 }

@@ -9,7 +9,9 @@
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/error.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::batch_test {
 
@@ -52,9 +54,7 @@ TEST(Batch, equals_one_call_a_set_for_any_number_of_threads) {
   for (unsigned d = 1; d <= 4; ++d) {
     const Sets sets = mixed(d);
     for (const unsigned threads : {1U, 3U}) {
-      Options options;
-      options.threads = threads;
-      const HullBatch batch = convex_hulls(sets.view(), sets.offsets, options);
+      const HullBatch batch = convex_hulls(sets.view(), sets.offsets, options_of(threads));
       ASSERT_EQ(batch.size(), sets.size());
       for (std::size_t i = 0; i < sets.size(); ++i)
         ASSERT_EQ(canonical_hash(batch.hull(i)), canonical_hash(convex_hull(sets.set(i))))
@@ -143,28 +143,14 @@ TEST(Batch, errors_name_the_first_bad_set) {
   Sets sets = mixed(3);
   sets.coordinates[(sets.offsets[300] + 2) * 3] = std::numeric_limits<double>::quiet_NaN();
   sets.coordinates[(sets.offsets[20] + 1) * 3] = std::numeric_limits<double>::infinity();
-  try {
-    convex_hulls(sets.view(), sets.offsets);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::not_finite);
-    EXPECT_NE(std::string(e.what()).find("set 20: point 1, coordinate 0"), std::string::npos)
-        << e.what();
-  }
+  EXPECT_TRUE(has(error_of(ErrorCode::not_finite, [&] { convex_hulls(sets.view(), sets.offsets); }),
+                  "set 20: point 1, coordinate 0"));
   const std::uint64_t descending[] = {5, 3}, beyond[] = {0, 1U << 30};
   EXPECT_THROW(convex_hulls(sets.view(), descending), Error);
   EXPECT_THROW(convex_hulls(sets.view(), beyond), Error);
   EXPECT_THROW(convex_hulls(sets.view(), std::span<const std::uint64_t>()), Error);
-  std::stop_source stop;
-  stop.request_stop();
-  Options options;
-  options.stop = stop.get_token();
-  try {
-    convex_hulls(sets.view(), sets.offsets, options);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  const Options options = stopped();
+  error_of(ErrorCode::cancelled, [&] { convex_hulls(sets.view(), sets.offsets, options); });
 }
 
 }  // namespace cullhull::batch_test

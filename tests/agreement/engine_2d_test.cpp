@@ -8,11 +8,14 @@
 #include <set>
 #include <tuple>
 
+#include "call_options.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "hull/engine.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::internal::engine_2d_test {
 
+using namespace testing_support;
 using Points = std::vector<double>;
 
 Sign turn(const Points& p, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -78,8 +81,7 @@ std::vector<std::uint32_t> cycle_of(const Boundary& h) {
 }
 
 Boundary run(const LocalPoints& points, unsigned threads = 1) {
-  const Options options;
-  return hull_2d(points, internal::Run(options).with_threads(threads));
+  return hull_2d(points, internal::short_run().with_threads(threads));
 }
 
 void expect_agreement(const Points& p, const char* what) {
@@ -208,17 +210,10 @@ TEST(Hull2d, LatticeDecidesWithoutExactArithmetic) {
 }
 
 TEST(Hull2d, StopsWhenAsked) {
-  std::stop_source source;
-  source.request_stop();
-  Options options;
-  options.stop = source.get_token();
+  const Options options = stopped();
   const Points p = {0, 0, 1, 0, 0, 1};
-  try {
-    hull_2d(local(p), internal::Run(options).with_threads(1));
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  error_of(ErrorCode::cancelled,
+           [&] { hull_2d(local(p), internal::Run(options).with_threads(1)); });
 }
 
 /// Andrew's monotone chain over a comparison sort, every turn by exact arithmetic.

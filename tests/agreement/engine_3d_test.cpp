@@ -7,10 +7,12 @@
 
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/generate.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing_support::engine_3d_test {
 
@@ -85,10 +87,8 @@ std::vector<Set> sets(unsigned n) {
 }
 
 Hull hull_of(const Rows& rows, unsigned threads) {
-  Options options;
-  options.cull = CullMethod::none;
-  options.threads = threads;
-  return convex_hull(PointView::row_major(rows.data(), rows.size() / 3, 3), options);
+  return convex_hull(PointView::row_major(rows.data(), rows.size() / 3, 3),
+                     options_of(threads, CullMethod::none));
 }
 
 // Large enough for several pieces and for the order by normals.
@@ -137,8 +137,7 @@ TEST(Engine3D, AgreesWithRationalArithmetic) {
 // those that the frame's stride meets.
 TEST(Engine3D, DeepStartFromAFlatSimplex) {
   const Rows rows = turned(two_circles(4000));
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3,
                                    run.with_threads(2));
   std::uint32_t flat[4] = {0, 2, 4, 6};  // on one circle; independent by rounding alone, or not
@@ -166,23 +165,17 @@ TEST(Engine3D, BudgetAndCancellation) {
   const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 50000, 3,
                                    run.with_threads(2));
   for (const unsigned threads : {1U, 4U}) {
-    try {
+    error_of(ErrorCode::out_of_budget, [&] {
       internal::hull_3d(frame.points(), frame.simplex().data(),
                         run.with_budget(1 << 20).with_threads(threads));
-      ADD_FAILURE() << "100,000 facets do not fit into a megabyte";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
-    }
+    });
   }
   stop.request_stop();
   for (const unsigned threads : {1U, 4U}) {
-    try {
+    error_of(ErrorCode::cancelled, [&] {
       internal::hull_3d(frame.points(), frame.simplex().data(),
                         run.with_budget(1 << 30).with_threads(threads));
-      ADD_FAILURE() << "not cancelled";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::cancelled);
-    }
+    });
   }
 }
 

@@ -88,10 +88,8 @@ TEST(ExtremePoints, Few) {
 
 /// Points straight into the frame, for what works below it.
 internal::LocalFrame frame_of(const PointSet& set) {
-  const Options options;
   return {Array<double>(set.coordinates.begin(), set.coordinates.end()),
-          static_cast<std::uint32_t>(set.count()), set.dimension,
-          internal::Run(options).with_threads(1)};
+          static_cast<std::uint32_t>(set.count()), set.dimension, internal::short_run()};
 }
 
 /// The scan over boxes against one over all points, in any order of adding.
@@ -192,11 +190,9 @@ TEST(ExtremePoints, RationalSimplexAgrees) {
        {cube_with_centres(4), cross_polytope_with_middles(4), generated("gauss", 60, 5, 9)}) {
     const unsigned d = set.dimension;
     const Ids expected = sorted_vertices(convex_hull(view_of(set)));
-    const Options options;
-    const internal::Run run(options);
+    const internal::Run& run = internal::short_run();
     const internal::LocalFrame frame(Array<double>(set.coordinates.begin(), set.coordinates.end()),
-                                     static_cast<std::uint32_t>(set.count()), d,
-                                     run.with_threads(1));
+                                     static_cast<std::uint32_t>(set.count()), d, run);
     std::vector<std::uint32_t> all(set.count());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     for (std::uint32_t i = 0; i < all.size(); ++i)

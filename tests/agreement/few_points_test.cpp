@@ -13,6 +13,7 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
 #include "agreement/random_seeds.hpp"
+#include "call_options.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -22,6 +23,7 @@
 #include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::few_points_test {
 
@@ -29,8 +31,7 @@ using namespace testing_support;
 
 /// All points, by frame, engine and the result of large sets.
 Hull the_general_way(const PointView& points) {
-  Options options;
-  options.threads = 1;
+  const Options options = options_of(1);
   internal::Filtered all;
   all.survivors.all = true;
   return internal::hull_of_survivors(points, std::move(all), internal::Run(options),
@@ -176,9 +177,7 @@ struct Stored {
 void expect_the_same(const PointView& points, const std::string& name) {
   const Hull general = the_general_way(points);
   for (const unsigned threads : {1U, 0U}) {
-    Options options;
-    options.threads = threads;
-    const Hull hull = convex_hull(points, options);
+    const Hull hull = convex_hull(points, options_of(threads));
     ASSERT_EQ(canonical_hash(hull), canonical_hash(general)) << name << ", threads " << threads;
   }
 }
@@ -227,15 +226,8 @@ TEST(FewPoints, what_is_not_finite_is_named) {
       for (const unsigned at : {0U, n / 2, n - 1}) {
         PointSet s = random_set("ball", n, 3, n);
         s.coordinates[3 * at + 1] = bad;
-        try {
-          convex_hull(view_of(s));
-          FAIL() << n << " points";
-        } catch (const Error& e) {
-          EXPECT_EQ(e.code(), ErrorCode::not_finite);
-          EXPECT_NE(std::string(e.what()).find("point " + std::to_string(at) + ","),
-                    std::string::npos)
-              << e.what();
-        }
+        EXPECT_TRUE(has(error_of(ErrorCode::not_finite, [&] { convex_hull(view_of(s)); }),
+                        "point " + std::to_string(at) + ","));
       }
 }
 
@@ -293,9 +285,8 @@ TEST(FewPoints, a_map_of_few_facets_drops_what_is_inside) {
       for (int c = 0; c < 3; ++c) p[c] += inwards * (hull.centroid[c] - p[c]);
       near.add({p[0], p[1], p[2]});
     }
-    const Options options;
-    const internal::Run run(options);
-    const std::vector<std::uint64_t> kept = map->survivors(view_of(near), run.with_threads(1));
+    const internal::Run& run = internal::short_run();
+    const std::vector<std::uint64_t> kept = map->survivors(view_of(near), run);
     ASSERT_LT(kept.size(), 4000U) << "nothing was dropped";
     auto next = kept.begin();
     for (std::uint64_t i = 0; i < 4000; ++i) {
@@ -326,10 +317,7 @@ TEST(FewPoints, no_map_of_flat_polytopes) {
     EXPECT_GT(height, 0);
     // A map there may be, but none that drops what is on the boundary.
     const double on[] = {0.25, 0.25, 0, 0.25, 0.25, height, 0.5, 0.5, 0};
-    const Options options;
-    EXPECT_EQ(map->survivors(PointView::row_major(on, 3, 3), internal::Run(options).with_threads(1))
-                  .size(),
-              3U);
+    EXPECT_EQ(map->survivors(PointView::row_major(on, 3, 3), internal::short_run()).size(), 3U);
   }
 }
 

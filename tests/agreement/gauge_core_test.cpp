@@ -22,9 +22,7 @@ using testing_support::cross_polytope;
 const double bad[] = {NAN, INFINITY, -INFINITY, 1e308, 1e39, 0, -0.0, 1e-310};
 
 std::unique_ptr<GaugeMap> map_of(Array<double>&& sample, unsigned d, unsigned resolution = 0) {
-  const Options options;
-  return GaugeMap::build(
-      inner_polytope(std::move(sample), d, internal::Run(options).with_threads(1)), resolution);
+  return GaugeMap::build(inner_polytope(std::move(sample), d, internal::short_run()), resolution);
 }
 
 std::vector<std::uint32_t> survivors(const GaugeTable& t, const PointView& view,

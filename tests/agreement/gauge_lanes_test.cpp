@@ -74,8 +74,7 @@ std::vector<std::uint64_t> twin(const GaugeMap& map, const PointView& v, unsigne
 }
 
 std::vector<std::uint64_t> cpu(const GaugeMap& map, const PointView& v) {
-  const Options options;
-  return map.survivors(v, internal::Run(options).with_threads(1));
+  return map.survivors(v, internal::short_run());
 }
 
 std::vector<double> uniform(unsigned d, std::size_t n, double centre, std::uint64_t seed) {

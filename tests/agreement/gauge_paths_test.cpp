@@ -27,8 +27,7 @@ std::vector<double> uniform(unsigned d, std::size_t n, double centre, double rea
 }
 
 std::vector<std::uint64_t> run(const GaugeMap& map, const PointView& view, unsigned threads = 1) {
-  const Options options;
-  return map.survivors(view, internal::Run(options).with_threads(threads));
+  return map.survivors(view, internal::short_run().with_threads(threads));
 }
 
 /// Share of the octahedron in its cube: nobody may keep all or nothing.

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "agreement/canonical_hash.hpp"
+#include "call_options.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
 
@@ -13,10 +14,8 @@ namespace cullhull::testing_support {
 
 /// The message, or the hash of what is no error.
 inline std::string outcome(const PointView& points, CullMethod cull) {
-  Options options;
-  options.cull = cull;
   try {
-    return std::to_string(canonical_hash(convex_hull(points, options)));
+    return std::to_string(canonical_hash(convex_hull(points, options_of(0, cull))));
   } catch (const Error& e) {
     return e.what();
   }

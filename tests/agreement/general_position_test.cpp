@@ -1,6 +1,7 @@
 // Points in general position: vertex sets equal Qhull's, which is exact there; where qconvex is not
 // installed, those of exact linear programs on fewer points.
 #include "all_paths.hpp"
+#include "call_options.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support::general_position_test {
@@ -26,9 +27,7 @@ TEST(GeneralPositionLarge, BallsThatTheFilterThins) {
   // Enough points for the filter to work, more than one chunk, and a second map.
   for (unsigned d = 2; d <= 4; ++d) {
     const PointSet s = random_set("ball", 300000, d, d);
-    Options options;
-    options.threads = 1;
-    options.cull = CullMethod::none;
+    Options options = options_of(1, CullMethod::none);
     const Hull reference = convex_hull(view_of(s), options);
     const Certificate c = certify(view_of(s), reference);
     EXPECT_TRUE(c.valid) << s.name << ": " << c.reason;
@@ -54,8 +53,7 @@ TEST(GeneralPositionLarge, TheSameForAnyNumberOfThreads) {
   for (unsigned d = 4; d <= 7; ++d)
     for (const char* shape : {"sphere", "ball"}) {
       const PointSet s = random_set(shape, counts[d - 4], d, d);
-      Options options;
-      options.threads = 1;
+      Options options = options_of(1);
       const std::uint64_t expected = canonical_hash(convex_hull(view_of(s), options));
       for (const unsigned threads : {2U, 3U, 4U, 8U}) {
         options.threads = threads;

@@ -11,8 +11,10 @@
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/error.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::growing_hull_test {
 
@@ -63,13 +65,8 @@ TEST(GrowingHull, a_refused_batch_changes_nothing) {
   const std::uint64_t before = canonical_hash(grown.hull());
   PointSet bad = random_set("sphere", 20, 3, 2);
   bad.coordinates[3 * 7 + 2] = std::numeric_limits<double>::quiet_NaN();
-  try {
-    grown.add(part_of(bad, 0, 20));
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::not_finite);
-    EXPECT_NE(std::string(e.what()).find("point 7"), std::string::npos) << e.what();
-  }
+  EXPECT_TRUE(
+      has(error_of(ErrorCode::not_finite, [&] { grown.add(part_of(bad, 0, 20)); }), "point 7"));
   EXPECT_EQ(canonical_hash(grown.hull()), before);
   const double flat_point[] = {1, 2};
   EXPECT_THROW(grown.add(PointView::row_major(flat_point, 1, 2)), Error);
@@ -100,8 +97,7 @@ TEST(GrowingHull, goes_on_from_a_hull) {
 TEST(Poll, is_called_on_the_calling_thread_and_may_stop_the_call) {
   const PointSet set = random_set("sphere", 20'000, 3, 1);
   for (const unsigned threads : {1U, 2U}) {
-    Options options;
-    options.threads = threads;
+    Options options = options_of(threads);
     std::atomic<unsigned> calls{0}, elsewhere{0};
     const std::thread::id here = std::this_thread::get_id();
     options.poll = [&] {
@@ -118,12 +114,7 @@ TEST(Poll, is_called_on_the_calling_thread_and_may_stop_the_call) {
     std::stop_source stop;
     options.stop = stop.get_token();
     options.poll = [&] { stop.request_stop(); };
-    try {
-      convex_hull(part_of(set, 0, set.count()), options);
-      FAIL();
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::cancelled);
-    }
+    error_of(ErrorCode::cancelled, [&] { convex_hull(part_of(set, 0, set.count()), options); });
   }
 }
 

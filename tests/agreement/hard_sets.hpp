@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "agreement/point_sets.hpp"
@@ -224,44 +225,28 @@ inline PointSet hard_set(Random& r) {
   const auto n = static_cast<unsigned>(
       std::exp(r.between(std::log(d + 1.0), std::log(static_cast<double>(most[d])))));
   const unsigned lattice_d = std::min(d, 4U);
-  switch (r.integer(0, 16)) {
-    case 0:
-      return turned_lattice(lattice_d, r);
-    case 1:
-      return lifted_lattice(std::min(d, 5U), r);
-    case 2:
-      return shaken_sphere(n, d, r);
-    case 3:
-      return mixed_axes(n, d, r);
-    case 4:
-      return denormals(n, d, r);
-    case 5:
-      return many_copies(100 * n, d, r);
-    case 6:
-      return line(n, d, r);
-    case 7:
-      return prism(n, d, r);
-    case 8:
-      return shaken_cyclic(std::min(n, 1000U), d, r);
-    case 9:
-      return nearly_flat(n, d, r);
-    case 10:
-      return faces_of_simplex(n, d, r);
-    case 11:
-      return zonotope(std::min(d, 6U), r);
-    case 12:
-      return far_clusters(n, d, r);
-    case 13:
-      return all_magnitudes(std::min(n, 400U), d, n);
-    case 14:  // as many points as the dimension, one more or one less
-      return random_grid(
-          static_cast<unsigned>(r.integer(static_cast<int>(d) - 1, static_cast<int>(d) + 2)), d,
-          r.integer(2, 5), r.integer(0, 1) * 0x1p45, n);
-    case 15:
-      return signed_zeros(n, d, r);
-    default:
-      return random_grid(n, d, r.integer(2, d <= 4 ? 30 : 5), 0, n);
-  }
+  const std::function<PointSet()> makers[] = {[&] {
+    return turned_lattice(lattice_d, r);
+                                              },
+                                              [&] {
+    return lifted_lattice(std::min(d, 5U), r);
+  },
+                                  [&] {
+    return shaken_sphere(n, d, r);
+  },
+      [&] { return mixed_axes(n, d, r); }, [&] { return denormals(n, d, r); },
+      [&] { return many_copies(100 * n, d, r); }, [&] { return line(n, d, r); },
+      [&] { return prism(n, d, r); }, [&] { return shaken_cyclic(std::min(n, 1000U), d, r); },
+      [&] { return nearly_flat(n, d, r); }, [&] { return faces_of_simplex(n, d, r); },
+      [&] { return zonotope(std::min(d, 6U), r); }, [&] { return far_clusters(n, d, r); },
+      [&] { return all_magnitudes(std::min(n, 400U), d, n); },
+      [&] {  // as many points as the dimension, one more or one less
+    return random_grid(
+        static_cast<unsigned>(r.integer(static_cast<int>(d) - 1, static_cast<int>(d) + 2)), d,
+        r.integer(2, 5), r.integer(0, 1) * 0x1p45, n);
+      }, [&] { return signed_zeros(n, d, r); },
+      [&] { return random_grid(n, d, r.integer(2, d <= 4 ? 30 : 5), 0, n); }};
+  return makers[r.integer(0, 16)]();
 }
 
 }  // namespace cullhull::testing_support

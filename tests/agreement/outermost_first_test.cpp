@@ -9,6 +9,7 @@
 
 #include "agreement/canonical_hash.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/hull.hpp"
 
@@ -49,10 +50,8 @@ std::vector<std::uint64_t> vertices_of_vertices(const std::vector<double>& rows,
   for (const std::uint64_t v : hull.vertices)
     few.insert(few.end(), rows.begin() + static_cast<std::ptrdiff_t>(v * d),
                rows.begin() + static_cast<std::ptrdiff_t>((v + 1) * d));
-  Options options;
-  options.threads = 1;
   const Hull alone =
-      convex_hull(PointView::row_major(few.data(), hull.vertices.size(), d), options);
+      convex_hull(PointView::row_major(few.data(), hull.vertices.size(), d), options_of(1));
   volume = alone.volume;
   std::vector<std::uint64_t> ids;
   for (const std::uint64_t v : alone.vertices) ids.push_back(hull.vertices[v]);
@@ -69,8 +68,7 @@ TEST(OutermostFirst, IsTheHullOfTheExtremePointsForAnyNumberOfThreads) {
         SCOPED_TRACE(std::string(shape) + " " + std::to_string(n) + " in " + std::to_string(d));
         const std::vector<double> rows = rows_of(shape, n, d, ++seed);
         const PointView points = PointView::row_major(rows.data(), n, d);
-        Options options;
-        options.threads = 1;
+        Options options = options_of(1);
         const Hull hull = convex_hull(points, options);
         double volume = -1;
         EXPECT_EQ(vertices_of_vertices(rows, d, hull, volume), hull.vertices);

@@ -15,8 +15,6 @@
 
 namespace cullhull::internal::pseudo_hull_device_test {
 
-const Options defaults;
-
 using testing_support::normal_points;
 
 struct Grown {
@@ -49,8 +47,7 @@ void expect_as_on_the_host(const PointView& view, const std::string& name) {
       const Grown device = grow_emulated<D, T>(view, subsets, max_rounds);
       std::vector<PseudoHullRound> rounds;
       EXPECT_EQ(device.survivors,
-                pseudo_hull_survivors(view, {subsets, max_rounds},
-                                      internal::Run(defaults).with_threads(1), &rounds))
+                pseudo_hull_survivors(view, {subsets, max_rounds}, internal::short_run(), &rounds))
           << name << ", " << D << "D, " << subsets << " subsets";
       ASSERT_EQ(device.rounds.size(), rounds.size()) << name;
       for (std::size_t r = 0; r < rounds.size(); ++r) {

@@ -9,9 +9,11 @@
 #include <limits>
 
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/error.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::query_test {
 
@@ -218,8 +220,7 @@ TEST(HullQuery, large_batches_go_through_the_map_and_agree) {
     const HullQuery query(view_of(set), s.hull);
     const PointSet asked = random_set("cube", 20000, d, 12);
     std::vector<Side> one(20000), two(20000);
-    Options options;
-    options.threads = 1;
+    Options options = options_of(1);
     query.sides(view_of(asked), one.data(), options);
     options.threads = 3;
     query.sides(view_of(asked), two.data(), options);
@@ -255,8 +256,7 @@ TEST(HullQuery, cells_answer_as_single_questions_do) {
     const unsigned count = 10000;  // enough for cells
     const std::vector<double> points = awkward_points(s, count, 31);
     std::vector<Side> batch(count), turned(count);
-    Options options;
-    options.threads = 2;
+    const Options options = options_of(2);
     query.sides(PointView::row_major(points.data(), count, s.d), batch.data(), options);
     std::vector<double> columns(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) columns[i % s.d * count + i / s.d] = points[i];
@@ -280,13 +280,9 @@ TEST(HullQuery, large_batches_name_the_first_point_that_is_not_finite) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
     asked.coordinates[3 * 77000 + 2] = asked.coordinates[3 * 99999] = bad;
-    try {
-      query.contains(view_of(asked), out.data());
-      FAIL();
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::not_finite);
-      EXPECT_NE(std::string(e.what()).find("77000"), std::string::npos) << e.what();
-    }
+    EXPECT_TRUE(
+        has(error_of(ErrorCode::not_finite, [&] { query.contains(view_of(asked), out.data()); }),
+            "77000"));
   }
 }
 
@@ -479,39 +475,21 @@ TEST(HullQuery, refuses_what_makes_no_sense) {
   const Hull hull = convex_hull(view_of(set));
   const HullQuery query(view_of(set), hull);
   const double nan[] = {0, std::nan(""), 0}, zero[] = {0, 0, 0};
-  const auto code_of = [](auto&& call) {
-    try {
-      call();
-    } catch (const Error& e) {
-      return static_cast<int>(e.code());
-    }
-    return -1;
-  };
-  const int not_finite = static_cast<int>(ErrorCode::not_finite);
-  const int invalid = static_cast<int>(ErrorCode::invalid_argument);
-  EXPECT_EQ(code_of([&] { query.side(nan); }), not_finite);
-  EXPECT_EQ(code_of([&] { query.ray(zero, zero); }), invalid);
-  EXPECT_EQ(code_of([&] { HullQuery(view_of(set), Hull{}); }), invalid);
+  error_of(ErrorCode::not_finite, [&] { query.side(nan); });
+  error_of(ErrorCode::invalid_argument, [&] { query.ray(zero, zero); });
+  error_of(ErrorCode::invalid_argument, [&] { HullQuery(view_of(set), Hull{}); });
   std::vector<double> many(30000, 0.25);
   many[3 * 7001 + 1] = std::numeric_limits<double>::infinity();
   std::vector<std::uint8_t> out(10000);
-  try {
-    query.contains(PointView::row_major(many.data(), 10000, 3), out.data());
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::not_finite);
-    EXPECT_NE(std::string(e.what()).find("7001"), std::string::npos) << e.what();
-  }
-  EXPECT_EQ(code_of([&] { query.contains(PointView::row_major(many.data(), 10, 2), out.data()); }),
-            invalid);
-  std::stop_source stop;
-  stop.request_stop();
-  Options stopped;
-  stopped.stop = stop.get_token();
-  EXPECT_EQ(code_of([&] {
-              query.contains(PointView::row_major(many.data(), 1000, 3), out.data(), stopped);
-            }),
-            static_cast<int>(ErrorCode::cancelled));
+  EXPECT_TRUE(has(
+      error_of(ErrorCode::not_finite,
+               [&] { query.contains(PointView::row_major(many.data(), 10000, 3), out.data()); }),
+      "7001"));
+  error_of(ErrorCode::invalid_argument,
+           [&] { query.contains(PointView::row_major(many.data(), 10, 2), out.data()); });
+  error_of(ErrorCode::cancelled, [&] {
+    query.contains(PointView::row_major(many.data(), 1000, 3), out.data(), stopped());
+  });
 }
 
 }  // namespace cullhull::query_test

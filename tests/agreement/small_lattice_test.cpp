@@ -14,6 +14,7 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/general_outcome.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "filter/lattice/whole_range.hpp"
 
@@ -93,9 +94,7 @@ TEST(SmallLattice, EndsIncludeAllExtremePoints) {
     ASSERT_TRUE(ends_in_small_lattice(view_of(s), ids));
     EXPECT_TRUE(std::is_sorted(ids->begin(), ids->end()));
     const std::vector<std::uint64_t> kept = *ids;
-    Options plain;
-    plain.cull = CullMethod::none;
-    const Hull hull = convex_hull(view_of(s), plain);
+    const Hull hull = convex_hull(view_of(s), options_of(0, CullMethod::none));
     EXPECT_TRUE(
         std::includes(kept.begin(), kept.end(), hull.vertices.begin(), hull.vertices.end()));
   }

@@ -10,6 +10,7 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/general_outcome.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/certify.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "few/small_polygon.hpp"
@@ -169,10 +170,7 @@ TEST(SmallPlanarSets, ManyAlikeAndHeaps) {
 
 TEST(SmallPlanarSets, HearWhoWantsToStop) {
   const PointSet s = random_set("ball", 10, 2, 1);
-  std::stop_source stop;
-  stop.request_stop();
-  Options options;
-  options.stop = stop.get_token();
+  Options options = stopped();
   EXPECT_THROW(convex_hull(view_of(s), options), Error);
   options.stop = {};
   double told = 0;
@@ -183,10 +181,9 @@ TEST(SmallPlanarSets, HearWhoWantsToStop) {
 
 // Whatever was worth sharing: the figure is what the call had at hand.
 TEST(SmallPlanarSets, TellTheThreads) {
-  Options options;
-  options.threads = 2;
   for (const unsigned n : {10U, 3000U, 70'000U, 600'000U})
-    EXPECT_EQ(convex_hull(view_of(random_set("ball", n, 2, 1)), options).statistics.threads, 2U);
+    EXPECT_EQ(convex_hull(view_of(random_set("ball", n, 2, 1)), options_of(2)).statistics.threads,
+              2U);
 }
 
 // What the ellipse contains is strictly inside, to the last bit: points are taken on its rim.
@@ -203,8 +200,7 @@ TEST(InnerEllipse, IsStrictlyInside) {
       rows.push_back(from + size * std::cos(a));
       rows.push_back(from + size * thin * std::sin(a));
     }
-    const Options none;
-    const internal::Run run(none);
+    const internal::Run& run = internal::short_run();
     PolygonSeries series(run.control);
     const std::vector<std::uint32_t> corners = series.corners(rows.data(), n);
     if (corners.size() < 3) continue;

@@ -13,6 +13,7 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/hard_sets.hpp"
 #include "agreement/random_seeds.hpp"
+#include "call_options.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
@@ -21,9 +22,7 @@
 
 namespace cullhull::internal::star_hull_test {
 
-using testing_support::canonical_hash;
-using testing_support::PointSet;
-using testing_support::Random;
+using namespace testing_support;
 
 struct Found {
   StarCounts counts;
@@ -55,8 +54,7 @@ struct Tally {
 
 /// The hull of the points that are left, with the triangles if there are any.
 Hull hull_of_left(const PointView& view, const Found& found, bool& holds) {
-  Options options;
-  options.threads = 1;
+  const Options options = options_of(1);
   const Run run(options);
   std::vector<double> rows;
   for (const std::uint64_t i : found.left)
@@ -86,12 +84,9 @@ void expect_the_engines(const std::vector<T>& points, const std::string& name, T
   EXPECT_EQ(found.counts.left, found.left.size()) << name;
   EXPECT_EQ(found.counts.end.reflex, emulated.counts.end.reflex) << name;
   EXPECT_EQ(found.counts.end.uncertain, emulated.counts.end.uncertain) << name;
-  Options options;
-  options.threads = 1;
-  options.cull = CullMethod::none;
   bool holds = false;
   EXPECT_EQ(canonical_hash(hull_of_left(view, found, holds)),
-            canonical_hash(convex_hull(view, options)))
+            canonical_hash(convex_hull(view, options_of(1, CullMethod::none))))
       << name;
   ++tally.sets;
   tally.whole += found.counts.whole();

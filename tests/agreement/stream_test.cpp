@@ -14,8 +14,10 @@
 #include "agreement/point_sets.hpp"
 #include "agreement/random_seeds.hpp"
 #include "agreement/sets_in_pieces.hpp"
+#include "call_options.hpp"
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/generate.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing_support::stream_test {
 
@@ -45,11 +47,7 @@ std::vector<Block> random_blocks(std::uint64_t n, Random& r) {
   return blocks;
 }
 
-Options few_threads(Random& r) {
-  Options o;
-  o.threads = static_cast<unsigned>(r.integer(1, 2));
-  return o;
-}
+Options few_threads(Random& r) { return options_of(static_cast<unsigned>(r.integer(1, 2))); }
 
 /// All blocks by several threads, each taking the next one.
 HullState pushed(const PointView& whole, const std::vector<Block>& blocks, unsigned threads,
@@ -122,9 +120,7 @@ void expect_certified_part(const PointView& whole, const Block& b) {
 }
 
 void run_partitions(const PointView& whole, Random& r) {
-  Options plain;
-  plain.threads = 1;
-  const Hull hull = convex_hull(whole, plain);
+  const Hull hull = convex_hull(whole, options_of(1));
   const std::vector<Block> blocks = random_blocks(whole.count, r);
   if (blocks.empty()) return;
   const auto threads = static_cast<unsigned>(r.integer(1, 8));
@@ -215,13 +211,7 @@ TEST(Stream, StatesOfDecimalsAreForMerge) {
   HullStream stream;
   stream.push(state);
   state.to_world(1);
-  try {
-    stream.push(state);
-    FAIL() << "rounded coordinates were compared";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
-    EXPECT_NE(std::string(e.what()).find("merge()"), std::string::npos) << e.what();
-  }
+  EXPECT_TRUE(has(error_of(ErrorCode::invalid_argument, [&] { stream.push(state); }), "merge()"));
   EXPECT_EQ(stream.state().point_count(), 3U);
 }
 
@@ -282,14 +272,8 @@ TEST(Stream, NotFiniteNamesTheGlobalIdAndTakesNothing) {
       PointSet broken = s;
       broken.coordinates[3 * bad + 1] = std::numeric_limits<double>::quiet_NaN();
       broken.coordinates[3 * (n - 1) + 2] = std::numeric_limits<double>::infinity();
-      try {
-        stream.push(view_of(broken));
-        ADD_FAILURE() << "no error";
-      } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ErrorCode::not_finite);
-        const std::string expected = "point " + std::to_string(n + bad) + ", coordinate 1";
-        EXPECT_NE(std::string(e.what()).find(expected), std::string::npos) << e.what();
-      }
+      EXPECT_TRUE(has(error_of(ErrorCode::not_finite, [&] { stream.push(view_of(broken)); }),
+                      "point " + std::to_string(n + bad) + ", coordinate 1"));
     }
     EXPECT_EQ(stream.report().point_count, n);
     EXPECT_EQ(canonical_hash(stream.hull()), hash);
@@ -341,16 +325,11 @@ TEST(Stream, BudgetIsToldAndNothingLost) {
   options.memory_budget = 8 << 20;
   HullStream stream(options);
   std::uint64_t pushed = 0;
-  try {
+  const std::string why = error_of(ErrorCode::out_of_budget, [&] {
     for (; pushed < s.count(); pushed += 10000)
       stream.push(part_of(view_of(s), pushed, pushed + 10000));
-    FAIL() << "no error";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
-    EXPECT_NE(std::string(e.what()).find("holds " + std::to_string(pushed) + " points"),
-              std::string::npos)
-        << e.what();
-  }
+  });
+  EXPECT_TRUE(has(why, "holds " + std::to_string(pushed) + " points"));
   EXPECT_GT(pushed, 10000U);
   const StreamReport report = stream.report();
   EXPECT_EQ(report.point_count, pushed);

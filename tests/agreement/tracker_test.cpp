@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 
+#include "call_options.hpp"
 #include "canonical_hash.hpp"
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
@@ -15,23 +16,18 @@
 #include "tests/counted_memory.hpp"
 #include "tests/made_sets.hpp"
 #include "tests/rates.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::tracker_test {
 
-using testing_support::allocated_bytes;
-using testing_support::canonical_hash;
-using testing_support::live_bytes;
-using testing_support::moving_frames;
+using namespace testing_support;
 using Rows = std::vector<double>;
 
 constexpr CullMethod methods[] = {CullMethod::automatic, CullMethod::gauge, CullMethod::pseudo_hull,
                                   CullMethod::none};
 
 std::uint64_t static_hash(const PointView& points) {
-  Options options;
-  options.cull = CullMethod::none;
-  options.threads = 1;
-  return canonical_hash(convex_hull(points, options));
+  return canonical_hash(convex_hull(points, options_of(1, CullMethod::none)));
 }
 
 /// Trackers of every method over the same frames; each must give the static hull.
@@ -40,10 +36,7 @@ class Trackers {
   Trackers() {
     for (const CullMethod method : methods)
       for (const unsigned threads : {1U, 2U}) {
-        Options options;
-        options.cull = method;
-        options.threads = threads;
-        trackers_.emplace_back(options);
+        trackers_.emplace_back(options_of(threads, method));
       }
   }
   void expect_frame(const PointView& points, const std::string& what) {
@@ -196,22 +189,16 @@ TEST(HullTracker, ANanInFrame7IsNamedAndFrame8Follows) {
       const std::uint64_t vertex = trackers[t].hull().vertices.back();
       bad[3 * 4321 + 1] = std::numeric_limits<double>::quiet_NaN();
       if (vertex > 4321) bad[3 * vertex] = std::numeric_limits<double>::infinity();
-      try {
-        trackers[t].update(rows_of(bad, 3));
-        ADD_FAILURE() << "a NaN passed tracker " << t;
-      } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ErrorCode::not_finite);
-        EXPECT_EQ(std::string(e.what()).find("frame 7: point 4321, coordinate 1 is NaN"), 0U)
-            << e.what();
-      }
+      const std::string message =
+          error_of(ErrorCode::not_finite, [&] { trackers[t].update(rows_of(bad, 3)); });
+      EXPECT_TRUE(message.starts_with("frame 7: point 4321, coordinate 1 is NaN")) << message;
     }
   }
   EXPECT_EQ(trackers[0].report().index, 9U);
 }
 
 TEST(HullTracker, ReportsWhatCameAndWent) {
-  Options options;
-  options.cull = CullMethod::gauge;
+  Options options = options_of(0, CullMethod::gauge);
   for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull}) {
     options.cull = method;
     HullTracker tracker(options);
@@ -269,8 +256,7 @@ TEST(HullTracker, ReportsOfFramesWhoseChangesNobodyAskedFor) {
 }
 
 TEST(HullTracker, AFrameWithoutLeadersIsOneStaticCall) {
-  Options options;
-  options.threads = 1;
+  const Options options = options_of(1);
   for (const auto& [kind, n] : {std::pair{"sphere", 20000}, {"sphere", 1000}, {"gauss", 20000}}) {
     SCOPED_TRACE(std::string(kind) + ", " + std::to_string(n));
     const std::vector<Rows> frames =
@@ -396,10 +382,7 @@ TEST(HullTracker, FramesByTheLastHullsTriangles) {
 TEST(HullTracker, SteadyFramesKeepNoMoreMemory) {
   const std::vector<Rows> frames = moving_frames("bumpy", "spin", 20000, 3, 4);
   for (const CullMethod method : methods) {
-    Options options;
-    options.cull = method;
-    options.threads = 1;
-    HullTracker tracker(options);
+    HullTracker tracker(options_of(1, method));
     std::int64_t after_warm_up = 0;
     for (int f = 0; f < 60; ++f) {
       tracker.update(rows_of(frames[static_cast<std::size_t>(f) % 4], 3));
@@ -438,8 +421,7 @@ TEST(HullTracker, ADeviceThatIsAskedForAndNotThere) {
   const Rows rows = generate("ball", 20000, 3, 1);
   for (const CullMethod method : methods)
     for (const Backend backend : {Backend::automatic, Backend::cpu, Backend::cuda}) {
-      Options options;
-      options.cull = method;
+      Options options = options_of(0, method);
       options.backend = backend;
       HullTracker tracker(options);
       if (backend == Backend::cuda) {
@@ -467,12 +449,7 @@ TEST(HullTracker, DeviceViewsAreChecked) {
        {DevicePointView::row_major(&value, 1, 0),
         DevicePointView::row_major(static_cast<const float*>(nullptr), 1, 3), integers}) {
     HullTracker tracker;
-    try {
-      tracker.update(view);
-      ADD_FAILURE() << "no error";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
-    }
+    error_of(ErrorCode::invalid_argument, [&] { tracker.update(view); });
   }
 }
 
@@ -481,8 +458,7 @@ TEST(HullTracker, DeviceViewsAreChecked) {
 TEST(HullTracker, AutomaticFallsBack) {
   const std::vector<Rows> frames = moving_frames("bumpy", "twist", 40000, 3, 3);
   const testing_support::WithRates miracle({.host_read = 1, .host_copy = 1e15, .link = 1e15});
-  Options lured;
-  lured.cull = CullMethod::gauge;
+  const Options lured = options_of(0, CullMethod::gauge);
   Options modest = lured;
   modest.backend = Backend::cpu;
   HullTracker tracker(lured), on_cpu(modest);
@@ -495,21 +471,18 @@ TEST(HullTracker, AutomaticFallsBack) {
     EXPECT_EQ(reason.find(", but " + status.reason) != std::string::npos, !status.available)
         << reason;
     on_cpu.update(rows_of(rows, 3));
-    EXPECT_NE(on_cpu.hull().statistics.cull_reason.find("CPU as asked"), std::string::npos);
+    EXPECT_TRUE(has(on_cpu.hull().statistics.cull_reason, "CPU as asked"));
   }
   EXPECT_STREQ(tracker.report().method, "gauge");
   EXPECT_STREQ(on_cpu.report().method, "gauge");
 }
 
 TEST(HullTracker, ThePseudoHullStaysOnTheCpuAndSaysSo) {
-  Options options;
-  options.cull = CullMethod::pseudo_hull;
-  HullTracker tracker(options);
+  HullTracker tracker(options_of(0, CullMethod::pseudo_hull));
   for (const Rows& rows : moving_frames("bumpy", "spin", 9000, 3, 3)) {
     const Hull& hull = tracker.update(rows_of(rows, 3));
     EXPECT_EQ(hull.statistics.backend, Backend::cpu);
-    EXPECT_NE(hull.statistics.cull_reason.find("the pseudo-hull runs on the CPU"),
-              std::string::npos);
+    EXPECT_TRUE(has(hull.statistics.cull_reason, "the pseudo-hull runs on the CPU"));
   }
 }
 

@@ -374,11 +374,10 @@ TEST(BuildHull, FlatSetsAreMeasuredInTheirFlat) {
   const unsigned axes[] = {0, 2};
   std::vector<std::uint32_t> order{0, 1, 2, 3};
   std::mt19937 random(5);
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   Hull h;
   internal::build_hull({&view, &local, nullptr, axes},
-                       boundary_in_order(projected, 2, order, random), run.with_threads(1), h);
+                       boundary_in_order(projected, 2, order, random), run, h);
   EXPECT_EQ(h.vertices, (Ids{0, 1, 2, 3}));
   EXPECT_NEAR(h.volume, 12, 1e-14);
   EXPECT_NEAR(h.area, 14, 1e-14);
@@ -401,10 +400,9 @@ TEST(BuildHull, SegmentInSpace) {
   ends.dimension = 1;
   ends.vertices = {1, 0};
   ends.neighbours = {1, 0};
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   Hull h;
-  internal::build_hull({&view, &local, nullptr, axes}, std::move(ends), run.with_threads(1), h);
+  internal::build_hull({&view, &local, nullptr, axes}, std::move(ends), run, h);
   EXPECT_EQ(h.vertices, (Ids{0, 1}));
   EXPECT_EQ(h.simplices, (Array<std::uint64_t>{0, 1}));
   EXPECT_DOUBLE_EQ(h.volume, 5);

@@ -9,6 +9,7 @@
 #include "cullhull/point_blocks.hpp"
 #include "cullhull/stream.hpp"
 #include "tests/io_fixtures.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::testing::byte_order_test {
 
@@ -42,7 +43,7 @@ TEST(ByteOrder, PointFiles) {
   const double v[] = {1, -2, 0.5, 3};
   write_npy_points(folder.file("a.npy"), v, 2, 2, ScalarType::f64);
   std::string bytes = slurp(folder.file("a.npy"));
-  EXPECT_NE(bytes.find("'descr': '<f8'"), std::string::npos);
+  EXPECT_TRUE(has(bytes, "'descr': '<f8'"));
   EXPECT_EQ(bytes.substr(bytes.size() - 32),
             "\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0\0\0\0\0\0\0\xe0\x3f\0\0\0\0\0\0\x08\x40"s);
   write_npy_ids(folder.file("b.npy"), {258, 3});
@@ -91,8 +92,8 @@ TEST(ByteOrder, HullStates) {
   const TemporaryFolder folder;
   write_state(folder.file("a.npz"), state);
   const std::string npz = slurp(folder.file("a.npz"));
-  EXPECT_NE(npz.find("\0\1\0\0\0\0\0\0\1\1\0\0\0\0\0\0"s), std::string::npos);
-  EXPECT_NE(npz.find("\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"s), std::string::npos);
+  EXPECT_TRUE(has(npz, "\0\1\0\0\0\0\0\0\1\1\0\0\0\0\0\0"s));
+  EXPECT_TRUE(has(npz, "\0\0\0\0\0\0\xf0\x3f\0\0\0\0\0\0\0\xc0"s));
 }
 
 }  // namespace cullhull::testing::byte_order_test

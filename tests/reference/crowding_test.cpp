@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "agreement/canonical_hash.hpp"
+#include "call_options.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
@@ -18,8 +19,8 @@
 
 namespace cullhull::internal::crowding_test {
 
+using namespace testing_support;
 using namespace std::chrono_literals;
-using testing_support::canonical_hash;
 
 class Crowding : public ::testing::Test {
  protected:
@@ -83,8 +84,7 @@ TEST_F(Crowding, HelpersThatNeverComeChangeNothing) {
   const PointView views[] = {PointView::row_major(rows.data(), 12000, 4),
                              PointView::row_major(ball.data(), 3000, 5)};
   for (const PointView& points : views) {
-    Options options;
-    options.threads = 1;
+    Options options = options_of(1);
     const std::uint64_t alone = canonical_hash(convex_hull(points, options));
     const auto kidnapper = std::make_shared<Kidnapper>();
     {

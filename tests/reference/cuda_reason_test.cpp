@@ -2,8 +2,11 @@
 #include <gtest/gtest.h>
 
 #include "cuda/reason.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::internal::cuda_reason_test {
+
+using testing_support::has;
 
 Probe working() {
   Probe p;
@@ -17,9 +20,9 @@ Probe working() {
 
 void expect_reason(const Probe& probe, const std::string& part) {
   const std::string reason = unavailable_reason(probe);
-  EXPECT_NE(reason.find(part), std::string::npos) << reason;
-  EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
-  EXPECT_NE(reason.find("backend"), std::string::npos) << "says what to do: " << reason;
+  EXPECT_TRUE(has(reason, part));
+  EXPECT_FALSE(has(reason, "\n"));
+  EXPECT_TRUE(has(reason, "backend")) << "says what to do: " << reason;
 }
 
 TEST(CudaReason, AWorkingDeviceHasNone) { EXPECT_EQ(unavailable_reason(working()), ""); }

@@ -7,8 +7,11 @@
 #include <sstream>
 
 #include "cullhull/cullhull.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::headers_test {
+
+using testing_support::has;
 
 static_assert(sizeof(HullQuery) > 0 && sizeof(GrowingHull) > 0 && sizeof(HullTracker) > 0 &&
               sizeof(HalfspaceIntersection) > 0 && sizeof(HullBatch) > 0);
@@ -26,7 +29,7 @@ TEST(Headers, OneBringsThemAll) {
         "group_hulls.hpp", "mpi.hpp", "placement.hpp"};
     if (others.contains(name)) continue;
     ++headers;
-    EXPECT_NE(text.str().find("\"cullhull/" + name + "\""), std::string::npos) << name;
+    EXPECT_TRUE(has(text.str(), "\"cullhull/" + name + "\"")) << name;
   }
   EXPECT_GT(headers, 15);
 }

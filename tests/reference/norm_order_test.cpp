@@ -72,8 +72,7 @@ std::vector<std::uint32_t> all_rounds(NormOrder& order, std::vector<std::uint32_
 }
 
 TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   for (const unsigned d : {4U, 5U, 6U, 8U, 11U})
     for (const std::uint32_t n : {1U, 7U, 8U, 9U, 64U, 65U, 96U, 97U, 1023U, 5000U, 40000U}) {
       const Points points("ball", n, d);
@@ -100,8 +99,7 @@ TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
 }
 
 TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   const Points points("ball", 30000, 4);
   for (const bool thin : {false, true}) {
     NormOrder order(points.local, {}, run.with_threads(2));

@@ -14,8 +14,6 @@
 
 namespace cullhull::internal::pseudo_hull_test {
 
-const Options defaults;
-
 using Ids = std::vector<std::uint64_t>;
 
 // Facets 0 ... k become 0 ... d (k + 1) - 1. In 3D the paper writes j, k + 2 j + 1, k + 2 j + 2.
@@ -193,17 +191,16 @@ TEST_F(ByHand, TheSameThroughTheFilterAndItsReport) {
   const Ids expected = {0, 1, 2, 3, 6, 7, 8, 10, 11};
   for (const unsigned threads : {1U, 2U, 3U}) {
     EXPECT_EQ(
-        pseudo_hull_survivors(view, {}, internal::Run(defaults).with_threads(threads), &rounds_),
+        pseudo_hull_survivors(view, {}, internal::short_run().with_threads(threads), &rounds_),
         expected);
     ASSERT_EQ(rounds_.size(), 3U);
     EXPECT_EQ(rounds_[1].culled, 1U);
   }
   // At a cap of one round the points still outside stay.
-  EXPECT_EQ(pseudo_hull_survivors(view, {1, 1}, internal::Run(defaults).with_threads(1)), expected);
+  EXPECT_EQ(pseudo_hull_survivors(view, {1, 1}, internal::short_run()), expected);
   // Without any round only the simplex culls: 5 stays.
   const Ids by_simplex = {0, 1, 2, 3, 5, 6, 7, 8, 10, 11};
-  EXPECT_EQ(pseudo_hull_survivors(view, {1, 0}, internal::Run(defaults).with_threads(1)),
-            by_simplex);
+  EXPECT_EQ(pseudo_hull_survivors(view, {1, 0}, internal::short_run()), by_simplex);
 }
 
 /// After a round the facets must lie in the order of their cells, null ones removed.
@@ -252,8 +249,7 @@ TEST(PseudoHullStart, ExtremePointsOnOneLine) {
   // Lowest and highest of both axes are the ends of the diagonal: the third corner is searched.
   const double rows[] = {0, 0, 4, 4, 1, 3, 1.25, 2.5, 3, 1, 2, 1.5};
   const auto view = PointView::row_major(rows, 6, 2);
-  EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::Run(defaults).with_threads(1)),
-            (Ids{0, 1, 2, 4}));
+  EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::short_run()), (Ids{0, 1, 2, 4}));
 }
 
 TEST(PseudoHullStart, FlatPointsAllSurvive) {
@@ -262,29 +258,29 @@ TEST(PseudoHullStart, FlatPointsAllSurvive) {
     for (int i = 0; i < 50; ++i)
       for (const double v : {i * 0.3, i * 7 % 11 * 0.7, i * 0.3 * slope}) rows.push_back(v);
     const auto view = PointView::row_major(rows.data(), 50, 3);
-    EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::Run(defaults).with_threads(2)).size(), 50U)
+    EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::short_run().with_threads(2)).size(), 50U)
         << slope;
   }
   const std::vector<double> equal(300, 0.1);
-  EXPECT_EQ(pseudo_hull_survivors(PointView::row_major(equal.data(), 100, 3), {},
-                                  internal::Run(defaults).with_threads(1))
-                .size(),
-            100U);
+  EXPECT_EQ(
+      pseudo_hull_survivors(PointView::row_major(equal.data(), 100, 3), {}, internal::short_run())
+          .size(),
+      100U);
 }
 
 TEST(PseudoHullStart, FewOrNoPoints) {
   const double rows[] = {0, 0, 1, 0, 0, 1, 0.25, 0.25};
   for (unsigned n = 0; n <= 3; ++n)
     EXPECT_EQ(pseudo_hull_survivors(PointView::row_major(rows, n, 2), {},
-                                    internal::Run(defaults).with_threads(2))
+                                    internal::short_run().with_threads(2))
                   .size(),
               n);
   EXPECT_EQ(pseudo_hull_survivors(PointView::row_major(rows, 4, 2), {},
-                                  internal::Run(defaults).with_threads(2)),
+                                  internal::short_run().with_threads(2)),
             (Ids{0, 1, 2}));
   // More subsets than points.
   EXPECT_EQ(pseudo_hull_survivors(PointView::row_major(rows, 4, 2), {9, 5},
-                                  internal::Run(defaults).with_threads(2)),
+                                  internal::short_run().with_threads(2)),
             (Ids{0, 1, 2}));
 }
 
@@ -317,7 +313,7 @@ TEST(PseudoHullFilter, KeepsExtremePointsThatANaiveFilterDrops) {
     if (orientation(2, turn) != Sign::negative || !naive_inside(p, p[3])) continue;
     ++dropped_by_the_naive;
     const auto view = PointView::row_major(&p[0][0], 4, 2);
-    EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::Run(defaults).with_threads(1)).size(), 4U)
+    EXPECT_EQ(pseudo_hull_survivors(view, {}, internal::short_run()).size(), 4U)
         << "trial " << trial;
   }
   EXPECT_GT(dropped_by_the_naive, 20);
@@ -338,19 +334,19 @@ TEST(PseudoHullFilter, WhatIsNotFiniteSurvives) {
     for (const unsigned subsets : {0U, 1U, 7U}) {
       const auto of_doubles =
           pseudo_hull_survivors(PointView::row_major(rows.data(), 20000, 3), {subsets, 100},
-                                internal::Run(defaults).with_threads(threads));
+                                internal::short_run().with_threads(threads));
       EXPECT_TRUE(std::includes(of_doubles.begin(), of_doubles.end(), ids.begin(), ids.end()));
       EXPECT_LT(of_doubles.size(), 10000U);
       const auto of_floats =
           pseudo_hull_survivors(PointView::row_major(single.data(), 20000, 3), {subsets, 100},
-                                internal::Run(defaults).with_threads(threads));
+                                internal::short_run().with_threads(threads));
       EXPECT_TRUE(std::includes(of_floats.begin(), of_floats.end(), ids.begin(), ids.end()));
     }
   const std::vector<double> none(30, NAN);
-  EXPECT_EQ(pseudo_hull_survivors(PointView::row_major(none.data(), 10, 3), {},
-                                  internal::Run(defaults).with_threads(1))
-                .size(),
-            10U);
+  EXPECT_EQ(
+      pseudo_hull_survivors(PointView::row_major(none.data(), 10, 3), {}, internal::short_run())
+          .size(),
+      10U);
 }
 
 TEST(PseudoHullFilter, StopsWhenAsked) {

@@ -71,8 +71,7 @@ inline Hull build(const std::vector<double>& rows, unsigned d, internal::Boundar
   local.coordinates = local.exact = rows.data();
   std::vector<unsigned> axes(d);
   std::iota(axes.begin(), axes.end(), 0U);
-  const Options options;
-  const internal::Run run(options);
+  const internal::Run& run = internal::short_run();
   Hull hull;
   internal::build_hull({&view, &local, nullptr, axes.data()}, std::move(boundary),
                        run.with_threads(threads), hull);

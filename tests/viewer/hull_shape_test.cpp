@@ -7,10 +7,13 @@
 #include <set>
 
 #include "cullhull/generate.hpp"
+#include "thrown.hpp"
 #include "viewer/page.hpp"
 #include "viewer/scene.hpp"
 
 namespace cullhull::viewer::hull_shape_test {
+
+using testing_support::has;
 
 constexpr ShapeLimits no_limit{1'000'000, 1'000'000};
 
@@ -155,10 +158,10 @@ TEST(Page, TextIsSafe) {
   page.body = "<p>body</p>";
   page.data.push_back({"d", "application/json", "{\"x\":\"</script>\"}"});
   const std::string text = page_text(page);
-  EXPECT_EQ(text.find("</script>{{"), std::string::npos);
-  EXPECT_NE(text.find("<title>&lt;/title>{{body}}</title>"), std::string::npos);
-  EXPECT_NE(text.find("{\"x\":\"\\u003c/script>\"}"), std::string::npos);
-  EXPECT_EQ(text.find("http-equiv=\"refresh\""), std::string::npos);
+  EXPECT_FALSE(has(text, "</script>{{"));
+  EXPECT_TRUE(has(text, "<title>&lt;/title>{{body}}</title>"));
+  EXPECT_TRUE(has(text, "{\"x\":\"\\u003c/script>\"}"));
+  EXPECT_FALSE(has(text, "http-equiv=\"refresh\""));
 }
 
 }  // namespace cullhull::viewer::hull_shape_test
