@@ -1,7 +1,6 @@
 #include "delaunay/write_triangulation.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -11,63 +10,14 @@
 #include "delaunay/lift_planes.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "geometry/simplex.hpp"
+#include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
 #include "parallel/prefetch.hpp"
-#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// A row of ids for sorting: its first three ids, which decide most comparisons, and its number.
-struct Ranked {
-  std::uint32_t ids[3], row;
-};
-
-Ranked ranked(const std::uint32_t* ids, unsigned width, std::uint32_t row) {
-  return {{ids[0], width > 1 ? ids[1] : 0, width > 2 ? ids[2] : 0}, row};
-}
-
-/// Sorts distinct rows of `width` ids lexicographically. ids_of(row): all ids of a row.
-template <class IdsOf>
-void sort_rows(Array<Ranked>& rows, unsigned width, std::uint32_t id_limit, const Run& run,
-               const IdsOf& ids_of) {
-  const std::uint64_t count = rows.size();
-  Array<Ranked> scratch(count);
-  Ranked *items = rows.data(), *other = scratch.data();
-  radix_sort(items, other, static_cast<std::uint32_t>(count),
-             static_cast<unsigned>(std::bit_width(id_limit)), run,
-             [](const Ranked& r) { return r.ids[0]; });
-  if (items != rows.data()) std::swap(rows, scratch);
-  const auto less = [&](const Ranked& a, const Ranked& b) {
-    const std::uint64_t x = std::uint64_t{a.ids[1]} << 32 | a.ids[2],
-                        y = std::uint64_t{b.ids[1]} << 32 | b.ids[2];
-    if (x != y) return x < y;
-    if (width <= 3) return false;
-    const std::uint32_t *p = ids_of(a.row), *q = ids_of(b.row);
-    return std::lexicographical_compare(p, p + width, q, q + width);
-  };
-  // A run of equal first ids belongs to the chunk in which it begins. The chunks' ends are
-  // determined before any of them is sorted.
-  constexpr std::uint64_t chunk = light_grain;
-  std::vector<std::uint64_t> begins(chunk_count(count, chunk) + 1, count);
-  for (std::size_t c = 0; c + 1 < begins.size(); ++c) {
-    std::uint64_t i = c * chunk;
-    while (i > 0 && i < count && rows[i].ids[0] == rows[i - 1].ids[0]) ++i;
-    begins[c] = i;
-  }
-  run.each_chunk(count, chunk, [&](std::uint64_t c, std::uint64_t, std::uint64_t) {
-    for (std::uint64_t i = begins[c]; i < begins[c + 1];) {
-      std::uint64_t next = i + 1;
-      while (next < begins[c + 1] && rows[next].ids[0] == rows[i].ids[0]) ++next;
-      if (next - i > 1)
-        std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i),
-                  rows.begin() + static_cast<std::ptrdiff_t>(next), less);
-      i = next;
-    }
-  });
-}
 
 /// A facet between a kept cell and a cell that is not kept, or no cell.
 struct OpenFacet {
@@ -234,41 +184,9 @@ class CellWriter {
     for (const std::uint32_t end : ends) {
       Row* const r = rows.data() + at;
       const std::uint32_t n = end - at;
-      if (n == 0) continue;
-      if (K >= 1 && K <= 3 && n <= 8) {
-        rank_and_write<8>(r, n, at, write);
-      } else if (K >= 1 && K <= 3 && n <= 16) {
-        rank_and_write<16>(r, n, at, write);
-      } else {
-        std::sort(r, r + n, less);
-        for (std::uint32_t i = 0; i < n; ++i) write(r[i], at + i);
-      }
+      if (n > 1) std::sort(r, r + n, less);
+      for (std::uint32_t i = 0; i < n; ++i) write(r[i], at + i);
       at = end;
-    }
-  }
-  // Example: rows 5 3 9: 3 is less than 5, and 9 is not, so 5 has one row before it: rank 1. All
-  // pairs are compared, 64 comparisons for 8 rows, in vectors and without a branch, in less time
-  // than a sort mispredicts.
-
-  /// Writes n <= most rows of at most four corners at their sorted places. Counts for each row the
-  /// rows that are less, always out of `most`, because the branches of a sort would be
-  /// unpredictable.
-  template <unsigned most, class Write>
-  static void rank_and_write(const Row* rows, std::uint32_t n, std::uint32_t first,
-                             const Write& write) {
-    std::uint64_t key[most];
-    std::uint32_t third[most];
-    for (std::uint32_t i = 0; i < most; ++i) {
-      key[i] = i < n ? rows[i].key : ~std::uint64_t{0};
-      third[i] = rows[i < n ? i : 0].third;
-    }
-    for (std::uint32_t i = 0; i < n; ++i) {
-      std::uint32_t less = 0;
-      for (std::uint32_t j = 0; j < most; ++j)
-        less += static_cast<std::uint32_t>(key[j] < key[i]) |
-                (static_cast<std::uint32_t>(key[j] == key[i]) &
-                 static_cast<std::uint32_t>(third[j] < third[i]));
-      write(rows[i], first + less);
     }
   }
 
@@ -308,21 +226,28 @@ void write_boundary(const Triangulation& t, const std::uint8_t* kept,
   const unsigned k = t.corners() - 1;
   const std::vector<OpenFacet> facets = open_facets(t, kept, run);
   Array<std::uint32_t> ids(facets.size() * k);
-  Array<Ranked> order(facets.size());
+  const auto row = [&](std::uint64_t f) { return ids.data() + f * k; };
   run.each(facets.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t f = begin; f < end; ++f) {
-      std::uint32_t* row = ids.data() + f * k;
-      outward_facet(t.cell(facets[f].cell), facets[f].slot, row);
-      order[f] = ranked(row, k, static_cast<std::uint32_t>(f));
+    for (std::uint64_t f = begin; f < end; ++f)
+      outward_facet(t.cell(facets[f].cell), facets[f].slot, row(f));
+  });
+  Adjacency<std::uint32_t, std::uint32_t> order(t.point_count, [&](const auto& add) {
+    for (std::uint32_t f = 0; f < facets.size(); ++f) add(row(f)[0], f);
+  });
+  run.each(t.point_count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v) {
+      const std::span<std::uint32_t> own = order.list(v);
+      if (own.size() > 1)
+        std::sort(own.begin(), own.end(), [&](std::uint32_t f, std::uint32_t g) {
+          return std::lexicographical_compare(row(f), row(f) + k, row(g), row(g) + k);
+        });
     }
   });
-  sort_rows(order, k, static_cast<std::uint32_t>(t.point_count), run,
-            [&](std::uint32_t f) { return ids.data() + std::size_t{f} * k; });
-  boundary.resize(ids.size());
-  boundary_cells.resize(facets.size());
-  for (std::size_t f = 0; f < facets.size(); ++f) {
-    std::copy_n(ids.data() + std::size_t{order[f].row} * k, k, boundary.data() + f * k);
-    boundary_cells[f] = facets[order[f].row].cell;
+  boundary.reserve(ids.size());
+  boundary_cells.reserve(facets.size());
+  for (const std::uint32_t f : order.items()) {
+    boundary.insert(boundary.end(), row(f), row(f) + k);
+    boundary_cells.push_back(facets[f].cell);
   }
 }
 
