@@ -1,67 +1,15 @@
-#include "delaunay/redundant.hpp"
-
 #include <gmpxx.h>
 
 #include <algorithm>
-#include <numeric>
 
+#include "delaunay/redundant.hpp"
 #include "delaunay/write_triangulation.hpp"
+#include "exact/numbers/rationals.hpp"
 #include "parallel/adjacency.hpp"
+#include "parallel/index.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-using Row = std::vector<mpq_class>;
-
-// Example: the rows (1, 2, 3) and (2, 4, 7): the first is kept; the second less twice the first is
-// (0, 0, 1), which becomes the second row, and the first is cleared in that column: (1, 2, 0) and
-// (0, 0, 1). The column without a pivot is the middle one, so the normal is (-2, 1, 0): orthogonal
-// to both.
-
-/// A basis of the space that rational rows span, in reduced echelon form.
-class EchelonBasis {
- public:
-  explicit EchelonBasis(unsigned columns) : columns_(columns) {}
-  std::size_t rank() const { return rows_.size(); }
-  const std::vector<Row>& rows() const { return rows_; }
-  const std::vector<unsigned>& pivots() const { return pivots_; }
-
-  void add(Row row) {
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
-      const mpq_class factor = row[pivots_[r]];
-      if (factor == 0) continue;
-      for (unsigned j = 0; j < columns_; ++j) row[j] -= factor * rows_[r][j];
-    }
-    unsigned pivot = 0;
-    while (pivot < columns_ && row[pivot] == 0) ++pivot;
-    if (pivot == columns_) return;
-    const mpq_class scale = row[pivot];
-    for (mpq_class& v : row) v /= scale;
-    // Reduced: every other row is zero in the column of this pivot.
-    for (Row& other : rows_) {
-      const mpq_class factor = other[pivot];
-      if (factor == 0) continue;
-      for (unsigned j = 0; j < columns_; ++j) other[j] -= factor * row[j];
-    }
-    rows_.push_back(std::move(row));
-    pivots_.push_back(pivot);
-  }
-
-  /// A row orthogonal to all rows added. Requires rank columns - 1.
-  Row normal() const {
-    unsigned open = 0;
-    while (std::count(pivots_.begin(), pivots_.end(), open) > 0) ++open;
-    Row n(columns_);
-    n[open] = 1;
-    for (std::size_t r = 0; r < rows_.size(); ++r) n[pivots_[r]] = -rows_[r][open];
-    return n;
-  }
-
- private:
-  unsigned columns_;
-  std::vector<Row> rows_;
-  std::vector<unsigned> pivots_;
-};
 
 class Redundancy {
  public:
@@ -80,36 +28,46 @@ class Redundancy {
   /// planes over the hull's facets at v, have full rank. `cells`, `facets`: all that contain v.
   bool redundant(std::uint32_t v, std::span<const std::uint32_t> cells,
                  std::span<const std::uint32_t> facets) const {
-    const unsigned k = t_.corners() - 1;
-    EchelonBasis normals(k + 1);
+    RationalRows normals;
+    const auto spans_all = [&](std::uint32_t cell, std::span<const std::uint32_t> facet) {
+      normals.push_back(normal(v, t_.cell(cell), facet));
+      if (normals.size() < t_.corners()) return false;
+      RationalRows rows = normals;
+      return eliminate(rows, t_.corners());
+    };
     std::vector<std::uint32_t> groups;
     for (const std::uint32_t c : cells) {
       if (std::count(groups.begin(), groups.end(), t_.group(c)) > 0) continue;
       groups.push_back(t_.group(c));
-      EchelonBasis plane(k + 1);
-      for (const std::uint32_t u : t_.cell(c))
-        if (u != v) plane.add(difference(u, v));
-      normals.add(plane.normal());
-      if (normals.rank() == k + 1) return false;
+      if (spans_all(c, {})) return false;
     }
-    for (const std::uint32_t f : facets) {
-      EchelonBasis wall(k + 1);
-      for (const std::uint32_t u : t_.hull_facet(f))
-        if (u != v) wall.add(difference(u, v));
-      Row up(k + 1);
-      up[k] = 1;
-      wall.add(std::move(up));
-      normals.add(wall.normal());
-      if (normals.rank() == k + 1) return false;
-    }
-    return true;
+    return std::none_of(facets.begin(), facets.end(), [&](std::uint32_t f) {
+      return spans_all(t_.hull_cells[f], t_.hull_facet(f));
+    });
   }
 
  private:
+  /// The normal of the plane through the lifted corners of a cell, v among them, or if there is a
+  /// facet, of the vertical plane over it: the solution of a system with an equation for each edge
+  /// at v. The vertical plane's has the sum 1 with the edge that leaves the facet.
+  std::vector<mpq_class> normal(std::uint32_t v, std::span<const std::uint32_t> cell,
+                                std::span<const std::uint32_t> facet) const {
+    RationalRows rows;
+    for (const std::uint32_t u : cell) {
+      if (u == v) continue;
+      rows.push_back(difference(u, v));
+      if (!facet.empty()) rows.back().back() = place_in(facet, u) == facet.size() ? 1 : 0;
+    }
+    solve(rows);
+    std::vector<mpq_class> n;
+    for (const auto& row : rows) n.push_back(row.back());
+    n.emplace_back(facet.empty() ? -1 : 0);
+    return n;
+  }
   /// Lifted point u minus lifted point v, exact.
-  Row difference(std::uint32_t u, std::uint32_t v) const {
+  std::vector<mpq_class> difference(std::uint32_t u, std::uint32_t v) const {
     const double *p = s_.row(places_[u]), *o = s_.row(places_[v]);
-    Row row(s_.base + 1);
+    std::vector<mpq_class> row(s_.base + 1);
     mpq_class lift;
     for (unsigned j = 0; j < s_.width; ++j) {
       const mpq_class x = mpq_class(p[j]), y = mpq_class(o[j]);
