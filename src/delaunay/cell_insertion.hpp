@@ -209,32 +209,19 @@ class CellInsertion {
   /// Classifies a cell during the search for the cavity: known to be inside, known to be outside,
   /// seen for the first time (and now held), or held by another thread.
   CellState classify(std::uint32_t c) {
-    if constexpr (!shared) {
-      const std::uint32_t known = cells_.store.mark(c);
-      return known == in_     ? CellState::inside
-             : known == out() ? CellState::outside
-                              : CellState::first;
-    } else {
-      const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
-      if (known == in_) return CellState::inside;
-      if (known == out()) return CellState::outside;
+    const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
+    if (known == in_) return CellState::inside;
+    if (known == out()) return CellState::outside;
+    if constexpr (shared) {
       if (known != 0 || !hold(c)) return CellState::busy;
       held_.push_back(c);
-      return CellState::first;
     }
+    return CellState::first;
   }
   void set_mark(std::uint32_t c, std::uint32_t value) {
-    if constexpr (shared)
-      mark(c).store(value, std::memory_order_relaxed);
-    else
-      cells_.store.mark(c) = value;
+    mark(c).store(value, std::memory_order_relaxed);
   }
-  bool inside(std::uint32_t c) {
-    if constexpr (shared)
-      return mark(c).load(std::memory_order_relaxed) == in_;
-    else
-      return cells_.store.mark(c) == in_;
-  }
+  bool inside(std::uint32_t c) { return mark(c).load(std::memory_order_relaxed) == in_; }
 
   /// Ensures one unused cell for each facet of the cavity's boundary; false if there are too few.
   bool have_room() {
@@ -323,15 +310,7 @@ class CellInsertion {
 
   /// Whether the point is in conflict with cell c: inside its circumsphere (below its lifted cell),
   /// ties broken.
-  bool conflict(std::uint32_t c) {
-    const unsigned g = cells_.store.ghost_slot(c);
-    if (g < corners()) {
-      const Sign beyond = signs_.replaced(cells_.store.vertices(c), g);
-      if (beyond != Sign::zero) return beyond == Sign::positive;
-      c = cells_.store.cell_of(cells_.store.neighbours(c)[g]);
-    }
-    return signs_.conflict(cells_.store.vertices(c));
-  }
+  bool conflict(std::uint32_t c) { return signs_.conflict(cells_.store, c); }
 
   // The order of the rungs for one cell: its kept plane in doubles; on a lattice the same plane
   // exactly; then double-doubles, many cells at a time; then the predicate one by one, which ends
@@ -496,33 +475,41 @@ class CellInsertion {
     }
   }
 
-  /// Creates a new cell for each facet of the boundary: the facet's cell in the cavity with the
-  /// vertex opposite to the facet replaced by p, which keeps the orientation. The cell in the
-  /// cavity then refers to the new cell across this facet, where join() finds it.
+  /// Creates the new cell of a facet: the facet's cell in the cavity with the vertex opposite to
+  /// the facet replaced by p, which keeps the orientation. Links it with the cell outside. Returns
+  /// its vertices.
+  std::uint32_t* make_cell(Facet& f, std::uint32_t p) {
+    f.made = new_cell();
+    const std::uint32_t *old = cells_.store.vertices(f.cell),
+                        outside = cells_.store.neighbours(f.cell)[f.slot];
+    std::uint32_t* v = cells_.store.vertices(f.made);
+    std::copy_n(old, corners(), v);
+    v[f.slot] = p;
+    cells_.store.link(f.made, f.slot, outside);
+    return v;
+  }
+
+  /// Creates a new cell for each facet of the boundary. The cell in the cavity then refers to the
+  /// new cell across this facet, where join() finds it.
   void make_cells(std::uint32_t p) {
     last_ = no_index;
     for (Facet& f : facets_) {
-      const std::uint32_t made = new_cell();
-      f.made = made;
-      const std::uint32_t *old = cells_.store.vertices(f.cell),
-                          outside = cells_.store.neighbours(f.cell)[f.slot];
-      std::uint32_t *v = cells_.store.vertices(made), *n = cells_.store.neighbours(made);
+      const std::uint32_t* v = make_cell(f, p);
+      std::uint32_t* n = cells_.store.neighbours(f.made);
       bool finite = true;
       for (unsigned i = 0; i < corners(); ++i) {
-        v[i] = i == f.slot ? p : old[i];
-        n[i] = no_index;
+        if (i != f.slot) n[i] = no_index;
         finite = finite && v[i] != infinite;
       }
-      cells_.store.link(made, f.slot, outside);
-      cells_.store.neighbours(f.cell)[f.slot] = cells_.store.code(made, f.slot);
-      if (finite) last_ = made;
+      cells_.store.neighbours(f.cell)[f.slot] = cells_.store.code(f.made, f.slot);
+      if (finite) last_ = f.made;
       if constexpr (with_planes) {
         if (!planes_.used()) continue;
         if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());
         if (finite)
-          planes_.add(made, v, f.slot);
+          planes_.add(f.made, v, f.slot);
         else
-          planes_.set_none(made);
+          planes_.set_none(f.made);
       }
     }
     if constexpr (with_planes) planes_.flush();
@@ -585,20 +572,13 @@ class CellInsertion {
     if (corners_.size() < facets_.size()) corners_.resize(2 * facets_.size());
     std::array<std::uint32_t, 3>* corners = corners_.data();
     for (Facet& f : facets_) {
-      const std::uint32_t made = new_cell();
-      f.made = made;
-      const std::uint32_t *old = cells_.store.vertices(f.cell),
-                          outside = cells_.store.neighbours(f.cell)[f.slot];
-      std::uint32_t* v = cells_.store.vertices(made);
-      std::copy_n(old, 4, v);
-      v[f.slot] = p;
-      cells_.store.link(made, f.slot, outside);
+      const std::uint32_t* v = make_cell(f, p);
       const std::uint8_t* slot = around[f.slot];
       const std::uint32_t a = label(v[slot[0]]), b = label(v[slot[1]]), c = label(v[slot[2]]);
       *corners++ = {a, b, c};
-      edges[b * most_labels + c] = cells_.store.code(made, slot[0]);
-      edges[c * most_labels + a] = cells_.store.code(made, slot[1]);
-      edges[a * most_labels + b] = cells_.store.code(made, slot[2]);
+      edges[b * most_labels + c] = cells_.store.code(f.made, slot[0]);
+      edges[c * most_labels + a] = cells_.store.code(f.made, slot[1]);
+      edges[a * most_labels + b] = cells_.store.code(f.made, slot[2]);
     }
     if constexpr (with_planes) {
       if constexpr (!shared) planes_.set_room(cells_.planes, cells_.store.capacity());

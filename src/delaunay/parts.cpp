@@ -1,9 +1,9 @@
 #include "delaunay/parts.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -11,28 +11,12 @@
 #include "cullhull/error.hpp"
 #include "delaunay/final_cells.hpp"
 #include "delaunay/plane_insertion.hpp"
-#include "geometry/simplex.hpp"
 
 namespace cullhull::internal {
 namespace {
 
 /// Places of points in the order of insertion, ascending.
 using Places = std::vector<std::uint32_t>;
-
-/// Finds three points, among the first few, that are not collinear; false if there are none.
-bool find_triangle(const LiftedPoints& s, const Places& places, std::uint32_t* simplex) {
-  constexpr std::size_t few = 512;
-  const std::size_t n = std::min(places.size(), few);
-  if (n <= 2) return false;
-  std::vector<const double*> at;
-  for (std::size_t i = 0; i < n && at.size() <= 2; ++i) {
-    at.push_back(s.row(places[i]));
-    simplex[at.size() - 1] = places[i];
-    const auto rank = static_cast<unsigned>(at.size() - 1);
-    if (rank > 0 && affine_rank_exact(2, at.data(), rank + 1) < rank) at.pop_back();
-  }
-  return at.size() == 3;
-}
 
 // Parts of the plane, in one example. Points left of x = 0 are part A, the others part B, each
 // triangulated alone. A triangle of A whose circle stays left of B's box is final: no point of B is
@@ -76,13 +60,9 @@ class Parts {
     std::unique_ptr<CellStore<2>> cells;
     InsertionTotals totals;
   };
-  /// A facet of a final cell whose neighbour is not final.
-  struct Border {
-    std::array<std::uint32_t, 2> corners;  ///< ascending
-    bool odd;                              ///< its orientation, seen from the final cell
-    std::uint32_t code;                    ///< the final cell, in the joined numbering
-    std::uint32_t across;                  ///< the cell that replaces the neighbour
-  };
+  /// The facets of final cells whose neighbours are not final: for each, by its edge as seen from
+  /// the neighbour, its code in the joined numbering.
+  using Borders = std::unordered_map<std::uint64_t, std::uint32_t>;
 
   // Why a sample decides: parts help if few points belong to the seam. Points of an area have a
   // seam of about sqrt(n) points, points of a curve (a river, a contour line) have triangles that
@@ -130,10 +110,8 @@ class Parts {
       Part &whole = parts[i], &low = halves[2 * i], &high = halves[2 * i + 1];
       if (whole.places.empty()) return;
       measure(whole);
-      unsigned axis = 0;
-      for (unsigned a = 1; a < 2; ++a)
-        if (whole.box.high[a] - whole.box.low[a] > whole.box.high[axis] - whole.box.low[axis])
-          axis = a;
+      const auto &low_of = whole.box.low, &high_of = whole.box.high;
+      const unsigned axis = high_of[1] - low_of[1] > high_of[0] - low_of[0] ? 1 : 0;
       std::vector<double> sample;
       const std::size_t step = std::max<std::size_t>(1, whole.places.size() / 1021);
       for (std::size_t j = 0; j < whole.places.size(); j += step)
@@ -150,7 +128,8 @@ class Parts {
 
   void fill(Part& p) {
     std::uint32_t simplex[3];
-    if (p.places.size() <= 2 || !find_triangle(s_, p.places, simplex)) {
+    constexpr std::size_t few = 512;
+    if (!find_triangle(s_, p.places, few, simplex)) {
       fit_ = false;
       return;
     }
@@ -213,17 +192,10 @@ class Parts {
     assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
   }
 
-  /// Sets the corners of a facet, ascending; returns whether the parities of permutation and slot
-  /// add up to odd.
-  static bool facet_corners(const std::uint32_t* v, unsigned slot,
-                            std::array<std::uint32_t, 2>& corners) {
-    corners = {v[slot == 0 ? 1 : 0], v[slot == 2 ? 1 : 2]};
-    return sort_simplex<0>(corners.data(), nullptr, 2) != (slot % 2 == 1);
-  }
-  static std::size_t hash(const std::array<std::uint32_t, 2>& corners) {
-    std::uint64_t h = 0;
-    for (const std::uint32_t c : corners) h = (h ^ c) * 0x9E3779B97F4A7C15ULL;
-    return static_cast<std::size_t>(h ^ h >> 32);
+  /// The edge opposite to a slot of a cell, counterclockwise or as seen from the other side.
+  static std::uint64_t edge_of(const std::uint32_t* v, unsigned slot, bool from_outside) {
+    const std::uint32_t from = v[(slot + 1) % 3], to = v[(slot + 2) % 3];
+    return from_outside ? std::uint64_t{to} << 32 | from : std::uint64_t{from} << 32 | to;
   }
 
   /// Numbers the final cells of a part from `next` on: sets their marks to first_number + number.
@@ -234,91 +206,41 @@ class Parts {
   }
   static constexpr std::uint32_t first_number = 2;
 
-  void find_borders(CellStore<2>& cells, std::vector<Border>& borders) const {
+  static void find_borders(CellStore<2>& cells, Borders& borders) {
     for (std::uint32_t c = 0; c < cells.count(); ++c) {
       if (cells.dead(c) || cells.mark(c) == open_mark) continue;
-      for (unsigned j = 0; j <= 2; ++j) {
-        if (cells.mark(cells.cell_of(cells.neighbours(c)[j])) != open_mark) continue;
-        Border b{};
-        b.odd = facet_corners(cells.vertices(c), j, b.corners);
-        b.code = cells.code(cells.mark(c) - first_number, j);
-        b.across = no_index;
-        borders.push_back(b);
-      }
+      for (unsigned j = 0; j <= 2; ++j)
+        if (cells.mark(cells.cell_of(cells.neighbours(c)[j])) == open_mark)
+          borders.emplace(edge_of(cells.vertices(c), j, true),
+                          cells.code(cells.mark(c) - first_number, j));
     }
   }
 
-  class BorderTable {
-   public:
-    explicit BorderTable(std::vector<Border>& borders) : borders_(borders) {
-      std::size_t size = 16;
-      while (size < 2 * borders.size()) size *= 2;
-      slots_.assign(size, no_index);
-      for (std::size_t i = 0; i < borders.size(); ++i) {
-        std::size_t at = hash(borders[i].corners) & (size - 1);
-        while (slots_[at] != no_index) at = (at + 1) & (size - 1);
-        slots_[at] = static_cast<std::uint32_t>(i);
-      }
-    }
-    /// The border with these corners and the opposite orientation; no_index if there is none.
-    std::uint32_t find(const std::array<std::uint32_t, 2>& corners, bool odd) const {
-      for (std::size_t at = hash(corners) & (slots_.size() - 1); slots_[at] != no_index;
-           at = (at + 1) & (slots_.size() - 1)) {
-        const Border& b = borders_[slots_[at]];
-        if (b.corners == corners && b.odd != odd) return slots_[at];
-      }
-      return no_index;
-    }
-
-   private:
-    std::vector<Border>& borders_;
-    std::vector<std::uint32_t> slots_;
-  };
-
-  // The triangulation of S has triangles that the whole set has not, over the regions of final
-  // ones. Which are wanted? Start at the borders of final triangles, on the side away from them,
-  // and walk across edges that are no borders: the whole set's triangles that are not final are
-  // connected to a border, and no walk leaves their region, as its rim consists of borders.
-
-  /// Flood fill that stops at borders: numbers the seam's cells that are reached from the borders,
-  /// from `next` on, and sets the cell across each border.
-  static std::uint32_t flood(CellStore<2>& seam, std::vector<Border>& borders,
-                             std::vector<std::uint32_t>& beyond, std::uint32_t next) {
-    const BorderTable table(borders);
-    std::vector<std::uint32_t> found;
+  /// Flood fill that stops at borders: marks the seam's cells that are reached from the borders as
+  /// final; all of them if no cell of a part is. Returns the border at facet j of the seam's cell
+  /// c, as item 3 c + j.
+  static std::vector<std::uint32_t> flood(CellStore<2>& seam, const Borders& borders, bool all) {
+    std::vector<std::uint32_t> found, beyond(std::size_t{seam.count()} * 3, no_index);
     // beyond[3 c + j]: the border at facet j of the seam's cell c.
-    beyond.assign(std::size_t{seam.count()} * 3, no_index);
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
       if (seam.dead(c)) continue;
-      seam.mark(c) = open_mark;
-      bool at_border = false;
+      seam.mark(c) = all ? final_mark : open_mark;
       for (unsigned j = 0; j <= 2; ++j) {
-        std::array<std::uint32_t, 2> corners;
-        const bool odd = facet_corners(seam.vertices(c), j, corners);
-        const std::uint32_t b = table.find(corners, odd);
-        beyond[std::size_t{c} * 3 + j] = b;
-        at_border = at_border || b != no_index;
+        const auto border = borders.find(edge_of(seam.vertices(c), j, false));
+        if (border == borders.end()) continue;
+        beyond[std::size_t{c} * 3 + j] = border->second;
+        if (std::exchange(seam.mark(c), final_mark) == open_mark) found.push_back(c);
       }
-      if (at_border) found.push_back(c);
     }
-    for (const std::uint32_t c : found) seam.mark(c) = final_mark;
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      const std::uint32_t c = found[i];
+    for (std::size_t i = 0; i < found.size(); ++i)
       for (unsigned j = 0; j <= 2; ++j) {
-        const std::uint32_t o = seam.cell_of(seam.neighbours(c)[j]);
-        if (beyond[std::size_t{c} * 3 + j] != no_index || seam.mark(o) != open_mark) continue;
+        const std::uint32_t o = seam.cell_of(seam.neighbours(found[i])[j]);
+        if (beyond[std::size_t{found[i]} * 3 + j] != no_index || seam.mark(o) != open_mark)
+          continue;
         seam.mark(o) = final_mark;
         found.push_back(o);
       }
-    }
-    next = number_final(seam, next);
-    for (std::uint32_t c = 0; c < seam.count(); ++c) {
-      if (seam.dead(c) || seam.mark(c) == open_mark) continue;
-      for (unsigned j = 0; j <= 2; ++j)
-        if (const std::uint32_t b = beyond[std::size_t{c} * 3 + j]; b != no_index)
-          borders[b].across = seam.code(seam.mark(c) - first_number, j);
-    }
-    return next;
+    return beyond;
   }
 
   /// Copies final cells to the places that their marks give. Links across borders are set later.
@@ -339,28 +261,24 @@ class Parts {
     });
   }
 
-  void assemble(CellStore<2>& a, CellStore<2>& b, CellStore<2>& seam, CellStore<2>& out,
-                const Run& run) const {
-    std::uint32_t count = number_final(a, 0);
-    count = number_final(b, count);
-    std::vector<Border> borders;
+  static void assemble(CellStore<2>& a, CellStore<2>& b, CellStore<2>& seam, CellStore<2>& out,
+                       const Run& run) {
+    const std::uint32_t count = number_final(b, number_final(a, 0));
+    Borders borders;
     find_borders(a, borders);
     find_borders(b, borders);
-    if (count == 0) {  // no cell is final: the seam is the whole triangulation
-      for (std::uint32_t c = 0; c < seam.count(); ++c)
-        if (!seam.dead(c)) seam.mark(c) = final_mark;
-      count = number_final(seam, 0);
-    } else {
-      std::vector<std::uint32_t> beyond;
-      count = flood(seam, borders, beyond, count);
-    }
-    out.resize(count);
+    const std::vector<std::uint32_t> beyond = flood(seam, borders, count == 0);
+    out.resize(number_final(seam, count));
     for (CellStore<2>* from : {&a, &b, &seam}) copy_cells(*from, out, run);
-    for (const Border& border : borders) {
-      if (border.across == no_index)
-        throw Error(ErrorCode::internal, "parts of a triangulation do not fit together");
-      out.link(out.cell_of(border.code), out.slot_of(border.code), border.across);
-    }
+    std::size_t linked = 0;
+    for (std::uint32_t c = 0; c < seam.count(); ++c)
+      for (unsigned j = 0; j <= 2; ++j)
+        if (const std::uint32_t code = beyond[std::size_t{c} * 3 + j]; code != no_index) {
+          out.link(out.cell_of(code), out.slot_of(code), out.code(seam.mark(c) - first_number, j));
+          ++linked;
+        }
+    if (linked != borders.size())
+      throw Error(ErrorCode::internal, "parts of a triangulation do not fit together");
   }
 
   const LiftedPoints& s_;

@@ -3,7 +3,9 @@
 // no marks are needed. The new triangles overwrite those of the cavity; two more are allocated.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -290,12 +292,7 @@ class PlaneInsertion {
   /// Returns 1 if triangle c is in conflict, else 0.
   [[gnu::noinline]] std::uint32_t conflict_in_doubt(std::uint32_t c) {
     --filtered_;
-    if (const unsigned g = store_.ghost_slot(c); g < 3) {
-      const Sign beyond = signs_.replaced(store_.vertices(c), g);
-      if (beyond != Sign::zero) return beyond == Sign::positive ? 1 : 0;
-      c = store_.cell_of(store_.neighbours(c)[g]);
-    }
-    return signs_.conflict(store_.vertices(c)) ? 1 : 0;
+    return signs_.conflict(store_, c) ? 1 : 0;
   }
 
   void grow() {
@@ -348,6 +345,24 @@ class PlaneInsertion {
   /// edges that it brought.
   std::vector<std::uint64_t> cavity_ = std::vector<std::uint64_t>(room_);
 };
+
+/// Finds three points, the last of them among the first `most` or the last one of all, that are
+/// not collinear; false if there are none. `places`: the points'.
+inline bool find_triangle(const LiftedPoints& s, const std::vector<std::uint32_t>& places,
+                          std::size_t most, std::uint32_t* simplex) {
+  const std::size_t n = places.size();
+  const auto turn = [&](std::size_t a, std::size_t b, std::size_t c) {
+    const std::size_t of[3] = {a, b, c};
+    const double* at[3];
+    for (unsigned i = 0; i < 3; ++i) at[i] = s.row(simplex[i] = places[of[i]]);
+    return base_orientation<2>(s, at) != Sign::zero;
+  };
+  if (n < 3) return false;
+  if (turn(0, n / 2, n - 1)) return true;
+  for (std::size_t c = 2; c < std::min(n, most); ++c)
+    if (turn(0, 1, c)) return true;
+  return false;
+}
 
 /// Whether PlaneInsertion can triangulate these points.
 inline bool plain_plane(const LiftedPoints& s) {

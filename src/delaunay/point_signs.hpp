@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "delaunay/cell_store.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
@@ -70,6 +71,17 @@ class PointSigns {
     const Sign side = lift_side<K>(s_, at_.data(), p_, counts_);
     if (side != Sign::zero) return side == Sign::negative;
     return tied_conflict(v);
+  }
+
+  /// The same for any cell of a store. p is in conflict with a ghost if it is beyond its finite
+  /// facet, or on it and in conflict with the cell there.
+  bool conflict(CellStore<K>& store, std::uint32_t c) {
+    if (const unsigned g = store.ghost_slot(c); g < corners()) {
+      const Sign beyond = replaced(store.vertices(c), g);
+      if (beyond != Sign::zero) return beyond == Sign::positive;
+      c = store.cell_of(store.neighbours(c)[g]);
+    }
+    return conflict(store.vertices(c));
   }
 
   // Symbolic perturbation, as an example. The corners of a square are a = (0, 0), b = (1, 0), c =
