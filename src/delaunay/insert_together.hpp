@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "delaunay/cell_insertion.hpp"
@@ -91,37 +92,19 @@ class InsertTogether {
   // neighbourhood in the cache and a thief takes what is farthest from it.
 
   /// A lane's range of points. The lane takes from the front; other lanes steal from the back.
-  class Stretch {
-   public:
-    void set(std::size_t begin, std::size_t end) { ends_ = std::uint64_t{begin} << 32 | end; }
-    bool take_first(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
-      return take(begin, end, [&](std::uint32_t& first, std::uint32_t last) {
-        begin = first;
-        end = first = std::min(last, first + most);
-      });
-    }
-    bool take_last(std::uint32_t most, std::uint32_t& begin, std::uint32_t& end) {
-      return take(begin, end, [&](std::uint32_t first, std::uint32_t& last) {
-        end = last;
-        begin = last = std::max(first + most, last) - most;
-      });
-    }
+  struct Stretch {
+    std::mutex mutex;
+    std::uint32_t begin = 0, end = 0;
 
-   private:
-    template <class Cut>
-    bool take(std::uint32_t& begin, std::uint32_t& end, const Cut& cut) {
-      std::uint64_t ends = ends_.load(std::memory_order_relaxed);
-      for (;;) {
-        auto first = static_cast<std::uint32_t>(ends >> 32),
-             last = static_cast<std::uint32_t>(ends);
-        if (first == last) return false;
-        cut(first, last);
-        if (ends_.compare_exchange_weak(ends, std::uint64_t{first} << 32 | last,
-                                        std::memory_order_relaxed))
-          return begin < end;
-      }
+    /// Takes the points [first, last), at most a chunk; false if none are left.
+    bool take(bool front, std::uint32_t& first, std::uint32_t& last) {
+      const std::lock_guard lock(mutex);
+      const std::uint32_t count = std::min(chunk, end - begin);
+      first = front ? begin : end - count;
+      last = first + count;
+      (front ? begin : end) = front ? last : first;
+      return count > 0;
     }
-    std::atomic<std::uint64_t> ends_{0};
   };
 
   /// Inserts places[0, count) with all lanes; returns those that were not inserted.
@@ -129,8 +112,10 @@ class InsertTogether {
     alone_.share(spare_);
     const std::size_t lanes = lanes_.size();
     std::vector<Stretch> stretches(lanes);
-    for (std::size_t t = 0; t < lanes; ++t)
-      stretches[t].set(count * t / lanes, count * (t + 1) / lanes);
+    for (std::size_t t = 0; t < lanes; ++t) {
+      stretches[t].begin = static_cast<std::uint32_t>(count * t / lanes);
+      stretches[t].end = static_cast<std::uint32_t>(count * (t + 1) / lanes);
+    }
     std::atomic<bool> full{false};
     std::vector<std::vector<std::uint32_t>> left(lanes);
     for (const auto& lane : lanes_) lane->restart();
@@ -142,11 +127,11 @@ class InsertTogether {
         if (how == Inserted::full) full = true;
       };
       std::uint32_t begin = 0, end = 0;
-      while (stretches[t].take_first(chunk, begin, end))
+      while (stretches[t].take(true, begin, end))
         for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
       // Steal from the back of the other lanes' ranges, which their owners reach last.
       for (std::size_t other = 1; other < lanes; ++other)
-        while (stretches[(t + other) % lanes].take_last(chunk, begin, end))
+        while (stretches[(t + other) % lanes].take(false, begin, end))
           for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);
     });
     alone_.unshare();
