@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "constrained/half_edges.hpp"
+#include "cullhull/array.hpp"
 #include "cullhull/error.hpp"
 #include "delaunay/triangulate.hpp"
 #include "delaunay/write_triangulation.hpp"
@@ -23,6 +23,73 @@
 
 namespace cullhull::internal {
 namespace {
+
+/// A 2D triangulation whose edges can be flipped. Edge e consists of the half-edges 2 e and 2 e
+/// + 1. A half-edge has a triangle on its left, or, on the hull, no face. The caller chooses the
+/// vertex numbers.
+class HalfEdges {
+ public:
+  /// `place`: the vertex number of each of t's ids. t is two-dimensional.
+  HalfEdges(const Triangulation& t, const std::vector<std::uint32_t>& place, std::uint32_t vertices)
+      : out_(vertices) {
+    std::fill(out_.begin(), out_.end(), no_index);
+    const auto count = static_cast<std::uint32_t>(t.size());
+    Array<std::uint32_t> half(3 * std::size_t{count});  // opposite to each corner
+    for (std::uint32_t c = 0; c < count; ++c)
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t o = t.neighbours_of(c)[j];
+        if (o != no_cell && o < c) {
+          half[3 * std::size_t{c} + j] =
+              twin(half[3 * std::size_t{o} + place_in(t.neighbours_of(o), c)]);
+          continue;
+        }
+        half[3 * std::size_t{c} + j] = size();
+        origin_.push_back(place[t.cell(c)[(j + 1) % 3]]);
+        origin_.push_back(place[t.cell(c)[(j + 2) % 3]]);
+      }
+    next_.assign(origin_.size(), no_index);
+    for (std::uint32_t c = 0; c < count; ++c)
+      for (unsigned j = 0; j < 3; ++j) {
+        const std::uint32_t h = half[3 * std::size_t{c} + j];
+        next_[h] = half[3 * std::size_t{c} + (j + 1) % 3];
+        out_[origin_[h]] = h;
+      }
+  }
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(origin_.size()); }
+  static std::uint32_t twin(std::uint32_t h) { return h ^ 1U; }
+  std::uint32_t origin(std::uint32_t h) const { return origin_[h]; }
+  std::uint32_t target(std::uint32_t h) const { return origin_[h ^ 1U]; }
+  bool has_face(std::uint32_t h) const { return next_[h] != no_index; }
+  std::uint32_t next(std::uint32_t h) const { return next_[h]; }
+  std::uint32_t previous(std::uint32_t h) const { return next_[next_[h]]; }
+  /// The corner of h's triangle that is not on h.
+  std::uint32_t apex(std::uint32_t h) const { return origin_[previous(h)]; }
+  bool inner(std::uint32_t edge) const { return has_face(2 * edge) && has_face(2 * edge + 1); }
+  /// A half-edge from the vertex with a triangle on its left; no_index if there is no triangle.
+  std::uint32_t out(std::uint32_t vertex) const { return out_[vertex]; }
+
+  /// Flips an inner edge of a strictly convex quadrilateral: afterwards the edge joins the two
+  /// apexes, half-edge 2 e leading from the apex of 2 e + 1 to the apex of 2 e.
+  void flip(std::uint32_t edge) {
+    const std::uint32_t h = 2 * edge, g = h + 1;
+    const std::uint32_t h1 = next_[h], h2 = next_[h1], g1 = next_[g], g2 = next_[g1];
+    const std::uint32_t u = origin_[h], v = origin_[g];
+    if (out_[u] == h) out_[u] = g1;
+    if (out_[v] == g) out_[v] = h1;
+    origin_[h] = origin_[g2];
+    origin_[g] = origin_[h2];
+    next_[h] = h2;
+    next_[h2] = g1;
+    next_[g1] = h;
+    next_[g] = g2;
+    next_[g2] = h1;
+    next_[h1] = g;
+  }
+
+ private:
+  Array<std::uint32_t> origin_, next_, out_;
+};
 
 /// The constraints as pairs of ids, each duplicate point replaced by its representative.
 class Constraints {
@@ -130,6 +197,8 @@ class Forcing {
    public:
     EdgeCirculator(const HalfEdges& mesh, std::uint32_t v)
         : mesh_(mesh), start_(mesh.out(v)), at_(start_) {}
+    /// A half-edge that begins at the vertex.
+    std::uint32_t at() const { return at_; }
     /// Moves to the next edge; false if all have been visited.
     bool next() {
       if (!right_ && mesh_.has_face(at_)) {
@@ -195,36 +264,18 @@ class Forcing {
   /// The half-edge at a that the segment begins with, or no_index; then `first` is the half-edge
   /// opposite to a that the segment crosses, from right to left.
   std::uint32_t edge_along(std::uint32_t a, std::uint32_t b, std::uint32_t& first) {
-    const std::uint32_t start = mesh_.out(a);
-    std::uint32_t h = start;
-    do {  // to the left
+    EdgeCirculator around(mesh_, a);
+    do {
       poll();
-      if (const std::uint32_t along = try_wedge(a, b, h, first);
-          along != no_index || first != no_index)
-        return along;
-      h = HalfEdges::twin(mesh_.previous(h));
-    } while (h != start && mesh_.has_face(h));
-    if (h == start) return no_index;
-    if (on_segment(a, b, mesh_.target(h))) return h;  // the last edge of the hull
-    for (h = start; mesh_.has_face(HalfEdges::twin(h));) {
-      poll();
-      h = mesh_.next(HalfEdges::twin(h));
-      if (const std::uint32_t along = try_wedge(a, b, h, first);
-          along != no_index || first != no_index)
-        return along;
-    }
-    return no_index;
-  }
-  bool on_segment(std::uint32_t a, std::uint32_t b, std::uint32_t v) const {
-    return v == b || (side(a, b, v) == Sign::zero && same_direction(a, b, v));
-  }
-  /// The same for the triangle on the left of h, which begins at a.
-  std::uint32_t try_wedge(std::uint32_t a, std::uint32_t b, std::uint32_t h,
-                          std::uint32_t& first) const {
-    const std::uint32_t x = mesh_.target(h);
-    if (on_segment(a, b, x)) return h;
-    const std::uint32_t y = mesh_.apex(h);
-    if (side(a, b, x) == Sign::negative && side(a, b, y) == Sign::positive) first = mesh_.next(h);
+      const std::uint32_t h = around.at(), x = mesh_.target(h);
+      if (x == b) return h;
+      const Sign sign = side(a, b, x);
+      if (sign == Sign::zero && same_direction(a, b, x)) return h;
+      if (sign != Sign::negative || !mesh_.has_face(h)) continue;
+      if (side(a, b, mesh_.apex(h)) != Sign::positive) continue;
+      first = mesh_.next(h);
+      break;
+    } while (around.next());
     return no_index;
   }
 
@@ -524,7 +575,7 @@ ConstrainedTriangulation constrained_delaunay(const PointView& points,
                  "the cells of the constrained triangulation");
   ConstrainedTriangulation out;
   Prepared prepared;
-  out.triangulation = triangulate(points, options_as<TriangulationOptions>(o), prepared);
+  out.triangulation = triangulate(points, {}, options_as<TriangulationOptions>(o), prepared);
   const Constraints constraints(out.triangulation, edges);
   if (out.triangulation.affine_dimension < 2) {
     if (out.triangulation.affine_dimension == 1) force_on_line(points, constraints, out);

@@ -1,5 +1,4 @@
-#include "delaunay/few_in_plane.hpp"
-
+// Delaunay triangulations of few points in the plane.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "delaunay/plane_insertion.hpp"
+#include "delaunay/triangulate.hpp"
 #include "delaunay/write_triangulation.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/orientation/orientation.hpp"
@@ -192,26 +192,10 @@ class FewInPlane {
     places_.resize(kept);
   }
 
-  /// Finds three points that are not collinear; false if there are none.
-  bool find_triangle(std::uint32_t* simplex) const {
-    const std::size_t n = places_.size();
-    const auto turn = [&](std::size_t a, std::size_t b, std::size_t c) {
-      const std::size_t of[3] = {a, b, c};
-      const double* at[3];
-      for (unsigned i = 0; i < 3; ++i) at[i] = points_.row(simplex[i] = places_[of[i]]);
-      return base_orientation<2>(points_, at) != Sign::zero;
-    };
-    if (n < 3) return false;
-    if (turn(0, n / 2, n - 1)) return true;
-    for (std::size_t c = 2; c < n; ++c)
-      if (turn(0, 1, c)) return true;
-    return false;
-  }
-
   bool insert() {
     find_duplicates();
     std::uint32_t simplex[3];
-    if (!find_triangle(simplex)) return false;
+    if (!find_triangle(points_, places_, places_.size(), simplex)) return false;
     before_ = engine_.counts();
     engine_.start(simplex, n_);
     for (const std::uint32_t i : places_)

@@ -1,8 +1,9 @@
+// Redundant vertices of a regular triangulation.
 #include <gmpxx.h>
 
 #include <algorithm>
 
-#include "delaunay/redundant.hpp"
+#include "delaunay/triangulate.hpp"
 #include "delaunay/write_triangulation.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "parallel/adjacency.hpp"

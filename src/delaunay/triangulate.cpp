@@ -9,12 +9,10 @@
 #include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
 #include "delaunay/cell_insertion.hpp"
-#include "delaunay/few_in_plane.hpp"
 #include "delaunay/insert_together.hpp"
 #include "delaunay/memory_needs.hpp"
 #include "delaunay/parts.hpp"
 #include "delaunay/plane_insertion.hpp"
-#include "delaunay/redundant.hpp"
 #include "delaunay/write_triangulation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
@@ -23,20 +21,6 @@
 
 namespace cullhull::internal {
 namespace {
-
-void check_arguments(const PointView& points) {
-  require_points(points);
-  if (points.count >= no_index)
-    throw Error(ErrorCode::out_of_budget,
-                "a triangulation takes fewer than 4294967295 points, not ", points.count);
-}
-
-/// Throws out_of_budget if the memory that is needed before any cell is made exceeds the budget:
-/// the coordinates twice and the order of insertion.
-void check_budget(const PointView& points, const Run& run) {
-  const std::uint64_t n = points.count, d = points.dimension;
-  require_budget(run.budget, n * (16 * d + 24), "the coordinates and the order of the points");
-}
 
 // Example: 10^7 points in space make some 6.7 * 10^7 cells; with 36 bytes of vertices, neighbours
 // and mark each the store alone is 2.4 GB, to which planes and the result come (bytes_per_cell).
@@ -148,12 +132,10 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   run.report("triangulate", 0);
   InsertionTotals totals;
   std::unique_ptr<CellStore<K>> cells;
-  if (K == 2) (void)CellEstimate(p.points, run);  // before the parts
   if constexpr (K == 2) {
+    (void)CellEstimate(p.points, run);  // before the parts
     if (const unsigned levels = part_levels(p.points, run); levels > 0)
       cells = triangulate_in_parts(p.points, levels, totals, run);
-  }
-  if constexpr (K == 2) {
     if (cells == nullptr && plain_plane(p.points))
       cells = insert_in_turn<K, PlaneInsertion>(p, totals, run);
   }
@@ -167,12 +149,6 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   if (run.options.memory_budget != 0) trim_pages(run.budget / 8);  // of the planes
   write_cells(p.points, *cells, out, run);
   statistics.write_seconds = seconds_since(start);
-}
-
-/// k = 0: a single point.
-void write_single(const Prepared& p, Triangulation& out) {
-  out.cells.assign(1, p.points.ids[0]);
-  out.neighbours.assign(1, no_index);
 }
 
 /// Triangulates all points except `left_out`, prepared as `p`. With weights, sets `redundant` to
@@ -195,8 +171,9 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   out.duplicates = std::move(p.duplicates);
   out.affine_dimension = static_cast<int>(p.points.base);
   statistics.order_seconds = seconds_since(start);
-  if (p.points.base == 0) {
-    write_single(p, out);
+  if (p.points.base == 0) {  // a single point
+    out.cells.assign(1, p.points.ids[0]);
+    out.neighbours.assign(1, no_cell);
     return out;
   }
   // The points' own memory is taken already; the rest of the budget is for the cells.
@@ -210,15 +187,22 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   return out;
 }
 
-Triangulation triangulate_lifted(const PointView& points, std::span<const double> weights,
-                                 const TriangulationOptions& o, Prepared& p) {
-  check_arguments(points);
+}  // namespace
+
+Triangulation triangulate(const PointView& points, std::span<const double> weights,
+                          const TriangulationOptions& o, Prepared& p) {
+  require_points(points);
+  if (points.count >= no_cell)
+    throw Error(ErrorCode::out_of_budget,
+                "a triangulation takes fewer than 4294967295 points, not ", points.count);
   const Call call(o);
   const Run& run = call.run;
   const auto start = Clock::now();
   run.check();
   if (o.memory_budget != 0) trim_pages(run.budget / 8);
-  check_budget(points, run);
+  // What is needed before any cell is made: the coordinates twice and the order of insertion.
+  require_budget(run.budget, points.count * (16 * std::uint64_t{points.dimension} + 24),
+                 "the coordinates and the order of the points");
   std::vector<std::uint32_t> redundant, left_out;
   Triangulation out =
       triangulate_without(points, weights, o.furthest_site, left_out, run, p, redundant);
@@ -239,13 +223,6 @@ Triangulation triangulate_lifted(const PointView& points, std::span<const double
   return out;
 }
 
-}  // namespace
-
-Triangulation triangulate(const PointView& points, const TriangulationOptions& options,
-                          Prepared& prepared) {
-  return triangulate_lifted(points, {}, options, prepared);
-}
-
 }  // namespace cullhull::internal
 
 namespace cullhull {
@@ -253,14 +230,14 @@ namespace cullhull {
 Triangulation delaunay(const PointView& points, const TriangulationOptions& options) {
   if (Triangulation few; internal::triangulate_few_in_plane(points, options, few)) return few;
   internal::Prepared prepared;
-  return internal::triangulate(points, options, prepared);
+  return internal::triangulate(points, {}, options, prepared);
 }
 
 Triangulation regular_triangulation(const PointView& points, std::span<const double> weights,
                                     const TriangulationOptions& options) {
   internal::require_weights(weights, points.count);
   internal::Prepared prepared;
-  Triangulation result = internal::triangulate_lifted(points, weights, options, prepared);
+  Triangulation result = internal::triangulate(points, weights, options, prepared);
   result.weighted = true;
   return result;
 }

@@ -1,5 +1,4 @@
 // Few points in the plane: the same bits as by the general path, and what it leaves to that path.
-#include "delaunay/few_in_plane.hpp"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +30,7 @@ struct PlaneSet {
 
 Triangulation general(const PointView& points) {
   internal::Prepared prepared;
-  return internal::triangulate(points, {}, prepared);
+  return internal::triangulate(points, {}, {}, prepared);
 }
 
 /// The same, with the scalar type.
