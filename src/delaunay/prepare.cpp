@@ -121,25 +121,20 @@ void sort_into_rounds(Array<std::uint32_t>& ids) {
   ids = std::move(sorted).take_items();
 }
 
-/// Rounds of growing size, each sorted along a Hilbert curve (Amenta, Choi, Rote 2003). The sort
-/// also finds equal points.
-struct InsertionOrder {
-  Array<std::uint32_t> ids;  ///< all points except duplicates, in the order of insertion
-  std::vector<DuplicatePoint> duplicates;
-};
-
-/// The order for n points of d finite coordinates each. `weights`: null, or one per point. The
+/// Sets the ids of n points of d finite coordinates each in the order of insertion, and duplicates:
+/// rounds of growing size, each sorted along a Hilbert curve (Amenta, Choi, Rote 2003). The sort
+/// also finds equal points. `weights`: null, or one per point. The
 /// representative of equal points is the one that is lowest in the lift, so of the largest weight;
 /// for the upper hull (`furthest`) the highest one, of the smallest weight; then of the lowest id.
 /// The order affects the running time, never the triangulation.
-InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
-                               const double* weights, bool furthest, const Run& run) {
-  InsertionOrder order;
+void find_order(const double* rows, std::uint32_t n, unsigned d, const double* weights,
+                bool furthest, Prepared& out, const Run& run) {
+  Array<std::uint32_t>& ids = out.points.ids;
   Array<KeyedId> items(n), scratch(n);
   for (std::uint32_t i = 0; i < n; ++i) items[i] = {0, i};
   Sorter sorter(rows, d, run);
   sorter.sort(items.data(), scratch.data(), n);
-  order.ids.reserve(n);
+  ids.reserve(n);
   for (std::uint32_t begin = 0; begin < n;) {
     std::uint32_t end = begin + 1;
     while (end < n && items[begin].key == items[end].key &&
@@ -152,14 +147,13 @@ InsertionOrder insertion_order(const double* rows, std::uint32_t n, unsigned d,
       if (more == 0 ? id < best : (more > 0) != furthest) best = id;
     }
     for (std::uint32_t i = begin; i < end; ++i)
-      if (items[i].id != best) order.duplicates.push_back({items[i].id, best});
-    order.ids.push_back(best);
+      if (items[i].id != best) out.duplicates.push_back({items[i].id, best});
+    ids.push_back(best);
     begin = end;
   }
-  std::sort(order.duplicates.begin(), order.duplicates.end(),
+  std::sort(out.duplicates.begin(), out.duplicates.end(),
             [](const DuplicatePoint& a, const DuplicatePoint& b) { return a.id < b.id; });
-  sort_into_rounds(order.ids);
-  return order;
+  sort_into_rounds(ids);
 }
 
 // ----------------------------------------------------------------------- flat and scale
@@ -289,21 +283,21 @@ void scale(LiftedPoints& s, const Run& run) {
   s.exact_orientation_limit = std::ldexp(1.0, 53 + unit * static_cast<int>(s.base));
 }
 
-/// Sets the rows of the inserted points, in order: the columns of flat_columns(), then the weight.
-void gather_rows(const Array<double>& rows, std::span<const double> weights, Prepared& out,
-                 const Run& run) {
-  LiftedPoints& s = out.points;
-  const unsigned d = s.width;
-  const std::vector<std::uint32_t> columns = flat_columns(out.axes, d);
-  Array<double> sorted(std::size_t{s.count} * s.stride);
+/// The rows of the inserted points, in order: these columns, then the weight if there are weights.
+Array<double> rows_of(const LiftedPoints& s, const Array<double>& rows,
+                      const std::vector<std::uint32_t>& columns, std::span<const double> weights,
+                      const Run& run) {
+  const std::size_t d = columns.size(), stride = d + (weights.empty() ? 0 : 1);
+  Array<double> sorted(s.count * stride);
   run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
-      double* r = sorted.data() + i * s.stride;
-      for (unsigned j = 0; j < d; ++j) r[j] = rows[i * d + columns[j]];
-      if (s.weighted) r[d] = weights[s.ids[i]];
+      double* r = sorted.data() + i * stride;
+      const double* from = rows.data() + s.ids[i] * d;
+      for (std::size_t j = 0; j < d; ++j) r[j] = from[columns[j]];
+      if (stride > d) r[d] = weights[s.ids[i]];
     }
   });
-  s.rows = std::move(sorted);
+  return sorted;
 }
 
 void check_weights(std::span<const double> weights) {
@@ -322,33 +316,24 @@ Prepared prepare_points(const PointView& view, std::span<const double> weights, 
   const Array<double> rows = gather_points(view, nullptr, n, run);
   check_weights(weights);
   Prepared out;
-  InsertionOrder order =
-      insertion_order(rows.data(), n, d, weighted ? weights.data() : nullptr, furthest, run);
-  out.duplicates = std::move(order.duplicates);
+  LiftedPoints& s = out.points;
+  find_order(rows.data(), n, d, weighted ? weights.data() : nullptr, furthest, out, run);
   if (!left_out.empty())
-    std::erase_if(order.ids, [&](std::uint32_t id) {
+    std::erase_if(s.ids, [&](std::uint32_t id) {
       return std::binary_search(left_out.begin(), left_out.end(), id);
     });
-  LiftedPoints& s = out.points;
-  s.count = static_cast<std::uint32_t>(order.ids.size());
-  s.ids = std::move(order.ids);
+  s.count = static_cast<std::uint32_t>(s.ids.size());
   s.width = d;
   s.stride = d + (weighted ? 1 : 0);
   s.weighted = weighted;
   s.furthest = furthest;
   s.may_hide = weighted || furthest;
   if (n == 0) return out;
-  Array<double> sorted(std::size_t{s.count} * d);
-  run.each(s.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t i = begin; i < end; ++i)
-      for (unsigned j = 0; j < d; ++j) sorted[i * d + j] = rows[std::size_t{s.ids[i]} * d + j];
-  });
+  Array<double> sorted = rows_of(s, rows, flat_columns({}, d), {}, run);
   find_flat(sorted, s.count, d, out, run);
   s.base = static_cast<unsigned>(out.axes.size());
-  if (s.base == d && !weighted)
-    s.rows = std::move(sorted);
-  else
-    gather_rows(sorted, weights, out, run);
+  s.rows = s.base == d && !weighted ? std::move(sorted)
+                                    : rows_of(s, rows, flat_columns(out.axes, d), weights, run);
   scale(s, run);
   find_common_sphere(s, out.simplex, run);
   return out;
