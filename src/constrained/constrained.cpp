@@ -38,7 +38,7 @@ class HalfEdges {
     for (std::uint32_t c = 0; c < count; ++c)
       for (unsigned j = 0; j < 3; ++j) {
         const std::uint32_t o = t.neighbours_of(c)[j];
-        if (o != no_cell && o < c) {
+        if (o != no_index && o < c) {
           half[3 * std::size_t{c} + j] =
               twin(half[3 * std::size_t{o} + place_in(t.neighbours_of(o), c)]);
           continue;

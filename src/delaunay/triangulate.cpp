@@ -173,7 +173,7 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
   statistics.order_seconds = seconds_since(start);
   if (p.points.base == 0) {  // a single point
     out.cells.assign(1, p.points.ids[0]);
-    out.neighbours.assign(1, no_cell);
+    out.neighbours.assign(1, no_index);
     return out;
   }
   // The points' own memory is taken already; the rest of the budget is for the cells.
@@ -192,7 +192,7 @@ Triangulation triangulate_without(const PointView& points, std::span<const doubl
 Triangulation triangulate(const PointView& points, std::span<const double> weights,
                           const TriangulationOptions& o, Prepared& p) {
   require_points(points);
-  if (points.count >= no_cell)
+  if (points.count >= no_index)
     throw Error(ErrorCode::out_of_budget,
                 "a triangulation takes fewer than 4294967295 points, not ", points.count);
   const Call call(o);

@@ -73,8 +73,16 @@ class ChunkedListBuilder {
     part.ends.push_back(part.items.size());
   }
   Lists<std::uint32_t> join() {
-    Array<std::uint64_t> offsets(1, 0);
+    std::uint64_t lists = 0, all = 0;
+    for (const Part& part : parts_) {
+      lists += part.ends.size();
+      all += part.items.size();
+    }
+    Array<std::uint64_t> offsets;
     Array<std::uint32_t> items;
+    offsets.reserve(lists + 1);
+    offsets.push_back(0);
+    items.reserve(all);
     for (Part& part : parts_) {
       const std::uint64_t before = items.size();
       items.insert(items.end(), part.items.begin(), part.items.end());
@@ -139,8 +147,6 @@ Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges);
 Array<std::uint32_t> first_cells(const Triangulation& t);
 /// Writes the vertices of `out`. Requires k >= 1.
 void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
-/// Writes ridges and regions of `out`, for k = 2.
-void write_plane(const Triangulation& t, Voronoi& out, const Run& run);
 /// Writes the ridges of `out`; for k = 2 also the regions.
 void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
 

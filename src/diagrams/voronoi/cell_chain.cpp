@@ -384,17 +384,12 @@ std::vector<CellPolygon> polygons_of(const CellChain& chain) {
         points.points.push_back(chain[e].from);
         points.across.push_back(chain[e].across);
       }
-      if (!tidy(points)) continue;
-      if (sgn(twice_area(chain, ring)) > 0)
-        polygon[0] = std::move(points);
-      else
-        polygon.push_back(std::move(points));
+      add_ring(
+          std::move(points), [&] { return sgn(twice_area(chain, ring)) > 0; }, polygon);
     }
-    std::sort(polygon.begin() + 1, polygon.end(), starts_before);
     polygons.push_back(std::move(polygon));
   }
-  std::sort(polygons.begin(), polygons.end(),
-            [](const CellPolygon& a, const CellPolygon& b) { return starts_before(a[0], b[0]); });
+  sort_rings(polygons);
   return polygons;
 }
 

@@ -2,11 +2,14 @@
 // boundary of polygons. docs/exactness.md, "Clipped cells".
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
+#include "cullhull/voronoi.hpp"
 #include "diagrams/voronoi/clip_rings.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
@@ -42,5 +45,10 @@ std::vector<CellPolygon> polygons_of(const CellChain& chain);
 
 /// Whether all rings are simple and the polygons valid: they need no change.
 bool sound(const std::vector<CellPolygon>& polygons);
+
+/// Makes the polygons of clipped 2D cells valid again where the rounding of corners has made rings
+/// cross or touch themselves. `unsound`: the cells with invalid polygons. Changes these and the
+/// cells that share edges with them; every corner stays a corner of the diagram, rounded.
+void mend_cells(const std::vector<std::uint32_t>& unsound, ClippedCells& cells, const Run& run);
 
 }  // namespace cullhull::internal

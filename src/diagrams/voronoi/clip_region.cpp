@@ -167,61 +167,6 @@ Region<2> triangles_of(const Outline& outline, const Triangulation& t) {
 
 }  // namespace
 
-template <unsigned D, class Real>
-std::array<Real, D> normal_of(const RegionPlane<D>& plane) {
-  std::array<Real, D> n;
-  if (plane.axis >= 0) {
-    for (unsigned j = 0; j < D; ++j)
-      n[j] = Real(static_cast<int>(j) == plane.axis ? plane.toward : 0.0);
-    return n;
-  }
-  std::array<std::array<Real, D>, 2> e;
-  for (unsigned i = 1; i < D; ++i)
-    for (unsigned j = 0; j < D; ++j)
-      e[i - 1][j] = exact_difference<Real>(plane.through[i][j], plane.through[0][j]);
-  if constexpr (D == 2) {
-    n[0] = e[0][1];
-    n[1] = -e[0][0];
-  } else if constexpr (D == 3) {
-    for (unsigned j = 0; j < 3; ++j) {
-      const unsigned k = (j + 1) % 3, l = (j + 2) % 3;
-      n[j] = e[0][k] * e[1][l] - e[0][l] * e[1][k];
-    }
-  }
-  return n;
-}
-
-template std::array<BoundedDoubleDouble, 1> normal_of<1, BoundedDoubleDouble>(
-    const RegionPlane<1>&);
-template std::array<BoundedDoubleDouble, 2> normal_of<2, BoundedDoubleDouble>(
-    const RegionPlane<2>&);
-template std::array<BoundedDoubleDouble, 3> normal_of<3, BoundedDoubleDouble>(
-    const RegionPlane<3>&);
-template std::array<mpq_class, 1> normal_of<1, mpq_class>(const RegionPlane<1>&);
-template std::array<mpq_class, 2> normal_of<2, mpq_class>(const RegionPlane<2>&);
-template std::array<mpq_class, 3> normal_of<3, mpq_class>(const RegionPlane<3>&);
-
-/// A coordinate has an error of at most 2^-53 max(|x|, 2^-1022) as a double; a normal's coordinate
-/// one of 2^-53, relatively, besides its own error bound; the sum of D products adds D + 2
-/// roundings of its terms.
-template <unsigned D>
-bool RegionPiece<D>::surely_inside(const double* rounded) const {
-  return std::all_of(planes.begin(), planes.end(), [&](const RegionPlane<D>& plane) {
-    if (plane.axis >= 0) {
-      const double x = rounded[plane.axis], bound = plane.through[0][plane.axis];
-      return std::isfinite(x) && (plane.toward > 0 ? x < bound : x > bound);
-    }
-    double sum = 0, size = 0;
-    for (unsigned j = 0; j < D; ++j) {
-      const double n = plane.normal[j].value.high, x = rounded[j], a = plane.through[0][j];
-      sum += n * x - n * a;
-      size += (std::abs(n) + 0x1p50 * plane.normal[j].error) *
-              (std::max(std::abs(x), 0x1p-1022) + std::abs(a));
-    }
-    return sum < -(size * 0x1p-48 + 0x1p-1000);
-  });
-}
-
 template <unsigned D>
 Region<D> box_region(std::span<const double> low, std::span<const double> high) {
   if constexpr (D == 1) return {interval(low[0], high[0])};
@@ -266,9 +211,6 @@ Region<D> hull_region(const PointView& points, const Run& run) {
   }
 }
 
-template struct RegionPiece<1>;
-template struct RegionPiece<2>;
-template struct RegionPiece<3>;
 template Region<1> box_region<1>(std::span<const double>, std::span<const double>);
 template Region<2> box_region<2>(std::span<const double>, std::span<const double>);
 template Region<3> box_region<3>(std::span<const double>, std::span<const double>);

@@ -37,11 +37,10 @@ class PieceBoundary {
               [](const PieceEdge& a, const PieceEdge& b) { return a.start < b.start; });
   }
 
-  /// Writes the boundary as a polygon; false if no ring remains.
-  bool write(CellPolygon& out) {
+  /// The boundary as a polygon, whose outline is empty if no ring remains.
+  CellPolygon polygon() {
     std::vector<bool> walked(edges_.size());
-    std::vector<CellRing> holes;
-    out.assign(1, {});
+    CellPolygon out(1);
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (walked[e]) continue;
       std::vector<std::uint32_t> ring;
@@ -49,16 +48,10 @@ class PieceBoundary {
         walked[at] = true;
         ring.push_back(at);
       }
-      CellRing points = points_of(ring);
-      if (!tidy(points)) continue;
-      if (is_outer(ring))
-        out[0] = std::move(points);
-      else
-        holes.push_back(std::move(points));
+      add_ring(
+          points_of(ring), [&] { return is_outer(ring); }, out);
     }
-    std::sort(holes.begin(), holes.end(), starts_before);
-    for (CellRing& hole : holes) out.push_back(std::move(hole));
-    return !out[0].points.empty();
+    return out;
   }
 
  private:
@@ -107,7 +100,7 @@ class PieceBoundary {
       const PieceEdge &before = edges_[ring[i > 0 ? i - 1 : ring.size() - 1]], &e = edges_[ring[i]];
       if (before.plane == e.plane && !corners_.is_given(e.from)) continue;
       out.points.push_back(e.start);
-      out.across.push_back(corners_.is_bisector(e.plane) ? corners_.label(e.plane) : no_index);
+      out.across.push_back(corners_.site_across(e.plane));
     }
     return out;
   }
@@ -132,9 +125,9 @@ void each_seam(const CellCorners<2>& corners, const std::vector<CellPiece>& piec
                const Body& body) {
   for (std::uint32_t i = 0; i < pieces.size(); ++i)
     for (const std::uint32_t plane : pieces[i].planes) {
-      if (corners.is_bisector(plane) || corners.label(plane) == no_index) continue;
+      if (corners.piece_across(plane) == no_index) continue;
       const auto other = std::lower_bound(
-          pieces.begin(), pieces.end(), corners.label(plane),
+          pieces.begin(), pieces.end(), corners.piece_across(plane),
           [](const CellPiece& p, std::uint32_t number) { return p.piece < number; });
       body(i, static_cast<std::uint32_t>(other - pieces.begin()));
     }
@@ -158,6 +151,35 @@ bool tidy(CellRing& ring) {
   return true;
 }
 
+void sort_rings(std::vector<CellPolygon>& polygons) {
+  const auto before = [](const CellRing& a, const CellRing& b) {
+    return a.points[0] < b.points[0];
+  };
+  for (CellPolygon& polygon : polygons) std::sort(polygon.begin() + 1, polygon.end(), before);
+  std::sort(polygons.begin(), polygons.end(),
+            [&](const CellPolygon& a, const CellPolygon& b) { return before(a[0], b[0]); });
+}
+
+void begin_lists(ClippedCells& out) {
+  out.vertex_offsets.assign(1, 0);
+  for (Array<std::uint64_t>* list : {&out.polygon_offsets, &out.polygon_rings, &out.ring_starts})
+    if (out.dimension == 2) list->assign(1, 0);
+  if (out.dimension == 3) out.face_offsets.assign(1, 0);
+}
+
+void add_polygons(const std::vector<CellPolygon>& polygons, ClippedCells& out) {
+  for (const CellPolygon& polygon : polygons) {
+    for (const CellRing& ring : polygon) {
+      for (const auto& x : ring.points) out.vertices.insert(out.vertices.end(), x.begin(), x.end());
+      out.neighbours.insert(out.neighbours.end(), ring.across.begin(), ring.across.end());
+      out.ring_starts.push_back(out.neighbours.size());
+    }
+    out.polygon_rings.push_back(out.ring_starts.size() - 1);
+  }
+  out.polygon_offsets.push_back(out.polygon_rings.size() - 1);
+  out.vertex_offsets.push_back(out.neighbours.size());
+}
+
 std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
                                      const std::vector<CellPiece>& pieces) {
   DisjointSets sets(pieces.size());
@@ -167,20 +189,19 @@ std::vector<CellPolygon> join_pieces(CellCorners<2>& corners,
   for (std::uint32_t i = 0; i < pieces.size(); ++i) {
     const auto& [piece, vertices, planes] = pieces[i];
     for (std::size_t e = 0; e < planes.size(); ++e) {
-      const std::uint32_t plane = planes[e];
-      if (!corners.is_bisector(plane) && corners.label(plane) != no_index) continue;
-      PieceEdge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], plane, {}};
+      if (corners.piece_across(planes[e]) != no_index) continue;
+      PieceEdge edge{vertices[e], vertices[e + 1 < vertices.size() ? e + 1 : 0], planes[e], {}};
       corners.round(edge.from, edge.start.data());
       boundaries[sets.root(i)].push_back(edge);
     }
   }
   std::vector<CellPolygon> polygons;
-  CellPolygon polygon;
-  for (std::vector<PieceEdge>& boundary : boundaries)
-    if (!boundary.empty() && PieceBoundary(corners, std::move(boundary)).write(polygon))
-      polygons.push_back(polygon);
-  std::sort(polygons.begin(), polygons.end(),
-            [](const CellPolygon& a, const CellPolygon& b) { return starts_before(a[0], b[0]); });
+  for (std::vector<PieceEdge>& boundary : boundaries) {
+    if (boundary.empty()) continue;
+    CellPolygon polygon = PieceBoundary(corners, std::move(boundary)).polygon();
+    if (!polygon[0].points.empty()) polygons.push_back(std::move(polygon));
+  }
+  sort_rings(polygons);
   return polygons;
 }
 

@@ -4,10 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "cullhull/voronoi.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
-#include "diagrams/voronoi/clip_shapes.hpp"
 
 namespace cullhull::internal {
 
@@ -19,10 +20,10 @@ struct CellRing {
 /// A polygon: the outer ring, counterclockwise, then its holes, clockwise.
 using CellPolygon = std::vector<CellRing>;
 
-/// The order of rings and, by their outlines, of polygons.
-inline bool starts_before(const CellRing& a, const CellRing& b) {
-  return a.points[0] < b.points[0];
-}
+/// Begins the lists that a diagram of this dimension has.
+void begin_lists(ClippedCells& out);
+/// Appends a cell in the plane.
+void add_polygons(const std::vector<CellPolygon>& polygons, ClippedCells& out);
 
 /// The part of a cell in one piece of the region.
 struct CellPiece {
@@ -33,6 +34,17 @@ struct CellPiece {
 /// Merges equal consecutive points and rotates the ring so that it begins at its least point.
 /// Returns false if fewer than three points are left.
 bool tidy(CellRing& ring);
+/// Adds a ring, if tidy() leaves it: the outline, if is_outer() says so, or a hole.
+template <class IsOuter>
+void add_ring(CellRing ring, const IsOuter& is_outer, CellPolygon& to) {
+  if (!tidy(ring)) return;
+  if (is_outer())
+    to[0] = std::move(ring);
+  else
+    to.push_back(std::move(ring));
+}
+/// Sorts holes, and polygons by their outlines, by their first points.
+void sort_rings(std::vector<CellPolygon>& polygons);
 
 /// The union of a cell's pieces, which ascend by number. Polygons and holes are sorted by their
 /// first points. Rings that rounding leaves with fewer than three corners are omitted.

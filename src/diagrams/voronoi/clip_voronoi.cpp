@@ -9,13 +9,13 @@
 #include "cullhull/error.hpp"
 #include "cullhull/voronoi.hpp"
 #include "diagrams/dual.hpp"
+#include "diagrams/locate/power_sign.hpp"
 #include "diagrams/memory_needs.hpp"
 #include "diagrams/voronoi/cell_chain.hpp"
 #include "diagrams/voronoi/clip_corners.hpp"
 #include "diagrams/voronoi/clip_region.hpp"
 #include "diagrams/voronoi/clip_rings.hpp"
 #include "diagrams/voronoi/clip_shapes.hpp"
-#include "diagrams/voronoi/mend_cells.hpp"
 #include "diagrams/voronoi/whole_cells.hpp"
 #include "exact/numbers/rationals.hpp"
 #include "geometry/gather.hpp"
@@ -130,11 +130,10 @@ class CellClipper {
 
   /// The exact side of x relative to the bisector between the site and a neighbour: negative on the
   /// site's side, positive on the neighbour's. `x`: in the coordinates of the points.
-  Sign side_of(const double* x, std::uint32_t neighbour) {
+  Sign side_of(const double* x, std::uint32_t neighbour) const {
     const DualPoints& points = cells_.points();
-    question_.start(points.row(site_), points.weighted(), t_.furthest_site);
-    const std::uint32_t corner = question_.add_given(x);
-    return question_.side(question_.add_bisector(points.row(neighbour), neighbour), corner);
+    const Sign side = power_sign(D, points.weighted(), x, points.row(site_), points.row(neighbour));
+    return t_.furthest_site ? -side : side;
   }
 
   /// The cell's measure, in doubles if their bound allows it; it fails only for slivers.
@@ -206,7 +205,7 @@ class CellClipper {
   bool bounded_ = false, corners_started_ = false;
   WholeCell<D> whole_;
   std::vector<std::array<BoundedDouble, D>> places_;
-  CellCorners<D> corners_, question_;
+  CellCorners<D> corners_;
   std::vector<std::pair<double, std::uint32_t>> order_;
   std::vector<std::uint32_t> nearest_first_;
   ClipShape<D> shape_;
@@ -302,7 +301,8 @@ class PiecesOfCells {
       if (shape.empty()) continue;
       out.push_back({site, piece});
       for (const std::uint32_t plane : shape.planes)
-        if (clipper.corners().is_bisector(plane)) add(clipper.corners().label(plane), false);
+        if (const std::uint32_t next = clipper.corners().site_across(plane); next != no_index)
+          add(next, false);
     }
   }
 
@@ -311,11 +311,9 @@ class PiecesOfCells {
 
 // ---------------------------------------------------------------------------- all cells
 
-/// Result of a chunk of points.
+/// Result of a chunk of points, without measures.
 struct Part {
-  std::vector<double> vertices;
-  std::vector<std::uint64_t> vertex_counts, face_counts, polygon_counts;
-  std::vector<std::uint32_t> face_sizes, face_vertices, neighbours, ring_counts, ring_sizes;
+  ClippedCells cells;
   std::vector<std::uint32_t> unsound;  ///< 2D: cells whose polygons rounding has made invalid
 };
 
@@ -325,12 +323,19 @@ class CellWriter {
  public:
   CellWriter(const DiagramCells& cells, const Triangulation& t, const Region<D>& region,
              const PiecesOfCells& pieces, bool shapes, Part& part)
-      : cells_(cells), clipper_(cells, t, region), pieces_(pieces), shapes_(shapes), part_(part) {}
+      : cells_(cells),
+        clipper_(cells, t, region),
+        pieces_(pieces),
+        shapes_(shapes),
+        out_(part.cells),
+        unsound_(part.unsound) {
+    out_.dimension = D;
+    begin_lists(out_);
+  }
 
   /// Appends the site's cell; returns its measure.
   double write(std::uint32_t site) {
     polygons_.clear();
-    const std::size_t before = part_.vertices.size(), faces = part_.face_sizes.size();
     double measure = 0;
     if (cells_.is_site(site)) {
       clipper_.start(site);
@@ -340,11 +345,12 @@ class CellWriter {
     }
     if (!shapes_) return measure;
     if (D == 2) {
-      add_polygons();
-      if (!sound(polygons_)) part_.unsound.push_back(site);
+      add_polygons(polygons_, out_);
+      if (!sound(polygons_)) unsound_.push_back(site);
+    } else {
+      out_.vertex_offsets.push_back(out_.vertices.size() / D);
+      if (D == 3) out_.face_offsets.push_back(out_.faces.size());
     }
-    part_.vertex_counts.push_back((part_.vertices.size() - before) / D);
-    if (D == 3) part_.face_counts.push_back(part_.face_sizes.size() - faces);
     return measure;
   }
 
@@ -362,7 +368,7 @@ class CellWriter {
       if (tidy(ring)) polygons_.push_back({std::move(ring)});
     } else {
       for (const std::uint32_t v : whole.vertices)
-        for (unsigned j = 0; j < D; ++j) part_.vertices.push_back(no_minus(cells_.vertex(v)[j]));
+        for (unsigned j = 0; j < D; ++j) out_.vertices.push_back(no_minus(cells_.vertex(v)[j]));
       add_faces(whole.starts, whole.items, whole.across);
     }
   }
@@ -396,11 +402,10 @@ class CellWriter {
     for (const std::uint32_t v : shape.vertices) {
       double x[D];
       corners.round(v, x);
-      part_.vertices.insert(part_.vertices.end(), x, x + D);
+      out_.vertices.insert(out_.vertices.end(), x, x + D);
     }
     across_.clear();
-    for (const std::uint32_t plane : shape.planes)
-      across_.push_back(corners.is_bisector(plane) ? corners.label(plane) : no_index);
+    for (const std::uint32_t plane : shape.planes) across_.push_back(corners.site_across(plane));
     if constexpr (D == 3)
       add_faces(shape.starts, shape.items, across_);
     else
@@ -408,23 +413,10 @@ class CellWriter {
   }
   void add_faces(const std::vector<std::uint32_t>& starts, const std::vector<std::uint32_t>& items,
                  const std::vector<std::uint32_t>& across) {
-    part_.neighbours.insert(part_.neighbours.end(), across.begin(), across.end());
-    part_.face_vertices.insert(part_.face_vertices.end(), items.begin(), items.end());
+    out_.neighbours.insert(out_.neighbours.end(), across.begin(), across.end());
+    out_.faces.items.insert(out_.faces.items.end(), items.begin(), items.end());
     for (std::size_t f = 0; f + 1 < starts.size(); ++f)
-      part_.face_sizes.push_back(starts[f + 1] - starts[f]);
-  }
-
-  void add_polygons() {
-    for (const CellPolygon& polygon : polygons_) {
-      for (const CellRing& ring : polygon) {
-        for (const auto& x : ring.points)
-          part_.vertices.insert(part_.vertices.end(), x.begin(), x.end());
-        part_.neighbours.insert(part_.neighbours.end(), ring.across.begin(), ring.across.end());
-        part_.ring_sizes.push_back(static_cast<std::uint32_t>(ring.points.size()));
-      }
-      part_.ring_counts.push_back(static_cast<std::uint32_t>(polygon.size()));
-    }
-    part_.polygon_counts.push_back(polygons_.size());
+      out_.faces.offsets.push_back(out_.faces.offsets.back() + starts[f + 1] - starts[f]);
   }
 
   static double no_minus(double x) { return x == 0 ? 0 : x; }
@@ -433,36 +425,35 @@ class CellWriter {
   CellClipper<D> clipper_;
   const PiecesOfCells& pieces_;
   bool shapes_;
-  Part& part_;
+  ClippedCells& out_;
+  std::vector<std::uint32_t>& unsound_;
   std::vector<CellPolygon> polygons_;
   std::vector<std::uint32_t> across_;
 };
 
-template <class T, class U>
-void append(Array<T>& to, const std::vector<U>& from) {
+template <class T>
+void append(Array<T>& to, const Array<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
-template <class U>
-void append_sums(Array<std::uint64_t>& to, const std::vector<U>& counts) {
-  for (const U n : counts) to.push_back(to.back() + n);
+/// Both begin with 0, or are empty.
+template <class Offsets>
+void append_offsets(Offsets& to, const Offsets& from) {
+  const std::uint64_t before = to.empty() ? 0 : to.back();
+  for (std::size_t i = 1; i < from.size(); ++i) to.push_back(before + from[i]);
 }
 
 void join(std::vector<Part>& parts, ClippedCells& out) {
-  out.vertex_offsets.assign(1, 0);
-  for (Array<std::uint64_t>* list : {&out.polygon_offsets, &out.polygon_rings, &out.ring_starts})
-    if (out.dimension == 2) list->assign(1, 0);
-  if (out.dimension == 3) out.face_offsets.assign(1, 0);
+  begin_lists(out);
   for (Part& part : parts) {
-    append(out.vertices, part.vertices);
-    append(out.faces.items, part.face_vertices);
-    append(out.neighbours, part.neighbours);
-    append_sums(out.vertex_offsets, part.vertex_counts);
-    append_sums(out.face_offsets, part.face_counts);
-    for (const std::uint32_t size : part.face_sizes)
-      out.faces.offsets.push_back(out.faces.offsets.back() + size);
-    append_sums(out.polygon_offsets, part.polygon_counts);
-    append_sums(out.polygon_rings, part.ring_counts);
-    append_sums(out.ring_starts, part.ring_sizes);
+    append(out.vertices, part.cells.vertices);
+    append(out.faces.items, part.cells.faces.items);
+    append(out.neighbours, part.cells.neighbours);
+    append_offsets(out.vertex_offsets, part.cells.vertex_offsets);
+    append_offsets(out.face_offsets, part.cells.face_offsets);
+    append_offsets(out.faces.offsets, part.cells.faces.offsets);
+    append_offsets(out.polygon_offsets, part.cells.polygon_offsets);
+    append_offsets(out.polygon_rings, part.cells.polygon_rings);
+    append_offsets(out.ring_starts, part.cells.ring_starts);
     part = {};
   }
 }

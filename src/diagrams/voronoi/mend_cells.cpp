@@ -1,4 +1,28 @@
-#include "diagrams/voronoi/mend_cells.hpp"
+// Makes the polygons of clipped 2D cells valid again where the rounding of corners has made rings
+// cross or touch themselves. docs/exactness.md, "Clipped cells".
+//
+// * A cell's boundary is a set of directed edges with the cell on their left. A sweep with exact
+//   signs looks for a corner on an edge, for edges that cross, and for points around which the
+//   boundary turns other than 0 or 1 times; opposite edges cancel. Where it finds none, the edges
+//   form polygons: rings touch each other in single points only. A convex ring needs no sweep.
+//
+// * A corner on an edge, and of two crossing edges the end nearest to the crossing, becomes a
+//   corner of the (other) edge, in every cell that has the edge. With t the angle between the
+//   edges, the distance of an end at r from the crossing to the other edge is r sin t: the least of
+//   the four, so no more than that of the end that rounding moved across.
+//
+// * A part turned over by rounding has the longest edge of its ring led through one of its corners,
+//   by which the part becomes thinner. Where no corner is nearer to both ends than they are to each
+//   other (rings some units in the last place wide), the shortest edge is contracted.
+//
+// This ends: a lead replaces an edge by two that are earlier in the order by length, then ends
+// (both parts at a crossing are shorter, by the triangle inequality: |ac| < |ax| + |xc| <= |ax| +
+// |xb| for the end c of the other edge that is nearest to the crossing x), a contraction leaves
+// fewer corners, and there are finitely many sets of edges between given corners. Since all cells
+// with an edge change alike, their boundaries still add up to that of the region; with 0 or 1 turns
+// around every point in each, no two overlap where the region's rounded boundary does not overlap
+// itself. Corners are never moved and none is new: a ring may go through its neighbour's corner, as
+// near as rounding.
 
 #include <algorithm>
 #include <bit>
@@ -172,10 +196,8 @@ class CellMender {
   /// Lists the changed cells anew, and moves the others.
   void write() {
     ClippedCells out;
-    out.vertex_offsets.assign(1, 0);
-    out.polygon_offsets.assign(1, 0);
-    out.polygon_rings.assign(1, 0);
-    out.ring_starts.assign(1, 0);
+    out.dimension = 2;
+    begin_lists(out);
     out.vertices.reserve(cells_.vertices.size());
     out.neighbours.reserve(cells_.neighbours.size());
     for (std::uint32_t cell = 0; cell < cells_.point_count; ++cell) {
@@ -183,9 +205,7 @@ class CellMender {
       if (place == chains_.end())
         copy(cell, out);
       else
-        append(polygons_of(place->second), out);
-      out.polygon_offsets.push_back(out.polygon_rings.size() - 1);
-      out.vertex_offsets.push_back(out.neighbours.size());
+        add_polygons(polygons_of(place->second), out);
     }
     cells_.vertices = std::move(out.vertices);
     cells_.neighbours = std::move(out.neighbours);
@@ -207,17 +227,8 @@ class CellMender {
                         cells_.vertices.begin() + 2 * last);
     out.neighbours.insert(out.neighbours.end(), cells_.neighbours.begin() + first,
                           cells_.neighbours.begin() + last);
-  }
-  static void append(const std::vector<CellPolygon>& polygons, ClippedCells& out) {
-    for (const CellPolygon& polygon : polygons) {
-      for (const CellRing& ring : polygon) {
-        for (const RingPoint& x : ring.points)
-          out.vertices.insert(out.vertices.end(), x.begin(), x.end());
-        out.neighbours.insert(out.neighbours.end(), ring.across.begin(), ring.across.end());
-        out.ring_starts.push_back(out.neighbours.size());
-      }
-      out.polygon_rings.push_back(out.ring_starts.size() - 1);
-    }
+    out.polygon_offsets.push_back(out.polygon_rings.size() - 1);
+    out.vertex_offsets.push_back(out.neighbours.size());
   }
 
   ClippedCells& cells_;

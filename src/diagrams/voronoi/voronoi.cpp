@@ -1,5 +1,4 @@
-// voronoi(): vertices, rays and regions. ridges.cpp writes the ridges, plane_walks.cpp both in the
-// plane.
+// voronoi(): vertices, rays and regions. ridges.cpp writes the ridges, and both in the plane.
 #include "cullhull/voronoi.hpp"
 
 #include <algorithm>
