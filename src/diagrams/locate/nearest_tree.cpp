@@ -6,37 +6,27 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "cullhull/array.hpp"
+#include "cullhull/error.hpp"
 #include "cullhull/triangulation.hpp"
+#include "cullhull/triangulation_query.hpp"
 #include "diagrams/locate/power_sign.hpp"
+#include "diagrams/locate/queries.hpp"
 #include "exact/determinants/minors.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
-
-class NearestTree::Base {
- public:
-  virtual ~Base() = default;
-  virtual std::uint32_t nearest(const double* query, FarQueries far) const = 0;
-  virtual bool nearest(const PointView& queries, FarQueries far, std::uint32_t* out,
-                       const Run& run) const = 0;
-};
 
 namespace {
 
 /// Points in a leaf, whose distances are computed together.
 constexpr unsigned width = 8;
-/// Queries per chunk, and queries sorted at once, which bound the memory of a batch.
-constexpr std::uint64_t queries_per_chunk = std::uint64_t{1} << 10;
-constexpr std::uint64_t queries_at_once = std::uint64_t{1} << 22;
-/// Below this many, queries are answered as they come.
-constexpr std::uint32_t worth_sorting = 32;
 /// Subtrees that threads build, unless they have few points.
 constexpr std::size_t most_parts = 64;
 constexpr std::ptrdiff_t points_of_a_part = std::ptrdiff_t{1} << 13;
@@ -61,7 +51,7 @@ constexpr double least_unscaled = 0x1p-400, most_unscaled = 0x1p400;
 constexpr double tiny = 0x1p-1000;
 
 template <unsigned D>
-class Tree final : public NearestTree::Base {
+class Tree final : public NearestTree {
  public:
   Tree(const double* rows, const std::uint32_t* names, std::uint32_t count, const Run& run) {
     std::size_t leaves = 1;
@@ -86,39 +76,27 @@ class Tree final : public NearestTree::Base {
     build({rows, names}, {0, items.data(), items.data() + count}, run);
   }
 
-  std::uint32_t nearest(const double* query, NearestTree::FarQueries far) const override {
+  unsigned dimension() const noexcept override { return D; }
+
+  std::uint32_t nearest(const double* query, FarQueries far) const override {
     return is_left_out(query, far) ? no_index : Search(*this).nearest(query);
   }
 
-  bool nearest(const PointView& queries, NearestTree::FarQueries far, std::uint32_t* out,
+  bool nearest(const PointView& queries, FarQueries far, std::uint32_t* out,
                const Run& run) const override {
     std::atomic<bool> any_left = false;
-    for (std::uint64_t first = 0; first < queries.count; first += queries_at_once) {
-      const auto n = static_cast<std::uint32_t>(std::min(queries_at_once, queries.count - first));
-      // By their leaves, so that each begins with what the last one read.
-      const bool sorted = !splits_.empty() && n >= worth_sorting;
-      Array<double> rows(std::size_t{n} * D);
-      Array<KeyedId> items(sorted ? n : 0), scratch(items.size());
-      run.each(n, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
-        load_rows(queries, first + begin, first + end, rows.data() + begin * D);
-        for (std::uint64_t i = begin; sorted && i < end; ++i)
-          items[i] = {leaf_of(rows.data() + i * D), static_cast<std::uint32_t>(i)};
-      });
-      KeyedId *order = items.data(), *spare = scratch.data();
-      if (sorted)
-        radix_sort(order, spare, n, static_cast<unsigned>(std::bit_width(splits_.size())), run);
-      run.each(n, queries_per_chunk, [&](std::uint64_t begin, std::uint64_t end) {
-        Search search(*this);
-        for (std::uint64_t i = begin; i < end; ++i) {
-          const std::uint64_t at = sorted ? order[i].id : i;
-          const double* const query = rows.data() + at * D;
-          const bool left = is_left_out(query, far);
-          if (left) any_left = true;
-          out[first + at] = left ? no_index : search.nearest(query);
-        }
-      });
-      run.report("query", static_cast<double>(first + n) / static_cast<double>(queries.count));
-    }
+    const auto set_leaves = [&](const double* rows, std::uint64_t count, const auto& put) {
+      for (std::uint64_t i = 0; i < count; ++i) put(i, leaf_of(rows + i * D));
+    };
+    each_query(queries, static_cast<unsigned>(std::bit_width(splits_.size())), run, set_leaves,
+               [&] {
+      return
+          [&, search = Search(*this)](std::uint64_t i, const double* query, std::uint32_t) mutable {
+        const bool left = is_left_out(query, far);
+        if (left) any_left = true;
+        out[i] = left ? no_index : search.nearest(query);
+          };
+    });
     return any_left;
   }
 
@@ -177,8 +155,8 @@ class Tree final : public NearestTree::Base {
   void scale(const double* from, double* to) const {
     for (unsigned j = 0; j < D; ++j) to[j] = from[j] * scale_;
   }
-  bool is_left_out(const double* query, NearestTree::FarQueries far) const {
-    if (far == NearestTree::FarQueries::answered) return false;
+  bool is_left_out(const double* query, FarQueries far) const {
+    if (far == FarQueries::answered) return false;
     bool is_far = false;
     for (unsigned j = 0; j < D; ++j) is_far |= std::abs(query[j] * scale_ - middle_[j]) > reach_;
     return is_far;
@@ -229,8 +207,7 @@ class Tree final : public NearestTree::Base {
         std::swap(*begin, *std::min_element(begin, end, [&](const Item& a, const Item& b) {
           return source.id(a) < source.id(b);
         }));
-        middle = begin + 1;
-        return {{2 * node + 1, begin, middle}, {2 * node + 2, middle, middle}};
+        return {{2 * node + 1, begin, begin + 1}, {2 * node + 2, end, end}};
       }
       middle = begin + (end - begin) / 2;
       std::nth_element(begin, middle, end,
@@ -392,22 +369,59 @@ class Tree final : public NearestTree::Base {
 
 }  // namespace
 
-NearestTree::NearestTree(unsigned dimension, const double* rows, const std::uint32_t* names,
-                         std::uint32_t count, const Run& run)
-    : dimension_(dimension) {
-  with_dimension<1, most_dimensions, most_dimensions>(dimension, [&](auto known) {
-    tree_ = std::make_unique<const Tree<known()>>(rows, names, count, run);
-  });
-}
-NearestTree::~NearestTree() = default;
-
-std::uint32_t NearestTree::nearest(const double* query, FarQueries far) const {
-  return tree_->nearest(query, far);
-}
-
-bool NearestTree::nearest(const PointView& queries, FarQueries far, std::uint32_t* out,
-                          const Run& run) const {
-  return tree_->nearest(queries, far, out, run);
+std::unique_ptr<const NearestTree> NearestTree::of(unsigned dimension, const double* rows,
+                                                   const std::uint32_t* names, std::uint32_t count,
+                                                   const Run& run) {
+  return with_dimension<1, most_dimensions, most_dimensions>(
+      dimension, [&](auto known) -> std::unique_ptr<const NearestTree> {
+        return std::make_unique<const Tree<known()>>(rows, names, count, run);
+      });
 }
 
 }  // namespace cullhull::internal
+
+namespace cullhull {
+
+using namespace internal;
+
+struct NearestPoint::State {
+  std::unique_ptr<const NearestTree> tree;
+};
+
+NearestPoint::NearestPoint(const PointView& points, const RunOptions& options) {
+  const Call call(options);
+  const Run& run = call.run;
+  require_points(points);
+  if (points.dimension > NearestTree::most_dimensions)
+    refuse("nearest points are found in up to ", NearestTree::most_dimensions,
+           " dimensions, not in ", points.dimension);
+  if (points.count == 0) refuse("there are no points of which one could be the nearest");
+  if (points.count >= no_index) refuse("there are more than 2^32 - 2 points: ", points.count);
+  require_budget(run.budget, points.count * points.dimension * sizeof(double), "the coordinates");
+  const Array<double> rows = gather_points(points, nullptr, points.count, run);
+  state_.reset(new State{NearestTree::of(points.dimension, rows.data(), nullptr,
+                                         static_cast<std::uint32_t>(points.count), run)});
+}
+NearestPoint::~NearestPoint() = default;
+NearestPoint::NearestPoint(NearestPoint&&) noexcept = default;
+NearestPoint& NearestPoint::operator=(NearestPoint&&) noexcept = default;
+
+std::uint32_t NearestPoint::dimension() const noexcept { return state_->tree->dimension(); }
+
+std::uint32_t NearestPoint::nearest(const double* query) const {
+  for (unsigned j = 0; j < state_->tree->dimension(); ++j) require_finite(query[j], j);
+  return state_->tree->nearest(query, NearestTree::FarQueries::answered);
+}
+
+void NearestPoint::nearest(const PointView& queries, std::uint32_t* out,
+                           const RunOptions& options) const {
+  const Call call(options);
+  const Run& run = call.run;
+  if (queries.dimension != state_->tree->dimension())
+    refuse("points of dimension ", queries.dimension, " asked of points in dimension ",
+           state_->tree->dimension());
+  check_finite(queries, nullptr, run);
+  state_->tree->nearest(queries, NearestTree::FarQueries::answered, out, run);
+}
+
+}  // namespace cullhull

@@ -24,25 +24,20 @@ class NearestTree {
   /// `rows`: the coordinates of the points, finite, one point after the other; `names`: their ids,
   /// distinct and below no_index, or null if their places are their ids. At least one point. Copies
   /// what it needs; the result does not depend on the order of the points.
-  NearestTree(unsigned dimension, const double* rows, const std::uint32_t* names,
-              std::uint32_t count, const Run& run);
-  ~NearestTree();
+  static std::unique_ptr<const NearestTree> of(unsigned dimension, const double* rows,
+                                               const std::uint32_t* names, std::uint32_t count,
+                                               const Run& run);
+  virtual ~NearestTree() = default;
 
-  unsigned dimension() const noexcept { return dimension_; }
+  virtual unsigned dimension() const noexcept = 0;
 
   /// The id of the nearest point; of several, the lowest. no_index if the query is left out.
   /// `query`: finite.
-  std::uint32_t nearest(const double* query, FarQueries far) const;
+  virtual std::uint32_t nearest(const double* query, FarQueries far) const = 0;
 
   /// The same for many. Returns whether any query is left out.
-  bool nearest(const PointView& queries, FarQueries far, std::uint32_t* out, const Run& run) const;
-
-  /// The tree for a dimension.
-  class Base;
-
- private:
-  unsigned dimension_;
-  std::unique_ptr<const Base> tree_;
+  virtual bool nearest(const PointView& queries, FarQueries far, std::uint32_t* out,
+                       const Run& run) const = 0;
 };
 
 }  // namespace cullhull::internal

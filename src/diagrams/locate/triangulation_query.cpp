@@ -5,13 +5,13 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "cullhull/error.hpp"
-#include "diagrams/locate/finite_coordinate.hpp"
 #include "diagrams/locate/nearest_tree.hpp"
+#include "diagrams/locate/queries.hpp"
 #include "diagrams/locate/walk.hpp"
 #include "exact/determinants/minors.hpp"
 #include "exact/insphere/lift_filter.hpp"
@@ -20,49 +20,25 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
-#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-/// Queries per chunk, and queries sorted at once, which bound the memory of a batch.
-constexpr std::uint64_t grain = std::uint64_t{1} << 10, block = std::uint64_t{1} << 22;
-
-/// Visits the points of a batch along the curve. body() creates the work of one thread, which is
-/// called with a point's index, its row in the mesh's columns, and its key.
+/// Visits the points of a batch along the curve, their rows in the mesh's columns.
 template <class Body>
 void each_along_curve(const WalkMesh& mesh, const PointView& view, const Run& run,
                       const Body& body) {
   const unsigned d = mesh.dimension;
-  for (std::uint64_t first = 0; first < view.count; first += block) {
-    const auto n = static_cast<std::uint32_t>(std::min(block, view.count - first));
-    Array<double> rows(std::size_t{n} * d);
-    Array<KeyedId> items(n), scratch(n);
-    run.each(n, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
-      double* r = rows.data() + begin * d;
-      load_rows(view, first + begin, first + end, r);
-      std::vector<double> row(d);
-      if (mesh.corners < d + 1)
-        for (std::uint64_t i = begin; i < end; ++i) {
-          double* const at = rows.data() + i * d;
-          std::copy_n(at, d, row.begin());
-          for (unsigned j = 0; j < d; ++j) at[j] = row[mesh.columns[j]];
-        }
-      mesh.frame.keys(
-          end - begin, [&](std::uint64_t i) { return r + i * d; },
-          [&](std::uint64_t i, std::uint32_t key) {
-        items[begin + i] = {key, static_cast<std::uint32_t>(begin + i)};
-          });
-    });
-    KeyedId *from = items.data(), *to = scratch.data();
-    radix_sort(from, to, n, mesh.frame.key_bits(), run);
-    run.each(n, grain, [&](std::uint64_t begin, std::uint64_t end) {
-      auto work = body();
-      for (std::uint64_t i = begin; i < end; ++i)
-        work(first + from[i].id, rows.data() + std::size_t{from[i].id} * d, from[i].key);
-    });
-    run.report("query", static_cast<double>(first + n) / static_cast<double>(view.count));
-  }
+  const auto set_keys = [&](double* rows, std::uint64_t count, const auto& put) {
+    std::vector<double> row(d);
+    for (std::uint64_t i = 0; mesh.corners < d + 1 && i < count; ++i) {
+      std::copy_n(rows + i * d, d, row.begin());
+      for (unsigned j = 0; j < d; ++j) rows[i * d + j] = row[mesh.columns[j]];
+    }
+    mesh.frame.keys(
+        count, [&](std::uint64_t i) { return rows + i * d; }, put);
+  };
+  each_query(view, mesh.frame.key_bits(), run, set_keys, body);
 }
 
 // ------------------------------------------------------------------- barycentric coordinates
@@ -259,7 +235,7 @@ struct TriangulationQuery::State {
       for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
         for (unsigned j = 0; j < d; ++j)
           rows[std::size_t{v} * d + mesh.columns[j]] = mesh.row(v)[j];
-      made_tree.emplace(d, rows.data(), mesh.ids.data(), mesh.vertex_count(), run);
+      made_tree = NearestTree::of(d, rows.data(), mesh.ids.data(), mesh.vertex_count(), run);
       has_tree = true;
     });
     return *made_tree;
@@ -268,7 +244,7 @@ struct TriangulationQuery::State {
   WalkMesh mesh;
   mutable std::once_flag graph_once, tree_once;
   mutable Adjacency<std::uint32_t> made_graph;
-  mutable std::optional<NearestTree> made_tree;
+  mutable std::unique_ptr<const NearestTree> made_tree;
   mutable std::atomic<bool> has_graph = false, has_tree = false;
 };
 
@@ -332,7 +308,7 @@ void TriangulationQuery::barycentric(const PointView& points, const std::uint32_
   const Call call(options);
   const Run& run = call.run;
   s.check(points, run);
-  run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(points.count, queries_per_chunk, [&](std::uint64_t begin, std::uint64_t end) {
     std::vector<double> point(s.mesh.dimension), row(s.mesh.dimension);
     for (std::uint64_t i = begin; i < end; ++i) {
       load_row(points, i, point.data());

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <unordered_set>
 #include <vector>
 
 #include "diagrams/dual.hpp"
+#include "diagrams/locate/power_sign.hpp"
 #include "diagrams/locate/walk_mesh.hpp"
+#include "exact/determinants/minors.hpp"
 #include "exact/orientation/column_filter.hpp"
 #include "exact/orientation/orientation.hpp"
 
@@ -152,18 +155,78 @@ class NearestVertex {
       : mesh_(mesh), graph_(graph) {}
 
   /// The id of the nearest vertex; of several, the lowest. `key`: q's curve key.
-  std::uint32_t find(const double* q, std::uint32_t key);
+  std::uint32_t find(const double* q, std::uint32_t key) {
+    std::uint32_t row = mesh_.row_at(key, key >= key_ ? near_ : 0);
+    near_ = row;
+    key_ = key;
+    if (row_ != no_index && power(q, row_).value < power(q, row).value) row = row_;
+    const bool done = descend(q, row);
+    bool tied = false;
+    for (bool moved = !done; moved;) {
+      moved = false;
+      tied = false;
+      for (const std::uint32_t next : graph_[row]) {
+        const Sign sign = compare(q, next, row);
+        tied = tied || sign == Sign::zero;
+        if (sign != Sign::negative) continue;
+        row = next;
+        moved = true;
+        break;
+      }
+    }
+    row_ = row;
+    return tied ? lowest_of_equal(q, row) : mesh_.ids[row];
+  }
 
  private:
   /// The computed power distance of a row, and a bound on its error. Negated for the furthest site.
   struct Power {
     double value, doubt;
   };
-  Power power(const double* q, std::uint32_t row) const;
-  bool descend(const double* q, std::uint32_t& row) const;
+  Power power(const double* q, std::uint32_t row) const {
+    const unsigned d = mesh_.dimension;
+    const double* a = mesh_.row(row);
+    double square = 0;
+    for (unsigned j = 0; j < d; ++j) square += (a[j] - q[j]) * (a[j] - q[j]);
+    const double weight = mesh_.stride > d ? a[d] : 0;
+    return {mesh_.furthest ? weight - square : square - weight,
+            (d + 8) * unit_roundoff * (square + std::abs(weight)) + 0x1p-1000};
+  }
+  /// Moves to the nearest neighbour as long as doubles decide which it is. Returns whether doubles
+  /// prove that `row` is the nearest vertex.
+  bool descend(const double* q, std::uint32_t& row) const {
+    for (Power best = power(q, row);;) {
+      Power nearest{std::numeric_limits<double>::infinity(), 0};
+      std::uint32_t to = row;
+      double doubt = 0;
+      for (const std::uint32_t next : graph_[row]) {
+        const Power other = power(q, next);
+        const bool nearer = other.value < nearest.value;
+        nearest.value = nearer ? other.value : nearest.value;
+        to = nearer ? next : to;
+        doubt = std::max(doubt, other.doubt);
+      }
+      doubt += best.doubt;
+      if (!(nearest.value < best.value - doubt)) return nearest.value > best.value + doubt;
+      row = to;
+      best = power(q, to);
+    }
+  }
   /// Negative if a is nearer to q than b is; for the furthest site, if it is farther.
-  Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const;
-  std::uint32_t lowest_of_equal(const double* q, std::uint32_t row);
+  Sign compare(const double* q, std::uint32_t a, std::uint32_t b) const {
+    const Sign sign =
+        power_sign(mesh_.dimension, mesh_.stride > mesh_.dimension, q, mesh_.row(a), mesh_.row(b));
+    return mesh_.furthest ? -sign : sign;
+  }
+  std::uint32_t lowest_of_equal(const double* q, std::uint32_t row) {
+    std::uint32_t best = mesh_.ids[row];
+    flood_.run(row, [&](std::uint32_t v, const auto& add) {
+      best = std::min(best, mesh_.ids[v]);
+      for (const std::uint32_t next : graph_[v])
+        if (!flood_.reached(next) && compare(q, next, row) == Sign::zero) add(next);
+    });
+    return best;
+  }
 
   const WalkMesh& mesh_;
   const Adjacency<std::uint32_t>& graph_;
