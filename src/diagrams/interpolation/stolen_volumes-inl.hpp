@@ -91,14 +91,10 @@ class StolenVolumes {
     for (const double* p : cavity_.points) points_.push_back(vector(p, cavity_.query));
     volumes_.assign(points_.size(), Volume(0));
     std::vector<Point> centres;
-    for (const auto& cell : cavity_.cells) {
-      std::vector<std::uint32_t> others(cell.begin() + 1, cell.end());
-      centres.push_back(centre(cell[0], others));
-    }
+    for (const auto& cell : cavity_.cells) centres.push_back(centre(cell));
     for (const auto& side : cavity_.sides) {
-      std::vector<std::uint32_t> corners(side.corners.begin(), side.corners.end());
       const bool inner = side.across != no_index;
-      const Point other = inner ? centres[side.across] : centre_with_query(corners);
+      const Point other = inner ? centres[side.across] : centre_with_query(side.corners);
       add_side(side.corners, other, centres[side.cell]);
       if (!inner) rim_.push_back({side.corners, other});
     }
@@ -174,15 +170,15 @@ class StolenVolumes {
     return x;
   }
   /// Twice the circumcentre, relative to the query.
-  Point centre(std::uint32_t first, const std::vector<std::uint32_t>& others) const {
+  Point centre(const std::array<std::uint32_t, K + 1>& cell) const {
     std::vector<std::vector<Real>> edges;
-    for (const std::uint32_t v : others)
-      edges.push_back(vector(cavity_.points[v], cavity_.points[first]));
+    for (unsigned i = 1; i <= K; ++i)
+      edges.push_back(vector(cavity_.points[cell[i]], cavity_.points[cell[0]]));
     Point c = doubled_centre(edges);
-    for (unsigned j = 0; j < K; ++j) c[j] = c[j] + points_[first][j] + points_[first][j];
+    for (unsigned j = 0; j < K; ++j) c[j] = c[j] + points_[cell[0]][j] + points_[cell[0]][j];
     return c;
   }
-  Point centre_with_query(const std::vector<std::uint32_t>& corners) const {
+  Point centre_with_query(const Facet& corners) const {
     std::vector<std::vector<Real>> edges;
     for (const std::uint32_t v : corners) edges.push_back(points_[v]);
     return doubled_centre(edges);
