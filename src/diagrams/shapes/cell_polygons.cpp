@@ -33,16 +33,12 @@ class PolygonWriter {
     for (const std::uint32_t c : cells)
       for (unsigned j = 0; j < 3; ++j)
         if (!walked_[3 * std::size_t{c} + j] && on_boundary(c, j)) walk(c, j);
-    std::vector<const Polygon*> order;
-    for (Polygon& polygon : polygons_) {
-      std::sort(polygon.holes.begin(), polygon.holes.end());
-      order.push_back(&polygon);
-    }
-    std::sort(order.begin(), order.end(),
-              [](const Polygon* a, const Polygon* b) { return a->outer < b->outer; });
-    for (const Polygon* polygon : order) {
-      add(polygon->outer, out);
-      for (const Ring& hole : polygon->holes) add(hole, out);
+    for (Polygon& polygon : polygons_) std::sort(polygon.holes.begin(), polygon.holes.end());
+    std::sort(polygons_.begin(), polygons_.end(),
+              [](const Polygon& a, const Polygon& b) { return a.outer < b.outer; });
+    for (const Polygon& polygon : polygons_) {
+      add(polygon.outer, out);
+      for (const Ring& hole : polygon.holes) add(hole, out);
       out.polygon_offsets.push_back(out.ring_count());
     }
   }

@@ -25,6 +25,12 @@ void require_plane(const Triangulation& t) {
                 "concave hulls by the length of edges are of points in a plane");
 }
 
+void require_length(double length) {
+  if (!(length >= 0))
+    throw Error(ErrorCode::invalid_argument,
+                "the length of edges must be a number that is not negative");
+}
+
 Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// Compares edges by length, exactly; of equal edges the lexicographically lower counts as longer.
@@ -133,9 +139,7 @@ using namespace internal;
 AlphaShape concave_hull(const PointView& points, const Triangulation& triangulation, double length,
                         const RunOptions& options) {
   const Triangulation& t = triangulation;
-  if (!(length >= 0))
-    throw Error(ErrorCode::invalid_argument,
-                "the length of edges must be a number that is not negative");
+  require_length(length);
   require_plane(t);
   const Call call(options);
   const Run& run = call.run;
@@ -158,9 +162,7 @@ AlphaShape concave_hull(const PointView& points, const Triangulation& triangulat
 Triangulation without_long_edges(const PointView& points, Triangulation triangulation,
                                  double length, const RunOptions& options) {
   Triangulation& t = triangulation;
-  if (!(length >= 0))
-    throw Error(ErrorCode::invalid_argument,
-                "the length of edges must be a number that is not negative");
+  require_length(length);
   const Call call(options);
   const Run& run = call.run;
   const DualPoints p(points, t, {}, run);
