@@ -32,8 +32,8 @@ struct MeasuredEdge {
   bool exact;  ///< `size` is not rounded
 };
 
-/// Sorts edges by length, then by ids: first by squared lengths in double-doubles; then each run of
-/// edges whose lengths are too close for that is sorted again by exact comparisons.
+/// Sorts edges by length, then by ids. Squared lengths in double-doubles are compared exactly only
+/// where they are too close, so that the order is that of the exact lengths.
 class EdgeOrder {
  public:
   EdgeOrder(const DualPoints& p, unsigned d) : p_(p), d_(d) {}
@@ -59,48 +59,28 @@ class EdgeOrder {
   }
 
   void sort(std::vector<MeasuredEdge>& edges, const Run& run) const {
+    constexpr std::uint32_t exact_step = 64;  // an exact comparison takes as long as many steps
     CheckedSteps steps(run);
     std::sort(edges.begin(), edges.end(), [&](const MeasuredEdge& a, const MeasuredEdge& b) {
-      steps.next();
-      return rounded_less(a, b);
+      const bool rounded = (a.exact && b.exact) || apart(a, b);
+      steps.next(rounded ? 1 : exact_step);
+      if (rounded) {
+        if (a.size.high != b.size.high) return a.size.high < b.size.high;
+        return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
+      }
+      const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
+                                        p_.row(b.edge.low), p_.row(b.edge.high));
+      return sign != Sign::zero ? sign == Sign::negative : a.edge < b.edge;
     });
-    for (std::size_t begin = 0; begin < edges.size();) {
-      std::size_t end = begin + 1;
-      bool exact = edges[begin].exact;
-      // Two exact lengths belong to one run, too, if they are close: an inexact one may belong
-      // before the first of them, and another one after the last.
-      for (; end < edges.size() && near(edges[end - 1], edges[end]); ++end)
-        exact = exact && edges[end].exact;
-      if (!exact && end - begin > 1)
-        std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin),
-                  edges.begin() + static_cast<std::ptrdiff_t>(end),
-                  [&](const MeasuredEdge& a, const MeasuredEdge& b) {
-          steps.next(exact_step);
-          return less(a, b);
-        });
-      begin = end;
-    }
   }
 
  private:
-  /// An exact comparison takes as long as many steps.
-  static constexpr std::uint32_t exact_step = 64;
-
-  static bool rounded_less(const MeasuredEdge& a, const MeasuredEdge& b) {
-    if (a.size.high != b.size.high) return a.size.high < b.size.high;
-    return a.size.low != b.size.low ? a.size.low < b.size.low : a.edge < b.edge;
-  }
-  /// Whether two lengths would be in doubt if both were rounded: their difference is at most twice
-  /// the error of both, 2^-101 per operation. True if they overflowed.
-  bool near(const MeasuredEdge& a, const MeasuredEdge& b) const {
-    const double doubt = (4.0 * d_ + 16) * 0x1p-101 * b.size.high + 0x1p-890;
-    return !((b.size.high - a.size.high) + (b.size.low - a.size.low) > doubt);
-  }
-  bool less(const MeasuredEdge& a, const MeasuredEdge& b) const {
-    if (a.exact && b.exact) return rounded_less(a, b);
-    const Sign sign = compare_lengths(d_, p_.row(a.edge.low), p_.row(a.edge.high),
-                                      p_.row(b.edge.low), p_.row(b.edge.high));
-    return sign != Sign::zero ? sign == Sign::negative : a.edge < b.edge;
+  /// Whether the difference of two lengths is more than twice the error of both, 2^-101 per
+  /// operation. False if they overflowed.
+  bool apart(const MeasuredEdge& a, const MeasuredEdge& b) const {
+    const double most = std::max(a.size.high, b.size.high);
+    const double doubt = (4.0 * d_ + 16) * 0x1p-101 * most + 0x1p-890;
+    return std::abs((b.size.high - a.size.high) + (b.size.low - a.size.low)) > doubt;
   }
 
   const DualPoints& p_;
