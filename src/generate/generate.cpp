@@ -191,53 +191,44 @@ void prepare_order(GeneratorJob& job) {
   job.shift = random.bits() % job.count;
 }
 
+constexpr std::uint32_t any = std::numeric_limits<std::uint32_t>::max();
+
 struct ShapeEntry {
   Shape shape;
-  std::uint32_t min_dimension, max_dimension;
   PointFunction point;
   void (*prepare)(GeneratorJob&) = nullptr;
+  std::uint32_t min_dimension = 1, max_dimension = any;
 };
-
-constexpr std::uint32_t any = std::numeric_limits<std::uint32_t>::max();
 
 const std::vector<ShapeEntry>& entries() {
   static const std::vector<ShapeEntry> table = {
-      {{"ball", "uniform in the unit ball"}, 1, any, ball_point},
-      {{"sphere", "uniform on the unit sphere: every point is extreme"}, 1, any, sphere_point},
-      {{"cube", "uniform in [-1, 1)^d"}, 1, any, cube_point},
-      {{"cube-surface", "uniform on the surface of [-1, 1]^d"}, 1, any, cube_surface_point},
-      {{"octahedron", "uniform in the cross-polytope |x1| + ... + |xd| <= 1"},
-       1,
-       any,
-       octahedron_point},
-      {{"polyhedron", "the same as octahedron"}, 1, any, octahedron_point},
-      {{"gauss", "normal: mean 0, variance 1 along every axis"}, 1, any, gauss_point},
-      {{"grid", "integers drawn from [0, 128)^d; grid:K for [0, K)^d, K up to 2^32"},
-       1,
-       any,
-       grid_point},
-      {{"shell", "random directions, radius uniform in [0.9, 1)"}, 1, any, shell_point},
+      {{"ball", "uniform in the unit ball"}, ball_point},
+      {{"sphere", "uniform on the unit sphere: every point is extreme"}, sphere_point},
+      {{"cube", "uniform in [-1, 1)^d"}, cube_point},
+      {{"cube-surface", "uniform on the surface of [-1, 1]^d"}, cube_surface_point},
+      {{"octahedron", "uniform in the cross-polytope |x1| + ... + |xd| <= 1"}, octahedron_point},
+      {{"polyhedron", "the same as octahedron"}, octahedron_point},
+      {{"gauss", "normal: mean 0, variance 1 along every axis"}, gauss_point},
+      {{"grid", "integers drawn from [0, 128)^d; grid:K for [0, K)^d, K up to 2^32"}, grid_point},
+      {{"shell", "random directions, radius uniform in [0.9, 1)"}, shell_point},
       {{"cylinder", "on the lateral surface: unit (d-1)-sphere times [-1, 1)"},
-       2,
-       any,
-       cylinder_point},
+       cylinder_point,
+       nullptr,
+       2},
       {{"cone", "on the lateral surface: apex at height 1, unit (d-1)-sphere at height 0"},
-       2,
-       any,
-       cone_point},
-      {{"simplex", "uniform in the simplex x >= 0, x1 + ... + xd <= 1"}, 1, any, simplex_point},
+       cone_point,
+       nullptr,
+       2},
+      {{"simplex", "uniform in the simplex x >= 0, x1 + ... + xd <= 1"}, simplex_point},
       {{"cyclic", "on the moment curve (t, t^2, ..., t^d), |t| < 1; the seed orders the points"},
-       1,
-       any,
        cyclic_point,
        prepare_order},
-      {{"disk", "ball with d = 2"}, 2, 2, ball_point},
-      {{"circle", "sphere with d = 2"}, 2, 2, sphere_point},
+      {{"disk", "ball with d = 2"}, ball_point, nullptr, 2, 2},
+      {{"circle", "sphere with d = 2"}, sphere_point, nullptr, 2, 2},
       {{"bumpy", "a closed star-shaped surface with bumps and fine relief, like a scanned body"},
-       2,
-       any,
        bumpy_point,
-       prepare_bumps},
+       prepare_bumps,
+       2},
   };
   return table;
 }

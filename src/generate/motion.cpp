@@ -20,10 +20,12 @@ using internal::RandomStream;
 using internal::Rotation;
 using internal::rotation_by;
 
-void rotate(const Rotation& rotation, double& x, double& y) {
-  const double turned = rotation.cosine * x - rotation.sine * y;
-  y = rotation.sine * x + rotation.cosine * y;
-  x = turned;
+/// Rotates x about a centre in the plane of two neighbouring axes.
+void rotate(const Rotation& rotation, std::uint32_t axis, const std::vector<double>& centre,
+            double* x) {
+  const double u = x[axis] - centre[axis], v = x[axis + 1] - centre[axis + 1];
+  x[axis] = centre[axis] + (rotation.cosine * u - rotation.sine * v);
+  x[axis + 1] = centre[axis + 1] + (rotation.sine * u + rotation.cosine * v);
 }
 
 /// A piece of the breaking body of the motion `fracture`: the points nearest to its seed.
@@ -38,8 +40,8 @@ struct MovingPoints::Impl {
   using Move = void (Impl::*)(double time, std::uint64_t point, double* x) const;
   struct Entry {
     Shape motion;
-    std::uint32_t min_dimension;
     Move move;  ///< moves x from its position at rest; null: teleport
+    std::uint32_t min_dimension = 1;
     void (Impl::*prepare)() = nullptr;
   };
   static const std::vector<Entry>& entries();
@@ -79,21 +81,13 @@ struct MovingPoints::Impl {
       const double u = x[0] - centre[0], v = x[1] - centre[1];
       along = std::sqrt(u * u + v * v);
     }
-    spin_plane(rotation_by(0.75 * time * along / extent), 0, x);
-  }
-
-  /// Rotates x about the centre in the plane of two neighbouring axes.
-  void spin_plane(const Rotation& rotation, std::uint32_t axis, double* x) const {
-    double u = x[axis] - centre[axis], v = x[axis + 1] - centre[axis + 1];
-    rotate(rotation, u, v);
-    x[axis] = centre[axis] + u;
-    x[axis + 1] = centre[axis + 1] + v;
+    rotate(rotation_by(0.75 * time * along / extent), 0, centre, x);
   }
 
   void spin(double time, std::uint64_t, double* x) const {
     double share = 1;
     for (std::uint32_t j = 0; j + 1 < dimension; ++j, share *= 0.61803398874989485)
-      spin_plane(rotation_by(time * share), j, x);
+      rotate(rotation_by(time * share), j, centre, x);
   }
 
   void wave(double time, std::uint64_t, double* x) const {
@@ -140,12 +134,7 @@ struct MovingPoints::Impl {
   // The pieces fly apart, turn, and fall along the last axis.
   void fracture(double time, std::uint64_t point, double* x) const {
     const Piece& piece = pieces[piece_of[point]];
-    if (dimension >= 2) {
-      double u = x[0] - piece.seed[0], v = x[1] - piece.seed[1];
-      rotate(rotation_by(piece.turns * time), u, v);
-      x[0] = piece.seed[0] + u;
-      x[1] = piece.seed[1] + v;
-    }
+    if (dimension >= 2) rotate(rotation_by(piece.turns * time), 0, piece.seed, x);
     for (std::uint32_t j = 0; j < dimension; ++j) x[j] += piece.velocity[j] * time;
     x[dimension - 1] -= 0.5 * extent * time * time;
   }
@@ -170,16 +159,16 @@ struct MovingPoints::Impl {
 const std::vector<MovingPoints::Impl::Entry>& MovingPoints::Impl::entries() {
   static const std::vector<Entry> table = {
       {{"twist", "turned about the centre, the more the farther along the last axis"},
-       2,
-       &Impl::twist},
+       &Impl::twist,
+       2},
       {{"fracture", "24 pieces fly apart, turn and fall"},
-       1,
        &Impl::fracture,
+       1,
        &Impl::prepare_pieces},
-      {{"wave", "a wave runs along the first axis and lifts along the last"}, 1, &Impl::wave},
-      {{"spin", "rigid rotation in the planes of neighbouring axes"}, 2, &Impl::spin},
-      {{"explode", "every point flies outward at a speed of its own"}, 1, &Impl::explode},
-      {{"teleport", "in every frame each point takes the place of another"}, 1, nullptr},
+      {{"wave", "a wave runs along the first axis and lifts along the last"}, &Impl::wave},
+      {{"spin", "rigid rotation in the planes of neighbouring axes"}, &Impl::spin, 2},
+      {{"explode", "every point flies outward at a speed of its own"}, &Impl::explode},
+      {{"teleport", "in every frame each point takes the place of another"}, nullptr},
   };
   return table;
 }
