@@ -31,8 +31,6 @@ WORKLOADS = {
     "ball-5d-1M": ("ball -n 1M -d 5", ""),
     "ball-6d-100k": ("ball -n 100k -d 6", ""),
     "cube-8d-100k": ("cube -n 100k -d 8", "--memory 1G"),
-    "qhull-sphere-200k": ("sphere -n 200k -d 3", "--engine qhull"),
-    "qhull-sphere-1M": ("sphere -n 1M -d 3", "--engine qhull"),
     "cube-50d-53": ("cube -n 53 -d 50", ""),
     "vertices-7d-20k": ("gauss -n 20k -d 7", "--only vertices"),
 }

@@ -18,9 +18,9 @@ enum class ErrorCode {
   bad_file,             ///< a file is not a valid file of its format
   io,                   ///< the operating system refused: missing file, no permission, disk full
   out_of_budget,        ///< the result would exceed the memory budget or the engine's id range
-  backend_unavailable,  ///< the requested backend or engine is not available
+  backend_unavailable,  ///< the requested backend is not available
   cancelled,            ///< the caller's stop token was triggered
-  not_exact,            ///< a foreign engine returned a result that is not the exact hull
+  not_exact,            ///< a surface failed the check that it is the exact hull
   internal,             ///< a broken invariant of the library: always a bug, please report it
 };
 

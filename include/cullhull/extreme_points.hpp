@@ -22,8 +22,8 @@ struct ExtremePoints {
 /// the others, in floating point with exactly checked certificates, else in rational arithmetic.
 /// Meant for dimension 7 and up. For n points of which h are extreme: O(n h) steps of small linear
 /// programs, in parallel; memory O(survivors). Points in a flat of dimension 3 or less use the hull
-/// engine without writing facets, in 2D in at most half of convex_hull's time. Options::engine is
-/// ignored. Errors as convex_hull's.
+/// engine without writing facets, in 2D in at most half of convex_hull's time. Errors as
+/// convex_hull's.
 ExtremePoints extreme_points(const PointView& points, const Options& options = {});
 
 }  // namespace cullhull

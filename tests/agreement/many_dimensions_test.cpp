@@ -258,7 +258,7 @@ TEST(ManyDimensions, ManyFacetsWithTheBitsOfAnUnprovedBoundary) {
     const PointView view = PointView::row_major(rows.data(), count, d);
     Options options;
     options.threads = 1;
-    const Run run(options);
+    const internal::Run run(options);
     const LocalFrame frame(gather_points(view, nullptr, count, run), count, d, run);
     Boundary boundary = hull_nd(frame.points(), frame.simplex().data(), run);
     EXPECT_FALSE(boundary.doubtful.empty());
