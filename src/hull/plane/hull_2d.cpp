@@ -8,6 +8,7 @@
 #include <bit>
 #include <limits>
 
+#include "filter/plane_filter.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/plane/quadrilateral.hpp"
@@ -16,6 +17,7 @@
 #include "parallel/prefetch.hpp"
 #include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -384,10 +386,31 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   return polygon_of_many(source, extent, Turn(lattice), run);
 }
 
+namespace {
+
+/// polygon_of() for points that have met no filter, as those of a sample; all are finite.
+Polygon polygon_of_unfiltered(const PointView& points, bool lattice, const Run& run) {
+  constexpr std::uint64_t worthwhile = 4096;
+  struct Memory {
+    PlaneFilter filter;
+    PolygonSeries series{short_run().control};
+  };
+  if (points.count < worthwhile) return polygon_of(points, lattice, run);
+  auto& [filter, series] = thread_memory<Memory>();
+  if (!filter.keep_few(points, series)) return polygon_of(points, lattice, run);
+  Polygon polygon =
+      polygon_of(PointView::row_major(filter.rows(), filter.count(), 2), lattice, run);
+  for (std::uint32_t& corner : polygon.corners) corner = filter.id(corner);
+  polygon.rows = static_cast<std::uint32_t>(points.count);
+  return polygon;
+}
+
+}  // namespace
+
 Boundary hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
-  const Polygon polygon = polygon_of(PointView::row_major(points.exact, points.count, 2),
-                                     points.small_lattice && !scaled, run);
+  const Polygon polygon = polygon_of_unfiltered(PointView::row_major(points.exact, points.count, 2),
+                                                points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
   Boundary hull;
