@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3880},   {"src/batch", 920},     {"src/certify", 4480},  {"src/constrained", 620},
-    {"src/cuda", 5680},  {"src/delaunay", 4180}, {"src/diagrams", 6580}, {"src/distributed", 1210},
-    {"src/exact", 4440}, {"src/extreme", 950},   {"src/few", 3030},      {"src/filter", 6440},
-    {"src/flow", 1290},  {"src/generate", 640},  {"src/geometry", 1350}, {"src/hull", 5970},
-    {"src/io", 16570},   {"src/parallel", 2600}, {"src/query", 3620},    {"src/result", 6420},
-    {"src/shared", 40},  {"src/stream", 1140},   {"src/tracker", 860},   {"bindings", 28600},
-    {"tests", 53600},    {"docs", 13000},        {"apps", 10000},        {"bench", 8500},
-    {"viewer", 3420},    {"scripts", 3700},
+    {"include", 3650},   {"src/batch", 710},     {"src/certify", 4160},  {"src/constrained", 600},
+    {"src/cuda", 5460},  {"src/delaunay", 4220}, {"src/diagrams", 6330}, {"src/distributed", 260},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 2560},      {"src/filter", 7250},
+    {"src/flow", 1300},  {"src/generate", 670},  {"src/geometry", 1430}, {"src/hull", 5520},
+    {"src/io", 16910},   {"src/parallel", 2670}, {"src/query", 3490},    {"src/result", 6540},
+    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28540},
+    {"tests", 51860},    {"docs", 9450},         {"apps", 9430},         {"bench", 7380},
+    {"viewer", 3440},    {"scripts", 3620},
 };
 
 bool is_text(const fs::path& file) {
@@ -106,8 +106,8 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 500U);
-  EXPECT_LE(files_with(root / "include", header, type).second, 98U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 494U);
+  EXPECT_LE(files_with(root / "include", header, type).second, 84U);
 }
 
 TEST(Size, PlantedExcessesAreFound) {

@@ -52,7 +52,7 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
   const std::vector<double> heights = weights_of(weights);
   const bool weighted = !weights.is_none();
   auto result = computed(settings, length_of_triangulation(points.view()), [&](const Options& o) {
-    TriangulationOptions chosen{o};
+    auto chosen = cullhull::options_as<TriangulationOptions>(o);
     chosen.furthest_site = furthest_site;
     return weighted ? cullhull::regular_triangulation(points.view(), heights, chosen)
                     : cullhull::delaunay(points.view(), chosen);
@@ -63,7 +63,7 @@ std::unique_ptr<Cells> triangulate(nb::object array, nb::object weights, bool fu
 Certificate certify(const Cells& cells, const Settings* settings) {
   const cullhull::PointView& points = cells.points().view();
   return computed(settings, length_of_triangulation(points), [&](const Options& options) {
-    const TriangulationOptions chosen{options};
+    const auto chosen = cullhull::options_as<TriangulationOptions>(options);
     return cells.weights_array().is_none()
                ? cullhull::certify(points, cells.triangulation(), chosen)
                : cullhull::certify(points, cells.weights(), cells.triangulation(), chosen);
