@@ -95,7 +95,8 @@ Boundary ends_of_line(const LocalPoints& points) {
 
 Polygon PlanarRows::hull(const Run& run) const {
   require_engine_room(rows.count, 2, run);
-  return polygon_of(rows, false, run);
+  // A filter's survivors have been checked for being finite.
+  return ids != nullptr ? polygon_by_sample(rows, false, run) : polygon_of(rows, false, run);
 }
 
 }  // namespace cullhull::internal

@@ -248,4 +248,18 @@ TEST(Polygon, StopsAtEveryStage) {
   EXPECT_GT(stages, 3);
 }
 
+// Points are divided by the chord from the leftmost to the rightmost, so that a circle takes one
+// turn a point. Without the chord every point would be on both sides, and its turns thrice as many.
+TEST(Polygon, ACircleTakesOneTurnAPoint) {
+  constexpr std::uint64_t n = 300'000;
+  const std::vector<double> rows = generate("sphere", n, 2, 7);
+  Options options;
+  options.cull = CullMethod::none;
+  const Hull hull = convex_hull(PointView::row_major(rows.data(), n, 2), options);
+  ASSERT_GT(hull.vertices.size(), n - 10);
+  std::uint64_t turns = 0;
+  for (const std::uint64_t count : hull.statistics.rung_counts) turns += count;
+  EXPECT_LT(turns, n + n / 10);
+}
+
 }  // namespace cullhull::internal::polygon_test

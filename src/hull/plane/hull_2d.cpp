@@ -110,6 +110,7 @@ Extent measure(const PlanarSource& source, const Run& run) {
     }
   });
   for (const Chord& chord : chords) {
+    if (chord.first.x == infinite) continue;  // the chunk reaches neither side
     widen(extent.chord, chord.first);
     widen(extent.chord, chord.last);
   }
@@ -386,10 +387,7 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
   return polygon_of_many(source, extent, Turn(lattice), run);
 }
 
-namespace {
-
-/// polygon_of() for points that have met no filter, as those of a sample; all are finite.
-Polygon polygon_of_unfiltered(const PointView& points, bool lattice, const Run& run) {
+Polygon polygon_by_sample(const PointView& points, bool lattice, const Run& run) {
   constexpr std::uint64_t worthwhile = 4096;
   struct Memory {
     PlaneFilter filter;
@@ -405,12 +403,10 @@ Polygon polygon_of_unfiltered(const PointView& points, bool lattice, const Run& 
   return polygon;
 }
 
-}  // namespace
-
 Boundary hull_2d(const LocalPoints& points, const Run& run) {
   const bool scaled = points.coordinates != points.exact;
-  const Polygon polygon = polygon_of_unfiltered(PointView::row_major(points.exact, points.count, 2),
-                                                points.small_lattice && !scaled, run);
+  const Polygon polygon = polygon_by_sample(PointView::row_major(points.exact, points.count, 2),
+                                            points.small_lattice && !scaled, run);
   const std::size_t n = polygon.corners.size();
   if (n < 3) throw Error(ErrorCode::internal, "hull_2d was given collinear points");
   Boundary hull;

@@ -25,6 +25,8 @@ struct Polygon {
 /// Reads the points in place, twice; memory: 24 bytes per point and 8 per corner. Throws
 /// Error{not_finite} naming the lowest id with a NaN or an infinity.
 Polygon polygon_of(const PointView& points, bool lattice, const Run& run);
+/// The same for finite points, first thinned by what lies inside samples of them (PlaneFilter).
+Polygon polygon_by_sample(const PointView& points, bool lattice, const Run& run);
 
 /// Polygons of many small sets, one after another on one thread, in reused memory.
 class PolygonSeries {
