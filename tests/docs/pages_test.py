@@ -43,6 +43,16 @@ class Pages(unittest.TestCase):
                     long.append(f"{page.relative_to(ROOT)}:{number}: {width}")
         self.assertEqual(long, [])
 
+    def test_subjects_of_commits_are_short(self):
+        """Of those since the rule; where there is no history, nothing can be said."""
+        first = "fc3828e080"
+        told = subprocess.run(
+            ["git", "-C", str(ROOT), "log", "--format=%s", f"{first}..HEAD"],
+            capture_output=True, text=True, check=False)
+        if told.returncode != 0:
+            self.skipTest("no history here")
+        self.assertEqual([line for line in told.stdout.splitlines() if len(line) > 72], [])
+
     def test_files_that_are_named_exist(self):
         absent = []
         name = re.compile(r"`((?:src|include|apps|tests|bench|bindings|viewer|scripts|examples|docs|fuzz)/[^`\s]*)`")
