@@ -154,7 +154,6 @@ struct Computed {
 };
 
 Computed compute(Input& input, double read_seconds, const cullhull::Options& options) {
-  const cullhull::PointView& points = input.points;
   const cullhull::PointView& kept = input.kept();
   Computed result;
   const Stopwatch watch;
@@ -285,7 +284,7 @@ Written view_points(const ViewArguments& arguments, cullhull::Options options) {
 
 /// A frame's figures: of its hull, and of its filter.
 std::string tracked_report(const cullhull::HullTracker& tracker, const cullhull::Hull& hull,
-                           const cullhull::PointView& points, double read_seconds) {
+                           double read_seconds) {
   const cullhull::FrameReport& r = tracker.report();
   cullhull::internal::JsonExtras extras;
   extras.compute_seconds_all = {r.compute_seconds};
@@ -365,7 +364,7 @@ Written view_sequence(const ViewArguments& arguments, cullhull::Options options,
     cullhull::Hull hull = tracker.hull();
     input.skipped.restore_copies(hull);
     const std::string report =
-        with_placing(tracked_report(tracker, hull, input.points, read), input.placing, drawn);
+        with_placing(tracked_report(tracker, hull, read), input.placing, drawn);
     chosen.add(report);
     add_frame(drawn, sequence.index(), hull, tracker.survivors(), report,
               arguments.triangulation(options), scene, skipping(input));

@@ -305,7 +305,7 @@ std::string choose_format(const Source& source, const ReadOptions& options) {
     std::string known;
     for (const std::string& name : input_formats()) known += " " + name;
     throw Error(ErrorCode::invalid_argument, "unknown format ", quoted_text(options.format),
-                "; known are", known);
+                "; expected", known);
   }
   const std::string extension = extension_of(unpacked_name(source.name));
   const FileFormat* const f = format_with_ending(extension);

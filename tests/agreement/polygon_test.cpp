@@ -172,17 +172,21 @@ TEST(Polygon, LinesAndPoints) {
   EXPECT_EQ(corners({1, 2, 1, 2, 1, 2}), (Rows{0}));
   EXPECT_EQ(corners({1, 2, 0, 5, 1, 2}), (Rows{1, 0}));
   EXPECT_EQ(corners({0, 2, 0, 5, 0, 3, 0, 5}), (Rows{0, 1}));
-  Points line, vertical, same;
+  Points line, vertical, horizontal, same;
   for (int i = 0; i < 100'000; ++i) {
     const double t = static_cast<double>((i * 7919LL) % 100'003);
     line.insert(line.end(), {t, t / 4});
     vertical.insert(vertical.end(), {0.1, t});
+    horizontal.insert(horizontal.end(), {t, 0.1});
     same.insert(same.end(), {0.1, -0.3});
   }
   line.insert(line.end(), {200'000, 50'000, -4, -1, 200'000, 50'000});
   vertical.insert(vertical.end(), {0.1, -1, 0.1, 1e9, 0.1, -1});
   EXPECT_EQ(corners(line), (Rows{100'001, 100'000}));
   EXPECT_EQ(corners(vertical), (Rows{100'000, 100'001}));
+  // Chunks of points without an end of the line.
+  horizontal.insert(horizontal.end(), {-1, 0.1, 1e9, 0.1, -1, 0.1});
+  EXPECT_EQ(corners(horizontal), (Rows{100'000, 100'001}));
   EXPECT_EQ(corners(same), (Rows{0}));
   EXPECT_EQ(extreme_points(view_of(line)).affine_dimension, 1);
   EXPECT_EQ(extreme_points(view_of(line)).ids, (std::vector<std::uint64_t>{100'000, 100'001}));

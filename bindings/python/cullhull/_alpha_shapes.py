@@ -464,7 +464,7 @@ class ConcaveHull(AlphaShape):
 
 @takes(Budgeted)
 def alpha_radii(points: Any, **options: Unpack[Budgeted]) -> npt.NDArray[np.float64]:
-    """Of each Delaunay cell the smallest alpha whose alpha shape contains the cell.
+    """The smallest alpha whose alpha shape contains each Delaunay cell.
 
     Parameters
     ----------

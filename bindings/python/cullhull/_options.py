@@ -193,7 +193,7 @@ def _refuse_choice(name: str, options: Mapping[str, Any]) -> NoReturn:
     value, known = options[name], ", ".join(_CHOICES[name])
     if not isinstance(value, str):
         raise TypeError(f"{name} must be a string, not {type(value).__name__}")
-    raise InvalidArgument(f"unknown {name} {value!r}; known are {known}")
+    raise InvalidArgument(f"unknown {name} {value!r}; expected {known}")
 
 
 def _as_callback(progress: Progress) -> Callable[[str, float], object] | None:

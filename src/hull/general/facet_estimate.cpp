@@ -208,7 +208,8 @@ void check_facets(const LocalPoints& points, std::uint64_t bytes_per_facet, cons
     const double unit = std::pow(10.0, std::max(0.0, std::floor(std::log10(std::max(v, 1.0))) - 1));
     std::string digits =
         std::to_string(static_cast<std::uint64_t>(std::min(std::round(v / unit) * unit, 1e18)));
-    for (std::size_t i = digits.size(); i > 3; i -= 3) digits.insert(i - 3, ",");
+    for (std::size_t i = digits.size(); i > 3; i -= 3)
+      digits.insert(digits.begin() + static_cast<std::ptrdiff_t>(i - 3), ',');
     return digits;
   };
   throw Error(ErrorCode::out_of_budget, "a hull of about ", rounded(e.facets),

@@ -14,7 +14,7 @@ _HOMES = {
 
 
 def scipy_version() -> tuple[int, int]:
-    """Of the SciPy that is installed, which is not imported for it; (0, 0) without one."""
+    """The version of the installed SciPy, found without importing it; (0, 0) if there is none."""
     import importlib.metadata
 
     try:
