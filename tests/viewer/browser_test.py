@@ -459,7 +459,7 @@ class Static(Page):
             self.expect_figures_whole()
 
     def test_plot(self):
-        source = generated("disk.npy", "ball", "-n", "80k", "-d", "2")
+        source = generated("disk.npy", "ball", "-n", "1200k", "-d", "2")
         self.expect_figures(self.view(source))
         self.expect_not_blank(5000)
         self.expect_toggles_work(("points", "survivors", "vertices", "faces", "edges", "axes"))
@@ -617,7 +617,7 @@ class Errors(unittest.TestCase):
                      "--delaunay", "-o", path("x.html"))
         app("hull", good, "-o", path("good.json"), "-q")
         self.refused(2, "without its points", path("good.json"), "--delaunay", "-o", path("x.html"))
-        self.refused(1, "no hull with its lists", path("report.json"), "-o", path("x.html"))
+        self.refused(1, "not a hull with its lists", path("report.json"), "-o", path("x.html"))
         self.assertFalse(os.path.exists(path("x.html")))
 
     def test_names_are_text(self):
