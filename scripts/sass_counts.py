@@ -1,16 +1,13 @@
 #!/usr/bin/env python3
 """Counts what our kernels are made of: instructions by class, registers, memory of threads and blocks.
 
-    scripts/sass_counts.py OBJECT... [--write bench/notes/gpu.md | --check FILE] [--json FILE]
-                           [--fetch FOLDER]
+    scripts/sass_counts.py OBJECT... [--json FILE] [--fetch FOLDER]
 
 OBJECT: objects or cubins with machine code of our kernels, of any architectures. What is counted
 comes from NVIDIA's cuobjdump: $CUOBJDUMP, on PATH, beside nvcc, or, with --fetch, from PyPI into
-FOLDER. --write puts the tables between the page's markers; --check compares what it finds with
-them, architecture by architecture, and wants no kernel to use memory of its threads' own.
+FOLDER. Prints a table with a row a kernel.
 
-Exit status: 0; 1 a kernel spills, or the page says something else; 77 nothing to count with, or the
-page's compiler is another.
+Exit status: 0; 1 a kernel has a stack frame or spills; 77 nothing to count with.
 """
 
 from __future__ import annotations
@@ -27,10 +24,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 SKIPPED = 77
-BEGIN, END = "<!-- sass_counts.py: begin -->", "<!-- sass_counts.py: end -->"
 TOOLS = ("nvidia-cuda-cuobjdump>=13,<14", "nvidia-cuda-nvdisasm>=13,<14")
-REFERENCE = 90  # the architecture whose kernels are told one by one
-DIMENSIONS = (2, 3, 4, 5, 6)
 
 CLASSES = {  # the first that fits
     "local memory": r"(LDL|STL)",
@@ -139,124 +133,14 @@ def kernels_of(tool: str, files: list[Path]) -> list[Kernel]:
     return sorted(kernels, key=lambda k: (k.architecture, k.name))
 
 
-def family(name: str) -> tuple[str, int]:
-    """The name without its dimension, and that; 0 where it has none."""
-    for pattern in (r"(PackedRows|AnyStrides|RowsInPlace|MoveFacet|AxisExtremes)<(\d)",):
-        if m := re.search(pattern, name):
-            d = int(m[2])
-            general = re.sub(rf"<{d}([,>])", r"<d\1", name)
-            return re.sub(r"(CopyRows<.*), \d+>", r"\1, 2d>", general), d
-    if m := re.match(
-        r"(set_hulls|measure_hulls|write_planes|pack_lists|hull_sides|hull_cell_sides|hull_distances"
-        r"|hull_supports)<(\d), (.*)>$",
-        name,
-    ):
-        return f"{m[1]}<{m[3]}>", int(m[2])
-    return name, 0
-
-
-def worded(name: str) -> str:
-    """A family's name in words."""
-    if m := re.match(r"mask_kernel<(\w+), (\w+)<d, (\w+)>, (\w+)>", name):
-        rows = "packed" if m[2] == "PackedRows" else "any strides"
-        points = {"float": "f32", "double": "f64"}
-        frame = "" if m[3] == m[4] else ", frame in f64"
-        place = "" if m[1] == "true" else ", table beyond shared memory"
-        return f"mask: {points[m[3]]} {rows}{frame}{place}"
-    if m := re.match(r"(for_each|scatter_max|reduce)<(.*)>$", name):
-        bodies = re.findall(r"\b([A-Z]\w+)<", m[2]) or [m[2]]
-        body = next((b for b in bodies if b not in ("RowsInPlace", "AxisExtremes")), bodies[0])
-        kind = re.search(r"RowsInPlace<d, (\w+)>", m[2])
-        body = {"EmitKept": f"EmitKept, {re.search(r'(MovePoint|EmitId|$)', m[2])[0]}"}.get(body, body)
-        return f"{m[1]}: {body}" + (f", {'f64' if kind[1] == 'double' else 'f32'}" if kind else "")
-    if m := re.fullmatch(r"pack_lists<(float|double), (.*)>", name):
-        ids = "bytes and rows" if "char" in m[2] else "integers"
-        return f"pack_lists: {ids}, {'f32' if m[1] == 'float' else 'f64'}"
-    if m := re.fullmatch(r"scatter_kernel<(.*)>", name):
-        return f"scatter_kernel, {'bytes' if 'char' in m[1] else 'words'}"
-    if name == "item_runs<int>":
-        return "item_runs, integers"
-    if m := re.fullmatch(r"(\w+)<(float|double)>", name):
-        return f"{m[1]}, {'f32' if m[2] == 'float' else 'f64'}"
-    return name
-
-
-def row(cells: list[object]) -> str:
-    return "| " + " | ".join(str(c) for c in cells) + " |"
-
-
-def summary(kernels: list[Kernel]) -> str:
-    """A line an architecture."""
-    lines = [
-        row(["", "kernels", "instructions", "most registers", "bytes of a thread's stack",
-             "loads and stores of it", "most shared memory, bytes"]),
-        row(["---"] + ["---:"] * 6),
-    ]
-    for a in sorted({k.architecture for k in kernels}):
-        of = [k for k in kernels if k.architecture == a]
-        lines.append(
-            row([f"sm_{a}", len(of), sum(k.instructions for k in of),
-                 max(k.registers for k in of), sum(k.stack for k in of),
-                 sum(k.classes.get("local memory", 0) for k in of), max(k.shared for k in of)])
-        )
-    return "\n".join(lines)
-
-
-def families(kernels: list[Kernel]) -> str:
-    """Instructions and registers of each kernel, dimensions side by side."""
-    lines = [row(["instructions / registers", *(f"{d}D" for d in DIMENSIONS)]),
-             row(["---"] + ["---:"] * len(DIMENSIONS))]
-    table: dict[str, dict[int, str]] = collections.defaultdict(dict)
-    for k in sorted(kernels, key=lambda k: k.instructions):  # of namesakes the longest
-        name, d = family(k.name)
-        table[worded(name)][d] = f"{k.instructions} / {k.registers}"
-    for name in sorted(table):
-        cells = table[name]
-        lines.append(row([name, *(cells.get(d, cells.get(0, "") if d == 2 else "") for d in DIMENSIONS)]))
-    return "\n".join(lines)
-
-
-def by_class(kernels: list[Kernel]) -> str:
-    """What the kernels for three dimensions and single precision consist of."""
-    wanted = [k for k in kernels if family(k.name)[1] in (0, 3)]
-    names = [n for n in (*CLASSES, "integers, selections") if n != "local memory"]
-    lines = [row(["", *names]), row(["---"] + ["---:"] * len(names))]
-    for k in sorted(wanted, key=lambda k: worded(family(k.name)[0])):
-        name = worded(family(k.name)[0])
-        if "f64" in name or "beyond" in name or name.startswith("CUB"):
-            continue
-        lines.append(row([name, *(k.classes.get(n, 0) for n in names)]))
-    return "\n".join(lines)
-
-
-def sections(kernels: list[Kernel]) -> dict[str, str]:
-    """The tables by name; what is told one by one is that of the reference architecture."""
-    made = {f"sm_{a}": summary([k for k in kernels if k.architecture == a]).splitlines()[-1]
-            for a in sorted({k.architecture for k in kernels})}
-    reference = [k for k in kernels if k.architecture == REFERENCE]
-    if reference:
-        made["families"], made["classes"] = families(reference), by_class(reference)
-    return made
-
-
-def page(kernels: list[Kernel], compiler: str) -> str:
-    made = sections(kernels)
-    head = "\n".join(summary(kernels).splitlines()[:2])
-    rows = "\n".join(made[f"sm_{a}"] for a in sorted({k.architecture for k in kernels}))
-    return (
-        f"{BEGIN}\nCounted in the machine code of nvcc {compiler} by `scripts/sass_counts.py`.\n\n"
-        f"{head}\n{rows}\n\nsm_{REFERENCE}:\n\n{made['families']}\n\n"
-        f"sm_{REFERENCE}, 3D, single precision, instructions by class:\n\n{made['classes']}\n{END}"
-    )
-
-
-def compiler_version() -> str:
-    for nvcc in (os.environ.get("CUDACXX"), "nvcc", "/usr/local/cuda/bin/nvcc"):
-        if nvcc and shutil.which(nvcc):
-            text = subprocess.run([nvcc, "--version"], capture_output=True, text=True).stdout
-            if m := re.search(r"V(\d+\.\d+\.\d+)", text):
-                return m[1]
-    return "?"
+def table(kernels: list[Kernel]) -> str:
+    """A line a kernel, the longest first."""
+    classes = [n for n in (*CLASSES, "integers, selections") if n != "local memory"]
+    head = ["", "sm", "instructions", "registers", "shared memory, bytes", *classes]
+    rows = [[k.name, k.architecture, k.instructions, k.registers, k.shared,
+             *(k.classes.get(n, 0) for n in classes)]
+            for k in sorted(kernels, key=lambda k: (k.architecture, -k.instructions, k.name))]
+    return "\n".join("| " + " | ".join(map(str, r)) + " |" for r in [head, ["---"] * len(head), *rows])
 
 
 def find_tool(fetch: Path | None) -> str | None:
@@ -278,29 +162,9 @@ def find_tool(fetch: Path | None) -> str | None:
     return str(tool)
 
 
-def check(kernels: list[Kernel], text: str, compiler: str) -> int:
-    status = 0
-    for k in kernels:
-        if not k.keeps_to_registers:
-            print(f"sm_{k.architecture}: {k.name} has {k.stack} bytes of stack and "
-                  f"{k.classes.get('local memory', 0)} accesses to memory of its threads' own")
-            status = 1
-    told = text[text.index(BEGIN) : text.index(END)]
-    if f"nvcc {compiler} " not in told:
-        print(f"the page's figures are of another compiler than nvcc {compiler}")
-        return status or SKIPPED
-    for name, table in sections(kernels).items():
-        if table not in told:
-            print(f"the page tells something else of {name} than:\n{table}")
-            status = 1
-    return status
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("objects", nargs="+", type=Path)
-    parser.add_argument("--write", type=Path)
-    parser.add_argument("--check", type=Path)
     parser.add_argument("--json", type=Path)
     parser.add_argument("--fetch", type=Path)
     arguments = parser.parse_args()
@@ -311,18 +175,14 @@ def main() -> int:
     kernels = kernels_of(tool, arguments.objects)
     if not kernels:
         sys.exit("sass_counts: no machine code in these files")
-    compiler = compiler_version()
     if arguments.json:
         arguments.json.write_text(json.dumps([asdict(k) for k in kernels], indent=1) + "\n")
-    if arguments.check:
-        return check(kernels, arguments.check.read_text(), compiler)
-    if arguments.write:
-        text = arguments.write.read_text()
-        before, rest = text.split(BEGIN)
-        arguments.write.write_text(before + page(kernels, compiler) + rest.split(END)[1])
-    else:
-        print(page(kernels, compiler))
-    return 0 if all(k.keeps_to_registers for k in kernels) else 1
+    print(table(kernels))
+    spilling = [k for k in kernels if not k.keeps_to_registers]
+    for k in spilling:
+        print(f"sm_{k.architecture}: {k.name} has {k.stack} bytes of stack and "
+              f"{k.classes.get('local memory', 0)} accesses to memory of its threads' own")
+    return 1 if spilling else 0
 
 
 if __name__ == "__main__":

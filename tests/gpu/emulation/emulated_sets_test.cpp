@@ -267,7 +267,7 @@ TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
   options.memory_budget = std::uint64_t{1} << 19;  // pieces of 5,461 points
   options.progress = [&](const char*, double) {
     auto launched = emulation::counters().launches;
-    launches.emplace_back(launched["set_hulls<D, T>"], launched["pack_lists<2, T, Id>"]);
+    launches.emplace_back(launched["set_hulls<D, T>"], launched["pack_lists<D, T, Id>"]);
   };
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
   EXPECT_EQ(launches,
