@@ -16,7 +16,7 @@ bool SmallPolygon::find(const PointView& set) {
                                ? PointView::row_major(rows_as_given(set, loaded_), set.count, 2)
                                : set;
   all_ = !filter_.keep_few(points, series_);
-  if (all_ && set.count > PlaneFilter::most_kept) return false;
+  if (all_ && set.count > most_unfiltered) return false;
   count_ = all_ ? static_cast<std::uint32_t>(set.count) : filter_.count();
   rows_ = all_ ? packed_doubles(points) : filter_.rows();
   if (!all_finite(rows_, 2 * std::size_t{count_})) return false;
@@ -55,7 +55,8 @@ bool SmallPolygon::measure(const PointView& set, double* planes, PlanarMeasures&
   if (!kernel.ordinary()) return false;
   for (Corner& c : by_rank_)
     c.point = kernel.scaled({rows_[2 * std::size_t{c.row}], rows_[2 * std::size_t{c.row} + 1]});
-  static_assert(PlaneFilter::most_kept <= measure_chunk);  // one chunk of sums
+  static_assert(most_unfiltered <= measure_chunk &&
+                PlaneFilter::most_kept <= measure_chunk);  // one chunk of sums
   Share<2, DoubleDouble> sums;
   const std::size_t h = by_rank_.size();
   Share<2> run;

@@ -17,8 +17,10 @@ class SmallPolygon {
  public:
   /// With more points the passes of several threads over a map are faster.
   static constexpr std::uint64_t most_points = std::uint64_t{1} << 20;
+  /// The most points where none is discarded: one chunk of sums.
+  static constexpr std::uint64_t most_unfiltered = 8192;
 
-  /// Holds at most about 500 KB, and 1 MB more for points that are not packed doubles.
+  /// Holds at most about 1 MB, and 1 MB more for points that are not packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
   /// Finds the corners of a set. False where the general flow must be used: other dimensions, too
