@@ -12,7 +12,7 @@ build=(g++ cmake ninja-build ccache pkg-config libhwy-dev libgmp-dev
 mpi=(libopenmpi-dev openmpi-bin)
 test=(libgtest-dev qhull-bin lrslib zstd)
 test_all=("${test[@]}" "${mpi[@]}" libhdf5-dev libqhull-dev
-  libcgal-dev libboost-dev libtbb-dev libbenchmark-dev)
+  libcgal-dev libboost-dev libtbb-dev libbenchmark-dev clang-format clang-tidy)
 # Ubuntu's chromium is a snap, which has no package; there the viewer's browser test is skipped.
 if grep -qx 'ID=debian' /etc/os-release 2>/dev/null; then
   test_all+=(chromium chromium-driver python3-selenium python3-pil)

@@ -50,7 +50,7 @@ std::uint64_t read_blocks(const std::byte* rows, std::uint64_t count, AxisRanges
   const std::uint64_t blocks = count / rows_at_once;
   if (blocks == 0) return 0;
   T least[width], greatest[width], block[width];
-  T rest[width] = {};  // x - x is 0 but for a NaN and infinities
+  T rest[width] = {};  // 0 x is 0 but for a NaN and infinities
   std::memcpy(least, rows, sizeof least);
   std::memcpy(greatest, rows, sizeof greatest);
   for (std::uint64_t b = 0; b < blocks; ++b) {
@@ -58,7 +58,7 @@ std::uint64_t read_blocks(const std::byte* rows, std::uint64_t count, AxisRanges
     for (unsigned i = 0; i < width; ++i) {
       least[i] = block[i] < least[i] ? block[i] : least[i];
       greatest[i] = greatest[i] < block[i] ? block[i] : greatest[i];
-      if constexpr (std::is_floating_point_v<T>) rest[i] += block[i] - block[i];
+      if constexpr (std::is_floating_point_v<T>) rest[i] += 0 * block[i];
     }
   }
   if (!std::all_of(rest, rest + width, [](T r) { return r == 0; })) return 0;

@@ -30,7 +30,7 @@
 
 #include <cstdlib>
 
-extern char** environ;
+extern char** environ;  // NOLINT: not every system declares it
 #endif
 
 namespace app::system {

@@ -15,8 +15,8 @@ namespace cullhull::internal {
 /// KB.
 class PlaneFilter {
  public:
-  /// The most points that it keeps. Where samples leave more, of a square of 26,000 points, a map is
-  /// as fast.
+  /// The most points that it keeps. Where samples leave more, of a square of 26,000 points, a map
+  /// is as fast.
   static constexpr std::uint32_t most_kept = 5632;
   /// With fewer points a sample costs more than it saves: 12 % more time at 130 and 160 points in a
   /// disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in Gaussian sets, and

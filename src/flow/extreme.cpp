@@ -93,7 +93,7 @@ ExtremePoints extreme_points(const PointView& points, const Options& options) {
 
   const auto search_start = Clock::now();
   if (points.dimension == 2)
-    extreme_in_plane(points, std::move(filtered), run, result);
+    extreme_in_plane(points, filtered, run, result);
   else
     extreme_in_space(points, std::move(filtered), run, result);
   statistics.hull_seconds = seconds_since(search_start);

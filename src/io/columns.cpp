@@ -270,9 +270,7 @@ const std::vector<Family>& families() {
       {{"e", "east", "easting", "eastings", "ost", "ostwert", "rechts", "rechtswert", "rw", "est",
         "este", "oost", "abscisse"},
        {"n", "north", "northing", "northings", "nord", "nordwert", "hoch", "hochwert", "hw",
-        "norte", "noord", "ordonnee",
-        "ordonn\xC3\xA9"
-        "e"},
+        "norte", "noord", "ordonnee", "ordonn\u00E9e"},
        heights()}};
   return list;
 }

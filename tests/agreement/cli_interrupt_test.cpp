@@ -55,9 +55,9 @@ int interrupted_while_reading(const std::vector<std::string>& arguments,
 TEST(CliInterrupt, EveryCommandSaysThatItWasCancelled) {
   const Folder f;
   const std::string errors = f / "errors.txt";
-  const std::vector<std::vector<std::string>> commands =
-      command_lines(f, {"hull -", "cull - -o @ids.npy", "info -",
-                        "certify - @hull.json", "view - -o @page.html"});
+  const std::vector<std::vector<std::string>> commands = command_lines(
+      f,
+      {"hull -", "cull - -o @ids.npy", "info -", "certify - @hull.json", "view - -o @page.html"});
   write_points(f / "p.npy", "ball", 100, 3);
   run_well({"hull", f / "p.npy", "-o", f / "hull.json"});
   for (const auto& command : commands) {

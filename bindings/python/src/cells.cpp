@@ -93,9 +93,8 @@ std::tuple<double, Numbers, Numbers, Numbers> concave_hull(const Cells& cells, d
 
 double critical_alpha(const Cells& cells, bool one_region, const Settings* settings) {
   return computed(settings, length_of_cells(cells), [&](const Options& options) {
-    return cullhull::critical_alpha(
-        cells.points().view(), cells.triangulation(),
-        one_region, options);
+    return cullhull::critical_alpha(cells.points().view(), cells.triangulation(), one_region,
+                                    options);
   });
 }
 

@@ -34,8 +34,8 @@ using MF = hn::Mask<F>;
 
 /// Points per block of the core and the map. A block of 32 points takes the core some
 /// 25 ns, and the processor overlaps reading the next block with testing this one; slower tests
-/// gain nothing from that, and blocks of 256 with prefetching were fastest (bench/notes/performance.md,
-/// "The pass over all points").
+/// gain nothing from that, and blocks of 256 with prefetching were fastest
+/// (bench/notes/performance.md, "The pass over all points").
 constexpr std::uint32_t core_block = 32, many = 256;
 static_assert(gauge_chunk % many == 0 && many % core_block == 0);
 

@@ -529,8 +529,7 @@ class RowFinder {
     if (format == nullptr || format->space_first == nullptr || !format->space_first(width))
       return all;
     say_of_columns("the first three of " + std::to_string(width) +
-                                   " columns are taken as coordinates, as ." + format_ +
-                                   " has them");
+                   " columns are taken as coordinates, as ." + format_ + " has them");
     return {0, 1, 2};
   }
 
