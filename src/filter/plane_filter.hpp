@@ -33,7 +33,7 @@ class PlaneFilter {
   }
 
   std::uint32_t count() const { return count_; }
-  /// The number of a kept point in its set; ascending.
+  /// The number of kept point i < count() in the set of the last keep_few(); ascending.
   std::uint32_t id(std::uint32_t i) const { return kept_[i]; }
   /// The kept points' coordinates: packed pairs, with the sign of each zero. They may not be
   /// finite.

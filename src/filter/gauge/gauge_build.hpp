@@ -117,8 +117,11 @@ struct GaugePlanes {
 void largest_gauges(const GaugePlanes& planes, unsigned cells, const float* x, const float* y,
                     const float* z, std::uint32_t count, float* gauges);
 
-/// Fills `table` like build_gauge_table. The polytope must be an exact 3D hull with its facets
-/// outward oriented; only facets and vertices are read. Returns false if no useful map exists.
+/// Fills `table` for a polytope of few facets in space, all of whose planes are asked for each node
+/// (build_gauge_table walks over cones instead: other nodes, the same guarantee). `cells`: along
+/// each edge of the cube of directions. The polytope must be an exact hull with its facets outward
+/// oriented; only facets and vertices are read. Returns false, and leaves `table` undefined, if no
+/// useful map exists.
 bool build_gauge_by_planes(const InnerPolytope& polytope, unsigned cells, GaugeTable& table);
 
 }  // namespace cullhull::internal

@@ -55,7 +55,8 @@ struct GaugeConstants {
   float threshold;
 };
 
-/// Converts a table's constants. C is float only if they are exact in float.
+/// Converts a table's constants. C may be float only where GaugeTable::single_precision says that
+/// all are exact in it: else the bound would not hold.
 template <unsigned D, class C>
 GaugeConstants<D, C> gauge_constants(const GaugeTable& t) {
   GaugeConstants<D, C> c{};
@@ -284,8 +285,8 @@ struct AnyStrides {
   }
 };
 
-/// Returns a mask: bit k is set if the lane's k-th point of the group exists and survives. `Whole`:
-/// all of the group's points exist.
+/// Returns a mask: bit k is set if the lane's k-th point of the group exists and survives; points
+/// that are not finite do. `Whole`: all of the group's points exist.
 template <bool Whole, class Layout, class C, class Nodes>
 CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
                                          const Layout& layout, std::uint64_t group, unsigned lane,
@@ -307,7 +308,7 @@ CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, 
   return bits;
 }
 
-/// Does the same for any group: whole ones and the last.
+/// Does the same for any group: whole ones and the last, which ends at `count`.
 template <class Layout, class C, class Nodes>
 CULLHULL_HD std::uint32_t lane_survivors(const GaugeConstants<Layout::D, C>& t, const Nodes& nodes,
                                          const Layout& layout, std::uint64_t group, unsigned lane,

@@ -158,8 +158,8 @@ class ConeWalk {
   // in doubles, is then a little larger, since a negative weight is cut to 0 and its rest is paid
   // for with L: still a bound.
 
-  /// The data that a step of the walk reads: one to three cache lines. Single precision suffices to
-  /// find the way.
+  /// The cone over a facet, seen from the centre: what a step of the walk from cone to cone reads,
+  /// one to three cache lines. Single precision suffices to find the way: any cone gives a bound.
   struct alignas(64) Cone {
     float inverse[D * D];
     std::uint32_t next[D];
