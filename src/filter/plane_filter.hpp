@@ -58,8 +58,7 @@ class PlaneFilter {
   /// time.
   template <class Hull>
   bool keep_outside_samples(const PointView& set, Hull& hull) {
-    // Each sample takes an eighth of the time of the next; the first has 24 to 191 points, so that
-    // their hull begins with a quadrilateral.
+    // Each sample takes an eighth of the time of the next; the first has 24 to 191 points.
     constexpr std::uint64_t ratio = 8, first_sample = 191;
     std::uint64_t step = ratio;
     while (set.count / step > first_sample) step *= ratio;

@@ -429,7 +429,7 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   return hull;
 }
 
-/// Polygons of small sets: a single bucket each; of up to 192 points, inner ones are discarded
+/// Polygons of small sets: a single bucket each; of up to 512 points, inner ones are discarded
 /// before sorting.
 PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
@@ -463,7 +463,7 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
       kept += !drops(x, y);
     }
   };
-  constexpr std::uint32_t most_worth_a_quadrilateral = 192;
+  constexpr std::uint32_t most_worth_a_quadrilateral = 512;
   if (count <= most_worth_a_quadrilateral) {
     const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
     keep([&](double x, double y) { return middle.contains(x, y); });
