@@ -1,5 +1,4 @@
 // Rates of batched queries to a hull, compared with testing every facet.
-#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <vector>

@@ -24,6 +24,7 @@ target_compile_options(cullhull_flags INTERFACE
   "$<${_cuda}:-Xcompiler=-Wall,-Wextra;-Wno-deprecated-gpu-targets>"
   # No kernel of ours keeps anything in a thread's memory: all of it fits into registers.
   "$<${_cuda}:-Xptxas=-warn-spills,-warn-lmem-usage>")
+target_compile_definitions(cullhull_flags INTERFACE CULLHULL_OWN_SOURCES)  # cullhull/hull_fwd.hpp
 if(CULLHULL_WERROR)
   target_compile_options(cullhull_flags INTERFACE
     "$<${_cxx}:${_errors}>" "$<${_cuda}:-Werror=all-warnings;-Xptxas=-Werror>")

@@ -1,6 +1,6 @@
 // A hull state from any bytes: refused in one line, or one whose hull can be asked for.
-#include <span>
 
+#include "cullhull/hull.hpp"
 #include "cullhull/stream.hpp"
 #include "fuzz/read_points.hpp"
 

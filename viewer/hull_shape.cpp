@@ -1,10 +1,10 @@
 #include "viewer/hull_shape.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "parallel/random_stream.hpp"
 
 namespace cullhull::viewer {

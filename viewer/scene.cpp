@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "parallel/byte_order.hpp"
 #include "viewer/assets.hpp"
 #include "viewer/drawn_cells.hpp"

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/cull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/triangulation.hpp"
 
 namespace cullhull::viewer {

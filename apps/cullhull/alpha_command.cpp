@@ -1,7 +1,6 @@
 // cullhull alpha: the alpha shape, or the concave hull by edges, of a file of points.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>

@@ -9,6 +9,7 @@
 #include "commands.hpp"
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "measure.hpp"
 #include "outputs.hpp"

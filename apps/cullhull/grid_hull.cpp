@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cullhull/cull.hpp"
+#include "cullhull/hull.hpp"
 #include "io/grid_axes.hpp"
 
 namespace app {

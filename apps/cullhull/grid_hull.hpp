@@ -1,7 +1,7 @@
 // The hull of a scan's integers, read in place, with measures in the units of its grid.
 #pragma once
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/io.hpp"
 
 namespace app {

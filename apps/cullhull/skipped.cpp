@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "arguments.hpp"
+#include "cullhull/hull.hpp"
 #include "io/skip_nan.hpp"
 
 namespace app {

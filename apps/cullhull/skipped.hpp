@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cullhull/cull.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/triangulation.hpp"
 

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
+#include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "io/json/json_writer.hpp"
 #include "machine.hpp"

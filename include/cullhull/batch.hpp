@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
+#include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

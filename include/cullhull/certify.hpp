@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

@@ -16,6 +16,7 @@
 #include "cullhull/growing_hull.hpp"
 #include "cullhull/halfspaces.hpp"
 #include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/interpolate.hpp"
 #include "cullhull/lists.hpp"
 #include "cullhull/options.hpp"

@@ -12,7 +12,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cullhull/certify.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/placement.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stop_token.hpp"

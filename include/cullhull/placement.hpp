@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/voronoi.hpp"
 

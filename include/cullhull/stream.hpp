@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "cullhull/certify.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "cullhull/device_points.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "batch/batch_maker.hpp"
+#include "cullhull/hull.hpp"
 
 namespace cullhull::internal {
 

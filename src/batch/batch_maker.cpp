@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "cullhull/hull.hpp"
 #include "few/few_in_space.hpp"
 
 namespace cullhull::internal {

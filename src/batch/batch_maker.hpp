@@ -12,7 +12,6 @@
 #include "cullhull/point_view.hpp"
 #include "few/small_polygon.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

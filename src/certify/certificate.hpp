@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cullhull/certify.hpp"
+#include "cullhull/hull.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/id_places.hpp"

@@ -20,6 +20,7 @@
 #include "geometry/gather.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/pages.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -11,7 +11,6 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -1,6 +1,5 @@
 #include "cuda/device_rows.hpp"
 
-#include <memory>
 #include <string>
 
 #include "cuda/gauge.hpp"

@@ -7,10 +7,10 @@
 
 #include "cullhull/device_points.hpp"
 #include "filter/planner.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The number of the device that holds this memory. Throws Error{invalid_argument} for host memory,
 /// whose message begins with `what`, and Error{backend_unavailable} with the reason if there is no
 /// device.

@@ -11,6 +11,7 @@
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 

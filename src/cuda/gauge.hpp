@@ -9,7 +9,6 @@
 #include "cuda/runtime.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/gauge/gauge_table.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

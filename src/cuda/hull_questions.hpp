@@ -11,10 +11,10 @@
 #include "cullhull/device_points.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/facet_cells.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The data of a full-dimensional hull of dimension d <= 6 that the kernels need. Its extents must
 /// be between 2^-100 and 2^100 (docs/exactness.md, "Queries").
 struct HullTables {

@@ -9,10 +9,10 @@
 
 #include "cullhull/device_batch.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The hulls that a device has found, in the host's memory, one set after another. A set whose hull
 /// the device could not decide has empty lists.
 struct FoundLists {

@@ -10,10 +10,10 @@
 #include "delaunay/cell_store.hpp"
 #include "exact/insphere/lift_side.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Statistics summed over several insertion engines.
 struct InsertionTotals {
   LiftCounts counts;

@@ -1,7 +1,6 @@
 #include "delaunay/prepare.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>

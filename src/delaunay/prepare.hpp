@@ -7,10 +7,10 @@
 
 #include "cullhull/triangulation.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 struct Prepared {
   LiftedPoints points;
   std::vector<std::uint32_t> simplex;  ///< affine dimension + 1 independent points, by place

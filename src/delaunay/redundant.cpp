@@ -8,6 +8,7 @@
 #include "exact/numbers/rationals.hpp"
 #include "parallel/adjacency.hpp"
 #include "parallel/index.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

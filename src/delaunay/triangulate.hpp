@@ -9,7 +9,6 @@
 #include "cullhull/triangulation.hpp"
 #include "delaunay/prepare.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

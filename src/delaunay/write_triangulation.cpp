@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

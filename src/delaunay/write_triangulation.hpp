@@ -10,10 +10,10 @@
 #include "delaunay/cell_store.hpp"
 #include "exact/points/local_points.hpp"
 #include "parallel/disjoint_sets.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Writes the cells, neighbours and hull of `out` from the engine's cells, and its cell_groups if
 /// its statistics have ties. Overwrites the store: its vertices become the caller's ids, and
 /// corners are reordered. K: as the store's.

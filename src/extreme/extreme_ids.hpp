@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Returns ascending local ids; of equal points the lowest. Time: for h of n points extreme, one
 /// linear program over about h points for each of n, and one pass over all n for each of h. O(n d)
 /// memory.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "few/few_nd.hpp"
 #include "few/small_3d_measures.hpp"

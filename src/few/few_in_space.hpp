@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "cullhull/batch.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/point_view.hpp"
 #include "few/small_3d.hpp"
 

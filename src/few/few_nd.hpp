@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {

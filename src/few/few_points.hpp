@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "cullhull/extreme_points.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 

@@ -18,6 +18,7 @@
 // a set that is decided is simplicial with all its vertices, and no other point is on its boundary.
 #include "few/small_3d.hpp"
 
+#include "cullhull/hull.hpp"
 #include "parallel/simd_targets.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS

@@ -1,5 +1,6 @@
 #include "few/small_3d_shares.hpp"
 
+#include "cullhull/hull.hpp"
 #include "parallel/simd_targets.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow.

@@ -1,6 +1,7 @@
 #include "cuda/backend.hpp"
 #include "filter/planner.hpp"
 #include "flow/sample_map.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

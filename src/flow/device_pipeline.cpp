@@ -4,6 +4,7 @@
 
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"

@@ -6,6 +6,7 @@
 #include "filter/lattice/lattice_cull.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

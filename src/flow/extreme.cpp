@@ -10,6 +10,7 @@
 #include "geometry/local_frame.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal {

@@ -7,6 +7,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

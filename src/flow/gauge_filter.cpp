@@ -5,6 +5,7 @@
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

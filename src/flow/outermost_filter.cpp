@@ -1,10 +1,10 @@
-#include <algorithm>
 
 #include "few/few_in_space.hpp"
 #include "few/small_3d.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
+#include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {

@@ -10,14 +10,13 @@
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/device_points.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/star_hull/star_triangles.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

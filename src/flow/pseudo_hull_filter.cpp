@@ -2,6 +2,7 @@
 
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -8,6 +8,7 @@
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -11,7 +11,6 @@
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "geometry/box_of_rows.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

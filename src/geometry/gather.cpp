@@ -8,6 +8,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

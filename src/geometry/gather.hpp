@@ -10,10 +10,10 @@
 #include "cullhull/array.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Throws Error{invalid_argument}; the message consists of these parts.
 template <class... Parts>
 [[noreturn]] void refuse(const Parts&... parts) {

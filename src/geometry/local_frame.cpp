@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
-#include <type_traits>
 #include <utility>
 
 #include "exact/determinants/determinant_sign.hpp"
@@ -17,7 +16,7 @@
 #include "geometry/box_of_rows.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/random_stream.hpp"
-#include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -119,41 +118,41 @@ bool surely_independent(unsigned d, const double* const* p, unsigned rank) {
 
 LocalFrame::LocalFrame(Array<double>&& rows, std::uint32_t count, unsigned dimension,
                        const Run& run)
-    : run_(run), raw_(std::move(rows)), count_(count), dimension_(dimension), frame_(dimension) {
+    : raw_(std::move(rows)), count_(count), dimension_(dimension), frame_(dimension) {
   if (count == 0) return;
-  measure_axes();
-  find_inexact_axes();
+  measure_axes(run);
+  find_inexact_axes(run);
   const bool exact =
       std::all_of(frame_.begin(), frame_.end(), [](const Axis& a) { return a.exact; });
   if (exact) {
-    scale_rows(raw_);
-    find_simplex(raw_);
-    keep_axes(raw_);
+    scale_rows(raw_, run);
+    find_simplex(raw_, run);
+    keep_axes(raw_, run);
   } else {
     scaled_ = raw_;
-    scale_rows(scaled_);
-    find_simplex(scaled_);
-    keep_axes(scaled_);
-    keep_axes(raw_);
+    scale_rows(scaled_, run);
+    find_simplex(scaled_, run);
+    keep_axes(scaled_, run);
+    keep_axes(raw_, run);
   }
   points_.dimension = static_cast<unsigned>(affine_dimension_);
   points_.count = count_;
   points_.exact = raw_.data();
   points_.coordinates = exact ? raw_.data() : scaled_.data();
-  if (exact) detect_lattice();
+  if (exact) detect_lattice(run);
 }
 
 template <class Body>
-void LocalFrame::each_chunk(const Body& body) const {
-  run_.each_chunk(count_, sweep, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+void LocalFrame::each_chunk(const Run& run, const Body& body) const {
+  run.each_chunk(count_, sweep, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     body(c, begin, end);
   });
 }
 
-void LocalFrame::measure_axes() {
+void LocalFrame::measure_axes(const Run& run) {
   const unsigned d = dimension_;
   const BoxOfRows box = box_of_rows(
-      count_, d, [&](std::uint64_t i) { return raw_.data() + i * d; }, run_);
+      count_, d, [&](std::uint64_t i) { return raw_.data() + i * d; }, run);
   for (unsigned j = 0; j < d; ++j) {
     const double low = box.low[j], high = box.high[j];
     Axis& a = frame_[j];
@@ -168,14 +167,14 @@ void LocalFrame::measure_axes() {
 }
 
 /// Finds the axes where scaling by 2^-e loses bits because results are below the normal range.
-void LocalFrame::find_inexact_axes() {
+void LocalFrame::find_inexact_axes(const Run& run) {
   const unsigned d = dimension_;
   for (unsigned j = 0; j < d; ++j) {
     Axis& a = frame_[j];
     if (a.exponent <= 0) continue;
     const double safe = std::ldexp(1.0, std::max(-1022 + a.exponent, -1074));
     std::atomic<bool> exact{true};
-    each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+    each_chunk(run, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
       bool small = false;
       for (std::uint64_t i = begin; i < end; ++i) {
         const double v = std::abs(raw_[i * d + j] - a.shift);
@@ -192,7 +191,7 @@ void LocalFrame::find_inexact_axes() {
   }
 }
 
-void LocalFrame::scale_rows(Array<double>& rows) const {
+void LocalFrame::scale_rows(Array<double>& rows, const Run& run) const {
   const unsigned d = dimension_;
   std::vector<double> factor(d), shift(d);
   bool plain = true, identity = true;
@@ -203,7 +202,7 @@ void LocalFrame::scale_rows(Array<double>& rows) const {
     identity = identity && frame_[j].exponent == 0 && shift[j] == 0;
   }
   if (identity) return;
-  each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+  each_chunk(run, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
     if (!plain) {
       for (std::uint64_t i = begin; i < end; ++i)
         for (unsigned j = 0; j < d; ++j) {
@@ -224,7 +223,7 @@ void LocalFrame::scale_rows(Array<double>& rows) const {
 
 // ----------------------------------------------------------------------- the simplex, and flats
 
-std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled) const {
+std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled, const Run& run) const {
   const unsigned d = dimension_;
   const auto less = [&](std::uint64_t a, std::uint64_t b) {
     const double* p = scaled.data() + a * d;
@@ -234,7 +233,7 @@ std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled) const {
     return false;
   };
   std::vector<std::uint64_t> first(chunk_count(count_, sweep));
-  each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  each_chunk(run, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     std::uint64_t lowest = begin;
     double level = scaled[begin * d];  // skips most rows after one comparison
     for (std::uint64_t i = begin + 1; i < end; ++i) {
@@ -250,22 +249,22 @@ std::uint32_t LocalFrame::lowest_row(const Array<double>& scaled) const {
   return static_cast<std::uint32_t>(lowest);
 }
 
-void LocalFrame::find_simplex(const Array<double>& scaled) {
+void LocalFrame::find_simplex(const Array<double>& scaled, const Run& run) {
   const unsigned d = dimension_;
   const auto varying = static_cast<unsigned>(
       std::count_if(frame_.begin(), frame_.end(), [](const Axis& a) { return !a.constant; }));
-  const std::uint32_t first = varying > 0 ? lowest_row(scaled) : 0;
+  const std::uint32_t first = varying > 0 ? lowest_row(scaled, run) : 0;
   simplex_ = {first};
   std::vector<double> basis;  // orthonormal directions, row-major
   const std::vector<std::uint32_t> sample = draw_sample(count_);
   while (simplex_.size() - 1 < varying && simplex_.size() < count_) {
-    run_.check();
+    run.check();
     const auto rank = static_cast<unsigned>(simplex_.size() - 1);
-    std::uint32_t next = farthest(scaled, basis, rank, &sample);
+    std::uint32_t next = farthest(scaled, basis, rank, &sample, run);
     if (!independent(next)) {
-      next = farthest(scaled, basis, rank, nullptr);
+      next = farthest(scaled, basis, rank, nullptr, run);
       if (!independent(next)) {
-        next = independent_by_scan();
+        next = independent_by_scan(run);
         if (next == count_) break;  // the points lie in a flat
       }
     }
@@ -291,21 +290,22 @@ void LocalFrame::find_simplex(const Array<double>& scaled) {
 }
 
 std::uint32_t LocalFrame::farthest(const Array<double>& scaled, const std::vector<double>& basis,
-                                   unsigned rank, const std::vector<std::uint32_t>* among) const {
+                                   unsigned rank, const std::vector<std::uint32_t>* among,
+                                   const Run& run) const {
   const auto search = [&](auto dimension, std::uint64_t begin, std::uint64_t end) {
-    const auto run = [&](const auto& at) {
+    const auto search_at = [&](const auto& at) {
       return farthest_row<decltype(dimension)::value>(scaled.data(), dimension_, simplex_[0],
                                                       basis.data(), rank, begin, end, at);
     };
-    if (among != nullptr) return run([&](std::uint64_t i) { return (*among)[i]; });
-    return run([](std::uint64_t i) { return static_cast<std::uint32_t>(i); });
+    if (among != nullptr) return search_at([&](std::uint64_t i) { return (*among)[i]; });
+    return search_at([](std::uint64_t i) { return static_cast<std::uint32_t>(i); });
   };
   const auto search_in = [&](std::uint64_t begin, std::uint64_t end) {
     return with_dimension<2, 6, 0>(dimension_, [&](auto d) { return search(d, begin, end); });
   };
   if (among != nullptr) return search_in(0, among->size()).point;
   std::vector<Candidate> best(chunk_count(count_, sweep));
-  each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  each_chunk(run, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     best[c] = search_in(begin, end);
   });
   return std::max_element(
@@ -325,7 +325,7 @@ bool LocalFrame::independent(std::uint32_t candidate) {
 }
 
 /// Returns a point off the flat of simplex_, or count_ if there is none; decided exactly.
-std::uint32_t LocalFrame::independent_by_scan() {
+std::uint32_t LocalFrame::independent_by_scan(const Run& run) {
   const unsigned d = dimension_;
   const auto rank = static_cast<unsigned>(simplex_.size() - 1);
   std::vector<const double*> flat;
@@ -341,8 +341,8 @@ std::uint32_t LocalFrame::independent_by_scan() {
       out[rank] = x[axis];
     };
     std::atomic<std::uint32_t> found{count_};
-    each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      run_.check();
+    each_chunk(run, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+      run.check();
       std::vector<double> projected((rank + 2) * (rank + 1));
       std::vector<const double*> p(rank + 2);
       for (unsigned i = 0; i <= rank + 1; ++i) p[i] = projected.data() + i * (rank + 1);
@@ -370,11 +370,11 @@ std::uint32_t LocalFrame::independent_by_scan() {
   return count_;
 }
 
-void LocalFrame::keep_axes(Array<double>& rows) const {
+void LocalFrame::keep_axes(Array<double>& rows, const Run& run) const {
   const unsigned d = dimension_, k = static_cast<unsigned>(affine_dimension_);
   if (k == d) return;
   Array<double> kept(std::size_t{count_} * k);
-  each_chunk([&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
+  each_chunk(run, [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < k; ++j) kept[i * k + j] = rows[i * d + axes_[j]];
   });
@@ -383,14 +383,14 @@ void LocalFrame::keep_axes(Array<double>& rows) const {
 
 /// Finds out whether doubles compute determinants without rounding: docs/exactness.md, "Small
 /// lattices".
-void LocalFrame::detect_lattice() {
+void LocalFrame::detect_lattice(const Run& run) {
   const auto k = static_cast<unsigned>(affine_dimension_);
   if (k < 2 || k > 8) return;
   const int allowed = 53 - factorial_bits[k];
   // |x| <= 1, so differences on a lattice of spacing 2^l are at most 2^(1 - l) spacings.
   std::vector<int> bits(chunk_count(count_, sweep) * k, 0);
   std::atomic<bool> fine{true};
-  each_chunk([&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  each_chunk(run, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     int* most = bits.data() + c * k;
     int sum = 0;
     for (std::uint64_t i = begin; i < end; ++i) {

@@ -6,10 +6,10 @@
 
 #include "cullhull/array.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Transforms points into the engines' frame, and owns the memory that LocalPoints views.
 class LocalFrame {
  public:
@@ -38,21 +38,21 @@ class LocalFrame {
   };
   /// Calls body(chunk, begin, end) for chunks of rows, on all threads.
   template <class Body>
-  void each_chunk(const Body& body) const;
-  void measure_axes();
-  void find_inexact_axes();
-  void scale_rows(Array<double>& rows) const;
-  void find_simplex(const Array<double>& scaled);
-  std::uint32_t lowest_row(const Array<double>& scaled) const;
+  void each_chunk(const Run& run, const Body& body) const;
+  void measure_axes(const Run& run);
+  void find_inexact_axes(const Run& run);
+  void scale_rows(Array<double>& rows, const Run& run) const;
+  void find_simplex(const Array<double>& scaled, const Run& run);
+  std::uint32_t lowest_row(const Array<double>& scaled, const Run& run) const;
   /// Searches the points `among`; nullptr: all points.
   std::uint32_t farthest(const Array<double>& scaled, const std::vector<double>& basis,
-                         unsigned rank, const std::vector<std::uint32_t>* among) const;
+                         unsigned rank, const std::vector<std::uint32_t>* among,
+                         const Run& run) const;
   bool independent(std::uint32_t candidate);
-  std::uint32_t independent_by_scan();
-  void keep_axes(Array<double>& rows) const;
-  void detect_lattice();
+  std::uint32_t independent_by_scan(const Run& run);
+  void keep_axes(Array<double>& rows, const Run& run) const;
+  void detect_lattice(const Run& run);
 
-  const Run run_;
   Array<double> raw_, scaled_;
   std::uint32_t count_;
   unsigned dimension_;

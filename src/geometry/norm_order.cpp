@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <type_traits>
 
 #include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"

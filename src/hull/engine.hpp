@@ -9,10 +9,10 @@
 #include "cullhull/array.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The hull's boundary as simplices of d local ids each; every ridge is shared by two. Simplices
 /// may be coplanar with their neighbours, and vertices may lie inside a face: result/ merges the
 /// former and removes the latter.

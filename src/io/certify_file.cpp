@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/hull.hpp"
 #include "io/mapped_file.hpp"
 
 namespace cullhull::internal {

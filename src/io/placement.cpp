@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <string_view>
 
+#include "cullhull/hull.hpp"
 #include "io/coordinates.hpp"
 #include "io/grid_axes.hpp"
 #include "io/source.hpp"

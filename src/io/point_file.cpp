@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <cstring>
 #include <numeric>
 
 #include "io/blocks/block_source.hpp"

@@ -1,6 +1,7 @@
 // Builds the cells; the kernel that tests points by them is compiled once per instruction set and
 // chosen at run time.
 #include "parallel/simd_targets.hpp"
+#include "parallel/threads/run.hpp"
 #include "query/facet_search.hpp"
 
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS

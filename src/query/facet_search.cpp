@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"

@@ -11,16 +11,16 @@
 #include <span>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/query.hpp"
 #include "geometry/facet_cells.hpp"
 #include "parallel/index.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/threads/run.hpp"
 #include "query/direction_cube.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The hull's vertices, and their projections to k axes, which map its flat one to one.
 struct QueryPoints {
   unsigned dimension = 0, k = 0;

@@ -9,6 +9,7 @@
 #include "cullhull/error.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

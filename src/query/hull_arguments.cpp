@@ -5,6 +5,7 @@
 #include <string>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 
 namespace cullhull::internal {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {

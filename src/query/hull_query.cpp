@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/query.hpp"
 #include "exact/orientation/flat_test.hpp"
 #include "filter/gauge/gauge_map.hpp"

@@ -8,6 +8,7 @@
 #include "geometry/simplex.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

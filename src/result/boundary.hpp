@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
+#include "cullhull/lists.hpp"
 #include "hull/engine.hpp"
-#include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 
 namespace cullhull::internal {

@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -5,6 +5,7 @@
 #include "parallel/adjacency.hpp"
 #include "parallel/disjoint_sets.hpp"
 #include "parallel/index.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/boundary.hpp"
 
 namespace cullhull::internal {

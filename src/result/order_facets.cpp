@@ -2,6 +2,7 @@
 #include <atomic>
 #include <bit>
 
+#include "cullhull/hull.hpp"
 #include "parallel/index.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {

@@ -5,6 +5,7 @@
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/hull.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 
 namespace cullhull::internal {

@@ -6,6 +6,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

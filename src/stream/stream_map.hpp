@@ -9,7 +9,6 @@
 
 #include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "parallel/threads/run.hpp"
 #include "stream/numbered_points.hpp"
 
 namespace cullhull::internal {

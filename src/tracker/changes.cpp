@@ -2,6 +2,7 @@
 #include <compare>
 #include <vector>
 
+#include "cullhull/hull.hpp"
 #include "parallel/sort_few.hpp"
 #include "tracker/simplex_memory.hpp"
 

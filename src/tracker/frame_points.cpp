@@ -3,9 +3,11 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/vertex_coordinates.hpp"
 
 namespace cullhull::internal {

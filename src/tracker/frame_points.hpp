@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "cullhull/device_points.hpp"
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -1,13 +1,14 @@
-#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
 #include <vector>
 
+#include "cullhull/hull.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "parallel/id_places.hpp"
+#include "parallel/threads/run.hpp"
 #include "tracker/simplex_memory.hpp"
 
 namespace cullhull::internal {

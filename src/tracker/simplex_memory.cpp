@@ -1,7 +1,6 @@
 #include "tracker/simplex_memory.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "cullhull/error.hpp"
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
@@ -9,6 +8,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

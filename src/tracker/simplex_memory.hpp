@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/track.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "flow/pipeline.hpp"
-#include "parallel/threads/run.hpp"
 #include "tracker/frame_points.hpp"
 
 namespace cullhull::internal {

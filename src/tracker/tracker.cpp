@@ -13,6 +13,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/helpers.hpp"
+#include "parallel/threads/run.hpp"
 #include "tracker/frame_points.hpp"
 #include "tracker/simplex_memory.hpp"
 

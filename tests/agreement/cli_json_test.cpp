@@ -1,6 +1,5 @@
 // Every JSON document the program writes is the one that docs/cullhull.schema.json describes.
 #include <cmath>
-#include <filesystem>
 #include <utility>
 
 #include "agreement/expect_json.hpp"

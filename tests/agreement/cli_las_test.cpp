@@ -7,6 +7,7 @@
 
 #include "agreement/expect_json.hpp"
 #include "bench/suites/las_bytes.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/point_blocks.hpp"
 
 namespace cullhull::cli_las_test {

@@ -1,5 +1,4 @@
 // What the program writes, under which names, and what it refuses to write over.
-#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>

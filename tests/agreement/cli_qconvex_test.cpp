@@ -1,7 +1,6 @@
 // `cullhull qconvex` and `--format` beside Qhull's own qconvex, on what its own rbox makes.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <sstream>
 

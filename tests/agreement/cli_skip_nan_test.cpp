@@ -1,11 +1,10 @@
 // --skip-nan: points without a return are left out of every command, and ids stay the file's.
-#include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "agreement/expect_json.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/point_blocks.hpp"
 

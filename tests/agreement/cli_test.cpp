@@ -4,7 +4,6 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <stdexcept>
 
 #include "agreement/expect_json.hpp"
 #include "cullhull/device_points.hpp"

@@ -1,6 +1,5 @@
 // cullhull delaunay and cullhull voronoi as users meet them.
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include "agreement/expect_json.hpp"

@@ -1,6 +1,5 @@
 // What the program says: of words it does not know, of arguments it repeats, of what it is doing.
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 

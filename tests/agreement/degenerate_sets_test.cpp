@@ -6,6 +6,7 @@
 #include "all_paths.hpp"
 #include "canonical_hash.hpp"
 #include "cullhull/extreme_points.hpp"
+#include "cullhull/generate.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support::degenerate_sets_test {

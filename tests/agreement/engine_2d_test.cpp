@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numeric>
 #include <random>
-#include <set>
 #include <tuple>
 
 #include "call_options.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "hull/engine.hpp"
+#include "parallel/threads/run.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::internal::engine_2d_test {

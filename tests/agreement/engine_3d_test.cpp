@@ -12,6 +12,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "parallel/threads/run.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::testing_support::engine_3d_test {

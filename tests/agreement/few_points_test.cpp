@@ -23,6 +23,7 @@
 #include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
+#include "parallel/threads/run.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::few_points_test {

@@ -13,6 +13,7 @@
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/sort_few.hpp"
+#include "parallel/threads/run.hpp"
 #include "thrown.hpp"
 #include "tracker/simplex_memory.hpp"
 

@@ -13,6 +13,7 @@
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "flow/sample_map.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal::gauge_core_test {

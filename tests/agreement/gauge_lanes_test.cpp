@@ -7,12 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <string>
 
 #include "cullhull/options.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal::gauge_lanes_test {

@@ -11,6 +11,7 @@
 #include "cullhull/options.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal::gauge_paths_test {

@@ -8,7 +8,6 @@
 #include "agreement/canonical_hash.hpp"
 #include "call_options.hpp"
 #include "cullhull/error.hpp"
-#include "cullhull/hull.hpp"
 
 namespace cullhull::testing_support {
 

@@ -20,6 +20,7 @@
 #include "geometry/gather.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 #include "result/measures/simplex_measures.hpp"
 

@@ -4,12 +4,12 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <string>
 
 #include "cullhull/options.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
+#include "parallel/threads/run.hpp"
 #include "reference/emulated_executor.hpp"
 #include "tests/made_sets.hpp"
 

@@ -11,6 +11,7 @@
 #include "agreement/point_sets.hpp"
 #include "call_options.hpp"
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "thrown.hpp"

@@ -18,6 +18,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "flow/pipeline.hpp"
+#include "parallel/threads/run.hpp"
 #include "reference/emulated_executor.hpp"
 
 namespace cullhull::internal::star_hull_test {

@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <limits>
-#include <numeric>
 #include <thread>
 
 #include "agreement/all_paths.hpp"

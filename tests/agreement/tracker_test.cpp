@@ -13,6 +13,7 @@
 #include "cullhull/cullhull.hpp"
 #include "cullhull/io.hpp"
 #include "flow/pipeline.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/counted_memory.hpp"
 #include "tests/made_sets.hpp"
 #include "tests/rates.hpp"

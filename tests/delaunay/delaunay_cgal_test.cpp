@@ -6,7 +6,6 @@
 #include <CGAL/Regular_triangulation_3.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <set>
 #include <vector>

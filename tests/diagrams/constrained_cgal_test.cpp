@@ -4,7 +4,6 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <gtest/gtest.h>
 
-#include <random>
 #include <set>
 
 #include "cullhull/constrained.hpp"

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
 #include "tests/reference/reference_boundary.hpp"
 
 namespace cullhull {

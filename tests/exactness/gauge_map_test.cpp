@@ -10,6 +10,7 @@
 
 #include "cullhull/options.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/reference/slow_hull.hpp"
 
 namespace cullhull::internal {

@@ -10,6 +10,7 @@
 #include <stop_token>
 
 #include "cullhull/cullhull.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace lattice_cull_test {

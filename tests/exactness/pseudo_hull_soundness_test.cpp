@@ -11,6 +11,7 @@
 
 #include "cullhull/options.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
+#include "parallel/threads/run.hpp"
 #include "reference/slow_hull.hpp"
 
 namespace cullhull::internal {

@@ -2,9 +2,6 @@
 // strictly inside by exact arithmetic.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
-#include <random>
 #include <string>
 
 #include "cuda/kernels/pseudo_hull.hpp"

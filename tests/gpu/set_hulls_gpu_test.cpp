@@ -2,14 +2,12 @@
 // Skipped, with the reason, where there is no device.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "cullhull/cullhull.hpp"
+#include "parallel/threads/run.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/gpu/same_batch.hpp"
 #include "tests/thrown.hpp"

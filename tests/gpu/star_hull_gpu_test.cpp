@@ -2,8 +2,6 @@
 // that comes of it is the CPU's.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 

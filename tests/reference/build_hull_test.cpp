@@ -5,6 +5,7 @@
 #include <map>
 #include <unordered_map>
 
+#include "cullhull/hull.hpp"
 #include "tests/reference/reference_boundary.hpp"
 
 namespace cullhull::build_hull_test {

@@ -2,7 +2,6 @@
 #include "parallel/byte_order.hpp"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "cullhull/hull.hpp"

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <latch>
-#include <map>
 #include <set>
 #include <stop_token>
 #include <string>

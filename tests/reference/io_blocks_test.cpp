@@ -3,9 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cstring>
 #include <mutex>
-#include <random>
 #include <thread>
 
 #include "cullhull/error.hpp"

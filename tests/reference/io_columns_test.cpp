@@ -2,9 +2,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <functional>
-#include <map>
-#include <mutex>
 #include <set>
 
 #include "cullhull/point_blocks.hpp"

@@ -1,6 +1,7 @@
 // Coordinate reference systems: what files state, and how GeoJSON names it.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 

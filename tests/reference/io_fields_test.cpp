@@ -1,6 +1,5 @@
 // Fields beside x, y and z as columns, keys and weights: of .ply, .pcd, structured .npy and
 // GeoJSON.
-#include <mutex>
 #include <string>
 #include <vector>
 

@@ -4,10 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <thread>
 
+#include "cullhull/hull.hpp"
 #include "io/mapped_file.hpp"
 #include "io/write/output_file.hpp"
 #include "tests/io_fixtures.hpp"

@@ -1,9 +1,9 @@
 // What viewers and maps read: .geojson, .wkt, .glb, .vtp, byte by byte and number by number.
-#include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "cullhull/cullhull.hpp"
+#include "tests/hull_fixtures.hpp"
 #include "tests/io_fixtures.hpp"
 #include "thrown.hpp"
 

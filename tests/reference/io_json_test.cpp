@@ -13,6 +13,7 @@
 #include "io/certify_file.hpp"
 #include "io/json/json.hpp"
 #include "io/json/json_writer.hpp"
+#include "tests/hull_fixtures.hpp"
 #include "tests/io_fixtures.hpp"
 #include "thrown.hpp"
 

@@ -1,7 +1,6 @@
 // LAS: every version and point format, in place and in blocks; headers that lie.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 #include "cullhull/point_blocks.hpp"

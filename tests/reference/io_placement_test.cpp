@@ -8,6 +8,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/placement.hpp"
 #include "io/certify_file.hpp"

@@ -1,6 +1,5 @@
 // Tables as offices, maps and scanners write them: each is read right or refused with a sentence
 // that shows the way, whole and in blocks.
-#include <optional>
 
 #include "cullhull/point_blocks.hpp"
 #include "tests/io_fixtures.hpp"

@@ -1,8 +1,8 @@
 // Meshes and Qhull's text.
 #include <cmath>
-#include <set>
 #include <sstream>
 
+#include "tests/hull_fixtures.hpp"
 #include "tests/io_fixtures.hpp"
 #include "thrown.hpp"
 

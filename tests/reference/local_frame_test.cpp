@@ -9,6 +9,7 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/options.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::local_frame_test {
 

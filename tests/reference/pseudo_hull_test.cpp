@@ -11,6 +11,7 @@
 #include "cullhull/options.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal::pseudo_hull_test {
 

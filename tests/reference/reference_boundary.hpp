@@ -6,8 +6,10 @@
 #include <random>
 
 #include "cullhull/certify.hpp"
+#include "cullhull/hull.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/points/local_points.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 #include "tests/reference/slow_hull.hpp"
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "cullhull/generate.hpp"
+#include "cullhull/hull.hpp"
 #include "thrown.hpp"
 #include "viewer/page.hpp"
 #include "viewer/scene.hpp"

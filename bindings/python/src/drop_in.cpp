@@ -2,7 +2,6 @@
 #include <nanobind/nanobind.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 
 #include "arrays.hpp"

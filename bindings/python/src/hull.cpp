@@ -5,7 +5,6 @@
 #include <nanobind/stl/unique_ptr.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <tuple>

@@ -4,7 +4,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/tuple.h>
 
-#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>

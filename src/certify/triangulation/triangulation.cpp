@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "certify/certificate.hpp"
 #include "certify/triangulation/side_filter.hpp"

@@ -8,7 +8,6 @@
 #include "cuda/gauge.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/star_hull/star_hull.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -20,7 +20,6 @@
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

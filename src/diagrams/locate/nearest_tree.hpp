@@ -7,10 +7,10 @@
 
 #include "cullhull/point_view.hpp"
 #include "cullhull/triangulation_query.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 class NearestTree {
  public:
   /// The most dimensions it takes: with more, a tree visits most of its leaves.

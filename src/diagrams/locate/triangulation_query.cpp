@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include "cullhull/error.hpp"
 #include "diagrams/locate/nearest_tree.hpp"

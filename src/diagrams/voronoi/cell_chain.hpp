@@ -9,7 +9,6 @@
 
 #include "cullhull/voronoi.hpp"
 #include "diagrams/voronoi/clip_rings.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

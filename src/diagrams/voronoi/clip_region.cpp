@@ -1,7 +1,6 @@
 #include "diagrams/voronoi/clip_region.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

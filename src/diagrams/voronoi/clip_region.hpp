@@ -13,10 +13,10 @@
 #include "cullhull/point_view.hpp"
 #include "cullhull/voronoi.hpp"
 #include "exact/numbers/bounded.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// A plane through D given points, or orthogonal to an axis.
 template <unsigned D>
 struct RegionPlane {

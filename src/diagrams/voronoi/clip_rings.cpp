@@ -1,7 +1,6 @@
 #include "diagrams/voronoi/clip_rings.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "cullhull/voronoi.hpp"

@@ -32,6 +32,7 @@
 #include <utility>
 
 #include "diagrams/voronoi/cell_chain.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

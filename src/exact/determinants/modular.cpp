@@ -7,7 +7,6 @@
 #include <bit>
 #include <cstdint>
 #include <functional>
-#include <utility>
 #include <vector>
 
 namespace cullhull::internal {

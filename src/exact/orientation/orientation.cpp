@@ -3,11 +3,8 @@
 #include <gmp.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <memory>
 #include <vector>
 
 #include "exact/determinants/determinant_sign.hpp"

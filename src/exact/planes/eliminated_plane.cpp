@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
-#include <utility>
 
 #include "exact/determinants/minors.hpp"
 #include "exact/numbers/double_parts.hpp"

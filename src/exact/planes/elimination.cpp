@@ -1,7 +1,6 @@
 // Gaussian elimination in vectors, compiled once per instruction set.
 #include "exact/planes/elimination.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

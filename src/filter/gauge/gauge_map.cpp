@@ -11,6 +11,7 @@
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -8,10 +8,10 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 struct GaugeTable;
 
 /// A convex polytope whose vertices are input points; the filter is built from it.

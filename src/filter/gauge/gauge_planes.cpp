@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {

@@ -8,6 +8,7 @@
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

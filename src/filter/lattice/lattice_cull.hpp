@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "cullhull/array.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// Keeps of all points on one line parallel to an axis only the two ends, because no other can be
 /// extreme; of equal points only the first. It thins along each axis in turn. Coordinates are
 /// replaced by numbers in the same order, so the grid may be any, not only integers. Returns false

@@ -16,10 +16,10 @@
 #include "parallel/host_device.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 inline constexpr std::uint32_t no_item = 0xFFFFFFFF;
 
 // Why maxima make results independent of threads: the largest of some numbers does not depend on

@@ -9,6 +9,7 @@
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "cullhull/point_view.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The outcome of one round, summed over the subsets.
 struct PseudoHullRound {
   std::uint64_t facets = 0;    ///< facets with an exterior set, each replaced by d others

@@ -11,7 +11,6 @@
 #include "filter/star_hull/star_flips.hpp"
 #include "filter/star_hull/star_growth.hpp"
 #include "filter/star_hull/star_triangles.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

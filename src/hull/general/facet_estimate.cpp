@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,6 +18,7 @@
 #include "hull/engine.hpp"
 #include "parallel/random_stream.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

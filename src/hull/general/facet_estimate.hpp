@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "exact/points/local_points.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 struct FacetEstimate {
   double vertices = 0, facets = 0;
 };

@@ -8,7 +8,6 @@
 #include "cullhull/array.hpp"
 #include "geometry/box.hpp"
 #include "hull/plane/planar_chains.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

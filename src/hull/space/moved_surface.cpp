@@ -2,8 +2,10 @@
 #include <atomic>
 #include <cmath>
 
+#include "cullhull/hull.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/index.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {

@@ -7,7 +7,6 @@
 #include "exact/points/local_points.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/radix_sort.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

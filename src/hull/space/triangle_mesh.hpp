@@ -7,14 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "exact/orientation/orientation_3d.hpp"
 #include "exact/points/local_points.hpp"
 #include "filter/star_hull/star_triangles.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
 #include "parallel/memory/raw_array.hpp"
-#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "io/json/json_text.hpp"
 #include "io/write/mesh.hpp"
 

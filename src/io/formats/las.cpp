@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <memory>
 
 #include "io/formats/las_fields.hpp"
 #include "io/mapped_file.hpp"

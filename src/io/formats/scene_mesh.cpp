@@ -1,7 +1,6 @@
 // Meshes for viewers: GLB (glTF 2.0 in one file) and VTK's PolyData (.vtp).
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>

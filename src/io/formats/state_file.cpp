@@ -1,7 +1,5 @@
 // HullState as a file.
 #include <array>
-#include <cstring>
-#include <span>
 
 #include "cullhull/point_blocks.hpp"
 #include "io/file_formats.hpp"

@@ -1,6 +1,5 @@
 // write_group_shapes: alpha shapes and concave hulls of groups of points, a record for each.
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

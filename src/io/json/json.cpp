@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "cullhull/hull.hpp"
+
 namespace cullhull::internal {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "io/coordinates.hpp"
 #include "io/json/json_writer.hpp"
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "cullhull/hull.hpp"
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 
 namespace cullhull::internal {
 namespace {

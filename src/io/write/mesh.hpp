@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/io.hpp"
 #include "io/coordinates.hpp"
 #include "io/write/output_file.hpp"

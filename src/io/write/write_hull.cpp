@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "io/file_formats.hpp"
 #include "io/formats/geometry_text.hpp"
 #include "io/json/json.hpp"

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numeric>
 #include <span>
-#include <utility>
 
 #include "cullhull/constrained.hpp"
 #include "cullhull/error.hpp"

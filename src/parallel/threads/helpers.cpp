@@ -5,10 +5,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
-#include <new>
 #include <system_error>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include "parallel/threads/crowding.hpp"

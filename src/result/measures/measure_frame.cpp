@@ -8,6 +8,7 @@
 #include "exact/orientation/orientation.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/facets/orthogonal_parts.hpp"
 
 namespace cullhull::internal {

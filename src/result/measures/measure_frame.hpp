@@ -9,11 +9,11 @@
 #include "cullhull/array.hpp"
 #include "cullhull/point_view.hpp"
 #include "exact/numbers/exact_float.hpp"
-#include "parallel/threads/run.hpp"
 #include "result/measures/share.hpp"
 
 namespace cullhull::internal {
 
+struct Run;
 /// The coordinates of the hull's vertices, scaled so that products stay within the range of
 /// doubles, and the map from the projection on coordinate axes to the flat that the points span.
 struct Frame {

@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "cullhull/hull.hpp"
 #include "exact/numbers/double_parts.hpp"
 #include "exact/numbers/exact_float.hpp"
+#include "parallel/threads/run.hpp"
 #include "result/measures/totals.hpp"
 
 namespace cullhull::internal {

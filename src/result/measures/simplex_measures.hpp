@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cullhull/hull.hpp"
-#include "parallel/threads/run.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "result/measures/measure_frame.hpp"
 
 namespace cullhull::internal {

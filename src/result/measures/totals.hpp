@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/share.hpp"

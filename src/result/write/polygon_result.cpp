@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "cullhull/hull.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"

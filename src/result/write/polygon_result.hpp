@@ -7,9 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "cullhull/hull.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/threads/run.hpp"
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure_frame.hpp"
 #include "result/measures/totals.hpp"

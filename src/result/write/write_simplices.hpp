@@ -9,7 +9,6 @@
 #include "hull/engine.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "parallel/memory/raw_array.hpp"
-#include "parallel/threads/run.hpp"
 #include "result/boundary.hpp"
 #include "result/build_hull.hpp"
 #include "result/measures/measure_frame.hpp"

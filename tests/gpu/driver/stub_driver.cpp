@@ -1,5 +1,4 @@
 // A driver of no device that counts how often it is called: libcuda.so.1 for driver_calls_test.
-#include <cstdlib>
 #include <cstring>
 
 namespace {

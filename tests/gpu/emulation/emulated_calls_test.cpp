@@ -6,9 +6,7 @@
 
 #include <cstdlib>
 #include <optional>
-#include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "device_sets.hpp"
