@@ -4,11 +4,13 @@
 
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 #include "cullhull/lists.hpp"
 #include "numpy_api.hpp"
@@ -115,11 +117,48 @@ Array<T> rows_of(const T* data, std::size_t rows, std::size_t width, nb::handle 
   return Array<T>::view(data, {rows, width}, owner);
 }
 
-/// Ids and offsets are below 2^63; for NumPy they are signed, so that differences can be negative.
-template <class Ids>
-const std::int64_t* signed_ids(const Ids& ids) {
-  static_assert(std::is_same_v<typename Ids::value_type, std::uint64_t>);
-  return reinterpret_cast<const std::int64_t*>(ids.data());
+/// The type that NumPy shows for the library's: ids and offsets are below 2^63 and signed there, so
+/// that differences can be negative; no_index and at_infinity are -1.
+template <class T, bool = std::is_integral_v<T>>
+struct Shown {
+  using type = T;
+};
+template <class T>
+struct Shown<T, true> {
+  using type = std::make_signed_t<T>;
+};
+template <class T>
+using shown_t = typename Shown<std::remove_const_t<T>>::type;
+
+template <class List>
+const shown_t<typename List::value_type>* shown_data(const List& list) {
+  return reinterpret_cast<const shown_t<typename List::value_type>*>(list.data());
+}
+/// A view of a list of the library, whose memory `owner` keeps.
+template <class List>
+auto list_in(const List& list, nb::handle owner) {
+  return list_of(shown_data(list), list.size(), owner);
+}
+template <class List>
+auto rows_in(const List& list, std::size_t width, nb::handle owner) {
+  return rows_of(shown_data(list), width == 0 ? 0 : list.size() / width, width, owner);
+}
+
+/// A writable copy with items of the type T.
+template <class T, class List>
+Array<T> copied(const List& list, std::initializer_list<std::size_t> shape) {
+  Array<T> array = Array<T>::make(shape);
+  std::transform(list.begin(), list.end(), array.data(), [](auto v) { return static_cast<T>(v); });
+  return array;
+}
+template <class T, class List>
+Array<T> copied(const List& list) {
+  return copied<T>(list, {list.size()});
+}
+/// A read-only copy.
+template <class List>
+auto kept(const List& list) {
+  return copied<shown_t<typename List::value_type>>(list).lock();
 }
 
 /// Numbers of facets or simplices as int32. More than 2^31 - 1 of them need more memory for their
@@ -128,12 +167,6 @@ inline void check_numbers(std::size_t count) {
   if (count > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     throw nb::builtin_exception(nb::exception_type::runtime_error,
                                 "more facets than int32 can number");
-}
-template <class Numbers>
-const std::int32_t* signed_numbers(const Numbers& numbers, std::size_t count) {
-  static_assert(std::is_same_v<typename Numbers::value_type, std::uint32_t>);
-  check_numbers(count);
-  return reinterpret_cast<const std::int32_t*>(numbers.data());
 }
 
 /// Memory for `size` items of the type T, not initialised, that can be allocated and filled without
@@ -160,12 +193,10 @@ class Output {
 
 /// Views the memory of `owner` if there is any, else makes an array of its own.
 template <class T>
-Array<std::make_signed_t<T>> signed_list(const cullhull::EvenArray<T>& items, nb::handle owner) {
-  using Shown = std::make_signed_t<T>;
-  if (items.data() != nullptr)
-    return list_of(reinterpret_cast<const Shown*>(items.data()), items.size(), owner);
-  Array<Shown> all = Array<Shown>::make({items.size()});
-  for (std::size_t i = 0; i < items.size(); ++i) all.data()[i] = static_cast<Shown>(items[i]);
+Array<shown_t<T>> list_in(const cullhull::EvenArray<T>& items, nb::handle owner) {
+  if (items.data() != nullptr) return list_of(shown_data(items), items.size(), owner);
+  Array<shown_t<T>> all = Array<shown_t<T>>::make({items.size()});
+  for (std::size_t i = 0; i < items.size(); ++i) all.data()[i] = static_cast<shown_t<T>>(items[i]);
   return std::move(all).lock();
 }
 

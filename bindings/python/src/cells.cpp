@@ -28,25 +28,6 @@ using cullhull::Triangulation;
 
 namespace {
 
-/// Some microseconds a cell.
-Length length_of_cells(const Cells& cells) noexcept {
-  const std::uint64_t n = cells.triangulation().size();
-  return n <= 200 ? Length::brief : n <= 20'000 ? Length::moderate : Length::long_;
-}
-
-/// An array of its own, read-only: numbers of points and cells are below 2^31, offsets below 2^63.
-template <class List>
-auto copied(const List& list) {
-  using Item = typename List::value_type;
-  using Shown = std::conditional_t<
-      std::is_floating_point_v<Item>, Item,
-      std::make_signed_t<std::conditional_t<std::is_floating_point_v<Item>, std::uint32_t, Item>>>;
-  Array<Shown> out = Array<Shown>::make({list.size()});
-  std::transform(list.begin(), list.end(), out.data(),
-                 [](Item v) { return static_cast<Shown>(v); });
-  return std::move(out).lock();
-}
-
 std::vector<std::uint32_t> numbers_of(Array<std::int32_t> list, const char* what) {
   if (!list.is_list()) throw nb::value_error("numbers must lie one after another");
   std::vector<std::uint32_t> numbers;
@@ -70,11 +51,11 @@ std::tuple<Numbers, Numbers, Numbers> alpha_shape(const Cells& cells, double alp
   const auto shape = computed(settings, length_of_cells(cells), [&](const Options& options) {
     return cullhull::alpha_shape(cells.points().view(), cells.triangulation(), alpha, options);
   });
-  return {copied(shape.cells), copied(shape.facets), copied(shape.facet_cells)};
+  return {kept(shape.cells), kept(shape.facets), kept(shape.facet_cells)};
 }
 
 Array<double> alpha_radii(const Cells& cells, const Settings* settings) {
-  return copied(computed(settings, length_of_cells(cells), [&](const Options& options) {
+  return kept(computed(settings, length_of_cells(cells), [&](const Options& options) {
     return cullhull::alpha_radii(cells.points().view(), cells.triangulation(), options);
   }));
 }
@@ -88,7 +69,7 @@ std::tuple<double, Numbers, Numbers, Numbers> concave_hull(const Cells& cells, d
     if (ratio) length = cullhull::concave_length(points, cells.triangulation(), number, options);
     return cullhull::concave_hull(points, cells.triangulation(), length, options);
   });
-  return {length, copied(hull.cells), copied(hull.facets), copied(hull.facet_cells)};
+  return {length, kept(hull.cells), kept(hull.facets), kept(hull.facet_cells)};
 }
 
 double critical_alpha(const Cells& cells, bool one_region, const Settings* settings) {
@@ -104,8 +85,7 @@ std::tuple<Numbers, Offsets, Offsets> cell_polygons(const Cells& cells, Numbers 
   const auto polygons = computed(settings, length_of_cells(cells), [&](const Options& options) {
     return cullhull::cell_polygons(cells.points().view(), cells.triangulation(), numbers, options);
   });
-  return {copied(polygons.rings.items), copied(polygons.rings.offsets),
-          copied(polygons.polygon_offsets)};
+  return {kept(polygons.rings.items), kept(polygons.rings.offsets), kept(polygons.polygon_offsets)};
 }
 
 // -------------------------------------------------------------------------------------- graphs
@@ -115,7 +95,7 @@ using GraphOf = cullhull::Array<std::uint32_t> (*)(const cullhull::PointView&, c
 
 template <GraphOf graph_of>
 Numbers graph(const Cells& cells, const Settings* settings) {
-  return copied(computed(settings, length_of_cells(cells), [&](const Options& options) {
+  return kept(computed(settings, length_of_cells(cells), [&](const Options& options) {
     return graph_of(cells.points().view(), cells.triangulation(), options);
   }));
 }
@@ -136,8 +116,8 @@ std::tuple<std::unique_ptr<Cells>, Numbers, Numbers, Numbers, cullhull::Certific
     if (certified) certificate = cullhull::certify(points.view(), pairs, result, chosen);
   });
   check_numbers(result.triangulation.size());
-  Numbers pieces = copied(result.pieces), sources = copied(result.piece_sources),
-          depths = copied(result.depths);
+  Numbers pieces = kept(result.pieces), sources = kept(result.piece_sources),
+          depths = kept(result.depths);
   return {std::make_unique<Cells>(std::move(result.triangulation), std::move(array), nb::none()),
           std::move(pieces), std::move(sources), std::move(depths), std::move(certificate)};
 }
@@ -168,7 +148,7 @@ Array<double> natural(const Interpolator& of, nb::handle array, double outside,
 
 std::tuple<Numbers, Array<double>> natural_neighbours(const Interpolator& of, Array<double> point) {
   const cullhull::NaturalNeighbours found = of.natural_neighbours(point.data());
-  return {copied(found.ids), copied(found.weights)};
+  return {kept(found.ids), kept(found.weights)};
 }
 
 }  // namespace

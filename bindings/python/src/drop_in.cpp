@@ -21,15 +21,8 @@ IdArray ids_like_scipys(const Ids& ids, std::initializer_list<std::size_t> shape
   const auto fits = [](std::uint64_t id) {
     return id <= static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
   };
-  if (!std::all_of(ids.begin(), ids.end(), fits)) {
-    Array<std::int64_t> wide = Array<std::int64_t>::make(shape);
-    std::copy(ids.begin(), ids.end(), wide.data());
-    return wide;
-  }
-  Array<std::int32_t> narrow = Array<std::int32_t>::make(shape);
-  std::transform(ids.begin(), ids.end(), narrow.data(),
-                 [](std::uint64_t id) { return static_cast<std::int32_t>(id); });
-  return narrow;
+  if (std::all_of(ids.begin(), ids.end(), fits)) return copied<std::int32_t>(ids, shape);
+  return copied<std::int64_t>(ids, shape);
 }
 
 IdArray vertices(Self self) {
@@ -44,21 +37,17 @@ IdArray simplices(Self self) {
 
 Array<std::int32_t> neighbors(Self self) {
   const Hull& h = hull_in(self);
-  const std::int32_t* const numbers = signed_numbers(h.simplex_neighbours, h.simplex_count());
-  Array<std::int32_t> all = Array<std::int32_t>::make({h.simplex_count(), simplex_width(h)});
-  std::copy_n(numbers, h.simplex_neighbours.size(), all.data());
-  return all;
+  check_numbers(h.simplex_count());
+  return copied<std::int32_t>(h.simplex_neighbours, {h.simplex_count(), simplex_width(h)});
 }
 
 /// Each simplex with the plane of its facet.
 Array<double> equations(Self self) {
   const Hull& h = hull_in(self);
   const std::size_t width = std::size_t{h.dimension} + 1, count = h.simplex_count();
+  if (h.facet_count() == count)  // in order, as facets are numbered by their first simplex
+    return copied<double>(h.facet_planes, {count, width});
   Array<double> all = Array<double>::make({count, width});
-  if (h.facet_count() == count) {  // in order, as facets are numbered by their first simplex
-    std::copy_n(h.facet_planes.data(), count * width, all.data());
-    return all;
-  }
   for (std::size_t i = 0; i < count; ++i)
     std::copy_n(h.facet_planes.data() + h.simplex_facets[i] * width, width, all.data() + i * width);
   return all;

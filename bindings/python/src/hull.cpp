@@ -16,6 +16,7 @@
 #include "cullhull/io.hpp"
 #include "points.hpp"
 #include "solid.hpp"
+#include "statistics.hpp"
 
 namespace binding {
 
@@ -104,21 +105,6 @@ void save(const std::string& path, const Solid& solid, nb::handle array, const s
       format, faces, extras);
 }
 
-nb::typed<nb::dict, nb::str, nb::any> statistics(const Solid& solid) {
-  const cullhull::Statistics& s = solid.hull().statistics;
-  nb::typed<nb::dict, nb::str, nb::any> all;
-  all["survivors"] = s.survivors;
-  all["cull_method"] = cullhull::filter_name(s.filter);
-  all["cull_reason"] = s.cull_reason;
-  all["backend"] = cullhull::backend_name(s.backend);
-  all["threads"] = s.threads;
-  all["cull_seconds"] = s.cull_seconds;
-  all["hull_seconds"] = s.hull_seconds;
-  all["compute_seconds"] = s.compute_seconds;
-  all["rung_counts"] = nb::make_tuple(s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
-  return all;
-}
-
 /// The same hull, of points among which another one, which does not affect the hull, has this id.
 std::unique_ptr<Solid> skipping(const Solid& solid, std::uint64_t id) {
   Hull hull = solid.hull();
@@ -152,82 +138,55 @@ Examples
 )";
 
 void bind_arrays(nb::class_<Solid>& c) {
-  c.def_prop_ro(
-       "vertices",
-       [](Self self) {
+  c.def_prop_ro("vertices", [](Self self) { return list_in(hull_in(self).vertices, self); });
+  c.def_prop_ro("vertex_points", [](Self self) {
+    return rows_in(nb::inst_ptr<Solid>(self)->vertex_rows(), hull_in(self).dimension, self);
+  });
+  c.def_prop_ro("facet_offsets",
+                [](Self self) { return list_in(hull_in(self).facets.offsets, self); });
+  c.def_prop_ro("facet_vertices",
+                [](Self self) { return list_in(hull_in(self).facets.items, self); });
+  c.def_prop_ro("facet_neighbour_offsets",
+                [](Self self) { return list_in(hull_in(self).facet_neighbours.offsets, self); });
+  c.def_prop_ro("facet_neighbours", [](Self self) {
+    check_numbers(hull_in(self).facet_count());
+    return list_in(hull_in(self).facet_neighbours.items, self);
+  });
+  c.def_prop_ro("facet_planes", [](Self self) {
+    return rows_in(hull_in(self).facet_planes, std::size_t{hull_in(self).dimension} + 1, self);
+  });
+  c.def_prop_ro("simplices", [](Self self) {
     const Hull& h = hull_in(self);
-    return list_of(signed_ids(h.vertices), h.vertices.size(), self);
-       })
-      .def_prop_ro(
-          "vertex_points",
-          [](Self self) {
+    return rows_of(shown_data(h.simplices), h.simplex_count(), simplex_width(h), self);
+  });
+  c.def_prop_ro("simplex_neighbours", [](Self self) {
     const Hull& h = hull_in(self);
-    return rows_of(nb::inst_ptr<Solid>(self)->vertex_rows().data(), h.vertices.size(), h.dimension,
-                   self);
-          })
-      .def_prop_ro("facet_offsets",
-                   [](Self self) { return signed_list(hull_in(self).facets.offsets, self); })
-      .def_prop_ro(
-          "facet_vertices",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    return list_of(signed_ids(h.facets.items), h.facets.items.size(), self);
-          })
-      .def_prop_ro(
-          "facet_neighbour_offsets",
-          [](Self self) { return signed_list(hull_in(self).facet_neighbours.offsets, self); })
-      .def_prop_ro(
-          "facet_neighbours",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    const auto& items = h.facet_neighbours.items;
-    return list_of(signed_numbers(items, h.facet_count()), items.size(), self);
-          })
-      .def_prop_ro(
-          "facet_planes",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    return rows_of(h.facet_planes.data(), h.facet_count(), std::size_t{h.dimension} + 1, self);
-          })
-      .def_prop_ro(
-          "simplices",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    return rows_of(signed_ids(h.simplices), h.simplex_count(), simplex_width(h), self);
-          })
-      .def_prop_ro(
-          "simplex_neighbours",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    return rows_of(signed_numbers(h.simplex_neighbours, h.simplex_count()), h.simplex_count(),
-                   simplex_width(h), self);
-          })
-      .def_prop_ro(
-          "simplex_facets",
-          [](Self self) {
-    const Hull& h = hull_in(self);
-    check_numbers(h.facet_count());
-    return signed_list(h.simplex_facets, self);
-          })
-      .def_prop_ro("centroid", [](Self self) {
-        const Hull& h = hull_in(self);
-        return list_of(h.centroid.data(), h.centroid.size(), self);
-      });
+    check_numbers(h.simplex_count());
+    return rows_of(shown_data(h.simplex_neighbours), h.simplex_count(), simplex_width(h), self);
+  });
+  c.def_prop_ro("simplex_facets", [](Self self) {
+    check_numbers(hull_in(self).facet_count());
+    return list_in(hull_in(self).simplex_facets, self);
+  });
+  c.def_prop_ro("centroid", [](Self self) { return list_in(hull_in(self).centroid, self); });
 }
 
 }  // namespace
 
 void bind_hull(nb::module_& m) {
   nb::class_<Solid> c(m, "Solid", "A hull: cullhull.Hull wraps it.");
-  c.def_prop_ro("dimension", [](const Solid& s) { return s.hull().dimension; })
-      .def_prop_ro("point_count", [](const Solid& s) { return s.hull().point_count; })
-      .def_prop_ro("scalar", [](const Solid& s) { return cullhull::scalar_name(s.hull().scalar); })
-      .def_prop_ro("affine_dimension", [](const Solid& s) { return s.hull().affine_dimension; })
-      .def_prop_ro("facet_count", [](const Solid& s) { return s.hull().facet_count(); })
-      .def_prop_ro("simplex_count", [](const Solid& s) { return s.hull().simplex_count(); })
-      .def_prop_ro("volume", [](const Solid& s) { return s.hull().volume; })
-      .def_prop_ro("area", [](const Solid& s) { return s.hull().area; })
-      .def_prop_ro("statistics", statistics);
+  const auto number = [&](const char* name, auto of) {
+    c.def_prop_ro(name, [of](const Solid& s) { return of(s.hull()); });
+  };
+  number("dimension", [](const Hull& h) { return h.dimension; });
+  number("point_count", [](const Hull& h) { return h.point_count; });
+  number("scalar", [](const Hull& h) { return cullhull::scalar_name(h.scalar); });
+  number("affine_dimension", [](const Hull& h) { return h.affine_dimension; });
+  number("facet_count", [](const Hull& h) { return h.facet_count(); });
+  number("simplex_count", [](const Hull& h) { return h.simplex_count(); });
+  number("volume", [](const Hull& h) { return h.volume; });
+  number("area", [](const Hull& h) { return h.area; });
+  number("statistics", [](const Hull& h) { return dict_of(h.statistics); });
   c.def("skipping", skipping, nb::arg("id"));
   bind_arrays(c);
   bind_query(c);

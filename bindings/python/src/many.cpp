@@ -39,66 +39,35 @@ std::unique_ptr<Batch> convex_hulls(nb::handle array, Array<std::int64_t> offset
 using Self = nb::handle_t<Batch>;
 const Batch& batch_in(Self self) { return *nb::inst_ptr<Batch>(self); }
 
-template <class Values>
-Array<typename Values::value_type> values(Self self, const Values& list) {
-  return list_of(list.data(), list.size(), self);
-}
-
 void bind_batch(nb::module_& m) {
-  nb::class_<Batch>(m, "Batch", "Many hulls: cullhull.HullBatch wraps it.")
-      .def("__len__", [](const Batch& b) { return b.hulls.size(); })
-      .def("solid", &Batch::at, nb::arg("set"))
-      .def_prop_ro("dimension", [](const Batch& b) { return b.hulls.dimension; })
-      .def_prop_ro(
-          "point_counts",
-          [](Self self) {
-    const auto& list = batch_in(self).hulls.point_counts;
-    return list_of(signed_ids(list), list.size(), self);
-          })
-      .def_prop_ro("affine_dimensions",
-                   [](Self self) { return values(self, batch_in(self).hulls.affine_dimensions); })
-      .def_prop_ro("volumes", [](Self self) { return values(self, batch_in(self).hulls.volumes); })
-      .def_prop_ro("areas", [](Self self) { return values(self, batch_in(self).hulls.areas); })
-      .def_prop_ro(
-          "centroids",
-          [](Self self) {
-    const HullBatch& h = batch_in(self).hulls;
-    return rows_of(h.centroids.data(), h.size(), h.dimension, self);
-          })
-      .def_prop_ro(
-          "vertex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.vertices.offsets, self); })
-      .def_prop_ro(
-          "vertices",
-          [](Self self) {
-    const auto& list = batch_in(self).hulls.vertices.items;
-    return list_of(signed_ids(list), list.size(), self);
-          })
-      .def_prop_ro(
-          "vertex_points",
-          [](Self self) {
+  nb::class_<Batch> c(m, "Batch", "Many hulls: cullhull.HullBatch wraps it.");
+  c.def("__len__", [](const Batch& b) { return b.hulls.size(); });
+  c.def("solid", &Batch::at, nb::arg("set"));
+  c.def_prop_ro("dimension", [](const Batch& b) { return b.hulls.dimension; });
+  c.def_prop_ro("vertex_points", [](Self self) {
     const Batch& b = batch_in(self);
     return rows_of(b.vertex_rows.data(), b.hulls.vertices.items.size(), b.hulls.dimension, self);
-          })
-      .def_prop_ro(
-          "facet_starts",
-          [](Self self) {
-    const auto& list = batch_in(self).hulls.facet_starts;
-    return list_of(signed_ids(list), list.size(), self);
-          })
-      .def_prop_ro(
-          "facet_planes",
-          [](Self self) {
+  });
+  const auto list = [&](const char* name, auto of) {
+    c.def_prop_ro(name, [of](Self self) { return list_in(*of(batch_in(self).hulls), self); });
+  };
+  list("point_counts", [](const HullBatch& h) { return &h.point_counts; });
+  list("affine_dimensions", [](const HullBatch& h) { return &h.affine_dimensions; });
+  list("volumes", [](const HullBatch& h) { return &h.volumes; });
+  list("areas", [](const HullBatch& h) { return &h.areas; });
+  list("vertex_offsets", [](const HullBatch& h) { return &h.vertices.offsets; });
+  list("vertices", [](const HullBatch& h) { return &h.vertices.items; });
+  list("facet_starts", [](const HullBatch& h) { return &h.facet_starts; });
+  list("simplex_offsets", [](const HullBatch& h) { return &h.simplices.offsets; });
+  list("simplices", [](const HullBatch& h) { return &h.simplices.items; });
+  c.def_prop_ro("centroids", [](Self self) {
+    const HullBatch& h = batch_in(self).hulls;
+    return rows_of(h.centroids.data(), h.size(), h.dimension, self);
+  });
+  c.def_prop_ro("facet_planes", [](Self self) {
     const HullBatch& h = batch_in(self).hulls;
     return rows_of(h.facet_planes.data(), h.facets.size(), std::size_t{h.dimension} + 1, self);
-          })
-      .def_prop_ro(
-          "simplex_offsets",
-          [](Self self) { return signed_list(batch_in(self).hulls.simplices.offsets, self); })
-      .def_prop_ro("simplices", [](Self self) {
-        const auto& list = batch_in(self).hulls.simplices.items;
-        return list_of(signed_ids(list), list.size(), self);
-      });
+  });
 }
 
 /// A growing hull; not for two threads at once, which is an error rather than a race.

@@ -14,19 +14,10 @@ NB_MODULE(_core, m) {
   // hulls in them; nanobind would report these as leaks of ours.
   nanobind::set_leak_warnings(false);
   m.attr("version") = CULLHULL_VERSION;
-  binding::bind_call(m);
-  binding::bind_hull(m);
-  binding::bind_many(m);
-  binding::bind_state(m);
-  binding::bind_halfspaces(m);
-  binding::bind_device(m);
-  binding::bind_device_batch(m);
-  binding::bind_tracker(m);
-  binding::bind_simplify(m);
-  binding::bind_stream(m);
-  binding::bind_files(m);
-  binding::bind_triangulation(m);
-  binding::bind_voronoi(m);
-  binding::bind_cells(m);
-  binding::bind_save(m);
+  for (const auto bind : {binding::bind_call, binding::bind_hull, binding::bind_many,
+                          binding::bind_state, binding::bind_halfspaces, binding::bind_device,
+                          binding::bind_device_batch, binding::bind_tracker, binding::bind_simplify,
+                          binding::bind_stream, binding::bind_files, binding::bind_triangulation,
+                          binding::bind_voronoi, binding::bind_cells, binding::bind_save})
+    bind(m);
 }

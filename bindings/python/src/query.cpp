@@ -151,9 +151,7 @@ Array<std::int64_t> visible_facets(const Solid& solid, nb::handle array, const S
     for (std::uint32_t j = 0; j < view.dimension; ++j) point[j] = view.at(0, j);
     visible = query.visible_facets(point.data());
   });
-  Output<std::int64_t> out(visible.size());
-  std::copy(visible.begin(), visible.end(), out.data());
-  return std::move(out).to_array();
+  return copied<std::int64_t>(visible);
 }
 
 /// (hit, enter, exit, enter_facet, exit_facet), one array each; no facet is -1.

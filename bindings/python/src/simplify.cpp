@@ -57,9 +57,7 @@ Array<std::int64_t> shared_planes(const Solid& solid, double distance) {
     const Vertices vertices(solid);
     of = cullhull::shared_planes(vertices.view, vertices.hull, distance);
   }
-  Output<std::int64_t> out(of.size());
-  std::copy(of.begin(), of.end(), out.data());
-  return std::move(out).to_array();
+  return copied<std::int64_t>(of);
 }
 
 double rounding_distance(const Solid& solid) {

@@ -15,6 +15,7 @@
 #include "batch.hpp"
 #include "cullhull/error.hpp"
 #include "solid.hpp"
+#include "statistics.hpp"
 #include "triangulation.hpp"
 
 namespace binding {
@@ -39,37 +40,15 @@ void require(bool holds, const char* what) {
   if (!holds) refuse(what);
 }
 
-/// The type that NumPy shows for the library's integers.
-template <class T, bool = std::is_integral_v<T>>
-struct Shown {
-  using type = T;
-};
-template <class T>
-struct Shown<T, true> {
-  using type = std::make_signed_t<T>;
-};
-template <class T>
-using shown_t = typename Shown<std::remove_const_t<T>>::type;
-
-/// A view of `list`, whose memory `owner` keeps.
+/// A view of `list`, whose memory `owner` keeps; (count, step) where the items are not stored.
 template <class List>
 nb::object saved(const List& list, nb::handle owner) {
-  using T = shown_t<typename List::value_type>;
-  return list_of(reinterpret_cast<const T*>(list.data()), list.size(), owner);
+  return list_in(list, owner);
 }
-/// A copy of it.
-template <class List>
-nb::object copied(const List& list) {
-  using T = shown_t<typename List::value_type>;
-  Array<T> array = Array<T>::make({list.size()});
-  std::copy(list.begin(), list.end(), array.data());
-  return array;
-}
-/// The same as saved(); (count, step) where the items are not stored.
 template <class T>
 nb::object saved(const EvenArray<T>& list, nb::handle owner) {
   if (list.step() != nullptr) return nb::make_tuple(list.size(), *list.step());
-  return list_of(reinterpret_cast<const shown_t<T>*>(list.data()), list.size(), owner);
+  return list_of(shown_data(list), list.size(), owner);
 }
 
 nb::object item(const State& state, const char* name) {
@@ -157,10 +136,52 @@ ScalarType scalar_named(const std::string& name) {
 
 /// The value up to `last` whose name is `text`; the first one for a text that is none's.
 template <class Enum>
-Enum named(const std::string& text, Enum last, const char* (*name)(Enum) noexcept) {
+bool load_member(nb::handle text, Enum& member, Enum last, const char* (*name)(Enum) noexcept) {
+  std::string word;
+  if (!nb::try_cast(text, word)) return false;
+  member = Enum{};
   for (int i = 0; i <= static_cast<int>(last); ++i)
-    if (text == name(static_cast<Enum>(i))) return static_cast<Enum>(i);
-  return Enum{};
+    if (word == name(static_cast<Enum>(i))) member = static_cast<Enum>(i);
+  return true;
+}
+bool load_member(nb::handle text, cullhull::UsedFilter& member) {
+  return load_member(text, member, cullhull::UsedFilter::stream, cullhull::filter_name);
+}
+bool load_member(nb::handle text, cullhull::Backend& member) {
+  return load_member(text, member, cullhull::Backend::cuda, cullhull::backend_name);
+}
+template <class T>
+bool load_member(nb::handle value, T& member) {
+  return nb::try_cast(value, member);
+}
+
+/// The members one after another, an array's items too.
+template <class Statistics>
+nb::tuple saved_statistics(const Statistics& statistics) {
+  nb::list all;
+  each_statistic(statistics, [&](const char*, const auto& member) {
+    if constexpr (std::is_array_v<std::remove_reference_t<decltype(member)>>)
+      for (const auto& item : member) all.append(item);
+    else
+      all.append(plain(member));
+  });
+  return nb::tuple(all);
+}
+template <class Statistics>
+void load_statistics(const State& state, Statistics& statistics) {
+  const auto all = value<nb::tuple>(state, "statistics");
+  std::size_t at = 0;
+  const auto next = [&](auto& member) {
+    require(at < all.size() && load_member(all[at], member), "statistics");
+    ++at;
+  };
+  each_statistic(statistics, [&](const char*, auto& member) {
+    if constexpr (std::is_array_v<std::remove_reference_t<decltype(member)>>)
+      for (auto& item : member) next(item);
+    else
+      next(member);
+  });
+  require(at == all.size(), "statistics");
 }
 
 void check_version(const State& state) {
@@ -252,26 +273,8 @@ State state_of_solid(SolidHandle self) {
   state["facet_vertices"] =
       h.facets.items.shares(h.simplices) ? nb::none() : saved(h.facets.items, self);
   state["vertex_rows"] = saved(nb::inst_ptr<Solid>(self)->vertex_rows(), self);
-  const cullhull::Statistics& s = h.statistics;
-  state["statistics"] =
-      nb::make_tuple(s.survivors, cullhull::filter_name(s.filter), s.cull_reason,
-                     cullhull::backend_name(s.backend), s.threads, s.cull_seconds, s.hull_seconds,
-                     s.compute_seconds, s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
+  state["statistics"] = saved_statistics(h.statistics);
   return state;
-}
-
-void load_statistics(const State& state, cullhull::Statistics& s) {
-  const auto all = value<nb::tuple>(state, "statistics");
-  std::string method, backend;
-  require(all.size() == 11 && nb::try_cast(all[0], s.survivors) && nb::try_cast(all[1], method) &&
-              nb::try_cast(all[2], s.cull_reason) && nb::try_cast(all[3], backend) &&
-              nb::try_cast(all[4], s.threads) && nb::try_cast(all[5], s.cull_seconds) &&
-              nb::try_cast(all[6], s.hull_seconds) && nb::try_cast(all[7], s.compute_seconds) &&
-              nb::try_cast(all[8], s.rung_counts[0]) && nb::try_cast(all[9], s.rung_counts[1]) &&
-              nb::try_cast(all[10], s.rung_counts[2]),
-          "statistics");
-  s.filter = named(method, cullhull::UsedFilter::stream, cullhull::filter_name);
-  s.backend = named(backend, cullhull::Backend::cuda, cullhull::backend_name);
 }
 
 /// Checks every index that a query would use: a wrong one must not lead out of an array.
@@ -386,23 +389,9 @@ State state_of_cells(CellsHandle self) {
     pairs.push_back(p.id);
     pairs.push_back(p.representative);
   }
-  state["duplicates"] = copied(pairs);
-  const cullhull::TriangulationStatistics& s = t.statistics;
-  state["statistics"] = nb::make_tuple(s.rung_counts[0], s.rung_counts[1], s.rung_counts[2], s.ties,
-                                       s.cells_created, s.threads, s.order_seconds,
-                                       s.insert_seconds, s.write_seconds, s.compute_seconds);
+  state["duplicates"] = kept(pairs);
+  state["statistics"] = saved_statistics(t.statistics);
   return state;
-}
-
-void load_statistics(const State& state, cullhull::TriangulationStatistics& s) {
-  const auto all = value<nb::tuple>(state, "statistics");
-  require(all.size() == 10 && nb::try_cast(all[0], s.rung_counts[0]) &&
-              nb::try_cast(all[1], s.rung_counts[1]) && nb::try_cast(all[2], s.rung_counts[2]) &&
-              nb::try_cast(all[3], s.ties) && nb::try_cast(all[4], s.cells_created) &&
-              nb::try_cast(all[5], s.threads) && nb::try_cast(all[6], s.order_seconds) &&
-              nb::try_cast(all[7], s.insert_seconds) && nb::try_cast(all[8], s.write_seconds) &&
-              nb::try_cast(all[9], s.compute_seconds),
-          "statistics");
 }
 
 /// Whether the cells that a neighbour reference joins share a facet and refer to each other; and

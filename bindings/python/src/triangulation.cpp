@@ -10,6 +10,7 @@
 
 #include "arrays.hpp"
 #include "solid.hpp"
+#include "statistics.hpp"
 
 namespace binding {
 
@@ -24,6 +25,11 @@ Cells::Cells(Triangulation triangulation, nb::object points, nb::object weights)
       weights_array_(std::move(weights)),
       points_(points_array_),
       weights_(weights_of(weights_array_)) {}
+
+Length length_of_cells(const Cells& cells) noexcept {
+  const std::uint64_t n = cells.triangulation().size();
+  return n <= 200 ? Length::brief : n <= 20'000 ? Length::moderate : Length::long_;
+}
 
 std::vector<double> weights_of(nb::handle array) {
   if (array.is_none()) return {};
@@ -69,29 +75,17 @@ Certificate certify(const Cells& cells, const Settings* settings) {
   });
 }
 
-const Triangulation& shown(Self self) { return cells_in(self).triangulation(); }
-
-/// int32, with -1 for no_index: fewer than 2^31 points and cells have numbers that fit.
-template <class Numbers>
-Array<std::int32_t> number_rows(const Numbers& numbers, std::size_t width, Self self) {
-  const Triangulation& t = shown(self);
+/// Its numbers fit into int32.
+const Triangulation& shown(Self self) {
+  const Triangulation& t = cells_in(self).triangulation();
   check_numbers(t.point_count);
   check_numbers(t.size());
-  return rows_of(reinterpret_cast<const std::int32_t*>(numbers.data()),
-                 width == 0 ? 0 : numbers.size() / width, width, self);
-}
-template <class Numbers>
-Array<std::int32_t> number_list(const Numbers& numbers, Self self) {
-  const Triangulation& t = shown(self);
-  check_numbers(t.point_count);
-  check_numbers(t.size());
-  return list_of(reinterpret_cast<const std::int32_t*>(numbers.data()), numbers.size(), self);
+  return t;
 }
 
 Array<std::int32_t> cell_groups(Self self) {
   const Triangulation& t = shown(self);
-  if (!t.cell_groups.empty()) return number_list(t.cell_groups, self);
-  check_numbers(t.size());
+  if (!t.cell_groups.empty()) return list_in(t.cell_groups, self);
   Array<std::int32_t> all = Array<std::int32_t>::make({t.size()});
   for (std::size_t i = 0; i < t.size(); ++i) all.data()[i] = static_cast<std::int32_t>(i);
   return std::move(all).lock();
@@ -100,61 +94,41 @@ Array<std::int32_t> cell_groups(Self self) {
 Array<std::int32_t> duplicates(Self self) {
   const Triangulation& t = shown(self);
   static_assert(sizeof(cullhull::DuplicatePoint) == 2 * sizeof(std::uint32_t));
-  check_numbers(t.point_count);
   return rows_of(reinterpret_cast<const std::int32_t*>(t.duplicates.data()), t.duplicates.size(), 2,
                  self);
-}
-
-nb::typed<nb::dict, nb::str, nb::any> statistics(const Cells& cells) {
-  const cullhull::TriangulationStatistics& s = cells.triangulation().statistics;
-  nb::typed<nb::dict, nb::str, nb::any> all;
-  all["rung_counts"] = nb::make_tuple(s.rung_counts[0], s.rung_counts[1], s.rung_counts[2]);
-  all["ties"] = s.ties;
-  all["cells_created"] = s.cells_created;
-  all["threads"] = s.threads;
-  all["order_seconds"] = s.order_seconds;
-  all["insert_seconds"] = s.insert_seconds;
-  all["write_seconds"] = s.write_seconds;
-  all["compute_seconds"] = s.compute_seconds;
-  return all;
 }
 
 }  // namespace
 
 void bind_triangulation(nb::module_& m) {
   nb::class_<Cells> c(m, "Cells", "A triangulation: cullhull.Triangulation wraps it.");
-  c.def_prop_ro("points", [](const Cells& s) { return s.points_array(); })
-      .def_prop_ro("weights", [](const Cells& s) { return s.weights_array(); })
-      .def_prop_ro("dimension", [](const Cells& s) { return s.triangulation().dimension; })
-      .def_prop_ro("point_count", [](const Cells& s) { return s.triangulation().point_count; })
-      .def_prop_ro("scalar",
-                   [](const Cells& s) { return cullhull::scalar_name(s.triangulation().scalar); })
-      .def_prop_ro("affine_dimension",
-                   [](const Cells& s) { return s.triangulation().affine_dimension; })
-      .def_prop_ro("furthest_site", [](const Cells& s) { return s.triangulation().furthest_site; })
-      .def_prop_ro("cell_count", [](const Cells& s) { return s.triangulation().size(); })
-      .def_prop_ro("vertex_count", [](const Cells& s) { return s.triangulation().vertex_count(); })
-      .def_prop_ro("statistics", statistics);
-  c.def_prop_ro("axes", [](Self self) { return number_list(shown(self).axes, self); })
-      .def_prop_ro(
-          "cells",
-          [](Self self) { return number_rows(shown(self).cells, shown(self).corners(), self); })
-      .def_prop_ro(
-          "neighbours",
-          [](Self self) {
-    return number_rows(shown(self).neighbours, shown(self).corners(), self);
-          })
-      .def_prop_ro("cell_groups", cell_groups)
-      .def_prop_ro(
-          "hull_facets",
-          [](Self self) {
+  c.def_prop_ro("points", [](const Cells& s) { return s.points_array(); });
+  c.def_prop_ro("weights", [](const Cells& s) { return s.weights_array(); });
+  const auto number = [&](const char* name, auto of) {
+    c.def_prop_ro(name, [of](const Cells& s) { return of(s.triangulation()); });
+  };
+  number("dimension", [](const Triangulation& t) { return t.dimension; });
+  number("point_count", [](const Triangulation& t) { return t.point_count; });
+  number("scalar", [](const Triangulation& t) { return cullhull::scalar_name(t.scalar); });
+  number("affine_dimension", [](const Triangulation& t) { return t.affine_dimension; });
+  number("furthest_site", [](const Triangulation& t) { return t.furthest_site; });
+  number("cell_count", [](const Triangulation& t) { return t.size(); });
+  number("vertex_count", [](const Triangulation& t) { return t.vertex_count(); });
+  number("statistics", [](const Triangulation& t) { return dict_of(t.statistics); });
+  c.def_prop_ro("axes", [](Self self) { return list_in(shown(self).axes, self); });
+  c.def_prop_ro("cells",
+                [](Self self) { return rows_in(shown(self).cells, shown(self).corners(), self); });
+  c.def_prop_ro("neighbours", [](Self self) {
+    return rows_in(shown(self).neighbours, shown(self).corners(), self);
+  });
+  c.def_prop_ro("cell_groups", cell_groups);
+  c.def_prop_ro("hull_facets", [](Self self) {
     const unsigned corners = shown(self).corners();
-    return number_rows(shown(self).hull_facets, corners == 0 ? 0 : corners - 1, self);
-          })
-      .def_prop_ro("hull_cells",
-                   [](Self self) { return number_list(shown(self).hull_cells, self); })
-      .def_prop_ro("duplicates", duplicates)
-      .def_prop_ro("hidden", [](Self self) { return number_list(shown(self).hidden, self); });
+    return rows_in(shown(self).hull_facets, corners == 0 ? 0 : corners - 1, self);
+  });
+  c.def_prop_ro("hull_cells", [](Self self) { return list_in(shown(self).hull_cells, self); });
+  c.def_prop_ro("duplicates", duplicates);
+  c.def_prop_ro("hidden", [](Self self) { return list_in(shown(self).hidden, self); });
   bind_cells_query(m, c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());

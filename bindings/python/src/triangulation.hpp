@@ -58,6 +58,9 @@ class Cells {
 using CellsHandle = nanobind::handle_t<Cells>;
 inline const Cells& cells_in(CellsHandle self) { return *nanobind::inst_ptr<Cells>(self); }
 
+/// For some microseconds a cell.
+Length length_of_cells(const Cells& cells) noexcept;
+
 /// Questions to a triangulation.
 void bind_cells_query(nanobind::module_& m, nanobind::class_<Cells>& c);
 

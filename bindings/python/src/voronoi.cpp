@@ -23,38 +23,13 @@ using cullhull::Voronoi;
 
 namespace {
 
-// Arrays of the results, as views of memory that `self` keeps.
-
-template <class List>
-Array<std::int64_t> offsets_in(const List& list, nb::handle self) {
-  return list_of(reinterpret_cast<const std::int64_t*>(list.data()), list.size(), self);
-}
-Array<std::int64_t> offsets_in(const cullhull::EvenArray<std::uint64_t>& list, nb::handle self) {
-  return signed_list(list, self);
-}
-/// int32, with -1 for at_infinity and no_index.
-template <class List>
-Array<std::int32_t> numbers_in(const List& list, nb::handle self) {
-  return list_of(reinterpret_cast<const std::int32_t*>(list.data()), list.size(), self);
-}
-template <class List>
-Array<double> rows_in(const List& list, std::size_t width, nb::handle self) {
-  return rows_of(list.data(), width == 0 ? 0 : list.size() / width, width, self);
-}
-
 using Self = nb::handle_t<Voronoi>;
 const Voronoi& shown(Self self) { return *nb::inst_ptr<Voronoi>(self); }
 using ClippedSelf = nb::handle_t<ClippedCells>;
 const ClippedCells& shown_cells(ClippedSelf self) { return *nb::inst_ptr<ClippedCells>(self); }
 
-/// Some microseconds a cell.
-Length length_of_diagram(const Cells& cells) noexcept {
-  const std::uint64_t n = cells.triangulation().size();
-  return n <= 200 ? Length::brief : n <= 20'000 ? Length::moderate : Length::long_;
-}
-
 std::unique_ptr<Voronoi> voronoi(const Cells& cells, const Settings* settings) {
-  auto result = computed(settings, length_of_diagram(cells), [&](const Options& options) {
+  auto result = computed(settings, length_of_cells(cells), [&](const Options& options) {
     return std::make_unique<Voronoi>(
         cullhull::voronoi(cells.points().view(), cells.triangulation(), cells.weights(), options));
   });
@@ -74,7 +49,7 @@ cullhull::ClipOptions clipping(const Options& options, bool shapes, const Vorono
 template <class... Region>
 std::unique_ptr<ClippedCells> clip(const Cells& cells, const Voronoi& diagram, bool shapes,
                                    const Settings* settings, const Region&... region) {
-  return computed(settings, length_of_diagram(cells), [&](const Options& options) {
+  return computed(settings, length_of_cells(cells), [&](const Options& options) {
     return std::make_unique<ClippedCells>(
         cullhull::clip_voronoi(cells.points().view(), cells.triangulation(), region...,
                                cells.weights(), clipping(options, shapes, diagram)));
@@ -157,91 +132,61 @@ IntegerLists lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists,
   });
 }
 
-/// Its own, writable.
-template <class T, class List>
-Array<T> copied_rows(const List& list, std::size_t width) {
-  Array<T> rows = Array<T>::make({width == 0 ? 0 : list.size() / width, width});
-  std::copy_n(reinterpret_cast<const T*>(list.data()), list.size(), rows.data());
-  return rows;
-}
-
 void bind_diagram(nb::module_& m) {
-  nb::class_<Voronoi>(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.")
-      .def_prop_ro(
-          "vertices",
-          [](Self self) { return rows_in(shown(self).vertices, shown(self).dimension, self); })
-      .def_prop_ro(
-          "ridge_points",
-          [](Self self) {
-    return rows_of(reinterpret_cast<const std::int32_t*>(shown(self).ridge_points.data()),
-                   shown(self).ridge_count(), 2, self);
-          })
-      .def_prop_ro("ridge_offsets",
-                   [](Self self) { return offsets_in(shown(self).ridges.offsets, self); })
-      .def_prop_ro("ridge_vertices",
-                   [](Self self) { return numbers_in(shown(self).ridges.items, self); })
-      .def_prop_ro("region_offsets",
-                   [](Self self) { return offsets_in(shown(self).regions.offsets, self); })
-      .def_prop_ro("region_vertices",
-                   [](Self self) { return numbers_in(shown(self).regions.items, self); })
-      .def("scipy_vertices",
-           [](const Voronoi& v) { return copied_rows<double>(v.vertices, v.dimension); })
-      .def("scipy_ridge_points",
-           [](const Voronoi& v) { return copied_rows<std::int32_t>(v.ridge_points, 2); })
-      .def(
-          "ridge_lists",
-          [](const Voronoi& v, const Integers& numbers) {
-    return lists_of_diagram(v.ridges, numbers);
-          },
-          nb::arg("numbers"))
-      .def(
-          "region_lists",
-          [](const Voronoi& v, const Integers& numbers) {
-    return lists_of_diagram(v.regions, numbers);
-          },
-          nb::arg("numbers"))
-      .def_prop_ro("ray_vertices",
-                   [](Self self) { return numbers_in(shown(self).ray_vertices, self); })
-      .def_prop_ro("ray_directions", [](Self self) {
-        return rows_in(shown(self).ray_directions, shown(self).dimension, self);
-      });
+  nb::class_<Voronoi> c(m, "Diagram", "A diagram: cullhull.VoronoiDiagram wraps it.");
+  const auto list = [&](const char* name, auto of) {
+    c.def_prop_ro(name, [of](Self self) { return list_in(*of(shown(self)), self); });
+  };
+  list("ridge_offsets", [](const Voronoi& v) { return &v.ridges.offsets; });
+  list("ridge_vertices", [](const Voronoi& v) { return &v.ridges.items; });
+  list("region_offsets", [](const Voronoi& v) { return &v.regions.offsets; });
+  list("region_vertices", [](const Voronoi& v) { return &v.regions.items; });
+  list("ray_vertices", [](const Voronoi& v) { return &v.ray_vertices; });
+  c.def_prop_ro("vertices", [](Self self) {
+    return rows_in(shown(self).vertices, shown(self).dimension, self);
+  });
+  c.def_prop_ro("ray_directions", [](Self self) {
+    return rows_in(shown(self).ray_directions, shown(self).dimension, self);
+  });
+  c.def_prop_ro("ridge_points",
+                [](Self self) { return rows_in(shown(self).ridge_points, 2, self); });
+  c.def("scipy_vertices", [](const Voronoi& v) {
+    return copied<double>(v.vertices, {v.vertex_count(), v.dimension});
+  });
+  c.def("scipy_ridge_points", [](const Voronoi& v) {
+    return copied<std::int32_t>(v.ridge_points, {v.ridge_count(), 2});
+  });
+  const auto numbers = nb::arg("numbers");
+  c.def(
+      "ridge_lists",
+      [](const Voronoi& v, const Integers& n) { return lists_of_diagram(v.ridges, n); }, numbers);
+  c.def(
+      "region_lists",
+      [](const Voronoi& v, const Integers& n) { return lists_of_diagram(v.regions, n); }, numbers);
 }
 
 void bind_clipped_cells(nb::module_& m) {
-  using Clipped = ClippedSelf;
-  nb::class_<ClippedCells>(m, "ClippedCells", "Cells in a region: cullhull.ClippedCells wraps it.")
-      .def_prop_ro(
-          "measures",
-          [](Clipped self) {
-    const auto& measures = shown_cells(self).measures;
-    return list_of(measures.data(), measures.size(), self);
-          })
-      .def_prop_ro("vertex_offsets",
-                   [](Clipped self) { return offsets_in(shown_cells(self).vertex_offsets, self); })
-      .def_prop_ro(
-          "vertices",
-          [](Clipped self) {
-    return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
-          })
-      .def_prop_ro("polygon_offsets",
-                   [](Clipped self) { return offsets_in(shown_cells(self).polygon_offsets, self); })
-      .def_prop_ro("polygon_rings",
-                   [](Clipped self) { return offsets_in(shown_cells(self).polygon_rings, self); })
-      .def_prop_ro("ring_starts",
-                   [](Clipped self) { return offsets_in(shown_cells(self).ring_starts, self); })
-      .def_prop_ro("face_offsets",
-                   [](Clipped self) { return offsets_in(shown_cells(self).face_offsets, self); })
-      .def_prop_ro(
-          "face_starts",
-          [](Clipped self) {
+  nb::class_<ClippedCells> bound(m, "ClippedCells",
+                                 "Cells in a region: cullhull.ClippedCells wraps it.");
+  const auto list = [&](const char* name, auto of) {
+    bound.def_prop_ro(name,
+                      [of](ClippedSelf self) { return list_in(*of(shown_cells(self)), self); });
+  };
+  list("measures", [](const ClippedCells& c) { return &c.measures; });
+  list("vertex_offsets", [](const ClippedCells& c) { return &c.vertex_offsets; });
+  list("polygon_offsets", [](const ClippedCells& c) { return &c.polygon_offsets; });
+  list("polygon_rings", [](const ClippedCells& c) { return &c.polygon_rings; });
+  list("ring_starts", [](const ClippedCells& c) { return &c.ring_starts; });
+  list("face_offsets", [](const ClippedCells& c) { return &c.face_offsets; });
+  list("face_starts", [](const ClippedCells& c) {
     static const cullhull::EvenArray<std::uint64_t> none;  // without shapes, and in the plane
-    const ClippedCells& cells = shown_cells(self);
-    return offsets_in(cells.face_offsets.empty() ? none : cells.faces.offsets, self);
-          })
-      .def_prop_ro("face_vertices",
-                   [](Clipped self) { return numbers_in(shown_cells(self).faces.items, self); })
-      .def_prop_ro("neighbours",
-                   [](Clipped self) { return numbers_in(shown_cells(self).neighbours, self); });
+    return c.face_offsets.empty() ? &none : &c.faces.offsets;
+  });
+  list("face_vertices", [](const ClippedCells& c) { return &c.faces.items; });
+  list("neighbours", [](const ClippedCells& c) { return &c.neighbours; });
+  bound.def_prop_ro("vertices", [](ClippedSelf self) {
+    return rows_in(shown_cells(self).vertices, shown_cells(self).dimension, self);
+  });
 }
 
 }  // namespace
