@@ -683,20 +683,9 @@ def test_griddata_takes_what_everything_takes():
     points = np.random.default_rng(4).random((20, 2))
     values, asked = points[:, 0].copy(), points.mean(axis=0)[np.newaxis]
     expected = cullhull.griddata(points, values, asked)
-
-    class OnlyDlpack:
-        def __init__(self, array):
-            self.array = array
-
-        def __dlpack__(self, **kind):
-            return self.array.__dlpack__(**kind)
-
-        def __dlpack_device__(self):
-            return self.array.__dlpack_device__()
-
     for method in ("linear", "nearest", "natural", "cubic"):
         plain = cullhull.griddata(points, values, asked, method)
-        assert cullhull.griddata(*map(OnlyDlpack, (points, values, asked)), method) == plain
+        assert cullhull.griddata(*map(Dlpack, (points, values, asked)), method) == plain
     pandas = pytest.importorskip("pandas")
     frame = pandas.DataFrame(points, columns=["x", "y"]).astype("Float64")
     assert cullhull.griddata(frame, frame["x"], frame[:1]).shape == (1,)

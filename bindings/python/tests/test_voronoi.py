@@ -1,7 +1,6 @@
 """Voronoi diagrams: the native face, and Voronoi and SphericalVoronoi against SciPy's."""
 
 import copy
-import inspect
 import itertools
 import pickle
 
@@ -63,14 +62,6 @@ def test_every_attribute(dimension, keywords):
         tuple(pair): ends for pair, ends in zip(ours.ridge_points.tolist(), ours.ridge_vertices)
     }
     assert {m for m in dir(theirs) if not m.startswith("_")} <= set(dir(ours))
-
-
-def test_the_same_arguments():
-    for name in ("Voronoi", "SphericalVoronoi"):
-        mine, other = (
-            list(inspect.signature(getattr(m, name)).parameters) for m in (cullhull, spatial)
-        )
-        assert mine[: len(other)] == other
 
 
 def test_regions_go_round():
