@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import BadFile
+from .._errors import BadFile, Error
 
 #: Every integer up to it, of either sign, is a double.
 _ALL_EXACT = 2**53
+
+
+@contextmanager
+def faults_of_a_package(path: str, faults: Any = None) -> Iterator[None]:
+    """Makes a `BadFile` of one line of what a package raises for a file: of `faults`, or of anything
+    but our errors, missing packages and missing memory."""
+    try:
+        yield
+    except Exception as error:
+        ours = isinstance(error, (Error, ImportError, MemoryError))
+        if ours if faults is None else not isinstance(error, faults):
+            raise
+        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
 
 
 def side_by_side(

@@ -18,7 +18,7 @@ from .. import _core
 from .._errors import BadFile, InvalidArgument, ShapeWarning, warn
 from .._extras import needed
 from . import _vectors
-from ._columns import side_by_side
+from ._columns import faults_of_a_package, side_by_side
 
 Columns = Union[Sequence[str], Sequence[int], None]
 Rows = npt.NDArray[Any]
@@ -154,15 +154,20 @@ def _encodings(
     return found
 
 
+def _is(kind: Any, *names: str) -> bool:
+    """Whether a type of Arrow is one of those that Arrow calls so."""
+    types: Any = importlib.import_module("pyarrow.types")
+    return any(getattr(types, f"is_{name}")(kind) for name in names)
+
+
 def _nesting(kind: Any) -> int | None:
     """The lists around a position, a struct of x and y or a list of fixed size."""
-    t: Any = importlib.import_module("pyarrow.types")
     depth = 0
-    while t.is_list(kind) or t.is_large_list(kind):
+    while _is(kind, "list", "large_list"):
         kind, depth = kind.value_type, depth + 1
-    if t.is_fixed_size_list(kind):
+    if _is(kind, "fixed_size_list"):
         return depth if _is_number(kind.value_type) and 2 <= kind.list_size <= 4 else None
-    if t.is_struct(kind):
+    if _is(kind, "struct"):
         return depth if {"x", "y"} <= {kind.field(i).name for i in range(kind.num_fields)} else None
     return None
 
@@ -222,24 +227,18 @@ def _described(types: dict[str, Any], most: int = 12) -> str:
 
 
 def _is_number(kind: Any) -> bool:
-    t: Any = importlib.import_module("pyarrow.types")
-
-    return bool(t.is_integer(kind) or t.is_floating(kind))
+    return _is(kind, "integer", "floating")
 
 
 def _is_bytes(kind: Any) -> bool:
-    t: Any = importlib.import_module("pyarrow.types")
-
-    return bool(t.is_binary(kind) or t.is_large_binary(kind))
+    return _is(kind, "binary", "large_binary")
 
 
 def _rows_of(kind: Any) -> Callable[[Any, str, int], Taken] | None:
     """How a column of points that is not said to hold geometries is read."""
-    t: Any = importlib.import_module("pyarrow.types")
-
-    if t.is_fixed_size_list(kind) or t.is_list(kind) or t.is_large_list(kind):
+    if _is(kind, "fixed_size_list", "list", "large_list"):
         return _rows_of_lists if _is_number(kind.value_type) else None
-    if t.is_struct(kind):
+    if _is(kind, "struct"):
         names = {kind.field(i).name for i in range(kind.num_fields)}
         return _rows_of_structs if {"x", "y"} <= names else None
     return _rows_of_wkb if _is_bytes(kind) else None
@@ -275,9 +274,7 @@ def _rows_of_structs(array: Any, column: str, first: int = 0) -> Taken:
 
 def _positions(array: Any, column: str, first: int) -> Rows:
     """x, y and z of an array of structs, or of lists of a fixed size; no measures."""
-    t: Any = importlib.import_module("pyarrow.types")
-
-    if t.is_fixed_size_list(array.type):
+    if _is(array.type, "fixed_size_list"):
         width = array.type.list_size
         numbers = np.asarray(array.flatten().to_numpy(zero_copy_only=False)).reshape(-1, width)
         measured = array.type.value_field.name in ("xym", "xyzm")
@@ -299,15 +296,13 @@ def _present(array: Any) -> tuple[Any, npt.NDArray[np.int64]]:
 
 
 def _rows_of_nested(array: Any, column: str, first: int = 0, *, rings: bool = False) -> Taken:
-    t: Any = importlib.import_module("pyarrow.types")
     array, owners = _present(array)
     closing: npt.NDArray[np.int64] | None = None
-    while t.is_list(array.type) or t.is_large_list(array.type):
+    while _is(array.type, "list", "large_list"):
         lengths = array.value_lengths().to_numpy(zero_copy_only=False).astype(np.int64)
         owners = np.repeat(owners, lengths)
         array = array.flatten()
-        inner = not (t.is_list(array.type) or t.is_large_list(array.type))
-        if rings and inner:
+        if rings and not _is(array.type, "list", "large_list"):
             ends = np.cumsum(lengths)
             longer = lengths > 1
             closing = np.column_stack([(ends - lengths)[longer], ends[longer] - 1])
@@ -375,10 +370,8 @@ def _parts_of_wkb(geometry: bytes, where: str) -> list[Rows]:
 def _opened(path: str) -> Any:
     parquet = needed("pyarrow.parquet", "reading .parquet files", "parquet")
     arrow = needed("pyarrow", "reading .parquet files", "parquet")
-    try:
+    with faults_of_a_package(path, arrow.lib.ArrowException):
         return parquet.ParquetFile(path)
-    except arrow.lib.ArrowException as error:
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
 
 
 def peek_of(file: Any) -> Callable[[str], bytes | None]:

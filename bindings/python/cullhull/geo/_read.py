@@ -16,7 +16,7 @@ from .._arguments import as_count
 from .._errors import BadFile, Error, InvalidArgument, ShapeWarning, warn
 from .._extras import needed
 from . import _e57, _vectors
-from ._columns import side_by_side
+from ._columns import faults_of_a_package, side_by_side
 from ._parquet import Taken, choose, coordinates_of, peek_of
 
 Columns = Union[str, Sequence[str], Sequence[int], None]
@@ -391,11 +391,8 @@ def _classic_netcdf(
         from scipy.io import netcdf_file
     except ImportError:
         raise BadFile(f"{path}: NetCDF of the classic format needs SciPy; or {advice}") from None
-    try:
-        with netcdf_file(path, "r", mmap=False) as opened:
-            variables = {n: v.data for n, v in opened.variables.items() if v.data is not None}
-    except Exception as error:  # SciPy's readers have no common base
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
+    with faults_of_a_package(path, Exception), netcdf_file(path, "r", mmap=False) as opened:
+        variables = {n: v.data for n, v in opened.variables.items() if v.data is not None}
     arrays = {n: a for n, a in variables.items() if getattr(a, "dtype", np.dtype("O")).kind in "fiu"}
     tables = [n for n, a in arrays.items() if a.ndim == 2]
     lines = [n for n, a in arrays.items() if a.ndim == 1]
@@ -564,7 +561,7 @@ def _vector(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArr
 def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDArray[Any]]:
     parquet = needed("pyarrow.parquet", "reading .parquet files", "parquet")
     arrow = needed("pyarrow", "reading .parquet files", "parquet")
-    try:
+    with faults_of_a_package(name, arrow.lib.ArrowException):
         file = parquet.ParquetFile(_opened(name))
         wanted, rows, geometries = choose(name, file.schema_arrow, columns, peek_of(file))
         before: int | None = None
@@ -585,8 +582,7 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
                         f"{block.shape[1]} coordinates"
                     )
                 before = block.shape[1]
-                for start in range(0, max(1, len(block)), size or max(1, len(block))):
-                    yield block[start : start + size] if size else block
+                yield from _blocks(block, size)
                 continue
             for column in wanted:
                 if batch.column(column).null_count:
@@ -599,8 +595,6 @@ def _parquet(name: str, columns: Columns, size: int | None) -> Iterator[npt.NDAr
             warn(f"{name}: {missing} of {done} rows {have} no geometry", ShapeWarning)
         if geometries and before is None:
             yield np.empty((0, 2))
-    except arrow.lib.ArrowException as error:
-        raise BadFile(f"{name}: {' '.join(str(error).split())}") from None
 
 
 def _named(

@@ -19,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._errors import BadFile, Error
+from ._columns import faults_of_a_package
 
 Rows = npt.NDArray[np.float64]
 
@@ -82,23 +83,18 @@ def _opened(word: str, fields: list[str]) -> Iterator[tuple[dict[str, Any], Any]
     the packages become `BadFile`."""
     path, layer = split_layer(word)
     pyogrio = _pyogrio(path)
-    try:
-        with ExitStack() as stack:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # of measures, which are not taken
-                name = _chosen(pyogrio, path, layer)
-                opened = pyogrio.open_arrow(
-                    path, layer=name, columns=fields, batch_size=_MANY, use_pyarrow=True
-                )
-                meta, stream = stack.enter_context(opened)
-            before = pyogrio.get_gdal_config_option(_PLAIN_STREAM)
-            stack.callback(pyogrio.set_gdal_config_options, {_PLAIN_STREAM: before})
-            pyogrio.set_gdal_config_options({_PLAIN_STREAM: True})
-            yield meta, stream
-    except (Error, ImportError, MemoryError):
-        raise
-    except Exception as error:  # pyogrio's, which have no common base
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
+    with faults_of_a_package(path), ExitStack() as stack:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of measures, which are not taken
+            name = _chosen(pyogrio, path, layer)
+            opened = pyogrio.open_arrow(
+                path, layer=name, columns=fields, batch_size=_MANY, use_pyarrow=True
+            )
+            meta, stream = stack.enter_context(opened)
+        before = pyogrio.get_gdal_config_option(_PLAIN_STREAM)
+        stack.callback(pyogrio.set_gdal_config_options, {_PLAIN_STREAM: before})
+        pyogrio.set_gdal_config_options({_PLAIN_STREAM: True})
+        yield meta, stream
 
 
 def _parts(path: str, word: str) -> Iterator[list[Rows]]:
@@ -269,7 +265,7 @@ def describe(word: str, *, all_layers: bool = False) -> dict[str, Any]:
     is read; with `all_layers` also `layers`, whose features may have to be counted."""
     path, layer = split_layer(word)
     pyogrio = _pyogrio(path)
-    try:
+    with faults_of_a_package(path):
         info = pyogrio.read_info(path, layer=_chosen(pyogrio, path, layer))
         layers = []
         for name, kind in pyogrio.list_layers(path) if all_layers else ():
@@ -277,10 +273,6 @@ def describe(word: str, *, all_layers: bool = False) -> dict[str, Any]:
             layers.append(
                 {"name": str(name), "features": int(about["features"]), "geometry": kind or "none"}
             )
-    except (Error, ImportError):
-        raise
-    except Exception as error:
-        raise BadFile(f"{path}: {' '.join(str(error).split())}") from None
     fields = [
         {"name": str(name), "type": _TYPES.get(str(kind).split("[")[0], str(kind))}
         for name, kind in zip(info["fields"], info["dtypes"])
