@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ from . import _core
 from ._answers import Mesh
 from ._compared import Compared
 from ._errors import InvalidArgument
-from ._options import Budgeted, settings, takes
+from ._options import Budgeted, Unpack, settings, takes
 from ._triangulation import Triangulation, triangulated
 from .show._forms import (
     Picture,
@@ -26,9 +26,6 @@ from .show._forms import (
     require_surface,
 )
 from .show._shown import Exported, Saved
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Budgeted)

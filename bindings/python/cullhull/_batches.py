@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,13 +15,10 @@ from ._device import DeviceArray, as_device_offsets, as_device_points, set_shape
 from ._errors import InvalidArgument
 from ._hull import Hull, picture_of
 from ._lists import Lists
-from ._native import Native
-from ._options import Budgeted, settings, takes
+from ._native import Made, Native
+from ._options import Budgeted, Unpack, settings, takes
 from .show._forms import Picture, Surface, Table, features, require_drawable, require_plane
 from .show._shown import Exported, Saved
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 class HullBatch(Exported, Saved, Native, Sequence[Hull]):
@@ -53,17 +50,8 @@ class HullBatch(Exported, Saved, Native, Sequence[Hull]):
     __slots__ = ("_batch",)
 
     _batch: _core.Batch
-
     _made_by = "batches are made by cullhull.convex_hulls"
-
-    @classmethod
-    def _of(cls, batch: _core.Batch) -> HullBatch:
-        result = object.__new__(cls)
-        result._batch = batch
-        return result
-
-    def __copy__(self) -> HullBatch:
-        return HullBatch._of(self._batch)
+    _made_of = ("_batch",)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _batch_of_state, (_core.state_of_batch(self._batch),)
@@ -308,7 +296,7 @@ def _on_device(
     return view, _as_offsets(offsets), 0, 0
 
 
-class DeviceHullBatch:
+class DeviceHullBatch(Made):
     """The hulls of many sets in a CUDA device's memory, from `convex_hulls_on_device`.
 
     Below, b is the number of sets and d the dimension. Vertex indices count from a set's first
@@ -333,15 +321,8 @@ class DeviceHullBatch:
     __slots__ = ("_batch",)
 
     _batch: _core.DeviceBatch
-
-    def __init__(self) -> None:
-        raise TypeError("batches are made by cullhull.convex_hulls_on_device")
-
-    @classmethod
-    def _of(cls, batch: _core.DeviceBatch) -> DeviceHullBatch:
-        result = object.__new__(cls)
-        result._batch = batch
-        return result
+    _made_by = "batches are made by cullhull.convex_hulls_on_device"
+    _made_of = ("_batch",)
 
     def __len__(self) -> int:
         return len(self._batch)

@@ -126,8 +126,7 @@ class ClippedCells(Exported, Native):
         [[0.5], [3.0]]
         """
         begin, end = self._range(self._clipped.vertex_offsets, point)
-        rows: npt.NDArray[np.float64] = self._clipped.vertices[begin:end]
-        return rows
+        return self._clipped.vertices[begin:end]
 
     def polygons(self, point: int) -> list[list[npt.NDArray[np.float64]]]:
         """In 2D the polygons that a point's cell consists of: one where the region is convex, else
@@ -432,15 +431,9 @@ class ClippedCells(Exported, Native):
         ...     print(open(os.path.join(folder, "cells.off")).readlines()[1].strip())
         13 3 13
         """
-        require_polygons(os.fspath(path), format, polygons)
-        save_map(
-            os.fspath(path),
-            format,
-            crs,
-            lambda path, format, crs: _core.save_clipped(
-                path, self._clipped, format, polygons, crs
-            ),
-        )
+        require_polygons(path, format, polygons)
+        cells = self._clipped
+        save_map(path, format, crs, lambda p, f, c: _core.save_clipped(p, cells, f, polygons, c))
 
     def _page(self) -> str:
         from .show._pages import Sites, page_of_surface

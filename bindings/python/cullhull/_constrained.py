@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,11 +12,8 @@ from ._arguments import as_point_set, refuse_mask
 from ._errors import InvalidArgument, NotCertified
 from ._found_cells import FoundCells
 from ._native import Certificate
-from ._options import Budgeted, settings, takes
+from ._options import Budgeted, Unpack, settings, takes
 from .show._forms import Table
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Budgeted)

@@ -8,6 +8,7 @@ from typing import Any
 from . import _core
 from ._arguments import wrong_axes
 from ._errors import BackendUnavailable, InvalidArgument
+from ._native import Made
 
 _DLPACK_CUDA = (2, 13)  # device and managed memory
 _DTYPES = {"|b1": "bool", "|i1": "int8", "<i4": "int32", "<i8": "int64", "<f8": "float64"}
@@ -91,7 +92,7 @@ def as_device_offsets(offsets: Any) -> tuple[int, int] | None:
     return address, operator.index(shape[0])
 
 
-class DeviceArray:
+class DeviceArray(Made):
     """An array in a CUDA device's memory: part of a `DeviceHullBatch`, or answers of a `Hull`.
 
     It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
@@ -108,15 +109,8 @@ class DeviceArray:
     __slots__ = ("_items",)
 
     _items: _core.DeviceItems
-
-    def __init__(self) -> None:
-        raise TypeError("device arrays are made by cullhull.convex_hulls_on_device and hulls")
-
-    @classmethod
-    def _of(cls, items: _core.DeviceItems) -> DeviceArray:
-        array = object.__new__(cls)
-        array._items = items
-        return array
+    _made_by = "device arrays are made by cullhull.convex_hulls_on_device and hulls"
+    _made_of = ("_items",)
 
     @property
     def shape(self) -> tuple[int, ...]:

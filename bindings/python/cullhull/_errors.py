@@ -148,21 +148,9 @@ class ShapeWarning(UserWarning):
     """
 
 
-for _kind in (
-    Error,
-    InvalidArgument,
-    NotFinite,
-    BadFile,
-    FileError,
-    OutOfBudget,
-    BackendUnavailable,
-    Cancelled,
-    NotCertified,
-    InternalError,
-    OptionWarning,
-    ShapeWarning,
-):
-    _kind.__module__ = "cullhull"  # where they are looked for, and shown in tracebacks
+for _kind in [*globals().values()]:
+    if isinstance(_kind, type) and issubclass(_kind, Exception):
+        _kind.__module__ = "cullhull"  # where they are looked for, and shown in tracebacks
 
 
 def warn(message: str, category: type[Warning]) -> None:
@@ -208,12 +196,6 @@ def qhull_error() -> type[Exception]:
             base = scipy.spatial.QhullError
         except ImportError:
             pass
-        _qhull_error = type(
-            "QhullError",
-            (Error, base),
-            {
-                "__module__": "cullhull",
-                "__doc__": _QHULL_ERROR,
-            },
-        )
+        named = {"__module__": "cullhull", "__doc__": _QHULL_ERROR}
+        _qhull_error = type("QhullError", (Error, base), named)
     return _qhull_error

@@ -21,7 +21,7 @@ class FoundCells(ShownCells, Certified):
 
     __slots__ = ("_cells",)
 
-    _slot = "_cells"
+    _made_of = ("_cells", "certificate")
     _cells: _core.Cells
 
     @property
@@ -79,27 +79,10 @@ class FoundCells(ShownCells, Certified):
             rows = np.ascontiguousarray(heights, dtype=np.float64)
             if rows.ndim != 1:
                 raise InvalidArgument(f"heights should be one number a point, not {rows.shape}")
-        save_map(
-            os.fspath(path),
-            format,
-            crs,
-            lambda path, format, crs: _core.save_cells(path, self._cells, rows, format, crs),
-        )
+        save_map(path, format, crs, lambda p, f, c: _core.save_cells(p, self._cells, rows, f, c))
 
-    def _coordinates(self) -> npt.NDArray[Any]:
-        return np.asarray(self.points)
-
-    def _flat(self) -> int:
-        return self._cells.affine_dimension
-
-    def _cells_shown(self) -> npt.NDArray[np.int32]:
-        return self._cells.cells
-
-    def _boundary(self) -> npt.NDArray[np.int32]:
-        return self._cells.hull_facets
-
-    def _groups(self) -> npt.NDArray[np.int32]:
-        return self._cells.cell_groups
+    def _native(self) -> _core.Cells:
+        return self._cells
 
     def _rows_of_table(self) -> list[tuple[str, str]]:
         cells = self._cells

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,14 +18,12 @@ from ._options import (
     Budgeted,
     CullMethod,
     Filtered,
+    Unpack,
     Watched,
     require_known,
     settings,
     takes,
 )
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Filtered)

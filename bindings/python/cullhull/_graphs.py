@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._options import Watched, require_known, settings, takes
+from ._options import Unpack, Watched, require_known, settings, takes
 from ._triangulation import triangulated
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Watched)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -15,13 +15,10 @@ from ._batches import HullBatch, convex_hulls
 from ._compared import Compared
 from ._errors import InvalidArgument
 from ._hull import Hull
-from ._options import Budgeted, documented, require_known, takes
+from ._options import Budgeted, Unpack, documented, require_known, takes
 from .geo._maps import save_map
-from .show._forms import Picture, Surface, Table
+from .show._forms import Surface, Table
 from .show._shown import Exported
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
@@ -137,18 +134,12 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
             feature["properties"] = {"key": key, **properties}
         return found
 
-    def _picture(self) -> Picture:
-        return self.batch._picture()
-
-    def _shape_count(self) -> int:
-        return self.batch._shape_count()
+    def _in_place(self) -> HullBatch:
+        return self.batch
 
     def _table(self) -> Table:
         rows = [("groups", f"{len(self):,}"), *self.batch._table().rows[1:]]
         return Table("Convex hulls of groups", rows)
-
-    def _page(self) -> str:
-        return self.batch._page()
 
     @documented("path", "format", "crs")
     def save(
@@ -190,12 +181,7 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
         b,1,1,0,0,"POINT (9 9)"
         """
         keys = _texts(self._keys)
-        save_map(
-            os.fspath(path),
-            format,
-            crs,
-            lambda path, format, crs: self.batch._write_by(keys, by, path, format, crs),
-        )
+        save_map(path, format, crs, lambda *to: self.batch._write_by(keys, by, *to))
 
     def members(self, key: Any) -> npt.NDArray[np.int64]:
         """Indices of the points that have this key, ascending.

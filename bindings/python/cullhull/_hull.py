@@ -14,7 +14,7 @@ from ._answers import Mesh
 from ._arguments import as_points
 from ._lists import Lists
 from ._native import Certificate, Certified
-from ._options import Watched, documented, settings, takes
+from ._options import Unpack, Watched, documented, settings, takes
 from ._questions import Questions
 from .geo._maps import save_map
 from .show._forms import (
@@ -34,8 +34,6 @@ from .show._forms import (
 from .show._shown import Exported
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
     from .show._pictures import Page
 
 
@@ -87,7 +85,7 @@ class Hull(Questions, Exported, Certified):
 
     __slots__ = ("_solid",)
 
-    _slot = "_solid"
+    _made_of = ("_solid", "certificate")
     _solid: _core.Solid
     _made_by = "hulls are made by cullhull.convex_hull"
 
@@ -181,8 +179,7 @@ class Hull(Questions, Exported, Certified):
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 1) float64: the plane of each of `simplices`, as in SciPy: outward unit normal
         and offset, ``<= 0`` inside. A new array; `facet_planes` has each plane once."""
-        planes: npt.NDArray[np.float64] = self.facet_planes[self.simplex_facets]
-        return planes
+        return self.facet_planes[self.simplex_facets]
 
     @property
     def facets(self) -> Lists:
@@ -376,13 +373,9 @@ class Hull(Questions, Exported, Certified):
         ['hull.ply']
         """
         array = None if points is None else as_points(points)
-        require_polygons(os.fspath(path), format, polygons)
-        save_map(
-            os.fspath(path),
-            format,
-            crs,
-            lambda path, format, crs: _core.save(path, self._solid, array, format, polygons, crs),
-        )
+        require_polygons(path, format, polygons)
+        solid = self._solid
+        save_map(path, format, crs, lambda p, f, c: _core.save(p, solid, array, f, polygons, c))
 
     def view(  # type: ignore[override]
         self,

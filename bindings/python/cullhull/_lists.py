@@ -72,8 +72,7 @@ class Lists(Compared, Sequence[npt.NDArray[Any]]):
         if isinstance(i, slice):
             return [self[j] for j in range(*i.indices(len(self)))]
         at = as_position(i, len(self), "list")
-        view: npt.NDArray[Any] = self.items[self.offsets[at] : self.offsets[at + 1]]
-        return view
+        return self.items[self.offsets[at] : self.offsets[at + 1]]
 
     def __iter__(self) -> Iterator[npt.NDArray[Any]]:
         for i in range(len(self)):

@@ -11,12 +11,17 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Mapping
-from typing import Any, Literal, NoReturn, TypedDict, TypeVar, Union, get_args
+from typing import TYPE_CHECKING, Any, Literal, NoReturn, TypedDict, TypeVar, Union, get_args
 
 from . import _core
 from ._arguments import as_count
 from ._errors import InvalidArgument
 from ._extras import needed
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack as Unpack
+else:
+    Unpack = Any  # checkers alone read it: Python has it from 3.11 on
 
 #: ``progress=``: False or None for none, True for a tqdm bar, or a function of (phase, share).
 Progress = Union[bool, None, Callable[[str, float], object]]

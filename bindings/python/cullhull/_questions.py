@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +12,7 @@ from ._answers import NearestFacets, Rays
 from ._arguments import as_questions
 from ._device import DeviceArray, as_device_points
 from ._errors import InvalidArgument
-from ._options import Asked, Watched, settings, takes
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
+from ._options import Asked, Unpack, Watched, settings, takes
 
 
 class Questions:

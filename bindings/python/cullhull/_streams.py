@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,24 +12,9 @@ import numpy.typing as npt
 from . import _core
 from ._arguments import as_count, as_points
 from ._hull import Hull
-from ._options import Budgeted, Kept, Reported, documented, require_known, settings, takes
-from .show._forms import Picture, Table
+from ._options import Budgeted, Kept, Reported, Unpack, documented, require_known, settings, takes
+from .show._forms import Table
 from .show._shown import Shown
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
-
-_DTYPES = {
-    "f32": np.float32,
-    "f64": np.float64,
-    "i8": np.int8,
-    "u8": np.uint8,
-    "i16": np.int16,
-    "u16": np.uint16,
-    "i32": np.int32,
-    "u32": np.uint32,
-}
-
 
 @takes(Budgeted)
 class HullState(Shown):
@@ -104,7 +89,8 @@ class HullState(Shown):
     def points(self) -> npt.NDArray[Any]:
         """(m, d): coordinates of the extreme points, in the order of `ids` and of the type of the
         points that were passed."""
-        rows = np.frombuffer(self._state.rows(), dtype=_DTYPES[self._state.scalar])
+        kind = self._state.scalar  # "f32": for NumPy "f4"
+        rows = np.frombuffer(self._state.rows(), dtype=f"{kind[0]}{int(kind[1:]) // 8}")
         return rows.reshape(len(self), self.dimension)
 
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]:
@@ -216,8 +202,8 @@ class HullState(Shown):
         chosen = settings(options, Budgeted)
         return Hull._of(self._state.solid(chosen))
 
-    def _picture(self) -> Picture:
-        return self.hull()._picture()
+    def _in_place(self) -> Hull:
+        return self.hull()
 
     def _shape_count(self) -> int:
         return len(self)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -10,10 +10,7 @@ from . import _core
 from ._arguments import as_point_set
 from ._device import as_device_points
 from ._hull import Hull
-from ._options import Reported, Standing, settings, takes
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
+from ._options import Reported, Standing, Unpack, settings, takes
 
 
 @takes(Standing)

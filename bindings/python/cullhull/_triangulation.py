@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -13,11 +13,8 @@ from ._errors import InvalidArgument, NotCertified
 from ._found_cells import FoundCells
 from ._lifted_planes import planes, spheres
 from ._native import Certificate
-from ._options import Budgeted, Watched, settings, takes
+from ._options import Budgeted, Unpack, Watched, settings, takes
 from .show._forms import Table
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Budgeted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,13 +13,10 @@ from ._clipped_cells import ClippedCells, rings_of
 from ._errors import InvalidArgument
 from ._lists import Lists
 from ._native import Native
-from ._options import Budgeted, Watched, require_known, settings, takes
+from ._options import Budgeted, Unpack, Watched, require_known, settings, takes
 from ._triangulation import Triangulation, as_triangulation, delaunay
 from .show._forms import Picture, Rows, Table, require_drawable
 from .show._shown import Saved, Shown
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Budgeted)
@@ -102,15 +99,7 @@ class VoronoiDiagram(Shown, Saved, Native):
     _diagram: _core.Diagram
 
     _made_by = "diagrams are made by cullhull.voronoi"
-
-    @classmethod
-    def _of(cls, triangulation: Triangulation, diagram: _core.Diagram) -> VoronoiDiagram:
-        result = object.__new__(cls)
-        result.triangulation, result._diagram = triangulation, diagram
-        return result
-
-    def __copy__(self) -> VoronoiDiagram:
-        return VoronoiDiagram._of(self.triangulation, self._diagram)
+    _made_of = ("triangulation", "_diagram")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return voronoi, (self.triangulation,)

@@ -47,8 +47,11 @@ def crs_code(crs: Any) -> str:
     return code
 
 
-def save_map(path: str, format: str, crs: Any, write: Callable[[str, str, str], Any]) -> None:
+def save_map(
+    path: str | os.PathLike[str], format: str, crs: Any, write: Callable[[str, str, str], Any]
+) -> None:
     """Calls write(path, format, crs); for what pyogrio writes, with a GeoJSON file that becomes it."""
+    path = os.fspath(path)
     kind = format or os.path.splitext(path)[1][1:].lower()
     code = crs_code(crs)
     if code and kind not in _MAPS:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from copy import copy
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -14,15 +14,11 @@ from .._answers import Mesh
 from .._batches import GrowingHull
 from .._errors import InvalidArgument, qhull_error
 from .._hull import Hull
-from .._options import Filtered, documented, require_known, settings, takes
-from ..show._forms import Picture, Surface, Table
+from .._options import Filtered, Unpack, documented, require_known, settings, takes
 from ..show._shown import Exported
 from ._incremental import IncrementalPoints, Lazy
 from ._original import of_scipy
 from ._qhull_options import QhullOptions, parse
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Filtered)
@@ -280,20 +276,8 @@ class ConvexHull(Exported, IncrementalPoints):
         """
         self.hull.save(path, self._array, format=format, polygons=polygons, crs=crs)
 
-    def _surface(self) -> Surface:
-        return self.hull._surface()
-
-    def _geometry(self) -> dict[str, Any]:
-        return self.hull._geometry()
-
-    def _picture(self) -> Picture:
-        return self.hull._picture()
-
-    def _shape_count(self) -> int:
-        return self.hull._shape_count()
-
-    def _table(self) -> Table:
-        return self.hull._table()
+    def _in_place(self) -> Hull:
+        return self.hull
 
     def _page(self) -> str:
         from ..show._pages import page_of_hull

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from .. import _core
 from .._arguments import as_array, as_coordinates, is_doubles
 from .._errors import InvalidArgument, NotFinite
 from .._lifted_planes import planes, spheres, transforms
-from .._options import Budgeted, documented, require_known, settings, takes
+from .._options import Budgeted, Unpack, documented, require_known, settings, takes
 from .._triangulation import Triangulation
 from ..show._forms import Table
 from ..show._shown_cells import ShownCells
@@ -21,9 +21,6 @@ from ._convex_hull import raise_flat
 from ._incremental import IncrementalPoints, Lazy
 from ._original import scipy_version
 from ._qhull_options import QhullOptions, parse
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 #: SciPy's own where none are given: of triangulations that do not grow, and of others.
 _DEFAULTS = QhullOptions(coplanar=True, scaled_last=True, at_infinity=True)
@@ -447,20 +444,8 @@ class Delaunay(ShownCells, Lifted):
         """
         self.triangulation.save(path, heights, format=format, crs=crs)
 
-    def _coordinates(self) -> npt.NDArray[Any]:
-        return np.asarray(self.triangulation.points)
-
-    def _flat(self) -> int:
-        return self.triangulation.affine_dimension
-
-    def _cells_shown(self) -> npt.NDArray[np.int32]:
-        return self._cells
-
-    def _boundary(self) -> npt.NDArray[np.int32]:
-        return self.convex_hull
-
-    def _groups(self) -> npt.NDArray[np.int32]:
-        return self.triangulation.cell_groups
+    def _native(self) -> _core.Cells:
+        return self.triangulation._cells
 
     def _table(self) -> Table:
         points = f"{self.npoints:,} in {self.ndim}D"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,12 +11,9 @@ from .. import _core
 from .._arguments import as_points
 from .._errors import InvalidArgument, qhull_error
 from .._hull import Hull
-from .._options import Budgeted, require_known, settings, takes
+from .._options import Budgeted, Unpack, require_known, settings, takes
 from ._incremental import Incremental, Lazy
 from ._qhull_options import parse
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 @takes(Budgeted)

@@ -105,8 +105,7 @@ def boundary(cells: npt.NDArray[Any], neighbours: npt.NDArray[Any]) -> npt.NDArr
     turned = swapped ^ last
     facets[turned, -2:] = facets[turned, :-3:-1]
     order = np.lexsort(facets.T[::-1])
-    rows: npt.NDArray[np.int32] = facets[order]
-    return rows
+    return facets[order]
 
 
 def components(count: int, one: Integers, other: Integers) -> Integers:
@@ -181,8 +180,7 @@ def joined(groups: Integers, count: int, pairs: Touching) -> Integers:
         settled = lowest < count
         stands[settled] = lowest[settled]
         open_ &= ~settled
-    numbers: Integers = stands[least]
-    return numbers
+    return stands[least]
 
 
 def _off_sphere(centre: Doubles, on: Doubles, x: Doubles) -> Doubles:
@@ -299,8 +297,7 @@ def _faces_at_infinity(
     keys, counts = np.unique(np.unique(np.vstack(held), axis=0)[:, 0], return_counts=True)
     asked = pairs[:, 0].astype(np.int64) * size + pairs[:, 1]
     place = np.minimum(np.searchsorted(keys, asked), len(keys) - 1)
-    sides: Integers = np.where(keys[place] == asked, counts[place], 0)
-    return sides
+    return np.where(keys[place] == asked, counts[place], 0)
 
 
 def _hinges(facets: npt.NDArray[np.int32]) -> tuple[Integers, Integers]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .. import _core
 from .._errors import InvalidArgument
-from .._options import Budgeted, Filtered, settings, takes
+from .._options import Budgeted, Filtered, Unpack, settings, takes
 from ._convex_hull import ConvexHull, raise_flat
 from ._delaunay import Delaunay, Lifted
 from ._incremental import Lazy
@@ -24,9 +24,6 @@ from ._merging import (
     rounding_distance,
 )
 from ._voronoi import Voronoi
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack
 
 
 def _checked(merge_distance: float | None) -> float | None:
@@ -111,8 +108,7 @@ class TolerantConvexHull(ConvexHull):
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 1) float64: outward unit normal and offset of each simplex's shared plane."""
         shared = self.hull.shared_planes(self.merge_distance)
-        planes: npt.NDArray[np.float64] = self.hull.facet_planes[shared[self.hull.simplex_facets]]
-        return planes
+        return self.hull.facet_planes[shared[self.hull.simplex_facets]]
 
     def _sides(self) -> npt.NDArray[np.int8]:
         sides = super()._sides()
@@ -230,8 +226,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
 
     @Lazy
     def _cells(self) -> npt.NDArray[np.int32]:
-        rows: npt.NDArray[np.int32] = self.triangulation.cells[self._peeled.kept]
-        return rows
+        return self.triangulation.cells[self._peeled.kept]
 
     @Lazy
     def _numbers(self) -> npt.NDArray[np.int32]:
@@ -260,10 +255,9 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
     @Lazy
     def neighbors(self) -> npt.NDArray[np.int32]:
         """(s, d + 1) int32: entry j is the simplex opposite to vertex j, or -1."""
-        rows: npt.NDArray[np.int32] = self._numbers[
+        return self._numbers[
             self.triangulation.neighbours[self._peeled.kept]
         ]
-        return rows
 
     @Lazy
     def convex_hull(self) -> npt.NDArray[np.int32]:
@@ -311,8 +305,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         >>> int(cullhull.TolerantDelaunay([[0, 0], [1, 0], [0, 1]]).find_simplex([0.2, 0.2]))
         0
         """
-        cells: npt.NDArray[np.int32] = self._stand_ins[super().find_simplex(xi, bruteforce, tol)]
-        return cells
+        return self._stand_ins[super().find_simplex(xi, bruteforce, tol)]
 
 
     def save(
@@ -351,9 +344,14 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
             )
         super().save(path, heights, format=format, crs=crs)
 
+    def _cells_shown(self) -> npt.NDArray[np.int32]:
+        return self._cells
+
+    def _boundary(self) -> npt.NDArray[np.int32]:
+        return self.convex_hull
+
     def _groups(self) -> npt.NDArray[np.int32]:
-        groups: npt.NDArray[np.int32] = self.triangulation.cell_groups[self._peeled.kept]
-        return groups
+        return self.triangulation.cell_groups[self._peeled.kept]
 
 
 @takes(Budgeted)

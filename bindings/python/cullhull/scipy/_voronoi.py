@@ -11,7 +11,6 @@ from .. import _core
 from .._lists import collector_paused
 from .._options import Budgeted, settings, takes
 from .._voronoi import VoronoiDiagram
-from ..show._forms import Picture, Table
 from ..show._shown import Saved, Shown
 from ._delaunay import Lifted
 from ._incremental import Lazy
@@ -194,14 +193,5 @@ class Voronoi(Shown, Saved, Lifted):
     def _write(self, path: str, format: str, crs: str = "") -> None:
         self.diagram._write(path, format, crs)
 
-    def _picture(self) -> Picture:
-        return self.diagram._picture()
-
-    def _shape_count(self) -> int:
-        return self.diagram._shape_count()
-
-    def _table(self) -> Table:
-        return self.diagram._table()
-
-    def _page(self) -> str:
-        return self.diagram._page()
+    def _in_place(self) -> VoronoiDiagram:
+        return self.diagram

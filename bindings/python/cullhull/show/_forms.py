@@ -57,8 +57,7 @@ class Table(NamedTuple):
 def places(ids: npt.NDArray[Any], numbers: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     """The place of each of ``numbers`` in ``ids``, which holds all of them, each once."""
     order = np.argsort(ids, kind="stable")
-    found: npt.NDArray[np.int64] = order[np.searchsorted(ids, numbers, sorter=order)]
-    return found
+    return order[np.searchsorted(ids, numbers, sorter=order)]
 
 
 class VertexIndex:
@@ -154,7 +153,9 @@ def features(geometries: Sequence[dict[str, Any]], **properties: Any) -> dict[st
     }
 
 
-def require_polygons(path: str, format: str, polygons: bool | None) -> None:
+def require_polygons(
+    path: str | os.PathLike[str], format: str, polygons: bool | None
+) -> None:
     """Raises if ``polygons`` is given for a format that has no choice."""
     ending = (format or os.path.splitext(path)[1].lstrip(".")).lower()
     if polygons is not None and ending not in ("ply", "obj", "off", "vtp"):

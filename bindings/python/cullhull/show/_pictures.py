@@ -227,5 +227,4 @@ def _normal(outline: Rows) -> npt.NDArray[np.float64]:
     edges = outline - outline[0]
     sum_ = np.cross(edges[1:-1], edges[2:]).sum(axis=0)
     length = float(np.linalg.norm(sum_))
-    unit: npt.NDArray[np.float64] = sum_ / length if 0 < length < np.inf else np.zeros(3)
-    return unit
+    return sum_ / length if 0 < length < np.inf else np.zeros(3)

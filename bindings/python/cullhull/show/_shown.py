@@ -20,20 +20,24 @@ class Shown:
 
     __slots__ = ()
 
-    def _picture(self) -> Picture:
-        """What is drawn; raises `InvalidArgument` for other dimensions than 2 and 3."""
+    def _in_place(self) -> Shown:
+        """The result that stands for this one in whatever of the following a class leaves to it."""
         raise NotImplementedError
 
+    def _picture(self) -> Picture:
+        """What is drawn; raises `InvalidArgument` for other dimensions than 2 and 3."""
+        return self._in_place()._picture()
+
     def _table(self) -> Table:
-        raise NotImplementedError
+        return self._in_place()._table()
 
     def _shape_count(self) -> int:
         """About how many shapes the picture has: a notebook shows none of very many."""
-        raise NotImplementedError
+        return self._in_place()._shape_count()
 
     def _page(self) -> str:
         """An interactive page as HTML."""
-        raise NotImplementedError
+        return self._in_place()._page()
 
     def plot(self, ax: Any = None, **style: Any) -> Any:
         """Draws the result with Matplotlib: in the plane or in space.
@@ -160,7 +164,7 @@ class Saved:
         ...     os.listdir(folder)
         ['shape.geojson']
         """
-        save_map(os.fspath(path), format, crs, self._write)
+        save_map(path, format, crs, self._write)
 
 
 class Exported(Shown):
@@ -168,9 +172,12 @@ class Exported(Shown):
 
     __slots__ = ()
 
+    def _in_place(self) -> Exported:
+        raise NotImplementedError
+
     def _surface(self) -> Surface:
         """Raises `InvalidArgument` where there is none."""
-        raise NotImplementedError
+        return self._in_place()._surface()
 
     def _volume(self) -> Volume | None:
         """Cells of space; None for a result that is a surface."""
@@ -178,7 +185,7 @@ class Exported(Shown):
 
     def _geometry(self) -> dict[str, Any]:
         """What GeoJSON calls a geometry or a collection; `InvalidArgument` if not of the plane."""
-        raise NotImplementedError
+        return self._in_place()._geometry()
 
     def mesh(self) -> Mesh:
         """The result as a mesh: coordinates, and simplices that count their rows.

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _core
 from .._answers import Mesh
 from .._errors import InvalidArgument
 from ._forms import (
     Picture,
     Rows,
     Surface,
-    Table,
     Volume,
     features,
     in_rows,
@@ -40,25 +40,21 @@ class ShownCells(Exported):
 
     __slots__ = ()
 
-    def _coordinates(self) -> npt.NDArray[Any]:
-        """(n, d): of all points."""
-        raise NotImplementedError
-
-    def _flat(self) -> int:
-        """The dimension of the flat that the points span."""
+    def _native(self) -> _core.Cells:
+        """The triangulation."""
         raise NotImplementedError
 
     def _cells_shown(self) -> npt.NDArray[np.int32]:
         """(c, k + 1): the cells that are shown."""
-        raise NotImplementedError
+        return self._native().cells
 
     def _boundary(self) -> npt.NDArray[np.int32]:
         """(f, k): their facets without a neighbour."""
-        raise NotImplementedError
+        return self._native().hull_facets
 
     def _groups(self) -> npt.NDArray[np.int32]:
         """(c,): the number of each cell's sphere."""
-        raise NotImplementedError
+        return self._native().cell_groups
 
     def mesh(self) -> Mesh:
         """The cells as a mesh: coordinates, and simplices that count their rows.
@@ -84,12 +80,12 @@ class ShownCells(Exported):
     def _mesh_of(self, simplices: npt.NDArray[Any]) -> tuple[Mesh, npt.NDArray[Any]]:
         """A mesh of some simplices, and the indices of their points, ascending."""
         ids = np.unique(simplices)
-        vertices = np.ascontiguousarray(self._coordinates()[ids], dtype=np.float64)
+        vertices = np.ascontiguousarray(np.asarray(self._native().points)[ids], dtype=np.float64)
         return Mesh(vertices, places(ids, simplices)), ids
 
     def _surface(self) -> Surface:
-        require_surface(self._dimension(), self._flat(), "a triangulation")
-        if self._flat() == 3:
+        require_surface(self._native().dimension, self._native().affine_dimension, "a triangulation")
+        if self._native().affine_dimension == 3:
             raise InvalidArgument(
                 "tetrahedra are no surface: to_pyvista() and to_open3d() take them, "
                 "convex_hull() and alpha_shape() have a surface"
@@ -101,25 +97,25 @@ class ShownCells(Exported):
         return Surface(vertices, ids, in_rows(faces), faces, np.arange(len(faces)))
 
     def _volume(self) -> Volume | None:
-        if self._flat() != 3 or self._dimension() != 3:
+        if self._native().affine_dimension != 3 or self._native().dimension != 3:
             return None
         (vertices, faces), ids = self._mesh_of(self._cells_shown())
         return Volume(vertices, ids, faces, {"cell_groups": self._groups()})
 
     def _geometry(self) -> dict[str, Any]:
-        require_plane(self._dimension(), "a triangulation")
+        require_plane(self._native().dimension, "a triangulation")
         triangles = [polygon_geometry([rows]) for rows in self._corners()]
         return features(triangles, cell=range(len(triangles)))
 
     def _corners(self) -> list[Rows]:
         """The corners of each triangle."""
-        if self._flat() != 2:
+        if self._native().affine_dimension != 2:
             return []
-        return list(np.asarray(self._coordinates(), dtype=np.float64)[self._cells_shown()])
+        return list(np.asarray(self._native().points, dtype=np.float64)[self._cells_shown()])
 
     def _picture(self) -> Picture:
-        require_drawable(self._dimension())
-        if self._flat() == 2:
+        require_drawable(self._native().dimension)
+        if self._native().affine_dimension == 2:
             return Picture([[rows] for rows in self._corners()])
         cells = self._cells_shown()
         (vertices, _), ids = self._mesh_of(cells)
@@ -135,9 +131,3 @@ class ShownCells(Exported):
         if volume is None:
             return page_of_surface(self._surface(), None, self._table())
         return page_of_cells(volume, places(volume.ids, self._boundary()), self._table())
-
-    def _table(self) -> Table:
-        raise NotImplementedError
-
-    def _dimension(self) -> int:
-        return int(self._coordinates().shape[1])
