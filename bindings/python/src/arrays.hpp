@@ -13,11 +13,19 @@
 #include <utility>
 
 #include "cullhull/lists.hpp"
+#include "cullhull/point_view.hpp"
 #include "numpy_api.hpp"
 
 namespace binding {
 
 namespace nb = nanobind;
+
+/// The scalar types of points, with NumPy's numbers.
+inline constexpr std::pair<cullhull::ScalarType, int> scalar_types[] = {
+    {cullhull::ScalarType::f64, NPY_FLOAT64}, {cullhull::ScalarType::f32, NPY_FLOAT32},
+    {cullhull::ScalarType::i8, NPY_INT8},     {cullhull::ScalarType::u8, NPY_UINT8},
+    {cullhull::ScalarType::i16, NPY_INT16},   {cullhull::ScalarType::u16, NPY_UINT16},
+    {cullhull::ScalarType::i32, NPY_INT32},   {cullhull::ScalarType::u32, NPY_UINT32}};
 
 template <class T>
 struct NumpyScalar;

@@ -108,12 +108,7 @@ class Chosen {
     const std::size_t d = from.dimension;
     for (std::size_t i = 0; i < numbers_.size(); ++i)
       std::copy_n(all.data() + numbers_[i] * d, d, rows_.data() + i * d);
-    view_.scalar = cullhull::ScalarType::f64;
-    view_.dimension = from.dimension;
-    view_.count = numbers_.size();
-    view_.point_stride = static_cast<std::ptrdiff_t>(d * sizeof(double));
-    view_.coordinate_stride = sizeof(double);
-    view_.data = reinterpret_cast<const std::byte*>(rows_.data());
+    view_ = PointView::row_major(rows_.data(), numbers_.size(), from.dimension);
   }
   Chosen(const Chosen&) = delete;
   Chosen& operator=(const Chosen&) = delete;

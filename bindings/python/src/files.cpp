@@ -27,24 +27,8 @@ using cullhull::ScalarType;
 namespace {
 
 int numpy_type(ScalarType scalar) {
-  switch (scalar) {
-    case ScalarType::f64:
-      return NPY_FLOAT64;
-    case ScalarType::f32:
-      return NPY_FLOAT32;
-    case ScalarType::i8:
-      return NPY_INT8;
-    case ScalarType::u8:
-      return NPY_UINT8;
-    case ScalarType::i16:
-      return NPY_INT16;
-    case ScalarType::u16:
-      return NPY_UINT16;
-    case ScalarType::i32:
-      return NPY_INT32;
-    case ScalarType::u32:
-      return NPY_UINT32;
-  }
+  for (const auto& [type, number] : scalar_types)
+    if (type == scalar) return number;
   return NPY_NOTYPE;
 }
 

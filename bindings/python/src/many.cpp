@@ -90,17 +90,11 @@ class Grower {
   std::unique_ptr<Solid> solid() {
     const Busy busy(busy_, adding);
     const cullhull::Hull& hull = growing_.hull();
-    const std::vector<double>& by_id = growing_.vertex_coordinates();
     std::vector<std::uint64_t> ids = hull.vertices;
     std::sort(ids.begin(), ids.end());
-    std::vector<double> rows;
-    rows.reserve(by_id.size());
-    for (const std::uint64_t v : hull.vertices) {
-      const auto place = std::lower_bound(ids.begin(), ids.end(), v) - ids.begin();
-      const auto first = by_id.begin() + place * static_cast<std::ptrdiff_t>(hull.dimension);
-      rows.insert(rows.end(), first, first + static_cast<std::ptrdiff_t>(hull.dimension));
-    }
-    return std::make_unique<Solid>(hull, std::move(rows));
+    const auto rows = cullhull::PointView::row_major(growing_.vertex_coordinates().data(),
+                                                     ids.size(), hull.dimension);
+    return std::make_unique<Solid>(hull, ids, rows);
   }
   std::uint32_t dimension() const { return growing_.hull().dimension; }
 

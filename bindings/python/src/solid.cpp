@@ -24,14 +24,22 @@ std::vector<double> gather(const PointView& points, const std::vector<std::uint6
   return rows;
 }
 
-std::uint64_t place_of(const std::vector<std::uint64_t>& ids, std::uint64_t id) {
+std::uint64_t place_of(std::span<const std::uint64_t> ids, std::uint64_t id) {
   return static_cast<std::uint64_t>(std::lower_bound(ids.begin(), ids.end(), id) - ids.begin());
+}
+std::vector<std::uint64_t> places_of(std::vector<std::uint64_t> vertices,
+                                     std::span<const std::uint64_t> ids) {
+  for (std::uint64_t& id : vertices) id = place_of(ids, id);
+  return vertices;
 }
 
 }  // namespace
 
 Solid::Solid(Hull hull, const PointView& points)
     : hull_(std::move(hull)), vertex_rows_(gather(points, hull_.vertices)) {}
+
+Solid::Solid(Hull hull, std::span<const std::uint64_t> ids, const PointView& points)
+    : hull_(std::move(hull)), vertex_rows_(gather(points, places_of(hull_.vertices, ids))) {}
 
 Solid::Solid(Hull hull, std::vector<double> vertex_rows)
     : hull_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}

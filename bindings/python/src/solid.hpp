@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "arrays.hpp"
@@ -28,6 +29,8 @@ class Solid {
  public:
   /// `points`: those the hull was computed from.
   Solid(cullhull::Hull hull, const cullhull::PointView& points);
+  /// `points`: those with these ids, ascending, among which all vertices are.
+  Solid(cullhull::Hull hull, std::span<const std::uint64_t> ids, const cullhull::PointView& points);
   /// `vertex_rows`: the coordinates of hull.vertices, in that order.
   Solid(cullhull::Hull hull, std::vector<double> vertex_rows);
 

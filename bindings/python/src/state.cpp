@@ -122,15 +122,18 @@ void check_offsets(const Offsets& offsets, std::size_t items, const char* name) 
     require(offsets[i - 1] <= offsets[i], name);
   }
 }
+template <class ListsOf>
+void check_offsets(const ListsOf& lists, const char* name) {
+  check_offsets(lists.offsets, lists.items.size(), name);
+}
 template <class List>
 void check_below(const List& list, std::uint64_t bound, const char* name) {
   require(all_hold(list, [bound](auto v) { return v < bound; }), name);
 }
 
 ScalarType scalar_named(const std::string& name) {
-  for (const ScalarType t : {ScalarType::f32, ScalarType::f64, ScalarType::i8, ScalarType::u8,
-                             ScalarType::i16, ScalarType::u16, ScalarType::i32, ScalarType::u32})
-    if (name == cullhull::scalar_name(t)) return t;
+  for (const auto& [type, number] : scalar_types)
+    if (name == cullhull::scalar_name(type)) return type;
   refuse("scalar");
 }
 
@@ -288,9 +291,8 @@ void check(const Hull& h, const std::vector<double>& vertex_rows) {
   require(h.facet_neighbours.size() == facets, "facet_neighbours");
   require(h.simplices.size() == h.simplex_count() * k, "simplices");
   require(h.simplex_neighbours.size() == h.simplices.size(), "simplex_neighbours");
-  check_offsets(h.facets.offsets, h.facets.items.size(), "facet_offsets");
-  check_offsets(h.facet_neighbours.offsets, h.facet_neighbours.items.size(),
-                "facet_neighbour_offsets");
+  check_offsets(h.facets, "facet_offsets");
+  check_offsets(h.facet_neighbours, "facet_neighbour_offsets");
   check_below(h.vertices, h.point_count, "vertices");
   check_below(h.facet_neighbours.items, facets, "facet_neighbours");
   check_below(h.simplex_neighbours, h.simplex_count(), "simplex_neighbours");
@@ -350,14 +352,12 @@ void check(const Batch& batch) {
   require(b.facet_planes.size() == facets * (b.dimension + std::size_t{1}), "facet_planes");
   require(batch.vertex_rows.size() == b.vertices.items.size() * b.dimension, "vertex_rows");
   check_offsets(b.facet_starts, facets, "facet_starts");
-  check_offsets(b.facets.offsets, b.facets.items.size(), "facet_offsets");
-  check_offsets(b.facet_neighbours.offsets, b.facet_neighbours.items.size(),
-                "facet_neighbour_offsets");
-  check_offsets(b.vertices.offsets, b.vertices.items.size(), "vertex_offsets");
-  check_offsets(b.simplices.offsets, b.simplices.items.size(), "simplex_offsets");
-  check_offsets(b.simplex_neighbours.offsets, b.simplex_neighbours.items.size(),
-                "simplex_neighbour_offsets");
-  check_offsets(b.simplex_facets.offsets, b.simplex_facets.items.size(), "simplex_facet_offsets");
+  check_offsets(b.facets, "facet_offsets");
+  check_offsets(b.facet_neighbours, "facet_neighbour_offsets");
+  check_offsets(b.vertices, "vertex_offsets");
+  check_offsets(b.simplices, "simplex_offsets");
+  check_offsets(b.simplex_neighbours, "simplex_neighbour_offsets");
+  check_offsets(b.simplex_facets, "simplex_facet_offsets");
   for (std::size_t i = 0; i < sets; ++i) {
     const std::unique_ptr<Solid> solid = batch.at(i);
     check(solid->hull(), solid->vertex_rows());

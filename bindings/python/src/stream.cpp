@@ -29,16 +29,7 @@ nb::bytes bytes_of(const void* data, std::size_t size) { return nb::bytes(data, 
 
 std::unique_ptr<Solid> solid_of(const HullState& state, const Settings* settings) {
   return computed(settings, length_of(state.points()), [&](const Options& options) {
-    cullhull::Hull hull = state.hull(options);
-    const cullhull::PointView points = state.points();
-    std::vector<double> rows;
-    rows.reserve(hull.vertices.size() * points.dimension);
-    for (const std::uint64_t v : hull.vertices) {
-      const auto row = std::lower_bound(state.ids().begin(), state.ids().end(), v);
-      for (std::uint32_t j = 0; j < points.dimension; ++j)
-        rows.push_back(points.at(static_cast<std::uint64_t>(row - state.ids().begin()), j));
-    }
-    return std::make_unique<Solid>(std::move(hull), std::move(rows));
+    return std::make_unique<Solid>(state.hull(options), state.ids(), state.points());
   });
 }
 
