@@ -27,6 +27,8 @@ from .show._forms import (
 )
 from .show._shown import Exported, Saved
 
+Ids = npt.NDArray[np.int32]
+
 
 @takes(Budgeted)
 def alpha_shape(
@@ -178,12 +180,12 @@ class AlphaShape(Exported, Saved, Compared):
             raise InvalidArgument(f"shapes in {known} have it, not in {found.dimension}D")
         if found.affine_dimension not in dimensions:
             return 0.0, 0.0
-        return _core.shape_measures(
-            found._cells,
-            np.ascontiguousarray(self.cell_numbers),
-            np.ascontiguousarray(self.facets).ravel(),
-            np.ascontiguousarray(self.facet_cells),
-        )
+        return _core.shape_measures(found._cells, *self._lists())
+
+    def _lists(self) -> tuple[Ids, Ids, Ids]:
+        """The shape as `_core` takes it."""
+        cells, owners = map(np.ascontiguousarray, (self.cell_numbers, self.facet_cells))
+        return cells, np.ascontiguousarray(self.facets).ravel(), owners
 
     def _measure_rows(self) -> list[tuple[str, str]]:
         k = self.triangulation.affine_dimension
@@ -246,12 +248,13 @@ class AlphaShape(Exported, Saved, Compared):
         require_surface(found.dimension, found.affine_dimension, "a shape")
         return found._triangles(self.facets if found.affine_dimension == 3 else self.cells)
 
+    def _rows(self) -> Rows:
+        return np.asarray(self.points, dtype=np.float64)
+
     def _polygon_rows(self) -> list[list[Rows]]:
         """`polygons`, as coordinates."""
         rows = np.asarray(self.points)
-        return [
-            [rows[ring].astype(np.float64) for ring in rings] for rings in self.polygons()
-        ]
+        return [[rows[ring].astype(np.float64) for ring in rings] for rings in self.polygons()]
 
     def _geometry(self) -> dict[str, Any]:
         require_plane(self.dimension, "a shape")
@@ -261,7 +264,7 @@ class AlphaShape(Exported, Saved, Compared):
     def _flat_geometry(self) -> dict[str, Any] | None:
         """Lines of points on a line, a point of equal ones; None for polygons, or without cells."""
         found = self.triangulation
-        rows = np.asarray(self.points, dtype=np.float64)
+        rows = self._rows()
         if found.affine_dimension > 1 or len(self.cell_numbers) == 0:
             return None
         if found.affine_dimension == 0:
@@ -276,11 +279,10 @@ class AlphaShape(Exported, Saved, Compared):
         found = self.triangulation
         require_drawable(found.dimension)
         if found.affine_dimension == 3:
-            rows = np.asarray(self.points, dtype=np.float64)[self.facets]
-            return Picture([[triangle] for triangle in rows], surface=True)
+            return Picture([[triangle] for triangle in self._rows()[self.facets]], surface=True)
         if found.affine_dimension == 2 and found.dimension == 2:
             return Picture(self._polygon_rows())
-        rows = np.asarray(self.points, dtype=np.float64)[self.cells]
+        rows = self._rows()[self.cells]
         if found.affine_dimension == 2:
             return Picture([[triangle] for triangle in rows])
         lines = rows if found.affine_dimension == 1 else ()
@@ -303,16 +305,8 @@ class AlphaShape(Exported, Saved, Compared):
         )
 
     def _write(self, path: str, format: str, crs: str = "") -> None:
-        _core.save_alpha_shape(
-            path,
-            self.triangulation._cells,
-            np.ascontiguousarray(self.cell_numbers),
-            np.ascontiguousarray(self.facets).ravel(),
-            np.ascontiguousarray(self.facet_cells),
-            self._alpha_written(),
-            format,
-            crs,
-        )
+        shape, alpha = self._lists(), self._alpha_written()
+        _core.save_alpha_shape(path, self.triangulation._cells, *shape, alpha, format, crs)
 
     def _alpha_written(self) -> float:
         return self.alpha

@@ -27,6 +27,7 @@ from .show._forms import (
     fan,
     fans,
     features,
+    following,
     polygons_geometry,
     require_drawable,
     require_plane,
@@ -228,7 +229,7 @@ class ClippedCells(Exported, Native):
             return Mesh(rows, fans(self._faces()))
         if rows.shape[1] == 1:
             return Mesh(rows, number[:, np.newaxis])
-        return Mesh(rows, np.column_stack([number, _following(self._clipped.ring_starts)]))
+        return Mesh(rows, np.column_stack([number, following(self._clipped.ring_starts)]))
 
     def to_pyvista(self) -> Any:
         """The cells as an object of PyVista.
@@ -450,21 +451,13 @@ class ClippedCells(Exported, Native):
         return f"<ClippedCells: {len(self)} cells>"
 
 
-def _following(starts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """The next corner in its ring, for each corner."""
-    following = np.arange(1, int(starts[-1]) + 1 if len(starts) else 1, dtype=np.int64)
-    filled = np.flatnonzero(np.diff(starts))
-    following[starts[filled + 1] - 1] = starts[filled]
-    return following
-
-
 def _triangles(
     rows: npt.NDArray[np.float64], rings: list[npt.NDArray[np.int64]]
 ) -> npt.NDArray[np.int64]:
     """A polygon of the plane with dents or holes in triangles, whose corners are rows."""
     numbers = np.concatenate(rings)
-    following = _following(np.cumsum([0, *map(len, rings)]))
-    edges = np.column_stack([np.arange(len(numbers)), following])
+    after = following(np.cumsum([0, *map(len, rings)]))
+    edges = np.column_stack([np.arange(len(numbers)), after])
     found = constrained_delaunay(rows[numbers], edges, inside_only=True)
     return numbers[found.cells]
 

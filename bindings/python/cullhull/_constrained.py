@@ -172,12 +172,5 @@ class ConstrainedTriangulation(FoundCells):
         return self._cells.hidden
 
 
-def _of_state(
-    state: dict[str, Any],
-    pieces: npt.NDArray[np.int32],
-    piece_sources: npt.NDArray[np.int32],
-    depths: npt.NDArray[np.int32],
-    certificate: Certificate | None,
-) -> ConstrainedTriangulation:
-    cells = _core.cells_of_state(state)
-    return ConstrainedTriangulation(cells, pieces, piece_sources, depths, certificate)
+def _of_state(state: dict[str, Any], *rest: Any) -> ConstrainedTriangulation:
+    return ConstrainedTriangulation(_core.cells_of_state(state), *rest)

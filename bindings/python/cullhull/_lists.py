@@ -29,6 +29,13 @@ def collector_paused() -> Iterator[None]:
         gc.enable()
 
 
+def first_places(numbers: npt.NDArray[Any], count: int) -> npt.NDArray[np.intp]:
+    """Where each number below `count` comes first in an array; -1 for one that does not."""
+    first = np.full(count, -1, dtype=np.intp)
+    first[numbers[::-1]] = np.arange(len(numbers))[::-1]  # of several NumPy keeps the last
+    return first
+
+
 class Lists(Compared, Sequence[npt.NDArray[Any]]):
     """A sequence of integer arrays: ``lists[i]`` is ``items[offsets[i]:offsets[i + 1]]``, a view.
 

@@ -192,22 +192,11 @@ class ConvexHull(Exported, IncrementalPoints):
         """(s, d + 1) float64: outward unit normal and offset of each simplex."""
         return self._solid.scipy_equations()
 
-    @Lazy
-    def min_bound(self) -> npt.NDArray[np.float64]:
-        """(d,) float64: the least coordinates."""
-        return self._bound(np.min)
-
-    @Lazy
-    def max_bound(self) -> npt.NDArray[np.float64]:
-        """(d,) float64: the largest coordinates."""
-        return self._bound(np.max)
-
-    def _bound(self, extreme: Any) -> npt.NDArray[np.float64]:
+    def _extreme(self) -> npt.NDArray[np.float64]:
         corners = self._solid.vertex_points
         if self._options.good_point is not None:  # that point counts too
             corners = np.vstack([corners, self._array[self._options.good_point]])
-        bound: npt.NDArray[np.float64] = extreme(corners, axis=0)
-        return bound
+        return corners
 
     @Lazy
     def good(self) -> npt.NDArray[np.bool_] | None:

@@ -13,6 +13,7 @@ from .. import _core
 from .._arguments import as_array, as_coordinates, is_doubles
 from .._errors import InvalidArgument, NotFinite
 from .._lifted_planes import planes, spheres, transforms
+from .._lists import first_places
 from .._options import Budgeted, Unpack, documented, require_known, settings, takes
 from .._triangulation import Triangulation
 from ..show._forms import Table
@@ -66,18 +67,6 @@ class Lifted(IncrementalPoints):
         if "_array" in self.__dict__:
             self._forget()
         self._array, self.triangulation = everything, Triangulation._of(found)
-
-    @Lazy
-    def min_bound(self) -> npt.NDArray[np.float64]:
-        """(d,) float64: the least coordinates."""
-        bound: npt.NDArray[np.float64] = self.points.min(axis=0)
-        return bound
-
-    @Lazy
-    def max_bound(self) -> npt.NDArray[np.float64]:
-        """(d,) float64: the largest coordinates."""
-        bound: npt.NDArray[np.float64] = self.points.max(axis=0)
-        return bound
 
 
 @takes(Budgeted)
@@ -221,10 +210,8 @@ class Delaunay(ShownCells, Lifted):
         """(n,) int32: the first simplex with each vertex; for a point equal to another, of that
         one; -1 for points that are no vertices."""
         cells = self._cells
-        first = np.full(self.npoints, -1, dtype=np.int32)
-        # backwards: of several values for one place NumPy keeps the last
-        numbers = np.arange(len(cells), dtype=np.int32)[::-1]
-        first[cells.ravel()[::-1]] = np.repeat(numbers, cells.shape[1])
+        places = first_places(cells.ravel(), self.npoints)
+        first: npt.NDArray[np.int32] = (places // cells.shape[1]).astype(np.int32)
         equal = self.triangulation.duplicates
         first[equal[:, 0]] = first[equal[:, 1]]
         return first
@@ -369,8 +356,7 @@ class Delaunay(ShownCells, Lifted):
         x = self._as_questions(x)
         scale, shift = self._paraboloid
         height = scale * (x**2).sum(axis=-1, keepdims=True) + shift
-        lifted: npt.NDArray[np.float64] = np.concatenate([x, height], axis=-1)
-        return lifted
+        return np.concatenate([x, height], axis=-1)
 
     def plane_distance(self, xi: Any) -> npt.NDArray[np.float64]:
         """Signed distances of lifted points to the planes of all lifted simplices.
@@ -397,8 +383,7 @@ class Delaunay(ShownCells, Lifted):
         """
         z = self.lift_points(xi)
         planes = self.equations
-        distances: npt.NDArray[np.float64] = z @ planes[:, :-1].T + planes[:, -1]
-        return distances
+        return z @ planes[:, :-1].T + planes[:, -1]
 
     def _as_questions(self, x: Any) -> npt.NDArray[np.float64]:
         if is_doubles(x) and x.ndim and x.shape[-1] == self.ndim:

@@ -159,3 +159,19 @@ class IncrementalPoints(Incremental):
     def points(self) -> npt.NDArray[np.float64]:
         """(n, d) float64: the points."""
         return np.ascontiguousarray(self._array, dtype=np.float64)
+
+    def _extreme(self) -> npt.NDArray[np.float64]:
+        """Points of which some have the least and the largest coordinates."""
+        return self.points
+
+    @Lazy
+    def min_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the least coordinates."""
+        bound: npt.NDArray[np.float64] = self._extreme().min(axis=0)
+        return bound
+
+    @Lazy
+    def max_bound(self) -> npt.NDArray[np.float64]:
+        """(d,) float64: the largest coordinates."""
+        bound: npt.NDArray[np.float64] = self._extreme().max(axis=0)
+        return bound

@@ -31,6 +31,7 @@ class _Interpolator:
     #: What coordinates are divided by, after `offset` is taken from them; None without ``rescale``.
     scale: npt.NDArray[np.float64] | None
     offset: npt.NDArray[np.float64]
+    _threads: int | None
 
     def _set_points(self, points: Any, rescale: bool) -> None:
         rows = as_point_set(_rows(points))
@@ -44,6 +45,9 @@ class _Interpolator:
             self.scale = np.where(scale > 0, scale, 1.0)
             array = (array - self.offset) / self.scale
         self.points = array
+
+    def _settings(self) -> _core.Settings | None:
+        return None if self._threads is None else settings({"threads": self._threads})
 
     def __repr__(self) -> str:
         n, d = self.points.shape
@@ -233,7 +237,7 @@ class LinearNDInterpolator(_OnCells):
             numbers,
             numbers.shape[1],
             outside,
-            None if self._threads is None else settings({"threads": self._threads}),
+            self._settings(),
         )
         if len(outside) == 2:
             found = found.view(np.complex128)
@@ -295,16 +299,18 @@ class NaturalNDInterpolator(_OnCells):
         self.__dict__.update(state)
         self._prepare()
 
+    def _reals(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Imaginary parts beside the real ones."""
+        return np.hstack([values.real, values.imag]) if self.is_complex else values
+
     def _prepare(self) -> None:
-        parts = self.values
-        if self.is_complex:
-            parts = np.concatenate([parts.real, parts.imag], axis=1)
+        parts = self._reals(self.values)
         self._components = parts.shape[1]
         self._native = _core.interpolator(
             self.tri.triangulation._cells,
             np.ascontiguousarray(parts, dtype=np.float64).reshape(-1),
             self._components,
-            settings({"threads": self._threads}),
+            self._settings(),
         )
 
     def _values(self, xi: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[Any]:
@@ -314,15 +320,11 @@ class NaturalNDInterpolator(_OnCells):
         inside[inside] = np.asarray(cells) >= 0
         edge = self._on_border(rows, np.flatnonzero(~inside), tolerance)
         inside[list(edge)] = True
-        chosen = settings({"threads": self._threads})
-        found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, chosen)
+        found: npt.NDArray[Any] = self._native.natural(rows[inside], np.nan, self._settings())
         found = found.reshape(-1, self._components)
         place = np.cumsum(inside) - 1
         for row, (ids, weights) in edge.items():
-            parts = self.values[ids]
-            if self.is_complex:
-                parts = np.concatenate([parts.real, parts.imag], axis=1)
-            found[place[row]] = weights @ parts
+            found[place[row]] = weights @ self._reals(self.values[ids])
         if self.is_complex:
             half = self._components // 2
             found = found[:, :half] + 1j * found[:, half:]
@@ -544,7 +546,7 @@ class NearestNDInterpolator(_Interpolator):
         if self._nearby is None:
             return None
         try:
-            return self._nearby.nearest(rows, settings({"threads": self._threads}))
+            return self._nearby.nearest(rows, self._settings())
         except NotFinite:
             _require_finite(rows)
             raise
@@ -558,7 +560,7 @@ class NearestNDInterpolator(_Interpolator):
     @Lazy
     def _nearby(self) -> _core.NearestTree | None:
         """The points in a tree of our own; None in more dimensions than it takes."""
-        return _core.nearest_tree(self.points, settings({"threads": self._threads}))
+        return _core.nearest_tree(self.points, self._settings())
 
     @Lazy
     def tree(self) -> Any:

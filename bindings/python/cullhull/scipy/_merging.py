@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .._errors import InvalidArgument
-from .._lists import Lists
+from .._lists import Lists, first_places
 from .._triangulation import Triangulation
 from .._voronoi import VoronoiDiagram
 
@@ -243,8 +243,7 @@ def _unequal(
     moved = np.flatnonzero(kept & (least[groups] != groups))
     if len(moved) == 0:
         return 0.0
-    first = np.full(len(centres), -1, dtype=np.int64)
-    first[groups[::-1]] = np.arange(len(groups))[::-1]
+    first = first_places(groups, len(centres))
     vertex = least[groups[moved]]
     on = scaled.points[found.cells[first[vertex], 0]]
     return max(

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from .._arguments import as_points
 from .._errors import InvalidArgument, NotFinite
+from .._lists import first_places
 from ._convex_hull import ConvexHull
 
 
@@ -126,9 +127,7 @@ class SphericalVoronoi:
     def _walks(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], npt.NDArray[np.intp]]:
         """Around all points at once, from each one's first simplex: point, step, simplex."""
         corners = self._simplices.astype(np.intp)
-        numbers = np.arange(corners.size)
-        first = np.full(len(self.points), -1, dtype=np.intp)
-        first[corners.ravel()[::-1]] = numbers[::-1]  # of several NumPy keeps the last
+        first = first_places(corners.ravel(), len(self.points))
         # From corner j the way goes over the edge opposite to corner j + 1 into the next simplex.
         across = np.roll(self._neighbors, -1, axis=1).astype(np.intp)
         at_point = np.argmax(corners[across] == corners[:, :, np.newaxis], axis=2)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from .. import _core
 from .._errors import InvalidArgument
+from .._lists import first_places
 from .._options import Budgeted, Filtered, Unpack, settings, takes
 from ._convex_hull import ConvexHull, raise_flat
 from ._delaunay import Delaunay, Lifted
@@ -272,8 +273,7 @@ class TolerantDelaunay(_TolerantLifted, Delaunay):
         lost = np.setdiff1d(cells[~self._peeled.kept], self._cells)
         if not self._options.coplanar or len(lost) == 0:
             return Delaunay.coplanar._make(self)
-        first = np.full(self.npoints, -1, dtype=np.int64)
-        first[cells[::-1]] = np.arange(len(cells))[::-1, np.newaxis]
+        first = first_places(cells.ravel(), self.npoints) // cells.shape[1]
         beside = self._stand_ins[first[lost]]
         corners = self._cells[beside]
         away = np.abs(self.points[corners] - self.points[lost][:, np.newaxis]).max(axis=2)

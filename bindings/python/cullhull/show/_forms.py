@@ -106,6 +106,23 @@ def fans(polygons: Lists) -> npt.NDArray[np.int64]:
     return np.column_stack([items[first], items[step], items[step + 1]])
 
 
+def following(starts: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """The next corner in its ring, for each corner."""
+    after = np.arange(1, int(starts[-1]) + 1 if len(starts) else 1, dtype=np.int64)
+    filled = np.flatnonzero(np.diff(starts))
+    after[starts[filled + 1] - 1] = starts[filled]
+    return after
+
+
+def edges_of(cells: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """(e, 2): the edges of simplices, each once, ascending."""
+    width = cells.shape[1]
+    pairs = [cells[:, [i, j]] for i in range(width) for j in range(i + 1, width)]
+    if not pairs:
+        return np.empty((0, 2), dtype=cells.dtype)
+    return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+
+
 def in_rows(numbers: npt.NDArray[Any]) -> Lists:
     """The rows of an array as lists."""
     count, width = numbers.shape

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from .. import _core
 from .._arguments import as_points
 from .._errors import BackendUnavailable, Error, InvalidArgument
-from ._forms import Surface, Table, Volume
+from ._forms import Surface, Table, Volume, edges_of, following
 
 #: Bytes of a page's arrays; in base64 they take a third more.
 _MOST_BYTES = 9_000_000
@@ -74,26 +74,19 @@ def page_of_surface(
     """The page of polygons, with their own edges unless others are given, or of the cells of
     sites: then the numbers of the corners are those of the sites."""
     if edges is None:
-        edges = _edges(surface)
+        corners = np.asarray(surface.polygons.items)
+        ahead = corners[following(np.asarray(surface.polygons.offsets))]
+        edges = edges_of(np.column_stack([corners, ahead]))
     points, ids, _, triangles, pieces, _ = surface
     return _page(points, ids, edges, triangles, table, facets=pieces, sites=sites)
 
 
 def page_of_cells(volume: Volume, boundary: npt.NDArray[np.int64], table: Table) -> str:
     """The page of tetrahedra, which a plane cuts, and their boundary."""
-    edges = np.unique(np.sort(boundary[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    edges = edges_of(boundary)
     numbers = np.arange(len(boundary))
     points, ids, tetrahedra, _ = volume
     return _page(points, ids, edges, boundary, table, facets=numbers, cells=tetrahedra)
-
-
-def _edges(surface: Surface) -> npt.NDArray[np.int64]:
-    """(e, 2): the edges of the polygons, each once."""
-    items, offsets = np.asarray(surface.polygons.items), np.asarray(surface.polygons.offsets)
-    following = np.roll(items, -1)
-    filled = np.flatnonzero(np.diff(offsets))
-    following[offsets[filled + 1] - 1] = items[offsets[filled]]
-    return np.unique(np.sort(np.column_stack([items, following]), axis=1), axis=0)
 
 
 class _Bytes:

@@ -15,6 +15,7 @@ from ._forms import (
     Rows,
     Surface,
     Volume,
+    edges_of,
     features,
     in_rows,
     places,
@@ -24,15 +25,6 @@ from ._forms import (
     require_surface,
 )
 from ._shown import Exported
-
-
-def edges_of(cells: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """(e, 2): the edges of simplices, each once, ascending."""
-    width = cells.shape[1]
-    pairs = [cells[:, [i, j]] for i in range(width) for j in range(i + 1, width)]
-    if not pairs:
-        return np.empty((0, 2), dtype=cells.dtype)
-    return np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
 
 
 class ShownCells(Exported):
