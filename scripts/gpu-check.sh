@@ -128,7 +128,7 @@ stage() {
   mkdir -p "$folder/python/tests"
   cp -r bindings/python/cullhull "$folder/python/"
   cp "$build"/bindings/python/_core.*.so "$folder/python/cullhull/"
-  cp bindings/python/tests/test_{arrays,recipes}.py docs/how-to/frameworks.md "$folder/python/tests/"
+  cp bindings/python/tests/{programs,test_arrays,test_recipes}.py docs/how-to/frameworks.md "$folder/python/tests/"
   cp bench/device_hulls.py data/autzen-150k.ply "$folder/python/"
   mkdir "$folder/python/lib"
   # The C++ library is what PyTorch and CuPy run with, which may need a newer one than ours.

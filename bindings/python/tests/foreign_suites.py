@@ -2,26 +2,20 @@
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
+
+from programs import python, with_path
 
 STAND_INS = Path(__file__).parent / "foreign"
 
 
 def _run(folder, stand_ins, arguments, who):
-    path = [str(STAND_INS / stand_ins), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return subprocess.run(
-        [
-            *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-rfE"),
-            *("-c", os.devnull, "--import-mode=importlib", "--rootdir", str(folder), *arguments),
-        ],
-        capture_output=True,
-        text=True,
+    return python(
+        *("-m", "pytest", "-q", "-p", "no:cacheprovider", "-rfE"),
+        *("-c", os.devnull, "--import-mode=importlib", "--rootdir", folder, *arguments),
         cwd=folder,
         env={
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join(path),
+            **with_path(STAND_INS / stand_ins),
             "CULLHULL_STAND_IN": who,
             # Plugins of packages that are there for other tests take longer than most of these.
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",

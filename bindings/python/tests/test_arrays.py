@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import cullhull
+from programs import python
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
@@ -145,14 +146,12 @@ def test_sets_in_any_array_of_three_axes():
 
 
 def test_hulls_that_live_until_the_end_are_no_leaks():
-    import subprocess
-
     keep = (
         "import ctypes, cullhull\n"
         "hull = cullhull.convex_hull([[0, 0], [1, 0], [0, 1]])\n"
         "ctypes.pythonapi.Py_IncRef(ctypes.py_object(hull))\n"
     )
-    done = subprocess.run([sys.executable, "-c", keep], capture_output=True, text=True, timeout=100)
+    done = python("-c", keep, timeout=100)
     assert (done.returncode, done.stderr) == (0, "")
 
 

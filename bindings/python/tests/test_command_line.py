@@ -1,19 +1,10 @@
 """What the package's program reads beyond the formats of the program itself."""
 
-import os
-import subprocess
-import sys
-
 import numpy as np
 import pytest
+from programs import run, with_path
 
 POINTS = np.random.default_rng(3).integers(-1000, 1000, (60, 2)) / 8.0
-
-
-def run(*words, **more):
-    return subprocess.run(
-        [sys.executable, "-m", "cullhull", *map(str, words)], capture_output=True, text=True, **more
-    )
 
 
 def hull(*words):
@@ -130,8 +121,7 @@ def test_what_is_missing_or_damaged_is_said_in_one_line(tmp_path):
     blocked = tmp_path / "blocked" / "pyogrio"
     blocked.mkdir(parents=True)
     (blocked / "__init__.py").write_text("raise ImportError('none')")
-    path = os.pathsep.join([str(blocked.parent), os.environ.get("PYTHONPATH", "")])
-    ran = run("hull", tmp_path / "a.gpkg", env={**os.environ, "PYTHONPATH": path})
+    ran = run("hull", tmp_path / "a.gpkg", env=with_path(blocked.parent))
     assert ran.returncode == 1
     assert ran.stderr == (
         f"cullhull: {tmp_path}/a.gpkg: reading .gpkg files needs pyogrio, which is not installed: "

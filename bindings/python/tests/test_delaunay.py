@@ -9,16 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from reference import determinant
+from test_drop_in import assert_same_hull, rows_by_corners
 
 import cullhull
 
 spatial = pytest.importorskip("scipy.spatial")
 
 GRID = np.array([[x, y, z] for x in range(3) for y in range(3) for z in range(3)], dtype=float)
-
-
-def rows_by_corners(simplices):
-    return {frozenset(row): i for i, row in enumerate(simplices.tolist())}
 
 
 def cells_by_definition(points):
@@ -198,15 +195,7 @@ def test_pickled_states_are_checked():
 def test_every_attribute(dimension, keywords):
     points = np.random.default_rng(dimension).random((60, dimension)) + 0.25
     ours, theirs = cullhull.Delaunay(points, **keywords), spatial.Delaunay(points, **keywords)
-    mine, other = rows_by_corners(ours.simplices), rows_by_corners(theirs.simplices)
-    assert set(mine) == set(other)
-    order = np.array([mine[key] for key in other])
-    back = np.append(np.argsort(order), -1)
-    for place, row in enumerate(order):
-        our = dict(zip(ours.simplices[row].tolist(), back[ours.neighbors[row]].tolist()))
-        their = dict(zip(theirs.simplices[place].tolist(), theirs.neighbors[place].tolist()))
-        assert our == their
-    assert np.allclose(ours.equations[order], theirs.equations, atol=1e-9)
+    order = assert_same_hull(ours, theirs)
     assert np.isclose(ours.paraboloid_scale, theirs.paraboloid_scale)
     assert np.isclose(ours.paraboloid_shift, theirs.paraboloid_shift)
     assert rows_by_corners(ours.convex_hull).keys() == rows_by_corners(theirs.convex_hull).keys()

@@ -19,16 +19,17 @@ def rows_by_corners(simplices):
 
 
 def assert_same_hull(ours, theirs):
-    """The same simplices in any order, and all that belongs to each."""
+    """The same simplices in any order, which is returned, and all that belongs to each."""
     mine, other = rows_by_corners(ours.simplices), rows_by_corners(theirs.simplices)
     assert set(mine) == set(other)
     order = np.array([mine[key] for key in other])
     assert np.allclose(ours.equations[order], theirs.equations, atol=1e-9)
-    back = np.argsort(order)
+    back = np.append(np.argsort(order), -1)  # -1 stays: no neighbour
     for place, row in enumerate(order):
         our_ridge = dict(zip(ours.simplices[row].tolist(), back[ours.neighbors[row]].tolist()))
         their_ridge = dict(zip(theirs.simplices[place].tolist(), theirs.neighbors[place].tolist()))
         assert our_ridge == their_ridge
+    return order
 
 
 @pytest.mark.parametrize("dimension", [2, 3, 4, 5])

@@ -1,12 +1,10 @@
 """Points in the objects of other packages, which the package does not import."""
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 
 import cullhull
+from programs import python
 
 RNG = np.random.default_rng(7)
 PLANE = RNG.random((50, 2))
@@ -131,16 +129,11 @@ def test_scenes_say_what_to_do():
 
 
 def test_nothing_is_imported():
-    done = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import sys, cullhull\n"
-            "cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).contains([[0.1, 0.1]])\n"
-            "for name in ('shapely', 'geopandas', 'trimesh', 'pyvista', 'open3d', 'pandas'):\n"
-            "    assert name not in sys.modules, name\n",
-        ],
-        capture_output=True,
-        text=True,
+    done = python(
+        "-c",
+        "import sys, cullhull\n"
+        "cullhull.convex_hull([[0, 0], [1, 0], [0, 1]]).contains([[0.1, 0.1]])\n"
+        "for name in ('shapely', 'geopandas', 'trimesh', 'pyvista', 'open3d', 'pandas'):\n"
+        "    assert name not in sys.modules, name\n",
     )
     assert done.returncode == 0, done.stderr

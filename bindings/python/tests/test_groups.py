@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import pickle
-import subprocess
-import sys
 
 import cullhull
 import numpy as np
 import pytest
+from programs import run
 
 
 def table(groups: int = 200, dimension: int = 2, seed: int = 5):
@@ -180,9 +179,8 @@ def written_by_the_program(tmp_path, points, keys, ending):
     (tmp_path / "a.csv").write_text("\n".join([f"town,{','.join(names)}", *rows, ""]))
     out = tmp_path / f"theirs{ending}"
     command = ["hull", tmp_path / "a.csv", "--by", "town", "--columns", ",".join(names), "-q"]
-    subprocess.run(
-        [sys.executable, "-m", "cullhull", *map(str, command), "-o", str(out)], check=True
-    )
+    done = run(*command, "-o", out)
+    assert done.returncode == 0, done.stderr
     return out.read_bytes()
 
 

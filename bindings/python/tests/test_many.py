@@ -4,17 +4,7 @@ import numpy as np
 import pytest
 
 import cullhull
-
-
-def same(a, b):
-    return (
-        np.array_equal(a.vertices, b.vertices)
-        and np.array_equal(a.simplices, b.simplices)
-        and np.array_equal(a.facet_planes, b.facet_planes)
-        and a.facets.tolist() == b.facets.tolist()
-        and a.volume == b.volume
-        and np.array_equal(a.vertex_points, b.vertex_points)
-    )
+from test_stream import same
 
 
 def test_batch_is_each_set_alone():

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_command_line import run
+from programs import run
 
 import cullhull
 

@@ -6,13 +6,12 @@ import inspect
 import os
 import pickle
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 import cullhull
+from programs import python
 
 ROOT = Path(__file__).parents[3]
 PACKAGE = Path(cullhull.__file__).parent
@@ -20,9 +19,7 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 
 def run(*words, **options):
-    done = subprocess.run(
-        [sys.executable, *map(str, words)], capture_output=True, text=True, **options
-    )
+    done = python(*words, **options)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -194,12 +191,7 @@ def test_types(tmp_path):
         + "cullhull.cull(np.eye(3), method='some')\n"
         + "cullhull.HullTracker(backend='gpu')\n"
     )
-    wrong = subprocess.run(
-        [sys.executable, "-m", "mypy", *checks, user],
-        capture_output=True,
-        text=True,
-        cwd=tmp_path,
-    )
+    wrong = python("-m", "mypy", *checks, user, cwd=tmp_path)
     assert wrong.returncode == 1
     assert all(f"user.py:{line}: error" in wrong.stdout for line in range(7, 13)), wrong.stdout
 

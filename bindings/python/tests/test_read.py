@@ -289,15 +289,23 @@ def test_hdf5_columns_of_their_own(tmp_path, ending):
         cullhull.read(f"{path}:g/x,none")
 
 
-def test_hdf5_whose_fill_time_is_unknown(tmp_path):
-    """libhdf5 passes a damaged value on and fills nothing, as if it were told never to."""
+def never_filled(tmp_path, chunk=None):
+    """A dataset p of which nothing is written."""
     h5py = pytest.importorskip("h5py")
     path = tmp_path / "a.h5"
     with h5py.File(path, "w") as file:
         made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
         made.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        if chunk:
+            made.set_chunk(chunk)
         space = h5py.h5s.create_simple((300, 3))
         h5py.h5d.create(file.id, b"p", h5py.h5t.NATIVE_DOUBLE, space, made)
+    return path
+
+
+def test_hdf5_whose_fill_time_is_unknown(tmp_path):
+    """libhdf5 passes a damaged value on and fills nothing, as if it were told never to."""
+    path = never_filled(tmp_path)
     message = bytes([2, 2, 1])  # version, late allocation, never filled
     content = path.read_bytes()
     assert content.count(message) == 1
@@ -309,14 +317,7 @@ def test_hdf5_whose_fill_time_is_unknown(tmp_path):
 @pytest.mark.parametrize("chunk", [None, (100, 2)])
 def test_hdf5_that_was_never_written(tmp_path, chunk):
     h5py = pytest.importorskip("h5py")
-    path = tmp_path / "a.h5"
-    with h5py.File(path, "w") as file:
-        made = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
-        made.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
-        if chunk:
-            made.set_chunk(chunk)
-        space = h5py.h5s.create_simple((300, 3))
-        h5py.h5d.create(file.id, b"p", h5py.h5t.NATIVE_DOUBLE, space, made)
+    path = never_filled(tmp_path, chunk)
     with pytest.raises(cullhull.BadFile, match="never written"):
         cullhull.read(path)
     with h5py.File(path, "a") as file:

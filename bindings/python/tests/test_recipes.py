@@ -1,15 +1,13 @@
 """The recipes of docs/how-to/frameworks.md: each runs as a program, and what it defines is checked."""
 
 import importlib.util
-import os
 import pathlib
 import re
-import subprocess
-import sys
 
 import pytest
 
 import cullhull
+from programs import python, with_path
 
 HERE = pathlib.Path(__file__).resolve().parent
 PAGES = [HERE.parents[2] / "docs" / "how-to" / "frameworks.md", HERE / "frameworks.md"]  # a bundle's
@@ -118,9 +116,6 @@ def test_recipe(recipe, tmp_path):
     program = tmp_path / "recipe.py"  # a file: Warp reads the source of its kernels
     program.write_text("".join(parts))
     # The package that was imported here, wherever the program starts.
-    path = os.pathsep.join([str(pathlib.Path(cullhull.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
-    command = [sys.executable, str(program)]
-    done = subprocess.run(
-        command, capture_output=True, text=True, timeout=500, cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}
-    )
+    path = with_path(pathlib.Path(cullhull.__file__).parents[1])
+    done = python(program, timeout=500, cwd=tmp_path, env=path)
     assert done.returncode == 0, done.stdout + done.stderr

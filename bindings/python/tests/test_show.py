@@ -1,13 +1,12 @@
 """Pictures and the command line."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 import cullhull
+from programs import run
 
 
 def parsed(html):
@@ -86,25 +85,19 @@ def test_save(tmp_path):
         cullhull.convex_hull(np.eye(5)).save(tmp_path / "mesh.ply")
 
 
-def command(*words, **options):
-    return subprocess.run(
-        [sys.executable, "-m", "cullhull", *words], capture_output=True, text=True, **options
-    )
-
-
 def test_command_line(tmp_path):
     points = cullhull.generate("ball", 5000, 3)
     np.save(tmp_path / "points.npy", points)
-    done = command("hull", "points.npy", "--vertices", "ids.npy", "--json", cwd=tmp_path)
+    done = run("hull", "points.npy", "--vertices", "ids.npy", "--json", cwd=tmp_path)
     hull = cullhull.convex_hull(points)
     assert done.returncode == 0 and json.loads(done.stdout)["volume"] == hull.volume
     assert np.array_equal(np.load(tmp_path / "ids.npy"), np.sort(hull.vertices))
     hull.save(tmp_path / "hull.json", points)
-    assert command("certify", "points.npy", "hull.json", cwd=tmp_path).returncode == 0
-    assert command("--version").stdout.strip() == cullhull.__version__
-    missing = command("hull", "absent.npy", cwd=tmp_path)
+    assert run("certify", "points.npy", "hull.json", cwd=tmp_path).returncode == 0
+    assert run("--version").stdout.strip() == cullhull.__version__
+    missing = run("hull", "absent.npy", cwd=tmp_path)
     assert missing.returncode == 1 and "absent.npy" in missing.stderr
-    assert command("nonsense").returncode == 2
+    assert run("nonsense").returncode == 2
 
 
 def test_view(tmp_path, monkeypatch):

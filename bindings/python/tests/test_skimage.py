@@ -2,17 +2,15 @@
 
 import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import cullhull
+from programs import passed_in_place
 
 pytest.importorskip("skimage", reason="scikit-image is not installed")
-HERE = Path(__file__).parent
 
 
 def test_scikit_images_own_tests():
@@ -20,22 +18,10 @@ def test_scikit_images_own_tests():
     tests = os.environ.get("CULLHULL_SKIMAGE_TESTS", "")
     if not tests:
         pytest.skip("CULLHULL_SKIMAGE_TESTS does not name scikit-image's test of convex hulls")
-    path = [str(HERE), *filter(None, [os.environ.get("PYTHONPATH")])]
-    run = subprocess.run(
-        [
-            *(sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-s"),
-            *("-p", "in_place_for_skimage", "-W", "default", "--noconftest", "-c", os.devnull, tests),
-        ],
-        capture_output=True,
-        text=True,
-        cwd=Path(tests).parent,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(path)},
-    )
-    print(run.stdout[-20_000:], run.stderr[-5_000:])
-    assert run.returncode == 0
-    passed = re.search(r"(\d+) passed", run.stdout)
-    assert passed and int(passed[1]) >= 10
-    hulls = re.search(r"(\d+) hulls by cullhull", run.stdout)
+    words = ("-s", "-W", "default", "--noconftest", "-c", os.devnull, tests)
+    passed, said = passed_in_place("in_place_for_skimage", *words, cwd=Path(tests).parent)
+    assert passed >= 10
+    hulls = re.search(r"(\d+) hulls by cullhull", said)
     assert hulls and int(hulls[1]) >= 10
 
 

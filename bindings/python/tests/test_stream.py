@@ -2,13 +2,12 @@
 
 import concurrent.futures
 import copy
+import functools
 import gzip
 import importlib.util
 import pickle
 import random
 import struct
-import subprocess
-import sys
 import threading
 import time
 
@@ -16,6 +15,7 @@ import numpy as np
 import pytest
 
 import cullhull
+import programs
 from made_files import scan, write_hdf5, write_parquet
 
 #: Points of scans.
@@ -344,8 +344,8 @@ def test_the_command_line_reads_stored_integers_of_laz(tmp_path, at):
     with open(path, "r+b") as file:
         file.seek(at)
         file.write(np.float64(np.nan).tobytes())
-    command = [sys.executable, "-m", "cullhull", "cull", str(path), "--raw", "-q"]
-    subprocess.run([*command, "--points", str(tmp_path / "a.npy")], check=True)
+    done = programs.run("cull", path, "--raw", "-q", "--points", tmp_path / "a.npy")
+    assert done.returncode == 0, done.stderr
     found = np.load(tmp_path / "a.npy")
     expected = points[cullhull.convex_hull(points).vertices]
     assert {tuple(row) for row in expected} <= {tuple(row) for row in found.astype(int)}
@@ -435,10 +435,7 @@ def test_the_package_reads_laz_for_the_program(tmp_path):
     for name in ("a.las", "a.laz"):
         las.write(str(tmp_path / name))
 
-    def run(*words):
-        command = [sys.executable, "-m", "cullhull", *map(str, words)]
-        return subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
-
+    run = functools.partial(programs.run, cwd=tmp_path)
     for words in (("hull", "a.las", "-o", "-"), ("hull", "a.las", "--by", "classification", "-o", "-")):
         expected, got = run(*words), run(words[0], "a.laz", *words[2:])
         assert (got.returncode, got.stdout, got.stderr) == (0, expected.stdout, "")

@@ -2,12 +2,12 @@
 
 import os
 import pathlib
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 from foreign_suites import STAND_INS, passed_and_failed
+from programs import python
 
 import cullhull
 
@@ -106,7 +106,5 @@ def test_every_mesh_is_read():
         pytest.skip("this is not the source tree")
     from cullhull.__main__ import program
 
-    ran = subprocess.run(
-        [sys.executable, script, program(), "trimesh"], capture_output=True, text=True
-    )
+    ran = python(script, program(), "trimesh")
     assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_command_line import expected, hull, run, wkb, write
+from programs import run
+from test_command_line import expected, hull, wkb, write
 
 import cullhull
 
