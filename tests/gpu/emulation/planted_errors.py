@@ -24,7 +24,6 @@ from typing import NamedTuple
 
 class Planted(NamedTuple):
     what: str  # for the table
-    file: str
     right: str  # what is replaced, between « and », with enough around it to be found once
     wrong: str  # in its place: a statement if what is replaced ends in a semicolon
     program: str
@@ -45,418 +44,383 @@ STARS = ("emulated_tests", "StarHullGpu.Equals*:StarHullGpu.Few*")
 STAR_HULL = "src/filter/star_hull/"
 SIZES = ("emulated_tests", "GpuSets.AllSizes*")
 
-PLANTED = {
-    # ------------------------------------------------------------------------------ the mask
-    "no-barrier": Planted(
-        "no barrier between copying the table to shared memory and reading it",
-        KERNELS + "gauge_kernel.cu",
-        "table[i] = nodes[i];\n    «__syncthreads();»",
-        "",
-        *LAYOUTS,
-    ),
-    "swapped-words": Planted(
-        "two words of a mask exchanged",
-        KERNELS + "gauge_kernel.cu",
-        "«words[k] = word;»",
-        "words[k ^ 1] = word;",
-        *LAYOUTS,
-    ),
-    "one-shuffle-less": Planted(
-        "one shuffle too few where lanes' bits become words",
-        KERNELS + "gauge_kernel.cu",
-        "«apart < lanes_a_word»; apart *= 2",
-        "apart * 2 < lanes_a_word",
-        *LAYOUTS,
-    ),
-    "short-tile": Planted(
-        "the last word of a mask is not read",
-        KERNELS + "gauge_kernel.cu",
-        "«first + k < words» ? mask",
-        "first + k + 1 < words",
-        *LAYOUTS,
-    ),
-    "read-beyond": Planted(
-        "a word behind a mask is read",
-        KERNELS + "gauge_kernel.cu",
-        "«first + k < words» ? mask",
-        "first + k <= words",
-        *LAYOUTS,
-    ),
-    "small-shared": Planted(
-        "shared memory for one node too few",
-        KERNELS + "gauge_kernel.cu",
-        "«Shared ? table.nodes.size() * sizeof(float) : 0»",
-        "Shared ? (table.nodes.size() - 1) * sizeof(float) : 0",
-        *LAYOUTS,
-    ),
-    "narrow-mask-word": Planted(
-        "the index of a mask's word in 32 bits where words are written",
-        KERNELS + "gauge_kernel.cu",
-        "lane, mask + «group * words»);",
-        "static_cast<std::uint32_t>(group * words)",
-        *WIDE,
-    ),
-    "narrow-tile-word": Planted(
-        "the index of a mask's word in 32 bits where words are read",
-        KERNELS + "gauge_kernel.cu",
-        "first = «std::uint64_t{blockIdx.x} * tile_words + threadIdx.x * thread_words»;\n"
-        "  for (unsigned k = 0; k < thread_words; ++k) mine",
-        "static_cast<std::uint32_t>(blockIdx.x * tile_words + threadIdx.x * thread_words)",
-        *WIDE,
-    ),
-    "narrow-id": Planted(
-        "ids of points computed in 32 bits",
-        KERNELS + "gauge_kernel.cu",
-        "*out++ = «(first + k) * 32 + static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1)»;",
-        "static_cast<std::uint32_t>((first + k) * 32 +"
-        " static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1))",
-        *WIDE,
-    ),
-    "plain-first": Planted(
-        "atomicMin made plain where the first point that is not finite is found",
-        KERNELS + "gauge_kernel.cu",
-        "«atomicMin(first, static_cast<unsigned long long>(i));»",
-        "if (i < *first) *first = i;",
-        "emulated_tests",
-        "CudaGauge.TheFirstPoint*",
-    ),
-    "short-mask": Planted(
-        "a mask without the room that the last warp fills",
-        "src/cuda/gauge.cpp",
-        "mask(«mask_room(points.count)», stream);",
-        "mask_words(points.count)",
-        *LAYOUTS,
-    ),
-    "no-wait": Planted(
-        "the host does not wait for a piece's mask",
-        "src/cuda/gauge.cpp",
-        '«synchronise(stream_.get(), "culling");»',
-        "",
-        "emulated_tests",
-        "CudaGauge.ManyPieces",
-    ),
-    "other-stream": Planted(
-        "rows gathered on another stream",
-        "src/cuda/gauge.cpp",
-        "gather_rows(part, piece_ids_.data(), n, packed_.data(), «stream»)",
-        "nullptr",
-        "emulated_tests",
-        "EmulatedEdges.WorkIsOrdered*",
-    ),
-    # ------------------------------------------------------------------------ the pseudo-hull
-    "no-block-barrier": Planted(
-        "no barrier between two steps of a block's reduction",
-        KERNELS + "executor.cuh",
-        "width /= 2) {\n    «__syncthreads();»",
-        "",
-        *PRIMITIVES,
-    ),
-    "plain-count": Planted(
-        "atomicAdd made plain in the count of items without a cell",
-        KERNELS + "executor.cuh",
-        "none != 0) «atomicAdd(none_of_all, none);»",
-        "*none_of_all += none;",
-        *PRIMITIVES,
-    ),
-    "plain-raise": Planted(
-        "atomicMax made plain in `DeviceAtomics::raise`",
-        KERNELS + "device_kernels.hpp",
-        "«atomicMax(reinterpret_cast<unsigned long long*>(&target), value);»",
-        "target = value;",
-        *PRIMITIVES,
-    ),
-    "plain-lower": Planted(
-        "atomicMin made plain in `DeviceAtomics::lower`",
-        KERNELS + "device_kernels.hpp",
-        "«atomicMin(&target, value);»",
-        "target = value;",
-        *PRIMITIVES,
-    ),
-    # ------------------------------------------------------------------------------- batches
-    "plain-mark": Planted(
-        "atomicOr made plain in `WarpHull::mark`",
-        KERNELS + "warp_hull.cuh",
-        "«atomicOr(m_.edges + row * (m_.most / 32) + bit / 32, 1U << bit % 32);»",
-        "m_.edges[row * (m_.most / 32) + bit / 32] |= 1U << bit % 32;",
-        *SETS,
-    ),
-    "no-wait-before-horizon": Planted(
-        "no `__syncwarp` between the list of visible facets and the horizon",
-        KERNELS + "warp_hull.cuh",
-        "if (seen == 0) return true;\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "no-warp-wait": Planted(
-        "no `__syncwarp` between marking edges and testing them",
-        KERNELS + "warp_hull.cuh",
-        "      mark(c, a);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "early-unmark": Planted(
-        "no `__syncwarp` between testing edges and clearing them",
-        KERNELS + "warp_hull.cuh",
-        "c, a, edges);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "early-facets": Planted(
-        "no `__syncwarp` between new facets and the next point",
-        KERNELS + "warp_hull.cuh",
-        "spares_ += seen - edges;\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "early-ranks": Planted(
-        "no `__syncwarp` between points' distances and their ranks",
-        KERNELS + "warp_hull.cuh",
-        "key[i] = __float_as_uint(square);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "early-clear": Planted(
-        "no `__syncwarp` in the plane between testing edges and clearing them",
-        KERNELS + "warp_hull.cuh",
-        "(p << 8 | to);\n    }\n    «__syncwarp();»",
-        "",
-        *SETS,
-    ),
-    "few-slots": Planted(
-        "room for 192 facets of 252",
-        KERNELS + "warp_hull.cuh",
-        "facets(unsigned most) { return «D == 2 ? most : 2 * most»; }",
-        "D == 2 ? most : most + most / 2",
-        *SETS,
-    ),
-    "tied-ranks": Planted(
-        "points at the same distance get the same rank",
-        KERNELS + "warp_hull.cuh",
-        "key[j] == key[i] && «j < i») ? 1 : 0;",
-        "false",
-        *SETS,
-    ),
-    "loose-bound": Planted(
-        "signs in f32 trusted beyond their bound",
-        KERNELS + "warp_hull.cuh",
-        "return «s > doubt ? 1 : s < -doubt ? -1 : side(m_.corners[f], p)»;",
-        "s > 0x1p-60F ? 1 : s < -0x1p-60F ? -1 : side(m_.corners[f], p)",
-        "emulated_tests",
-        "GpuSets.Ordinary*",
-    ),
-    "loose-doubles": Planted(
-        "signs in doubles trusted beyond their bound",
-        KERNELS + "warp_hull.cuh",
-        "double sum, bound = «error * extent_»;",
-        "0x1p-40 * error * extent_",
-        "emulated_tests",
-        "GpuSets.SetsThat*",
-    ),
-    "small-warp-memory": Planted(
-        "shared memory of a block 16 bytes too small",
-        KERNELS + "set_hulls_kernel.cu",
-        "shared = «warps * WarpMemory<D>::bytes(room)»;",
-        "warps * WarpMemory<D>::bytes(room) - 16",
-        *SIZES,
-    ),
-    "much-shared": Planted(
-        "more shared memory than a launch may have without asking",
-        KERNELS + "set_hulls_kernel.cu",
-        "fit = static_cast<unsigned>(«block_memory / WarpMemory<D>::bytes(most)»);",
-        "2 * block_memory / WarpMemory<D>::bytes(most)",
-        *SIZES,
-    ),
-    "low-launch-bounds": Planted(
-        "`__launch_bounds__(64)` on a launch of 128",
-        KERNELS + "set_hulls_kernel.cu",
-        "__launch_bounds__(«most_warps* lanes», 1)\n    set_hulls(",
-        "64",
-        *SIZES,
-    ),
-    "one-block-less": Planted(
-        "the last sets of a batch get no block",
-        KERNELS + "coordinate.cuh",
-        "blocks = «(threads + size - 1) / size»;",
-        "threads < size ? 1 : threads / size",
-        *SIZES,
-    ),
-    "sets-other-stream": Planted(
-        "lists packed on another stream",
-        "src/cuda/set_hulls.cpp",
-        "lists.data(), rows.data(), «stream»)",
-        "nullptr",
-        "emulated_tests",
-        "GpuSets.AnyStrides*",
-    ),
-    "trusted-measures": Planted(
-        "measures taken although rounding may show in them, or a normal needs more bits",
-        KERNELS + "set_hulls_kernel.cu",
-        "if («!hull.find_exponent() || !hull.measure(volume, area, centroid)») {",
-        "!hull.find_exponent() || (hull.measure(volume, area, centroid), false)",
-        *MEASURES,
-    ),
-    "other-exponent": Planted(
-        "a set's planes scaled as those of the set before it",
-        KERNELS + "set_hulls_kernel.cu",
-        "hull.scale_to(«exponents[set]»);",
-        "exponents[set == 0 ? 0 : set - 1]",
-        *MEASURES,
-    ),
-    "unfilled-rows": Planted(
-        "padded rows of simplices not filled up",
-        "src/cuda/set_hulls.cpp",
-        "«fill(to.simplices, to.simplex_room * d(), 0xFF, stream);»",
-        "",
-        *PADDED,
-    ),
-    "shifted-centroids": Planted(
-        "centroids of sets that the CPU computed written one number too far",
-        "src/cuda/set_hulls.cpp",
-        "«2 * std::uint64_t{count} + i * n»",
-        "2 * std::uint64_t{count} + i * n + 1",
-        *MEASURES,
-    ),
-    "early-counts": Planted(
-        "the host does not wait for the kernels that find hulls",
-        "src/cuda/set_hulls.cpp",
-        '«synchronise(stream, "hulling sets");»',
-        "",
-        *PADDED,
-    ),
-    "early-lists": Planted(
-        "the host does not wait for the lists of a piece",
-        "src/cuda/set_hulls.cpp",
-        '«synchronise(stream, "copying hulls from the device");»',
-        "",
-        "emulated_tests",
-        "EmulatedSets.TheNextPiece*",
-    ),
-    # ----------------------------------------------------------------------------- questions
-    "no-open-side": Planted(
-        "a facet whose sign is open forgotten",
-        KERNELS + "hull_questions_kernel.cu",
-        "«open = open || !(sum < -bound);»",
-        "open = open && !(sum < -bound);",
-        "emulated_tests",
-        "GpuQuestions.PointsOnACube",
-    ),
-    "next-cell": Planted(
-        "the cell of a direction rounded, not cut",
-        KERNELS + "hull_questions_kernel.cu",
-        "cell * resolution + «static_cast<std::uint32_t>(at)»;",
-        "static_cast<std::uint32_t>(at + 0.5 < top ? at + 0.5 : top)",
-        "emulated_tests",
-        "GpuQuestions.ByCells*",
-    ),
-    "short-list": Planted(
-        "only the first group of a cell's facets tested",
-        KERNELS + "hull_questions_kernel.cu",
-        "g = begin; «g < end»; ++g",
-        "g == begin",
-        "emulated_tests",
-        "GpuQuestions.ByCells*",
-    ),
-    "loose-support": Planted(
-        "the largest product taken although another is as near as rounding",
-        KERNELS + "hull_questions_kernel.cu",
-        "best - second > «2.01 * bound» ?",
-        "0",
-        "emulated_tests",
-        "GpuQuestions.Directions*",
-    ),
-    # ------------------------------------------------------------------------------ the star hull
-    "stale-neighbour": Planted(
-        "a new facet keeps a neighbour that is replaced in the same round",
-        STAR_HULL + "star_growth.hpp",
-        "child.across[0] =\n        «split == no_item» ?",
-        "true",
-        *STARS,
-    ),
-    "loose-cone": Planted(
-        "a point taken to be in a cone although rounding may have put it there",
-        STAR_HULL + "star_growth.hpp",
-        "at > f.between[k].error ? 1 : «at < -f.between[k].error» ?",
-        "at < 0",
-        *STARS,
-    ),
-    "loose-edge": Planted(
-        "the sign of a determinant trusted beyond its bound",
-        STAR_HULL + "star_math.hpp",
-        "return «minor[7] > bound» ?",
-        "minor[7] > 0",
-        *STARS,
-    ),
-    "early-read": Planted(
-        "a neighbour read before its claim is seen to be this flip's",
-        STAR_HULL + "star_flips.hpp",
-        "«!owns(flips.facet[f].across[k].facet(), key)» ||",
-        "false",
-        *STARS,
-    ),
-    "shared-facet": Planted(
-        "a facet replaced although a stronger flip changes a side of it",
-        STAR_HULL + "star_flips.hpp",
-        "claim[f].own == key && «claim[f].beside < key»;",
-        "true",
-        *STARS,
-    ),
-    "listed-twice": Planted(
-        "a facet listed for a round as often as something around it changed",
-        KERNELS + "device_kernels.hpp",
-        "return «atomicMax(&target, value) < value»;",
-        "true",
-        *STARS,
-    ),
-    "plain-next": Planted(
-        "atomicAdd made plain in `DeviceAtomics::next`",
-        KERNELS + "device_kernels.hpp",
-        "return «atomicAdd(&counter, n)»;",
-        "SerialExecutor::next(counter, n)",
-        *STARS,
-    ),
-    "no-wait-in-rounds": Planted(
-        "no barrier between the claims of a round and its flips where one block does the rounds",
-        KERNELS + "executor.cuh",
-        "run_step<true>(steps, round, at);\n    «__syncthreads();»",
-        "",
-        *STARS,
-    ),
-    "no-wait-in-tiles": Planted(
-        "no barrier between the list of a tile and its use",
-        KERNELS + "executor.cuh",
-        "kernel.find(t, at, list, shared);\n    «__syncthreads();»",
-        "",
-        *STARS,
-    ),
-    "early-tile": Planted(
-        "no barrier between the use of a tile's list and the next tile",
-        KERNELS + "executor.cuh",
-        "kernel.use(at, list, shared);\n    «__syncthreads();»",
-        "",
-        *PRIMITIVES,
-    ),
-    "sleeping-doomed": Planted(
-        "sides at a doomed vertex not looked at again",
-        STAR_HULL + "star_flips.hpp",
-        "| doomed[f.vertex[last_corner(k)]]) != 0)\n      «waiting[side] = 1;»",
-        "",
-        *STARS,
-    ),
-    "forgotten-sides": Planted(
-        "sides around a flip not looked at again",
-        STAR_HULL + "star_flips.hpp",
-        "for (unsigned j = 0; «j < sides»; ++j) {\n      const StarSide looks",
-        "j < 1",
-        *STARS,
-    ),
-    "kept-vertex": Planted(
-        "a vertex that a flip removed not culled",
-        STAR_HULL + "star_flips.hpp",
-        "«culled[end] = 1;»",
-        "",
-        *STARS,
-    ),
+#: By the file that they are in.
+ERRORS = {
+    KERNELS + "gauge_kernel.cu": {
+        "no-barrier": Planted(
+            "no barrier between copying the table to shared memory and reading it",
+            "table[i] = nodes[i];\n    «__syncthreads();»",
+            "",
+            *LAYOUTS,
+        ),
+        "swapped-words": Planted(
+            "two words of a mask exchanged",
+            "«words[k] = word;»",
+            "words[k ^ 1] = word;",
+            *LAYOUTS,
+        ),
+        "one-shuffle-less": Planted(
+            "one shuffle too few where lanes' bits become words",
+            "«apart < lanes_a_word»; apart *= 2",
+            "apart * 2 < lanes_a_word",
+            *LAYOUTS,
+        ),
+        "short-tile": Planted(
+            "the last word of a mask is not read",
+            "«first + k < words» ? mask",
+            "first + k + 1 < words",
+            *LAYOUTS,
+        ),
+        "read-beyond": Planted(
+            "a word behind a mask is read",
+            "«first + k < words» ? mask",
+            "first + k <= words",
+            *LAYOUTS,
+        ),
+        "small-shared": Planted(
+            "shared memory for one node too few",
+            "«Shared ? table.nodes.size() * sizeof(float) : 0»",
+            "Shared ? (table.nodes.size() - 1) * sizeof(float) : 0",
+            *LAYOUTS,
+        ),
+        "narrow-mask-word": Planted(
+            "the index of a mask's word in 32 bits where words are written",
+            "lane, mask + «group * words»);",
+            "static_cast<std::uint32_t>(group * words)",
+            *WIDE,
+        ),
+        "narrow-tile-word": Planted(
+            "the index of a mask's word in 32 bits where words are read",
+            "first = «std::uint64_t{blockIdx.x} * tile_words + threadIdx.x * thread_words»;\n"
+            "  for (unsigned k = 0; k < thread_words; ++k) mine",
+            "static_cast<std::uint32_t>(blockIdx.x * tile_words + threadIdx.x * thread_words)",
+            *WIDE,
+        ),
+        "narrow-id": Planted(
+            "ids of points computed in 32 bits",
+            "*out++ = «(first + k) * 32 + static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1)»;",
+            "static_cast<std::uint32_t>((first + k) * 32 +"
+            " static_cast<std::uint32_t>(__ffs(static_cast<int>(word)) - 1))",
+            *WIDE,
+        ),
+        "plain-first": Planted(
+            "atomicMin made plain where the first point that is not finite is found",
+            "«atomicMin(first, static_cast<unsigned long long>(i));»",
+            "if (i < *first) *first = i;",
+            "emulated_tests",
+            "CudaGauge.TheFirstPoint*",
+        ),
+    },
+    "src/cuda/gauge.cpp": {
+        "short-mask": Planted(
+            "a mask without the room that the last warp fills",
+            "mask(«mask_room(points.count)», stream);",
+            "mask_words(points.count)",
+            *LAYOUTS,
+        ),
+        "no-wait": Planted(
+            "the host does not wait for a piece's mask",
+            '«synchronise(stream_.get(), "culling");»',
+            "",
+            "emulated_tests",
+            "CudaGauge.ManyPieces",
+        ),
+        "other-stream": Planted(
+            "rows gathered on another stream",
+            "gather_rows(part, piece_ids_.data(), n, packed_.data(), «stream»)",
+            "nullptr",
+            "emulated_tests",
+            "EmulatedEdges.WorkIsOrdered*",
+        ),
+    },
+    KERNELS + "executor.cuh": {
+        "no-block-barrier": Planted(
+            "no barrier between two steps of a block's reduction",
+            "width /= 2) {\n    «__syncthreads();»",
+            "",
+            *PRIMITIVES,
+        ),
+        "plain-count": Planted(
+            "atomicAdd made plain in the count of items without a cell",
+            "none != 0) «atomicAdd(none_of_all, none);»",
+            "*none_of_all += none;",
+            *PRIMITIVES,
+        ),
+        "no-wait-in-rounds": Planted(
+            "no barrier between the claims of a round and its flips where one block does the rounds",
+            "run_step<true>(steps, round, at);\n    «__syncthreads();»",
+            "",
+            *STARS,
+        ),
+        "no-wait-in-tiles": Planted(
+            "no barrier between the list of a tile and its use",
+            "kernel.find(t, at, list, shared);\n    «__syncthreads();»",
+            "",
+            *STARS,
+        ),
+        "early-tile": Planted(
+            "no barrier between the use of a tile's list and the next tile",
+            "kernel.use(at, list, shared);\n    «__syncthreads();»",
+            "",
+            *PRIMITIVES,
+        ),
+    },
+    KERNELS + "device_kernels.hpp": {
+        "plain-raise": Planted(
+            "atomicMax made plain in `DeviceAtomics::raise`",
+            "«atomicMax(reinterpret_cast<unsigned long long*>(&target), value);»",
+            "target = value;",
+            *PRIMITIVES,
+        ),
+        "plain-lower": Planted(
+            "atomicMin made plain in `DeviceAtomics::lower`",
+            "«atomicMin(&target, value);»",
+            "target = value;",
+            *PRIMITIVES,
+        ),
+        "listed-twice": Planted(
+            "a facet listed for a round as often as something around it changed",
+            "return «atomicMax(&target, value) < value»;",
+            "true",
+            *STARS,
+        ),
+        "plain-next": Planted(
+            "atomicAdd made plain in `DeviceAtomics::next`",
+            "return «atomicAdd(&counter, n)»;",
+            "SerialExecutor::next(counter, n)",
+            *STARS,
+        ),
+    },
+    KERNELS + "warp_hull.cuh": {
+        "plain-mark": Planted(
+            "atomicOr made plain in `WarpHull::mark`",
+            "«atomicOr(m_.edges + row * (m_.most / 32) + bit / 32, 1U << bit % 32);»",
+            "m_.edges[row * (m_.most / 32) + bit / 32] |= 1U << bit % 32;",
+            *SETS,
+        ),
+        "no-wait-before-horizon": Planted(
+            "no `__syncwarp` between the list of visible facets and the horizon",
+            "if (seen == 0) return true;\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "no-warp-wait": Planted(
+            "no `__syncwarp` between marking edges and testing them",
+            "      mark(c, a);\n    }\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "early-unmark": Planted(
+            "no `__syncwarp` between testing edges and clearing them",
+            "c, a, edges);\n    }\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "early-facets": Planted(
+            "no `__syncwarp` between new facets and the next point",
+            "spares_ += seen - edges;\n    }\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "early-ranks": Planted(
+            "no `__syncwarp` between points' distances and their ranks",
+            "key[i] = __float_as_uint(square);\n    }\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "early-clear": Planted(
+            "no `__syncwarp` in the plane between testing edges and clearing them",
+            "(p << 8 | to);\n    }\n    «__syncwarp();»",
+            "",
+            *SETS,
+        ),
+        "few-slots": Planted(
+            "room for 192 facets of 252",
+            "facets(unsigned most) { return «D == 2 ? most : 2 * most»; }",
+            "D == 2 ? most : most + most / 2",
+            *SETS,
+        ),
+        "tied-ranks": Planted(
+            "points at the same distance get the same rank",
+            "key[j] == key[i] && «j < i») ? 1 : 0;",
+            "false",
+            *SETS,
+        ),
+        "loose-bound": Planted(
+            "signs in f32 trusted beyond their bound",
+            "return «s > doubt ? 1 : s < -doubt ? -1 : side(m_.corners[f], p)»;",
+            "s > 0x1p-60F ? 1 : s < -0x1p-60F ? -1 : side(m_.corners[f], p)",
+            "emulated_tests",
+            "GpuSets.Ordinary*",
+        ),
+        "loose-doubles": Planted(
+            "signs in doubles trusted beyond their bound",
+            "double sum, bound = «error * extent_»;",
+            "0x1p-40 * error * extent_",
+            "emulated_tests",
+            "GpuSets.SetsThat*",
+        ),
+    },
+    KERNELS + "set_hulls_kernel.cu": {
+        "small-warp-memory": Planted(
+            "shared memory of a block 16 bytes too small",
+            "shared = «warps * WarpMemory<D>::bytes(room)»;",
+            "warps * WarpMemory<D>::bytes(room) - 16",
+            *SIZES,
+        ),
+        "much-shared": Planted(
+            "more shared memory than a launch may have without asking",
+            "fit = static_cast<unsigned>(«block_memory / WarpMemory<D>::bytes(most)»);",
+            "2 * block_memory / WarpMemory<D>::bytes(most)",
+            *SIZES,
+        ),
+        "low-launch-bounds": Planted(
+            "`__launch_bounds__(64)` on a launch of 128",
+            "__launch_bounds__(«most_warps* lanes», 1)\n    set_hulls(",
+            "64",
+            *SIZES,
+        ),
+        "trusted-measures": Planted(
+            "measures taken although rounding may show in them, or a normal needs more bits",
+            "if («!hull.find_exponent() || !hull.measure(volume, area, centroid)») {",
+            "!hull.find_exponent() || (hull.measure(volume, area, centroid), false)",
+            *MEASURES,
+        ),
+        "other-exponent": Planted(
+            "a set's planes scaled as those of the set before it",
+            "hull.scale_to(«exponents[set]»);",
+            "exponents[set == 0 ? 0 : set - 1]",
+            *MEASURES,
+        ),
+    },
+    KERNELS + "coordinate.cuh": {
+        "one-block-less": Planted(
+            "the last sets of a batch get no block",
+            "blocks = «(threads + size - 1) / size»;",
+            "threads < size ? 1 : threads / size",
+            *SIZES,
+        ),
+    },
+    "src/cuda/set_hulls.cpp": {
+        "sets-other-stream": Planted(
+            "lists packed on another stream",
+            "lists.data(), rows.data(), «stream»)",
+            "nullptr",
+            "emulated_tests",
+            "GpuSets.AnyStrides*",
+        ),
+        "unfilled-rows": Planted(
+            "padded rows of simplices not filled up",
+            "«fill(to.simplices, to.simplex_room * d(), 0xFF, stream);»",
+            "",
+            *PADDED,
+        ),
+        "shifted-centroids": Planted(
+            "centroids of sets that the CPU computed written one number too far",
+            "«2 * std::uint64_t{count} + i * n»",
+            "2 * std::uint64_t{count} + i * n + 1",
+            *MEASURES,
+        ),
+        "early-counts": Planted(
+            "the host does not wait for the kernels that find hulls",
+            '«synchronise(stream, "hulling sets");»',
+            "",
+            *PADDED,
+        ),
+        "early-lists": Planted(
+            "the host does not wait for the lists of a piece",
+            '«synchronise(stream, "copying hulls from the device");»',
+            "",
+            "emulated_tests",
+            "EmulatedSets.TheNextPiece*",
+        ),
+    },
+    KERNELS + "hull_questions_kernel.cu": {
+        "no-open-side": Planted(
+            "a facet whose sign is open forgotten",
+            "«open = open || !(sum < -bound);»",
+            "open = open && !(sum < -bound);",
+            "emulated_tests",
+            "GpuQuestions.PointsOnACube",
+        ),
+        "next-cell": Planted(
+            "the cell of a direction rounded, not cut",
+            "cell * resolution + «static_cast<std::uint32_t>(at)»;",
+            "static_cast<std::uint32_t>(at + 0.5 < top ? at + 0.5 : top)",
+            "emulated_tests",
+            "GpuQuestions.ByCells*",
+        ),
+        "short-list": Planted(
+            "only the first group of a cell's facets tested",
+            "g = begin; «g < end»; ++g",
+            "g == begin",
+            "emulated_tests",
+            "GpuQuestions.ByCells*",
+        ),
+        "loose-support": Planted(
+            "the largest product taken although another is as near as rounding",
+            "best - second > «2.01 * bound» ?",
+            "0",
+            "emulated_tests",
+            "GpuQuestions.Directions*",
+        ),
+    },
+    STAR_HULL + "star_growth.hpp": {
+        "stale-neighbour": Planted(
+            "a new facet keeps a neighbour that is replaced in the same round",
+            "child.across[0] =\n        «split == no_item» ?",
+            "true",
+            *STARS,
+        ),
+        "loose-cone": Planted(
+            "a point taken to be in a cone although rounding may have put it there",
+            "at > f.between[k].error ? 1 : «at < -f.between[k].error» ?",
+            "at < 0",
+            *STARS,
+        ),
+    },
+    STAR_HULL + "star_math.hpp": {
+        "loose-edge": Planted(
+            "the sign of a determinant trusted beyond its bound",
+            "return «minor[7] > bound» ?",
+            "minor[7] > 0",
+            *STARS,
+        ),
+    },
+    STAR_HULL + "star_flips.hpp": {
+        "early-read": Planted(
+            "a neighbour read before its claim is seen to be this flip's",
+            "«!owns(flips.facet[f].across[k].facet(), key)» ||",
+            "false",
+            *STARS,
+        ),
+        "shared-facet": Planted(
+            "a facet replaced although a stronger flip changes a side of it",
+            "claim[f].own == key && «claim[f].beside < key»;",
+            "true",
+            *STARS,
+        ),
+        "sleeping-doomed": Planted(
+            "sides at a doomed vertex not looked at again",
+            "| doomed[f.vertex[last_corner(k)]]) != 0)\n      «waiting[side] = 1;»",
+            "",
+            *STARS,
+        ),
+        "forgotten-sides": Planted(
+            "sides around a flip not looked at again",
+            "for (unsigned j = 0; «j < sides»; ++j) {\n      const StarSide looks",
+            "j < 1",
+            *STARS,
+        ),
+        "kept-vertex": Planted(
+            "a vertex that a flip removed not culled",
+            "«culled[end] = 1;»",
+            "",
+            *STARS,
+        ),
+    },
 }
+PLANTED = {name: error for errors in ERRORS.values() for name, error in errors.items()}
 
 
 def number_of(name: str) -> int:
@@ -471,9 +435,7 @@ def with_switches(text: str, file: str) -> str:
     """The text with every error of the file behind its switch; ends the program where one does not
     apply."""
     places: dict[tuple[int, int], list[str]] = {}
-    for name, error in PLANTED.items():
-        if error.file != file:
-            continue
+    for name, error in ERRORS.get(file, {}).items():
         before, rest = error.right.split("«")
         right, after = rest.split("»")
         found = text.count(before + right + after)
