@@ -11,37 +11,11 @@
 #include <utility>
 #include <vector>
 
+#include "slow_elimination.hpp"
+
 namespace cullhull::testing_support {
 
-using Rationals = std::vector<mpq_class>;
 using CellIds = std::vector<std::uint32_t>;
-
-/// Row echelon form; the columns of the pivots. The sign of the exchanges times the product of the
-/// pivots is the determinant.
-inline std::vector<unsigned> echelon(std::vector<Rationals>& m, mpq_class* determinant = nullptr) {
-  std::vector<unsigned> pivots;
-  mpq_class product = 1;
-  const std::size_t columns = m.empty() ? 0 : m[0].size();
-  for (unsigned c = 0; c < columns && pivots.size() < m.size(); ++c) {
-    const std::size_t r = pivots.size();
-    std::size_t p = r;
-    while (p < m.size() && m[p][c] == 0) ++p;
-    if (p == m.size()) {
-      product = 0;
-      continue;
-    }
-    if (p != r) product = -product;
-    std::swap(m[p], m[r]);
-    product *= m[r][c];
-    for (std::size_t i = r + 1; i < m.size(); ++i) {
-      const mpq_class f = m[i][c] / m[r][c];
-      for (std::size_t j = c; j < columns; ++j) m[i][j] -= f * m[r][j];
-    }
-    pivots.push_back(c);
-  }
-  if (determinant != nullptr) *determinant = pivots.size() < m.size() ? mpq_class(0) : product;
-  return pivots;
-}
 
 /// body(subset) for all subsets of `size` of the items.
 template <class Body>

@@ -25,11 +25,6 @@ using namespace testing_support;
 using internal::LiftedPoints;
 using internal::Sign;
 
-Triangulation triangulate(const LiftedSet& s) {
-  const PointView view = PointView::row_major(s.rows.data(), s.count(), s.dimension);
-  return s.weights.empty() ? delaunay(view) : regular_triangulation(view, s.weights);
-}
-
 LiftedPoints lifted(const LiftedSet& s, unsigned base) {
   LiftedPoints p;
   p.base = base;

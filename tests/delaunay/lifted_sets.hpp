@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "cullhull/triangulation.hpp"
+
 namespace cullhull::testing_support {
 
 struct LiftedSet {
@@ -16,6 +18,15 @@ struct LiftedSet {
 
   std::uint64_t count() const { return rows.size() / dimension; }
 };
+
+inline PointView view_of(const LiftedSet& s) {
+  return PointView::row_major(s.rows.data(), s.count(), s.dimension);
+}
+
+inline Triangulation triangulate(const LiftedSet& s, const TriangulationOptions& o = {}) {
+  return s.weights.empty() ? delaunay(view_of(s), o)
+                           : regular_triangulation(view_of(s), s.weights, o);
+}
 
 /// Whole numbers 0 .. width - 1 of each axis, drawn n times, in units of `step` from `shift`.
 inline LiftedSet drawn_grid(unsigned d, unsigned n, unsigned width, double step, double shift,
@@ -34,6 +45,19 @@ inline LiftedSet random_points(unsigned d, unsigned n, std::uint64_t seed) {
   for (unsigned i = 0; i < n * d; ++i)
     s.rows.push_back(std::ldexp(static_cast<double>(random() >> 11), -53));
   return s;
+}
+
+/// No points, one and so on up to d + 3, of whole coordinates below `width`.
+inline std::vector<LiftedSet> few_points(unsigned d, unsigned width = 5) {
+  std::vector<LiftedSet> sets{{"no points", d, {}, {}}};
+  std::mt19937_64 random(d);
+  for (unsigned n = 1; n <= d + 3; ++n) {
+    sets.push_back(sets.back());
+    sets.back().name = std::to_string(n) + " points in " + std::to_string(d) + "D";
+    for (unsigned j = 0; j < d; ++j)
+      sets.back().rows.push_back(static_cast<double>(random() % width));
+  }
+  return sets;
 }
 
 /// Points with whole coordinates on a sphere: signed permutations of one vector.

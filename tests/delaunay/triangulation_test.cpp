@@ -22,15 +22,6 @@ namespace triangulation_test {
 
 using namespace testing_support;
 
-PointView view_of(const LiftedSet& s) {
-  return PointView::row_major(s.rows.data(), s.count(), s.dimension);
-}
-
-Triangulation triangulate(const LiftedSet& s, const TriangulationOptions& o = {}) {
-  return s.weights.empty() ? delaunay(view_of(s), o)
-                           : regular_triangulation(view_of(s), s.weights, o);
-}
-
 Certificate certified(const LiftedSet& s, const Triangulation& t) {
   return s.weights.empty() ? certify(view_of(s), t) : certify(view_of(s), s.weights, t);
 }
@@ -224,32 +215,31 @@ TEST(Triangulation, WeightsHidePoints) {
 TEST(Triangulation, RefusesWhatIsNone) {
   std::vector<double> rows{0, 0, 1, 0, 0, std::nan("")};
   const PointView points = PointView::row_major(rows.data(), 3, 2);
-  EXPECT_NE(message_of([&] { delaunay(points); }, ErrorCode::not_finite).find("point 2"),
+  EXPECT_NE(error_of(ErrorCode::not_finite, [&] { delaunay(points); }).find("point 2"),
             std::string::npos);
   rows[5] = 1;
   const double infinite = std::numeric_limits<double>::infinity();
   std::vector<double> weights{0, infinite, 0};
-  EXPECT_EQ(message_of([&] { regular_triangulation(points, weights); }, ErrorCode::not_finite),
+  EXPECT_EQ(error_of(ErrorCode::not_finite, [&] { regular_triangulation(points, weights); }),
             "the weight of point 1 is not finite");
   weights.pop_back();
-  EXPECT_EQ(
-      message_of([&] { regular_triangulation(points, weights); }, ErrorCode::invalid_argument),
-      "there are 3 points, but 2 weights");
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument, [&] { regular_triangulation(points, weights); }),
+            "there are 3 points, but 2 weights");
   PointView many = points;
   many.count = 0xffffffff;
   many.point_stride = 0;
-  EXPECT_EQ(message_of([&] { delaunay(many); }, ErrorCode::out_of_budget),
+  EXPECT_EQ(error_of(ErrorCode::out_of_budget, [&] { delaunay(many); }),
             "a triangulation takes fewer than 4294967295 points, not 4294967295");
   many.dimension = 0;
-  message_of([&] { delaunay(many); }, ErrorCode::invalid_argument);
+  error_of(ErrorCode::invalid_argument, [&] { delaunay(many); });
   TriangulationOptions o;
   o.memory_budget = 100;
-  message_of([&] { delaunay(points, o); }, ErrorCode::out_of_budget);
+  error_of(ErrorCode::out_of_budget, [&] { delaunay(points, o); });
   std::stop_source stop;
   stop.request_stop();
   o = {};
   o.stop = stop.get_token();
-  message_of([&] { delaunay(points, o); }, ErrorCode::cancelled);
+  error_of(ErrorCode::cancelled, [&] { delaunay(points, o); });
 }
 
 // What is called while a check works, and what stops it, is the caller's to its end.
@@ -267,7 +257,7 @@ TEST(Triangulation, ChecksArePolledAndStopped) {
     std::stop_source stop;
     o.stop = stop.get_token();
     o.poll = [&stop] { stop.request_stop(); };
-    message_of([&] { certify(view_of(s), t, o); }, ErrorCode::cancelled);
+    error_of(ErrorCode::cancelled, [&] { certify(view_of(s), t, o); });
   }
 }
 

@@ -18,27 +18,7 @@ using namespace testing_support;
 
 /// Of the sphere around a cell within its flat, squared.
 mpq_class slow_radius(const LiftedSet& s, std::span<const std::uint32_t> cell) {
-  std::vector<Rationals> edges, m;
-  const auto dot = [](const Rationals& a, const Rationals& b) {
-    mpq_class sum = 0;
-    for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];
-    return sum;
-  };
-  for (std::size_t i = 1; i < cell.size(); ++i) {
-    edges.push_back(rational_point(s, cell[i]));
-    for (unsigned j = 0; j < s.dimension; ++j) edges.back()[j] -= rational_point(s, cell[0])[j];
-  }
-  for (const Rationals& e : edges) {
-    Rationals row;
-    for (const Rationals& o : edges) row.push_back(dot(e, o));
-    row.emplace_back(dot(e, e) / 2);
-    m.push_back(row);
-  }
-  const Rationals shares = *solved(m, edges.size());
-  Rationals centre(s.dimension);
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    for (unsigned j = 0; j < s.dimension; ++j) centre[j] += shares[i] * edges[i][j];
-  return dot(centre, centre);
+  return slow_power(s, cell[0], slow_centre(s, cell));
 }
 
 void check(const LiftedSet& s) {

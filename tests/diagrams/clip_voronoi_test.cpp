@@ -12,6 +12,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/voronoi.hpp"
 #include "diagrams/slow_volume.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace clip_voronoi_test {
@@ -204,16 +205,8 @@ TEST(ClipVoronoi, FurthestSite) {
 }
 
 TEST(ClipVoronoi, FewPoints) {
-  for (unsigned d = 1; d <= 3; ++d) {
-    LiftedSet s;
-    s.dimension = d;
-    s.name = "few";
-    std::mt19937_64 random(d);
-    for (unsigned n = 0; n <= d + 3; ++n) {
-      check(s, false);
-      for (unsigned j = 0; j < d; ++j) s.rows.push_back(static_cast<double>(random() % 5));
-    }
-  }
+  for (unsigned d = 1; d <= 3; ++d)
+    for (const LiftedSet& s : few_points(d)) check(s, false);
 }
 
 TEST(ClipVoronoi, LargerSetsAddUp) {
@@ -265,15 +258,7 @@ TEST(ClipVoronoi, ConvexRegions) {
 TEST(ClipVoronoi, RefusesWhatIsNone) {
   const LiftedSet s = random_points(2, 20, 1);
   const Triangulation t = triangulate(s);
-  const auto message = [&](const auto& body) -> std::string {
-    try {
-      body();
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::invalid_argument);
-      return e.what();
-    }
-    return "nothing was thrown";
-  };
+  const auto message = [](const auto& body) { return error_of(ErrorCode::invalid_argument, body); };
   using Numbers = std::vector<double>;
   EXPECT_EQ(message([&] {
               clip_voronoi(view_of(s), t, Numbers{0, 1}, Numbers{1, 1});

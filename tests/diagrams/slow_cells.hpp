@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "cullhull/triangulation.hpp"
@@ -15,38 +14,9 @@
 
 namespace cullhull::testing_support {
 
-inline PointView view_of(const LiftedSet& s) {
-  return PointView::row_major(s.rows.data(), s.count(), s.dimension);
-}
-
-inline Triangulation triangulate(const LiftedSet& s, const TriangulationOptions& o = {}) {
-  return s.weights.empty() ? delaunay(view_of(s), o)
-                           : regular_triangulation(view_of(s), s.weights, o);
-}
-
 inline Rationals rational_row(const double* row, unsigned d) { return Rationals(row, row + d); }
 inline Rationals rational_point(const LiftedSet& s, std::uint32_t i) {
   return rational_row(s.rows.data() + std::size_t{i} * s.dimension, s.dimension);
-}
-
-/// Solves rows [a | b]; nothing if there is no solution. Unique ones only.
-inline std::optional<Rationals> solved(std::vector<Rationals> m, std::size_t unknowns) {
-  for (std::size_t c = 0; c < unknowns; ++c) {
-    std::size_t p = c;
-    while (p < m.size() && m[p][c] == 0) ++p;
-    if (p == m.size()) return std::nullopt;
-    std::swap(m[p], m[c]);
-    for (std::size_t i = 0; i < m.size(); ++i) {
-      if (i == c || m[i][c] == 0) continue;
-      const mpq_class f = m[i][c] / m[c][c];
-      for (std::size_t j = 0; j <= unknowns; ++j) m[i][j] -= f * m[c][j];
-    }
-  }
-  for (std::size_t i = unknowns; i < m.size(); ++i)
-    if (m[i][unknowns] != 0) return std::nullopt;
-  Rationals x;
-  for (std::size_t i = 0; i < unknowns; ++i) x.push_back(m[i][unknowns] / m[i][i]);
-  return x;
 }
 
 /// Of q in the cell; nothing if q is not in its flat.
@@ -76,6 +46,39 @@ inline std::uint32_t slow_find(const LiftedSet& s, const Triangulation& t, const
     if (x && std::all_of(x->begin(), x->end(), [](const mpq_class& v) { return v >= 0; })) return c;
   }
   return no_index;
+}
+
+inline mpq_class dot(const Rationals& a, const Rationals& b) {
+  mpq_class sum = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];
+  return sum;
+}
+inline Rationals minus(const Rationals& a, const Rationals& b) {
+  Rationals r;
+  for (std::size_t j = 0; j < a.size(); ++j) r.push_back(a[j] - b[j]);
+  return r;
+}
+
+/// p_0 and a mixture of edges with equal powers to all corners.
+inline Rationals slow_centre(const LiftedSet& s, std::span<const std::uint32_t> cell) {
+  std::vector<Rationals> edges, m;
+  const Rationals from = rational_point(s, cell[0]);
+  for (std::size_t i = 1; i < cell.size(); ++i)
+    edges.push_back(minus(rational_point(s, cell[i]), from));
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    Rationals row;
+    for (const Rationals& e : edges) row.push_back(dot(edges[i], e));
+    mpq_class lift = dot(edges[i], edges[i]);
+    if (!s.weights.empty())
+      lift -= mpq_class(s.weights[cell[i + 1]]) - mpq_class(s.weights[cell[0]]);
+    row.emplace_back(lift / 2);
+    m.push_back(row);
+  }
+  const Rationals shares = *solved(m, edges.size());
+  Rationals centre = from;
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (std::size_t j = 0; j < centre.size(); ++j) centre[j] += shares[i] * edges[i][j];
+  return centre;
 }
 
 inline mpq_class slow_power(const LiftedSet& s, std::uint32_t i, const Rationals& q) {

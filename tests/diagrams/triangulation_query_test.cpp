@@ -127,16 +127,10 @@ TEST(TriangulationQuery, FurthestOfEqualPointsOfDifferentWeights) {
 
 TEST(TriangulationQuery, FewPoints) {
   for (unsigned d = 1; d <= 4; ++d) {
-    LiftedSet s;
-    s.dimension = d;
-    s.name = "few";
-    std::mt19937_64 random(d);
-    for (unsigned n = 0; n <= d + 2; ++n) {
-      check(s, 20);
-      for (unsigned j = 0; j < d; ++j) s.rows.push_back(static_cast<double>(random() % 10));
-    }
-    for (double& v : s.rows) v = 0.5;
-    check(s, 20);
+    for (const LiftedSet& s : few_points(d, 10)) check(s, 20);
+    LiftedSet equal = few_points(d).back();
+    for (double& v : equal.rows) v = 0.5;
+    check(equal, 20);
   }
 }
 
@@ -217,29 +211,28 @@ TEST(TriangulationQuery, RefusesWhatIsNone) {
   std::vector<double> rows{0, 0, 0.5, std::nan(""), std::numeric_limits<double>::infinity(), 0};
   std::vector<std::uint32_t> out(3);
   const PointView asked = PointView::row_major(rows.data(), 3, 2);
-  EXPECT_NE(
-      message_of([&] { query.find(asked, out.data()); }, ErrorCode::not_finite).find("point 1"),
-      std::string::npos);
-  EXPECT_EQ(message_of([&] { query.find(rows.data() + 2); }, ErrorCode::not_finite),
+  EXPECT_NE(error_of(ErrorCode::not_finite, [&] { query.find(asked, out.data()); }).find("point 1"),
+            std::string::npos);
+  EXPECT_EQ(error_of(ErrorCode::not_finite, [&] { query.find(rows.data() + 2); }),
             "coordinate 1 is NaN");
-  EXPECT_EQ(message_of([&] { query.nearest(rows.data() + 4); }, ErrorCode::not_finite),
+  EXPECT_EQ(error_of(ErrorCode::not_finite, [&] { query.nearest(rows.data() + 4); }),
             "coordinate 0 is infinite");
   double shares[3];
-  EXPECT_EQ(message_of([&] { query.barycentric(rows.data(), 4000, shares); },
-                       ErrorCode::invalid_argument),
-            "there is no cell 4000");
-  EXPECT_EQ(message_of([&] { query.find(PointView::row_major(rows.data(), 2, 3), out.data()); },
-                       ErrorCode::invalid_argument),
+  EXPECT_EQ(
+      error_of(ErrorCode::invalid_argument, [&] { query.barycentric(rows.data(), 4000, shares); }),
+      "there is no cell 4000");
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument,
+                     [&] { query.find(PointView::row_major(rows.data(), 2, 3), out.data()); }),
             "points of dimension 3 asked of a triangulation in dimension 2");
-  EXPECT_EQ(message_of([&] { TriangulationQuery(asked, t); }, ErrorCode::invalid_argument),
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument, [&] { TriangulationQuery(asked, t); }),
             "the triangulation is of 20 points in dimension 2, not of 3 in dimension 2");
   std::stop_source stop;
   stop.request_stop();
   Options o;
   o.stop = stop.get_token();
   rows = {0, 0};
-  message_of([&] { query.find(PointView::row_major(rows.data(), 1, 2), out.data(), o); },
-             ErrorCode::cancelled);
+  error_of(ErrorCode::cancelled,
+           [&] { query.find(PointView::row_major(rows.data(), 1, 2), out.data(), o); });
 }
 
 /// Whether every function that takes the triangulation returns or throws Error{invalid_argument}.

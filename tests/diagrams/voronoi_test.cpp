@@ -13,44 +13,12 @@
 #include "cullhull/error.hpp"
 #include "diagrams/slow_cells.hpp"
 #include "tests/counted_memory.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace voronoi_test {
 
 using namespace testing_support;
-
-mpq_class dot(const Rationals& a, const Rationals& b) {
-  mpq_class sum = 0;
-  for (std::size_t j = 0; j < a.size(); ++j) sum += a[j] * b[j];
-  return sum;
-}
-Rationals minus(const Rationals& a, const Rationals& b) {
-  Rationals r;
-  for (std::size_t j = 0; j < a.size(); ++j) r.push_back(a[j] - b[j]);
-  return r;
-}
-
-/// p_0 and a mixture of edges with equal powers to all corners.
-Rationals slow_centre(const LiftedSet& s, std::span<const std::uint32_t> cell) {
-  std::vector<Rationals> edges, m;
-  const Rationals from = rational_point(s, cell[0]);
-  for (std::size_t i = 1; i < cell.size(); ++i)
-    edges.push_back(minus(rational_point(s, cell[i]), from));
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    Rationals row;
-    for (const Rationals& e : edges) row.push_back(dot(edges[i], e));
-    mpq_class lift = dot(edges[i], edges[i]);
-    if (!s.weights.empty())
-      lift -= mpq_class(s.weights[cell[i + 1]]) - mpq_class(s.weights[cell[0]]);
-    row.emplace_back(lift / 2);
-    m.push_back(row);
-  }
-  const Rationals shares = *solved(m, edges.size());
-  Rationals centre = from;
-  for (std::size_t i = 0; i < edges.size(); ++i)
-    for (std::size_t j = 0; j < centre.size(); ++j) centre[j] += shares[i] * edges[i][j];
-  return centre;
-}
 
 /// Of a facet and the corner opposite to it.
 Rationals slow_ray(const LiftedSet& s, std::span<const std::uint32_t> facet,
@@ -232,16 +200,8 @@ TEST(Voronoi, FurthestSite) {
 }
 
 TEST(Voronoi, FewPoints) {
-  for (unsigned d = 1; d <= 4; ++d) {
-    LiftedSet s;
-    s.dimension = d;
-    s.name = "few";
-    std::mt19937_64 random(d);
-    for (unsigned n = 0; n <= d + 3; ++n) {
-      check(s);
-      for (unsigned j = 0; j < d; ++j) s.rows.push_back(static_cast<double>(random() % 5));
-    }
-  }
+  for (unsigned d = 1; d <= 4; ++d)
+    for (const LiftedSet& s : few_points(d)) check(s);
 }
 
 /// Twice the area around the vertices.
@@ -324,12 +284,7 @@ TEST(Voronoi, RefusesWhatIsNone) {
   EXPECT_THROW(voronoi(view_of(s), t, weights), Error);
   Options o;
   o.memory_budget = 100;
-  try {
-    voronoi(view_of(s), t, {}, o);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::out_of_budget);
-  }
+  error_of(ErrorCode::out_of_budget, [&] { voronoi(view_of(s), t, {}, o); });
 }
 
 /// All whole points on the circle around 0 with that square of the radius.

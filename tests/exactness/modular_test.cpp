@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "exact/orientation/orientation.hpp"
+#include "slow_elimination.hpp"
 
 namespace cullhull::internal {
 namespace modular_test {
@@ -23,28 +24,11 @@ struct Integers {
 
 /// The pivots' columns of the row echelon form, and the determinant's sign of a square matrix.
 std::pair<std::vector<unsigned>, Sign> slowly(const Integers& m) {
-  std::vector<std::vector<mpq_class>> a(m.rows, std::vector<mpq_class>(m.columns));
+  std::vector<testing_support::Rationals> a(m.rows, testing_support::Rationals(m.columns));
   for (std::size_t i = 0; i < m.entries.size(); ++i) a[i / m.columns][i % m.columns] = m.entries[i];
-  std::vector<unsigned> pivots;
-  int sign = 1;
-  for (unsigned c = 0; c < m.columns && pivots.size() < m.rows; ++c) {
-    const std::size_t r = pivots.size();
-    std::size_t i = r;
-    while (i < m.rows && a[i][c] == 0) ++i;
-    if (i == m.rows) continue;
-    if (i != r) {
-      std::swap(a[i], a[r]);
-      sign = -sign;
-    }
-    sign *= sgn(a[r][c]);
-    for (i = r + 1; i < m.rows; ++i) {
-      const mpq_class factor = a[i][c] / a[r][c];
-      for (unsigned j = c; j < m.columns; ++j) a[i][j] -= factor * a[r][j];
-    }
-    pivots.push_back(c);
-  }
-  if (pivots.size() < m.columns) sign = 0;
-  return {pivots, static_cast<Sign>(sign)};
+  mpq_class determinant;
+  std::vector<unsigned> pivots = testing_support::echelon(a, &determinant);
+  return {pivots, static_cast<Sign>(sgn(determinant))};
 }
 
 BigNumbers numbers_of(const Integers& m) {

@@ -1,6 +1,5 @@
 #include "exact/orientation/orientation.hpp"
 
-#include <gmp.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,47 +7,19 @@
 #include <random>
 #include <vector>
 
+#include "slow_elimination.hpp"
+
 namespace cullhull::internal {
 namespace orientation_test {
 
 /// The slow, obvious reference: rational Gaussian elimination.
 Sign reference(unsigned d, const std::vector<std::vector<double>>& p) {
-  std::vector<mpq_t> m(std::size_t{d} * d);
-  mpq_t t, f;
-  mpq_init(t);
-  mpq_init(f);
+  std::vector<testing_support::Rationals> m(d);
   for (unsigned i = 0; i < d; ++i)
-    for (unsigned j = 0; j < d; ++j) {
-      mpq_init(m[i * d + j]);
-      mpq_set_d(m[i * d + j], p[i + 1][j]);
-      mpq_set_d(t, p[0][j]);
-      mpq_sub(m[i * d + j], m[i * d + j], t);
-    }
-  int sign = 1;
-  for (unsigned k = 0; k < d && sign != 0; ++k) {
-    unsigned r = k;
-    while (r < d && mpq_sgn(m[r * d + k]) == 0) ++r;
-    if (r == d) {
-      sign = 0;
-      break;
-    }
-    if (r != k) {
-      for (unsigned j = 0; j < d; ++j) mpq_swap(m[r * d + j], m[k * d + j]);
-      sign = -sign;
-    }
-    sign *= mpq_sgn(m[k * d + k]);
-    for (unsigned i = k + 1; i < d; ++i) {
-      mpq_div(f, m[i * d + k], m[k * d + k]);
-      for (unsigned j = k; j < d; ++j) {
-        mpq_mul(t, f, m[k * d + j]);
-        mpq_sub(m[i * d + j], m[i * d + j], t);
-      }
-    }
-  }
-  for (auto& q : m) mpq_clear(q);
-  mpq_clear(t);
-  mpq_clear(f);
-  return static_cast<Sign>(sign);
+    for (unsigned j = 0; j < d; ++j) m[i].push_back(mpq_class(p[i + 1][j]) - mpq_class(p[0][j]));
+  mpq_class determinant;
+  testing_support::echelon(m, &determinant);
+  return static_cast<Sign>(sgn(determinant));
 }
 
 std::vector<const double*> pointers(const std::vector<std::vector<double>>& p) {
