@@ -24,8 +24,9 @@ TEST(CliAlpha, SaysWhatThereIs) {
   EXPECT_TRUE(has(ran.out, "cells      19 of 23, 15 facets around 2 regions\n"));
   const Ran one = run_app({"alpha", f / "p.txt"});
   EXPECT_TRUE(has(one.out, "around 1 region\n"));
-  const Ran all = run_app({"alpha", f / "p.txt", "--alpha", "inf"});
+  const Ran all = run_app({"alpha", f / "p.txt", "--alpha", "inf", "--json=" + (f / "r.json")});
   EXPECT_TRUE(has(all.out, "cells      23 of 23"));
+  EXPECT_EQ(expect_document(read_file(f / "r.json"), "alpha_report")["alpha"], "inf");
 }
 
 // A point is missing in the middle of a grid: the shape has a hole of four half squares.
@@ -188,19 +189,6 @@ TEST(CliAlpha, WritesPolygonsWithHoles) {
   EXPECT_EQ(a["facets"].size(), 44U);
   EXPECT_EQ(read_file(f / "a.off").substr(0, 15), "OFF\n72 100 172\n");
   EXPECT_TRUE(has(read_file(f / "a.vtk"), "CELLS 100 400\n"));
-}
-
-TEST(CliAlpha, WritesSurfacesInSpace) {
-  const Folder f;
-  write_points(f / "ball.npy", "ball", 500, 3);
-  for (const char* ending : {"ply", "obj", "off", "stl", "glb", "vtp", "vtk", "json"})
-    run_well({"alpha", f / "ball.npy", "-q", "-o", f / (std::string("s.") + ending)});
-  const std::string off = read_file(f / "s.off");
-  std::uint64_t vertices = 0, faces = 0, edges = 0;
-  ASSERT_EQ(std::sscanf(off.c_str(), "OFF\n%lu %lu %lu", &vertices, &faces, &edges), 3);
-  EXPECT_LE(vertices, 500U);
-  EXPECT_GT(faces, 0U);
-  expect_error({"alpha", f / "ball.npy", "-o", f / "s.wkt"}, 2, "polygons of 2D points");
 }
 
 TEST(CliAlpha, FewPointsAndRefusals) {

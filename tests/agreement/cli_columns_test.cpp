@@ -1,5 +1,4 @@
-// The program over columns by name: one file, many, a pipe, in blocks and not, and every command
-// that reads points.
+// The program over columns by name: one file, many, a pipe, in blocks and not.
 #include "agreement/run_app.hpp"
 
 namespace cullhull::cli_columns_test {
@@ -80,19 +79,8 @@ TEST_F(CliColumns, TheHintGoesByTheKindOfARemarkNotByItsWords) {
   EXPECT_EQ(ran.err, "cullhull: " + name + ": text after the last face is passed over\n");
 }
 
-TEST_F(CliColumns, EveryCommandThatReadsPoints) {
-  const std::string named = f_ / "named.csv", plain = f_ / "plain.csv";
-  const std::vector<std::string> chosen{"--columns", "y,z"};
-  const auto run = [&](std::vector<std::string> words) {
-    words.insert(words.end(), chosen.begin(), chosen.end());
-    return run_well(words);
-  };
-  run({"hull", named, "-o", f_ / "flat.json"});
-  run({"certify", named, f_ / "flat.json"});
-  run({"cull", named, "-o", f_ / "ids.csv"});
-  run({"cull", plain, "-o", f_ / "plain-ids.csv"});
-  EXPECT_EQ(read_file(f_ / "ids.csv"), read_file(f_ / "plain-ids.csv"));
-  EXPECT_FALSE(has(run({"info", named}).out, "axis 2"));
+TEST_F(CliColumns, ThatAreNotThereOrNoNumbers) {
+  const std::string named = f_ / "named.csv";
   expect_error({"hull", named, "--columns", "x,q"}, 2, "no column 'q'; there are 'name', 'x', 'y'");
   expect_error({"hull", named, "--columns", "name,x"}, 1, "named.csv:2: column 'name': 'a, b'");
   expect_error({"hull", named, "--columns", "x,q", "--stream", "on"}, 2, "no column 'q'");

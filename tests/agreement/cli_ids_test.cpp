@@ -1,5 +1,5 @@
-// Ids that the user gives or that parts carry, lists of inputs, checkpoints that were edited:
-// nothing is lost or overwritten without a word.
+// Ids that the user gives or that parts carry, lists of inputs: nothing is lost or overwritten
+// without a word.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -123,65 +123,6 @@ TEST(CliIds, OutputsThatCannotBeWrittenAreFoundBeforeTheWork) {
   expect_error({"hull", f / "p.txt", "--partial", gone + "c.hullstate"}, 1, "cannot write");
   expect_error({"delaunay", f / "p.txt", "-o", gone + "t.json"}, 1, "cannot write");
   EXPECT_EQ(f.entries(), 1U);
-}
-
-TEST(CliIds, AnEditedCheckpointIsRefused) {
-  const Folder f;
-  // All points are extreme, so that the work takes long enough to be cut off.
-  for (int tile = 100; tile < 180; ++tile)
-    write_npy_points(f / ("tile-" + std::to_string(tile) + ".npy"),
-                     generate("sphere", 2000, 3, static_cast<std::uint64_t>(tile)).data(), 2000, 3,
-                     ScalarType::f64);
-  const std::vector<std::string> words{"hull",      f / "tile-*.npy",     "-q", "--checkpoint",
-                                       f / "c",     "--checkpoint-every", "0",  "-o",
-                                       f / "h.json"};
-  // The program removes its checkpoint at the end.
-  std::string text;
-  for (int round = 0; round < 200 && text.empty(); ++round) {
-    const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-    const pid_t child = testing::start_app(words, null, null, null);
-    ::close(null);
-    for (int wait = 0; wait < 2000 && text.empty() && ::waitpid(child, nullptr, WNOHANG) == 0;
-         ++wait) {
-      text = read_file(f / "c");
-      ::usleep(100);
-    }
-    testing::send(child, SIGKILL);
-    testing::wait_for(child);
-  }
-  ASSERT_FALSE(text.empty());
-  const std::size_t place = text.find("\"file_points\":");
-  ASSERT_NE(place, std::string::npos);
-  std::string edited = text;
-  edited[place + 14] = edited[place + 14] == '9' ? '8' : '9';
-  write_file(f / "c", edited);
-  expect_error(words, 1, "its check sum is wrong");
-  write_file(f / "c", text.substr(0, text.size() - 1));
-  expect_error(words, 1, "its check sum is wrong");
-  write_file(f / "c", "cullhull checkpoint 1\n{}\n");
-  expect_error(words, 1, "another version");
-  write_file(f / "c", text);
-  run_well(words);
-  const std::string resumed = read_file(f / "h.json");
-  run_well({"hull", f / "tile-*.npy", "-q", "-o", f / "whole.json"});
-  EXPECT_EQ(resumed, read_file(f / "whole.json"));
-}
-
-TEST(CliIds, NoPointsAreTheSameInMemoryAndInBlocks) {
-  const Folder f;
-  write_npy_points(f / "none.npy", nullptr, 0, 3, ScalarType::f64);
-  write_file(f / "none.ply",
-             "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\n"
-             "property float y\nproperty float z\nend_header\n");
-  for (const char* name : {"none.npy", "none.ply"}) {
-    run_well({"hull", f / name, "-q", "--stream", "off", "-o", f / "memory.json"});
-    const Ran blocks =
-        run_well({"hull", f / name, "-q", "--stream", "on", "-o", f / "blocks.json"});
-    EXPECT_EQ(read_file(f / "blocks.json"), read_file(f / "memory.json")) << name;
-    const Ran pipe =
-        run_well({"hull", "-", "-q", "--stream", "on", "-o", f / "pipe.json"}, f / name);
-    EXPECT_EQ(read_file(f / "pipe.json"), read_file(f / "memory.json")) << name;
-  }
 }
 
 TEST(CliIds, CommentsBeyondTheFirstMegabyte) {

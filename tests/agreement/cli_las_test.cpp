@@ -438,11 +438,6 @@ TEST(CliLas, ReportsNameTheUnits) {
       const std::string x = command == std::string("info") ? "axis 0     500000 to 500003"
                                                            : "extent     500000 to 500003, 4000000";
       EXPECT_TRUE(has(ran.out, x));
-      run_well({command, f / "a.las", "--stream", stream, "--json=" + (f / "j")});
-      const auto placement = json_in(f / "j")["placement"];
-      EXPECT_EQ(placement["numbers"], "grid");
-      EXPECT_EQ(placement["grid"].get<double>(), 0.001);
-      EXPECT_EQ(placement["offset"][2].get<double>(), -12.5);
     }
 }
 
@@ -458,8 +453,9 @@ TEST(CliLas, EveryReportHasThePlacement) {
           "hull @a.las --only vertices --stream on",
           "hull @a.las --partial @s.hullstate --stream on", "hull @s.hullstate --only vertices",
           "certify @a.las @h.json", "certify @a.las @h.json --stream on", "track @a.las @b.las",
-          "cull @a.las", "delaunay @a.las", "delaunay @a.las --weights @w.npy", "voronoi @a.las",
-          "alpha @a.las", "view @a.las -o @v.html"});
+          "cull @a.las", "cull @a.las --stream on", "info @a.las", "info @a.las --stream on",
+          "delaunay @a.las", "delaunay @a.las --weights @w.npy", "voronoi @a.las", "alpha @a.las",
+          "view @a.las -o @v.html"});
   for (std::vector<std::string> words : commands)
     for (const bool raw : {false, true}) {
       const bool state = words[1].ends_with(".hullstate");
@@ -480,9 +476,11 @@ TEST(CliLas, EveryReportHasThePlacement) {
         EXPECT_EQ(placement["offset"], nlohmann::json(metres.offset)) << what;
       }
       const nlohmann::json extent = {{500000, 500003}, {4000000, 4000004}, {-12.5, -11.5}};
-      EXPECT_EQ(placement["extent"],
-                raw ? nlohmann::json({{0, 3000}, {0, 4000}, {0, 100}}) : extent)
-          << what;
+      if (words[0] != "info") {  // which says the range of each axis
+        EXPECT_EQ(placement["extent"],
+                  raw ? nlohmann::json({{0, 3000}, {0, 4000}, {0, 100}}) : extent)
+            << what;
+      }
       EXPECT_TRUE(placement.contains("unit")) << what;
     }
 }

@@ -129,8 +129,8 @@ TEST(Limits, FullDisk) {
   const Folder f;
   write_ball(f / "p.npy", 20000);
   for (const std::vector<std::string>& arguments :
-       command_lines(f, {"hull @p.npy -q --vertices /dev/full", "hull @p.npy -q --json=/dev/full",
-                         "cull @p.npy -q --json=/dev/full"}))
+       command_lines(f, {"hull @p.npy -q --vertices /dev/full", "hull @p.npy -q -o /dev/full",
+                         "hull @p.npy -q --json=/dev/full", "cull @p.npy -q --json=/dev/full"}))
     expect_error(arguments, 1, "/dev/full: cannot write: No space left");
 }
 

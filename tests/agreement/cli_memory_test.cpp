@@ -1,6 +1,5 @@
 // The program's memory limit with pipes: what is read in blocks, what is refused, and what the
 // refusal advises; and messages that name only options of the command.
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "agreement/run_app.hpp"
@@ -130,25 +129,6 @@ TEST(CliMemory, DiagramsAreRefusedBeforeTheWork) {
 
 // ------------------------------------------------------------------- closed pipes, full disks
 
-TEST(CliPipe, AClosedPipeEndsQuietly) {
-  const Folder f;
-  const std::string points = points_in(f, ".npy", "200k");
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"hull", points, "--format", "o"}, {"hull", points, "-o", "-"}, {"--help"}}) {
-    int ends[2];
-    ASSERT_EQ(::pipe2(ends, O_CLOEXEC), 0);
-    ::close(ends[0]);  // as head does when it has seen enough
-    const int err = ::open((f / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
-    const auto before = ::signal(SIGPIPE, SIG_DFL);  // which the program inherits
-    const int status = wait_for(start_app(words, null, ends[1], err));
-    ::signal(SIGPIPE, before);
-    for (const int fd : {ends[1], err, null}) ::close(fd);
-    EXPECT_EQ(status, 1000 + SIGPIPE) << words[0];
-    EXPECT_EQ(read_file(f / "err"), "") << words[0];
-  }
-}
-
 TEST(CliPipe, AClosedStandardErrorIsNoReasonToEnd) {
   const Folder f;
   int ends[2];
@@ -157,20 +137,6 @@ TEST(CliPipe, AClosedStandardErrorIsNoReasonToEnd) {
   const int null = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   EXPECT_EQ(wait_for(start_app({"hull", f / "absent.npy"}, null, null, ends[1])), 1);
   for (const int fd : {ends[1], null}) ::close(fd);
-}
-
-TEST(CliPipe, AFullDiskIsOneLine) {
-  const Folder f;
-  const std::string points = points_in(f, ".npy", "1k");
-  for (const std::vector<std::string>& words :
-       std::vector<std::vector<std::string>>{{"hull", points, "--format", "o"},
-                                             {"hull", points, "-o", "-"},
-                                             {"hull", points, "-q", "-o", "/dev/full"}}) {
-    const Ran ran = run_app(words, "/dev/null", "/dev/full");
-    EXPECT_EQ(ran.status, 1) << ran.err;
-    EXPECT_EQ(std::count(ran.err.begin(), ran.err.end(), '\n'), 1) << ran.err;
-    EXPECT_TRUE(has(ran.err, "No space left"));
-  }
 }
 
 // ----------------------------------------------------------------- options that mean nothing
