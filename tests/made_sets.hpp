@@ -46,6 +46,27 @@ std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, doub
   return v;
 }
 
+/// n points of the cube of half the side `reach` around `centre`.
+template <class T = double>
+std::vector<T> uniform_points(unsigned d, std::size_t n, double centre, double reach,
+                              std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(-reach, reach);
+  std::vector<T> rows(n * d);
+  for (T& v : rows) v = static_cast<T>(centre + unit(random));
+  return rows;
+}
+
+/// Rows of d numbers as columns.
+template <class T>
+std::vector<T> transposed(const std::vector<T>& rows, unsigned d) {
+  const std::size_t n = rows.size() / d;
+  std::vector<T> out(rows.size());
+  for (std::size_t i = 0; i < n; ++i)
+    for (unsigned j = 0; j < d; ++j) out[j * n + i] = rows[i * d + j];
+  return out;
+}
+
 /// Calls expect(rows, name) for sets of n points in space: in a plane, all equal, tiny, huge, not
 /// finite.
 template <class Expect>

@@ -13,6 +13,7 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "made_sets.hpp"
 #include "oracles.hpp"
 
 namespace cullhull::testing_support {
@@ -41,15 +42,6 @@ bool converted(const PointSet& s, std::vector<T>& out) {
       return false;
   }
   return true;
-}
-
-template <class T>
-std::vector<T> transposed(const std::vector<T>& rows, unsigned d) {
-  const std::size_t n = rows.size() / d;
-  std::vector<T> out(rows.size());
-  for (std::size_t i = 0; i < n; ++i)
-    for (unsigned j = 0; j < d; ++j) out[j * n + i] = rows[i * d + j];
-  return out;
 }
 
 /// For sets that take seconds: `few` is the filter with two threads beside the reference, which is

@@ -11,6 +11,7 @@
 #include "agreement/point_sets.hpp"
 #include "call_options.hpp"
 #include "cullhull/error.hpp"
+#include "made_sets.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::batch_test {
@@ -67,17 +68,18 @@ TEST(Batch, any_scalar_and_layout) {
   constexpr std::uint64_t n = 4000;
   for (const unsigned d : {2U, 3U}) {
     std::vector<float> floats;
-    std::vector<double> columns(d * n);
+    std::vector<double> rows;
     std::vector<std::uint64_t> offsets{0};
     std::mt19937_64 g(d);
     for (std::uint64_t i = 0; i < n; ++i) {
       for (unsigned j = 0; j < d; ++j) {
         const double v = g() % 5 == 0 ? -0.0 : static_cast<double>(g() % 2001) / 1000 - 1;
         floats.push_back(static_cast<float>(v));
-        columns[j * n + i] = v;
+        rows.push_back(v);
       }
       if (g() % 40 == 0) offsets.push_back(i);
     }
+    const std::vector<double> columns = transposed(rows, d);
     for (const PointView& view : {PointView::row_major(floats.data(), n, d),
                                   PointView::column_major(columns.data(), n, d)}) {
       const HullBatch batch = convex_hulls(view, offsets);
@@ -109,12 +111,11 @@ TEST(Batch, small_sets_in_space_equal_one_call_each) {
       }
       for (const PointSet& other : {moved, again, thin, far}) sets.add(other);
     }
-  std::vector<double> columns(sets.coordinates.size());
+  const std::vector<double> columns = transposed(sets.coordinates, 3);
   std::vector<float> floats(sets.coordinates.begin(), sets.coordinates.end());
   for (float& v : floats)
     if (!std::isfinite(v)) v = 0;
   const std::uint64_t n = sets.offsets.back();
-  for (std::size_t j = 0; j < columns.size(); ++j) columns[j % 3 * n + j / 3] = sets.coordinates[j];
   const PointView views[] = {sets.view(), PointView::column_major(columns.data(), n, 3),
                              PointView::row_major(floats.data(), n, 3)};
   for (const PointView& view : views) {

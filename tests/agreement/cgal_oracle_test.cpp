@@ -5,7 +5,6 @@
 #include <CGAL/convex_hull_3.h>
 
 #include "all_paths.hpp"
-#include "cullhull/generate.hpp"
 #include "point_sets.hpp"
 
 namespace cullhull::testing_support::cgal_oracle_test {
@@ -61,16 +60,6 @@ Ids cgal_in_two_planes(const PointSet& s) {
   return ids;
 }
 
-/// As `two-circles` of the benchmarks: facets are as long as the body and as narrow as neighbours
-/// are near. `generate` rounds, so that some points of a circle are not extreme.
-PointSet two_circles(unsigned n) {
-  PointSet s = named("two circles of " + std::to_string(n), 3);
-  const std::vector<double> circle = generate("sphere", n, 2, 7);
-  for (std::size_t i = 0; i < n; ++i)
-    s.add({circle[2 * i], circle[2 * i + 1], i % 2 == 0 ? -1.0 : 1.0});
-  return s;
-}
-
 TEST(Cgal, Plane) {
   for (const char* shape : {"ball", "cube", "octahedron", "gauss", "sphere"}) {
     const PointSet s = random_set(shape, 20000, 2, 3);
@@ -98,10 +87,10 @@ TEST(Cgal, SpaceWhereManyPointsAreCoplanarOrNearly) {
 // In space CGAL takes minutes for what it does in the plane in a moment; that the planes say the
 // same is seen on a small set.
 TEST(Cgal, TwoCircles) {
-  const PointSet small = two_circles(1000);
+  const PointSet small = two_circles(1000, 7);
   EXPECT_EQ(cgal_in_two_planes(small), cgal_3d(small));
   expect_everywhere(small, cgal_3d(small));
-  const PointSet large = two_circles(1000000);
+  const PointSet large = two_circles(1000000, 7);
   expect_everywhere(large, cgal_in_two_planes(large), Paths::reference);
 }
 

@@ -17,127 +17,92 @@
 
 namespace cullhull::testing_support::engine_3d_test {
 
-using Rows = std::vector<double>;
-
-Rows turned(Rows rows) {  // about two axes; rounding makes faces that were flat nearly so
-  for (std::size_t i = 0; i < rows.size(); i += 3) {
-    double* p = rows.data() + i;
-    const double x = 0.8 * p[0] - 0.6 * p[1], y = 0.6 * p[0] + 0.8 * p[1], z = p[2];
-    p[0] = x;
-    p[1] = y * 5 / 13 - z * 12 / 13;
-    p[2] = y * 12 / 13 + z * 5 / 13;
-  }
-  return rows;
+PointSet scaled_z(PointSet s, double factor) {
+  s.name += " scaled";
+  for (std::size_t i = 2; i < s.coordinates.size(); i += 3) s.coordinates[i] *= factor;
+  return s;
 }
 
-Rows scaled_z(Rows rows, double factor) {
-  for (std::size_t i = 2; i < rows.size(); i += 3) rows[i] *= factor;
-  return rows;
-}
-
-Rows two_circles(unsigned n) {
-  const Rows circle = generate("sphere", n, 2, 5);
-  Rows rows;
-  for (unsigned i = 0; i < n; ++i)
-    rows.insert(rows.end(), {circle[2 * i], circle[2 * i + 1], i % 2 == 0 ? -1.0 : 1.0});
-  return rows;
-}
-
-Rows lattice_surface(int k) {
-  Rows rows;
+PointSet lattice_surface(int k) {
+  PointSet s = named("surface of a lattice", 3);
   for (int x = 0; x <= k; ++x)
     for (int y = 0; y <= k; ++y)
       for (int z = 0; z <= k; ++z)
         if (x == 0 || y == 0 || z == 0 || x == k || y == k || z == k)
-          rows.insert(rows.end(), {x / double(k) - 0.5, y / double(k) - 0.5, z / double(k) - 0.5});
-  return rows;
+          s.add({x / double(k) - 0.5, y / double(k) - 0.5, z / double(k) - 0.5});
+  return s;
 }
 
-Rows repeated(const Rows& rows, unsigned times) {
-  Rows out;
-  for (unsigned k = 0; k < times; ++k) out.insert(out.end(), rows.begin(), rows.end());
-  return out;
+PointSet repeated(PointSet s, unsigned times) {
+  const std::vector<double> once = s.coordinates;
+  for (unsigned k = 1; k < times; ++k)
+    s.coordinates.insert(s.coordinates.end(), once.begin(), once.end());
+  return s;
 }
 
-struct Set {
-  const char* name;
-  Rows rows;
-};
-
-std::vector<Set> sets(unsigned n) {
+std::vector<PointSet> sets(unsigned n) {
+  const auto made = [&](const char* shape) { return generated(shape, n, 3); };
   return {
-      {"sphere", generate("sphere", n, 3)},
-      {"cylinder", generate("cylinder", n, 3)},
-      {"turned cylinder", turned(generate("cylinder", n, 3))},
-      {"cone", generate("cone", n, 3)},
-      {"turned cone", turned(generate("cone", n, 3))},
-      {"two circles", two_circles(n)},
-      {"turned two circles", turned(two_circles(n))},
-      {"squashed sphere", scaled_z(generate("sphere", n, 3), 1e-9)},
-      {"turned squashed sphere", turned(scaled_z(generate("sphere", n, 3), 1e-9))},
-      {"turned plane", turned(scaled_z(generate("cube", n, 3), 0))},
-      {"turned lattice", turned(lattice_surface(static_cast<int>(std::sqrt(n / 6.0))))},
-      {"cube's surface", generate("cube-surface", n, 3)},
-      {"turned cube's surface", turned(generate("cube-surface", n, 3))},
-      {"grid", generate("grid:16", n, 3)},
-      {"wide grid", generate("grid:1000000000", n, 3)},
-      {"moment curve", generate("cyclic", n, 3)},
-      {"copies", repeated(generate("sphere", n / 4, 3), 4)},
-      {"far and near", turned(scaled_z(generate("bumpy", n, 3), 1e6))},
+      made("sphere"),
+      made("cylinder"),
+      turned(made("cylinder")),
+      made("cone"),
+      turned(made("cone")),
+      two_circles(n, 5),
+      turned(two_circles(n, 5)),
+      scaled_z(made("sphere"), 1e-9),
+      turned(scaled_z(made("sphere"), 1e-9)),
+      turned(scaled_z(made("cube"), 0)),
+      turned(lattice_surface(static_cast<int>(std::sqrt(n / 6.0)))),
+      made("cube-surface"),
+      turned(made("cube-surface")),
+      made("grid:16"),
+      made("grid:1000000000"),
+      made("cyclic"),
+      repeated(generated("sphere", n / 4, 3), 4),
+      turned(scaled_z(made("bumpy"), 1e6)),
   };
 }
 
-Hull hull_of(const Rows& rows, unsigned threads) {
-  return convex_hull(PointView::row_major(rows.data(), rows.size() / 3, 3),
-                     options_of(threads, CullMethod::none));
+Hull hull_of(const PointSet& set, unsigned threads) {
+  return convex_hull(view_of(set), options_of(threads, CullMethod::none));
+}
+
+/// On one thread it is certified, and on others it is the same.
+void expect_certified_for_any_threads(const PointSet& set, std::initializer_list<unsigned> others) {
+  SCOPED_TRACE(set.name);
+  const Hull one = hull_of(set, 1);
+  const Certificate certificate = certify(view_of(set), one);
+  EXPECT_TRUE(certificate.valid) << certificate.reason;
+  for (const unsigned threads : others)
+    EXPECT_EQ(canonical_hash(hull_of(set, threads)), canonical_hash(one)) << threads;
 }
 
 // Large enough for several pieces and for the order by normals.
 TEST(Engine3D, SameForAnyThreadsAndCertified) {
-  for (const Set& set : sets(20000)) {
-    SCOPED_TRACE(set.name);
-    const PointView view = PointView::row_major(set.rows.data(), set.rows.size() / 3, 3);
-    const Hull one = hull_of(set.rows, 1);
-    const Certificate certificate = certify(view, one);
-    EXPECT_TRUE(certificate.valid) << certificate.reason;
-    for (const unsigned threads : {2U, 3U, 4U, 8U})
-      EXPECT_EQ(canonical_hash(hull_of(set.rows, threads)), canonical_hash(one)) << threads;
-  }
+  for (const PointSet& set : sets(20000)) expect_certified_for_any_threads(set, {2, 3, 4, 8});
 }
 
 // A round in pieces, then one where all threads look for the few points that see the surface.
 TEST(Engine3D, ScreeningAfterPieces) {
-  const Rows rows = generate("cube-surface", 200000, 3);
-  const auto one = canonical_hash(hull_of(rows, 1));
-  for (const unsigned threads : {2U, 8U}) EXPECT_EQ(canonical_hash(hull_of(rows, threads)), one);
+  expect_certified_for_any_threads(generated("cube-surface", 200000, 3), {2, 8});
 }
 
 // So many points in few cells of the curve that these are ordered once more.
-TEST(Engine3D, CrowdedCells) {
-  const Rows rows = two_circles(80000);
-  const PointView view = PointView::row_major(rows.data(), rows.size() / 3, 3);
-  const Hull one = hull_of(rows, 1);
-  const Certificate certificate = certify(view, one);
-  EXPECT_TRUE(certificate.valid) << certificate.reason;
-  EXPECT_EQ(canonical_hash(hull_of(rows, 3)), canonical_hash(one));
-}
+TEST(Engine3D, CrowdedCells) { expect_certified_for_any_threads(two_circles(80000, 5), {3}); }
 
 TEST(Engine3D, AgreesWithRationalArithmetic) {
-  for (const Set& set : sets(160)) {
-    SCOPED_TRACE(set.name);
-    PointSet points;
-    points.dimension = 3;
-    points.coordinates = set.rows;
-    const Hull hull = hull_of(set.rows, 1);
+  for (const PointSet& set : sets(160)) {
+    const Hull hull = hull_of(set, 1);
     if (hull.affine_dimension < 3) continue;
-    EXPECT_EQ(sorted_vertices(hull), exact_extreme_points(points));
+    EXPECT_EQ(sorted_vertices(hull), exact_extreme_points(set)) << set.name;
   }
 }
 
 // The start lies in a face as thin as rounding: half of the points are on one circle, and it is
 // those that the frame's stride meets.
 TEST(Engine3D, DeepStartFromAFlatSimplex) {
-  const Rows rows = turned(two_circles(4000));
+  const std::vector<double> rows = turned(two_circles(4000, 5)).coordinates;
   const internal::Run& run = internal::short_run();
   const internal::LocalFrame frame(Array<double>(rows.begin(), rows.end()), 4000, 3,
                                    run.with_threads(2));
@@ -158,7 +123,7 @@ TEST(Engine3D, DeepStartFromAFlatSimplex) {
 }
 
 TEST(Engine3D, BudgetAndCancellation) {
-  const Rows rows = generate("sphere", 50000, 3);
+  const std::vector<double> rows = generate("sphere", 50000, 3);
   std::stop_source stop;
   Options options;
   options.stop = stop.get_token();

@@ -33,12 +33,6 @@ void expect_hull_vertices(const PointSet& set) {
   }
 }
 
-PointSet generated(const char* shape, std::uint64_t n, unsigned d, std::uint64_t seed) {
-  PointSet s = named(shape, d);
-  s.coordinates = generate(shape, n, d, seed);
-  return s;
-}
-
 TEST(ExtremePoints, GeneralPosition) {
   for (const unsigned d : {1U, 2U, 3U, 4U, 5U, 6U, 7U})
     for (const char* shape : {"ball", "gauss", "cube", "sphere"}) {

@@ -23,6 +23,7 @@
 #include "filter/outermost.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
+#include "made_sets.hpp"
 #include "parallel/threads/run.hpp"
 #include "thrown.hpp"
 
@@ -167,10 +168,8 @@ struct Stored {
       integers.assign(doubles.begin(), doubles.end());
       view = PointView::row_major(integers.data(), n, 3);
     } else if (layout == 3) {
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t c = 0; c < 3; ++c) doubles[c * n + i] = s.coordinates[3 * i + c];
-      view.point_stride = sizeof(double);
-      view.coordinate_stride = static_cast<std::ptrdiff_t>(n * sizeof(double));
+      doubles = transposed(s.coordinates, 3);
+      view = PointView::column_major(doubles.data(), n, 3);
     }
   }
 };

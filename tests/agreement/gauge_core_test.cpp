@@ -18,7 +18,7 @@
 
 namespace cullhull::internal::gauge_core_test {
 
-using testing_support::cross_polytope;
+using namespace testing_support;
 
 const double bad[] = {NAN, INFINITY, -INFINITY, 1e308, 1e39, 0, -0.0, 1e-310};
 
@@ -66,10 +66,8 @@ bool in_core(const GaugeCore& c, unsigned d, const double* y) {
 
 struct Views {
   Views(const std::vector<double>& from, unsigned d)
-      : rows(from), single(from.begin(), from.end()), columns(from.size()) {
+      : rows(from), single(from.begin(), from.end()), columns(transposed(from, d)) {
     const std::uint64_t n = rows.size() / d;
-    for (std::size_t i = 0; i < n; ++i)
-      for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[d * i + j];
     all = {PointView::row_major(rows.data(), n, d), PointView::row_major(single.data(), n, d),
            PointView::column_major(columns.data(), n, d)};
   }

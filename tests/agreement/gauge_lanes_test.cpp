@@ -17,7 +17,7 @@
 
 namespace cullhull::internal::gauge_lanes_test {
 
-using testing_support::cross_polytope;
+using namespace testing_support;
 
 constexpr unsigned words_of_group = 4;  // at most
 
@@ -78,11 +78,7 @@ std::vector<std::uint64_t> cpu(const GaugeMap& map, const PointView& v) {
 }
 
 std::vector<double> uniform(unsigned d, std::size_t n, double centre, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(-1.2 / d - 0.2, 1.2 / d + 0.2);
-  std::vector<double> rows(n * d);
-  for (double& v : rows) v = centre + unit(random);
-  return rows;
+  return uniform_points(d, n, centre, 1.2 / d + 0.2, seed);
 }
 
 struct Case {
@@ -147,9 +143,7 @@ TEST(GaugeLanes, EveryLayout) {
     std::copy(c.floats.begin(), c.floats.end(), odd);
     EXPECT_EQ(twin(*map, PointView::row_major(odd, n, d)), expected) << d;
 
-    std::vector<float> columns(n * d);
-    for (std::size_t i = 0; i < n; ++i)
-      for (unsigned j = 0; j < d; ++j) columns[j * n + i] = c.floats[i * d + j];
+    const std::vector<float> columns = transposed(c.floats, d);
     EXPECT_EQ(twin(*map, PointView::column_major(columns.data(), n, d)), expected) << d;
 
     // Records with other members, points in falling order.

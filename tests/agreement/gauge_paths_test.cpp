@@ -16,16 +16,7 @@
 
 namespace cullhull::internal::gauge_paths_test {
 
-using testing_support::cross_polytope;
-
-std::vector<double> uniform(unsigned d, std::size_t n, double centre, double reach,
-                            std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(-reach, reach);
-  std::vector<double> rows(n * d);
-  for (double& v : rows) v = centre + unit(random);
-  return rows;
-}
+using namespace testing_support;
 
 std::vector<std::uint64_t> run(const GaugeMap& map, const PointView& view, unsigned threads = 1) {
   return map.survivors(view, internal::short_run().with_threads(threads));
@@ -42,7 +33,7 @@ TEST(GaugePaths, InstructionSetsAgree) {
   for (unsigned d = 2; d <= 6; ++d) {
     const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1));
     ASSERT_TRUE(map);
-    std::vector<double> rows = uniform(d, 20011, 0.125, 1.2 / d + 0.2, d);
+    std::vector<double> rows = uniform_points(d, 20011, 0.125, 1.2 / d + 0.2, d);
     for (std::size_t e = 0; e < 300; ++e) rows[e * 7] = bad[e % std::size(bad)];
     const std::vector<float> single(rows.begin(), rows.end());
     const auto doubles = PointView::row_major(rows.data(), 20011, d);
@@ -63,13 +54,11 @@ TEST(GaugePaths, LayoutsAgree) {
   for (unsigned d = 2; d <= 6; ++d) {
     constexpr std::size_t n = 1237;
     const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1));
-    const auto rows = uniform(d, n, 0.125, 1.2 / d + 0.2, 40 + d);
+    const auto rows = uniform_points(d, n, 0.125, 1.2 / d + 0.2, 40 + d);
     const auto expected = run(*map, PointView::row_major(rows.data(), n, d));
     expect_some(expected, n);
 
-    std::vector<double> columns(rows.size());
-    for (std::size_t i = 0; i < n; ++i)
-      for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[i * d + j];
+    const std::vector<double> columns = transposed(rows, d);
     EXPECT_EQ(run(*map, PointView::column_major(columns.data(), n, d)), expected) << d;
 
     // Records of odd size, at an odd address, coordinates in falling order.
@@ -126,7 +115,7 @@ TEST(GaugePaths, ScalarsAgree) {
 TEST(GaugePaths, FloatsFarFromTheOriginAreDoubles) {
   const auto map = GaugeMap::build(cross_polytope(3, 0x1p23 + 0.75, 1));
   ASSERT_TRUE(map);
-  const auto rows = uniform(3, 4000, 0x1p23, 2, 3);
+  const auto rows = uniform_points(3, 4000, 0x1p23, 2, 3);
   const std::vector<float> single(rows.begin(), rows.end());
   const std::vector<double> doubles(single.begin(), single.end());
   EXPECT_EQ(run(*map, PointView::row_major(single.data(), 4000, 3)),
@@ -137,7 +126,7 @@ TEST(GaugePaths, CountsAndThreads) {
   for (unsigned d = 2; d <= 6; ++d) {
     const auto map = GaugeMap::build(cross_polytope(d, 0, 1));
     const std::size_t most = 3 * gauge_chunk + 9;
-    const auto rows = uniform(d, most, 0, 1.2 / d + 0.2, 70 + d);
+    const auto rows = uniform_points(d, most, 0, 1.2 / d + 0.2, 70 + d);
     const auto all = run(*map, PointView::row_major(rows.data(), most, d));
     for (const std::size_t n : {std::size_t{0}, std::size_t{1}, std::size_t{7}, std::size_t{8},
                                 std::size_t{9}, std::size_t{63}, std::size_t{64}, std::size_t{65},

@@ -2,10 +2,6 @@
 // points.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/certify.hpp"
@@ -13,8 +9,12 @@
 #include "cullhull/query.hpp"
 #include "cullhull/stream.hpp"
 #include "cullhull/track.hpp"
+#include "io_fixtures.hpp"
 
 namespace cullhull::testing_support::own_coordinates_test {
+
+using testing::slurp;
+using testing::TemporaryFolder;
 
 Options carrying() {
   Options options;
@@ -32,12 +32,6 @@ std::vector<PointSet> some_sets() {
       sets.push_back(random_grid(n, d, 4, 0, n));
     }
   return sets;
-}
-
-std::string contents(const std::string& path) {
-  std::ostringstream all;
-  all << std::ifstream(path, std::ios::binary).rdbuf();
-  return all.str();
 }
 
 TEST(OwnCoordinates, AreThoseOfTheVertices) {
@@ -101,14 +95,15 @@ TEST(OwnCoordinates, Certificate) {
 }
 
 TEST(OwnCoordinates, FilesHaveTheSameBytes) {
-  const std::string a = ::testing::TempDir() + "own_a", b = ::testing::TempDir() + "own_b";
+  const TemporaryFolder folder;
+  const std::string a = folder.file("a"), b = folder.file("b");
   for (const unsigned d : {2U, 3U}) {
     const PointSet s = random_set("sphere", 200, d, 1);
     const Hull hull = convex_hull(view_of(s), carrying());
     for (const char* format : {"ply", "obj", "off", "json", "txt", "i", "n", "p", "Fx", "FV"}) {
       write_hull(a, view_of(s), hull, format);
       write_hull(b, hull, format);
-      EXPECT_EQ(contents(a), contents(b)) << d << "D " << format;
+      EXPECT_EQ(slurp(a), slurp(b)) << d << "D " << format;
     }
     EXPECT_THROW(write_hull(b, hull, "o"), Error);  // lists every point
     EXPECT_THROW(write_hull(b, convex_hull(view_of(s)), "ply"), Error);
@@ -116,8 +111,6 @@ TEST(OwnCoordinates, FilesHaveTheSameBytes) {
     EXPECT_EQ(hull_from_json(a, nullptr, carrying()).vertex_coordinates, hull.vertex_coordinates);
     EXPECT_TRUE(hull_from_json(a).vertex_coordinates.empty());
   }
-  std::filesystem::remove(a);
-  std::filesystem::remove(b);
 }
 
 }  // namespace cullhull::testing_support::own_coordinates_test

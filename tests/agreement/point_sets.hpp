@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "cullhull/generate.hpp"
 #include "oracles.hpp"
 
 namespace cullhull::testing_support {
@@ -57,6 +58,36 @@ inline PointSet random_set(const std::string& shape, unsigned n, unsigned d, std
     }
     for (double& v : p) v *= factor;
     s.add(p);
+  }
+  return s;
+}
+
+/// What `cullhull generate` makes.
+inline PointSet generated(const char* shape, std::uint64_t n, unsigned d, std::uint64_t seed = 1) {
+  PointSet s = named(shape, d);
+  s.coordinates = generate(shape, n, d, seed);
+  return s;
+}
+
+/// As `two-circles` of the benchmarks: facets are as long as the body and as narrow as neighbours
+/// are near. `generate` rounds, so that some points of a circle are not extreme.
+inline PointSet two_circles(std::uint64_t n, std::uint64_t seed) {
+  PointSet s = named("two circles of " + std::to_string(n), 3);
+  const std::vector<double> circle = generate("sphere", n, 2, seed);
+  for (std::size_t i = 0; i < n; ++i)
+    s.add({circle[2 * i], circle[2 * i + 1], i % 2 == 0 ? -1.0 : 1.0});
+  return s;
+}
+
+/// About two axes; rounding makes faces that were flat nearly so.
+inline PointSet turned(PointSet s) {
+  s.name = "turned " + s.name;
+  for (std::size_t i = 0; i < s.coordinates.size(); i += 3) {
+    double* p = s.coordinates.data() + i;
+    const double x = 0.8 * p[0] - 0.6 * p[1], y = 0.6 * p[0] + 0.8 * p[1], z = p[2];
+    p[0] = x;
+    p[1] = y * 5 / 13 - z * 12 / 13;
+    p[2] = y * 12 / 13 + z * 5 / 13;
   }
   return s;
 }

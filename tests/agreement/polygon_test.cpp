@@ -15,6 +15,7 @@
 #include "cullhull/generate.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
+#include "made_sets.hpp"
 #include "result/build_hull.hpp"
 #include "result/write/polygon_result.hpp"
 #include "thrown.hpp"
@@ -66,11 +67,11 @@ TEST(PolygonResult, AnyLayoutAndScalar) {
   const Points p = generate("sphere", n, 2, 3);
   std::vector<float> f(p.begin(), p.end());
   std::vector<std::int16_t> s;
-  std::vector<double> columns(2 * n), gaps(5 * n, 7.0);
+  const std::vector<double> columns = transposed(p, 2);
+  std::vector<double> gaps(5 * n, 7.0);
   for (std::uint64_t i = 0; i < n; ++i)
     for (unsigned j = 0; j < 2; ++j) {
       s.push_back(static_cast<std::int16_t>(p[2 * i + j] * 32767));
-      columns[j * n + i] = p[2 * i + j];
       gaps[5 * i + 2 * j] = p[2 * i + j];
     }
   expect_general_result(PointView::row_major(f.data(), n, 2));

@@ -11,11 +11,9 @@
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
 #include "parallel/threads/run.hpp"
 #include "reference/emulated_executor.hpp"
-#include "tests/made_sets.hpp"
+#include "tests/reference/same_rounds.hpp"
 
 namespace cullhull::internal::pseudo_hull_device_test {
-
-using testing_support::normal_points;
 
 struct Grown {
   std::vector<std::uint64_t> survivors;
@@ -49,27 +47,17 @@ void expect_as_on_the_host(const PointView& view, const std::string& name) {
       EXPECT_EQ(device.survivors,
                 pseudo_hull_survivors(view, {subsets, max_rounds}, internal::short_run(), &rounds))
           << name << ", " << D << "D, " << subsets << " subsets";
-      ASSERT_EQ(device.rounds.size(), rounds.size()) << name;
-      for (std::size_t r = 0; r < rounds.size(); ++r) {
-        EXPECT_EQ(device.rounds[r].facets, rounds[r].facets) << name << ", round " << r;
-        EXPECT_EQ(device.rounds[r].exterior, rounds[r].exterior);
-        EXPECT_EQ(device.rounds[r].culled, rounds[r].culled);
-        EXPECT_EQ(device.rounds[r].kept, rounds[r].kept);
-      }
+      testing_support::expect_same_rounds(device.rounds, rounds, name);
     }
 }
 
 template <unsigned D, class T>
 void expect_agreement() {
   const std::size_t n = D <= 4 ? 6000 : 2500;
-  for (const double step : {0.0, 0.5}) {  // on a grid ties and duplicates are the rule
-    const std::vector<T> p = normal_points<T>(n, D, 41 * D, step);
-    expect_as_on_the_host<D, T>(PointView::row_major(p.data(), n, D), "rows");
-    expect_as_on_the_host<D, T>(PointView::column_major(p.data(), n / 2, D), "columns");
-    PointView backwards = PointView::row_major(p.data() + (n - 1) * D, n / 3, D);
-    backwards.point_stride = -2 * backwards.point_stride;
-    expect_as_on_the_host<D, T>(backwards, "every second point, backwards");
-  }
+  testing_support::each_normal_layout<T>(n, D, 41 * D,
+                                         [](const auto&, const auto& view, const char* name) {
+    expect_as_on_the_host<D, T>(view, name);
+  });
 }
 
 TEST(PseudoHullOnADevice, EqualsTheHostInEveryRound) {
@@ -87,26 +75,12 @@ TEST(PseudoHullOnADevice, EqualsTheHostInEveryRound) {
 
 TEST(PseudoHullOnADevice, FlatTinyHugeAndNotFinite) {
   const std::size_t n = 1500;
-  std::vector<double> flat = normal_points<double>(n, 3, 1, 0);
-  for (std::size_t i = 0; i < n; ++i) flat[3 * i + 2] = flat[3 * i] + flat[3 * i + 1];
-  expect_as_on_the_host<3, double>(PointView::row_major(flat.data(), n, 3), "flat");
-  const std::vector<double> equal(3 * n, 0.1);
-  expect_as_on_the_host<3, double>(PointView::row_major(equal.data(), n, 3), "equal");
-  expect_as_on_the_host<3, double>(PointView::row_major(equal.data(), 0, 3), "none");
-  for (const double scale : {1e-322, 1e-300, 1e307}) {
-    std::vector<double> v = normal_points<double>(n, 3, 2, 0);
-    for (double& x : v) x *= scale;
-    expect_as_on_the_host<3, double>(PointView::row_major(v.data(), n, 3), std::to_string(scale));
-  }
-  for (const float scale : {1e-44F, 1e-38F, 1e37F}) {
-    std::vector<float> v = normal_points<float>(n, 3, 3, 0);
-    for (float& x : v) x *= scale;
-    expect_as_on_the_host<3, float>(PointView::row_major(v.data(), n, 3), std::to_string(scale));
-  }
-  std::vector<float> bad = normal_points<float>(n, 3, 4, 0);
-  for (std::size_t i = 7; i < bad.size(); i += 97)
-    bad[i] = i % 2 != 0 ? NAN : std::numeric_limits<float>::infinity();
-  expect_as_on_the_host<3, float>(PointView::row_major(bad.data(), n, 3), "not finite");
+  testing_support::each_awkward_set(n, [&](const auto& rows, const std::string& name) {
+    using Scalar = typename std::decay_t<decltype(rows)>::value_type;
+    expect_as_on_the_host<3, Scalar>(PointView::row_major(rows.data(), n, 3), name);
+  });
+  const double any[3] = {};
+  expect_as_on_the_host<3, double>(PointView::row_major(any, 0, 3), "none");
 }
 
 }  // namespace cullhull::internal::pseudo_hull_device_test

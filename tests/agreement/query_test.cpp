@@ -14,6 +14,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/numbers/exact_float.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "made_sets.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::query_test {
@@ -259,8 +260,7 @@ TEST(HullQuery, cells_answer_as_single_questions_do) {
     std::vector<Side> batch(count), turned(count);
     const Options options = options_of(2);
     query.sides(PointView::row_major(points.data(), count, s.d), batch.data(), options);
-    std::vector<double> columns(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) columns[i % s.d * count + i / s.d] = points[i];
+    const std::vector<double> columns = transposed(points, s.d);
     query.sides(PointView::column_major(columns.data(), count, s.d), turned.data(), options);
     ASSERT_EQ(batch, turned) << set.name;
     for (unsigned i = 0; i < count; ++i) {

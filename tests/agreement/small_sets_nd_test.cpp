@@ -13,6 +13,7 @@
 #include "cullhull/error.hpp"
 #include "few/few_in_space.hpp"
 #include "few/small_nd.hpp"
+#include "made_sets.hpp"
 #include "parallel/dispatch.hpp"
 #include "thrown.hpp"
 
@@ -180,14 +181,10 @@ TEST(SmallSetsNd, Magnitudes) {
 TEST(SmallSetsNd, ViewsAndIds) {
   constexpr unsigned d = 5, n = 60;
   const PointSet s = random_set("ball", n, d, 7);
-  std::vector<float> floats(s.coordinates.begin(), s.coordinates.end());
-  std::vector<double> columns(s.coordinates.size());
-  for (unsigned i = 0; i < n; ++i)
-    for (unsigned c = 0; c < d; ++c) columns[c * n + i] = floats[i * d + c];
-  PointView across = PointView::row_major(columns.data(), n, d);
-  across.point_stride = sizeof(double);
-  across.coordinate_stride = n * sizeof(double);
-  EXPECT_EQ(canonical_hash(convex_hull(across)),
+  const std::vector<float> floats(s.coordinates.begin(), s.coordinates.end());
+  const std::vector<double> columns =
+      transposed(std::vector<double>(floats.begin(), floats.end()), d);
+  EXPECT_EQ(canonical_hash(convex_hull(PointView::column_major(columns.data(), n, d))),
             canonical_hash(convex_hull(PointView::row_major(floats.data(), n, d))));
 
   const Hull whole = convex_hull(view_of(s));

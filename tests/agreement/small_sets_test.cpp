@@ -24,18 +24,6 @@ PointSet box_surface(unsigned n, std::uint64_t seed) {
   return s;
 }
 
-/// About two axes; rounding makes faces that were flat nearly so.
-PointSet turned(PointSet s) {
-  for (std::size_t i = 0; i < s.coordinates.size(); i += 3) {
-    double* p = s.coordinates.data() + i;
-    const double x = 0.8 * p[0] - 0.6 * p[1], y = 0.6 * p[0] + 0.8 * p[1], z = p[2];
-    p[0] = x;
-    p[1] = y * 5 / 13 - z * 12 / 13;
-    p[2] = y * 12 / 13 + z * 5 / 13;
-  }
-  return s;
-}
-
 /// Some points are equal to others, zeros of either sign among them.
 PointSet repeated(PointSet s, std::uint64_t seed) {
   Random r(seed);

@@ -163,8 +163,7 @@ TEST(Stream, LaysMapsAndHoldsFewPoints) {
     unsigned n, d;
   } cases[] = {{"ball", 400000, 2}, {"ball", 400000, 3}, {"gauss", 150000, 4}, {"cube", 400000, 3}};
   for (const auto& c : cases) {
-    PointSet s = named(c.shape, c.d);
-    s.coordinates = generate(c.shape, c.n, c.d, 7);
+    const PointSet s = generated(c.shape, c.n, c.d, 7);
     HullStream stream;
     std::uint64_t most = 0;
     for (std::uint64_t at = 0; at < c.n; at += 20000) {
@@ -318,8 +317,7 @@ TEST(Stream, ScalarTypesMeetInDoubles) {
 
 // Everything extreme and too much for the memory: told, and what was pushed is still there.
 TEST(Stream, BudgetIsToldAndNothingLost) {
-  PointSet s = named("sphere", 3);
-  s.coordinates = generate("sphere", 200000, 3, 1);
+  const PointSet s = generated("sphere", 200000, 3, 1);
   Options options;
   options.memory_budget = 8 << 20;
   HullStream stream(options);
@@ -337,8 +335,7 @@ TEST(Stream, BudgetIsToldAndNothingLost) {
 
 // Whatever the budget: an answer or a refusal, in each of several calls.
 TEST(Stream, AnyBudgetIsKeptOrRefused) {
-  PointSet s = named("sphere", 3);
-  s.coordinates = generate("sphere", 20000, 3, 1);
+  const PointSet s = generated("sphere", 20000, 3, 1);
   const Ids expected = sorted_vertices(convex_hull(view_of(s)));
   for (std::uint64_t budget = 1; budget < (1U << 26); budget *= 3)
     for (const unsigned threads : {1U, 2U}) {
@@ -376,8 +373,7 @@ TEST(Stream, CancelledAndTakenUpAgain) {
 }
 
 TEST(Stream, StatesWhileOthersPush) {
-  PointSet s = named("ball", 3);
-  s.coordinates = generate("ball", 200000, 3, 3);
+  const PointSet s = generated("ball", 200000, 3, 3);
   HullStream stream;
   std::atomic<bool> done{false};
   std::thread pusher([&] {

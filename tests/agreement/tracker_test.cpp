@@ -156,9 +156,7 @@ TEST(HullTracker, ScalarsAndLayouts) {
     const std::vector<std::int16_t> i16(rows.begin(), rows.end());
     trackers.expect_frame(rows_of(f32, 3), "f32");
     trackers.expect_frame(rows_of(i16, 3), "i16");
-    std::vector<double> columns(rows.size());
-    for (std::size_t i = 0; i < 9000; ++i)
-      for (std::size_t j = 0; j < 3; ++j) columns[j * 9000 + i] = rows[i * 3 + j];
+    const std::vector<double> columns = transposed(rows, 3);
     trackers.expect_frame(PointView::column_major(columns.data(), 9000, 3), "columns");
     std::vector<std::byte> records(9000 * 15 + 1);
     for (std::size_t i = 0; i < 9000; ++i) std::memcpy(&records[1 + 15 * i], &f32[3 * i], 12);
@@ -405,15 +403,8 @@ TEST(HullTracker, StopsAndGoesOn) {
   EXPECT_EQ(canonical_hash(tracker.hull()), expected);  // the last one is still whole
 }
 
-std::string refusal(HullTracker& tracker, const std::function<void()>& update) {
-  try {
-    update();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::backend_unavailable) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << "no error; " << backend_name(tracker.hull().statistics.backend);
-  return "";
+std::string refusal(const std::function<void()>& update) {
+  return error_of(ErrorCode::backend_unavailable, update);
 }
 
 TEST(HullTracker, ADeviceThatIsAskedForAndNotThere) {
@@ -426,15 +417,14 @@ TEST(HullTracker, ADeviceThatIsAskedForAndNotThere) {
       options.backend = backend;
       HullTracker tracker(options);
       if (backend == Backend::cuda) {
-        EXPECT_EQ(refusal(tracker, [&] { tracker.update(rows_of(rows, 3)); }),
-                  "frame 0: " + reason);
+        EXPECT_EQ(refusal([&] { tracker.update(rows_of(rows, 3)); }), "frame 0: " + reason);
       } else {
         EXPECT_EQ(canonical_hash(tracker.update(rows_of(rows, 3))), static_hash(rows_of(rows, 3)));
         EXPECT_EQ(tracker.hull().statistics.backend, Backend::cpu);
       }
       // Points in a device's memory need a device whatever the options say.
       const auto device = DevicePointView::row_major(rows.data(), 20000, 3);
-      EXPECT_EQ(refusal(tracker, [&] { tracker.update(device); }), "frame 1: " + reason);
+      EXPECT_EQ(refusal([&] { tracker.update(device); }), "frame 1: " + reason);
       if (backend == Backend::cuda) continue;
       tracker.update(rows_of(rows, 3));  // the last hull is still known
       EXPECT_EQ(tracker.report().vertices_came, 0U);
