@@ -25,11 +25,6 @@ std::string error_of(ErrorCode code, const Call& call) {
   return "";
 }
 
-template <class Call>
-std::string message_of(const Call& call, ErrorCode code) {
-  return error_of(code, call);
-}
-
 /// Code and message of the Error that `call` throws; empty if it throws none.
 template <class Call>
 std::string error_of(const Call& call) {

@@ -12,12 +12,16 @@
 namespace cullhull::testing_support {
 
 /// The message, or the hash of what is no error.
-inline std::string outcome(const PointView& points, CullMethod cull) {
+template <class Call>
+std::string outcome(const Call& hull) {
   try {
-    return std::to_string(canonical_hash(convex_hull(points, options_of(0, cull))));
+    return std::to_string(canonical_hash(hull()));
   } catch (const Error& e) {
     return e.what();
   }
+}
+inline std::string outcome(const PointView& points, CullMethod cull) {
+  return outcome([&] { return convex_hull(points, options_of(0, cull)); });
 }
 
 inline void expect_general(const PointView& points, const std::string& what) {

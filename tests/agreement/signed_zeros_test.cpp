@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "agreement/all_paths.hpp"
+#include "agreement/general_outcome.hpp"
 #include "agreement/point_sets.hpp"
 #include "cullhull/batch.hpp"
 #include "cullhull/growing_hull.hpp"
@@ -13,15 +14,6 @@
 #include "io/json/json.hpp"
 
 namespace cullhull::testing_support::signed_zeros_test {
-
-/// The hash of a result, or the message.
-std::string outcome(const std::function<Hull()>& hull) {
-  try {
-    return std::to_string(canonical_hash(hull()));
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
 
 /// Every other door that points come in by, against convex_hull of rows.
 void expect_same_by_all_doors(const PointSet& s) {

@@ -18,8 +18,8 @@
 namespace cullhull {
 namespace few_in_plane_test {
 
+using testing_support::error_of;
 using testing_support::expect_same;
-using testing_support::message_of;
 
 struct PlaneSet {
   std::string name;
@@ -196,7 +196,7 @@ TEST(FewInPlane, ErrorsCancellationAndOptions) {
   std::stop_source stop;
   stop.request_stop();
   o.stop = stop.get_token();
-  message_of([&] { delaunay(s.view(), o); }, ErrorCode::cancelled);
+  error_of(ErrorCode::cancelled, [&] { delaunay(s.view(), o); });
   o = {};
   std::vector<std::string> phases;
   o.progress = [&](const char* phase, double) { phases.emplace_back(phase); };
@@ -204,7 +204,7 @@ TEST(FewInPlane, ErrorsCancellationAndOptions) {
   EXPECT_EQ(phases, std::vector<std::string>{"done"});
   o = {};
   o.memory_budget = 1000;
-  message_of([&] { delaunay(s.view(), o); }, ErrorCode::out_of_budget);
+  error_of(ErrorCode::out_of_budget, [&] { delaunay(s.view(), o); });
   o = {};
   o.furthest_site = true;
   Triangulation few;
@@ -212,7 +212,7 @@ TEST(FewInPlane, ErrorsCancellationAndOptions) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     s.rows[41] = bad;
-    const std::string message = message_of([&] { delaunay(s.view()); }, ErrorCode::not_finite);
+    const std::string message = error_of(ErrorCode::not_finite, [&] { delaunay(s.view()); });
     EXPECT_NE(message.find("point 20, coordinate 1"), std::string::npos) << message;
   }
 }

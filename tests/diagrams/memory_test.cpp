@@ -17,6 +17,7 @@
 #include "cullhull/voronoi.hpp"
 #include "generate/point_generator.hpp"
 #include "parallel/threads/checked_steps.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace memory_test {
@@ -36,14 +37,7 @@ struct Made {
 };
 
 std::string refusal(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << e.what();
-    return e.what();
-  }
-  ADD_FAILURE() << "accepted";
-  return "";
+  return testing_support::error_of(ErrorCode::out_of_budget, work);
 }
 
 TEST(DiagramMemory, TriangulationsAreRefusedByAnEstimateBeforeTheWork) {
@@ -159,12 +153,8 @@ TEST(CheckedSteps, ASpanningTreeChecksWhileItSorts) {
     checks += sorting ? 1 : 0;
     if (checks == 3) stop.request_stop();
   };
-  try {
-    (void)minimum_spanning_tree(points.view(), t, o);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  testing_support::error_of(ErrorCode::cancelled,
+                            [&] { (void)minimum_spanning_tree(points.view(), t, o); });
   EXPECT_LE(checks, 4U);
 }
 

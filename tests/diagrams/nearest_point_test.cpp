@@ -202,31 +202,30 @@ TEST(NearestPoint, RefusesWhatIsNone) {
   const std::vector<double> bad{0, 0, 0.5, std::nan(""), std::numeric_limits<double>::infinity(),
                                 0};
   std::vector<std::uint32_t> out(3, 7);
-  EXPECT_NE(message_of([&] { nearest.nearest(rows_of(bad, 2), out.data()); }, ErrorCode::not_finite)
+  EXPECT_NE(error_of(ErrorCode::not_finite, [&] { nearest.nearest(rows_of(bad, 2), out.data()); })
                 .find("point 1"),
             std::string::npos);
-  EXPECT_EQ(message_of([&] { nearest.nearest(bad.data() + 2); }, ErrorCode::not_finite),
+  EXPECT_EQ(error_of(ErrorCode::not_finite, [&] { nearest.nearest(bad.data() + 2); }),
             "coordinate 1 is NaN");
-  EXPECT_EQ(message_of([&] { nearest.nearest(bad.data() + 4); }, ErrorCode::not_finite),
+  EXPECT_EQ(error_of(ErrorCode::not_finite, [&] { nearest.nearest(bad.data() + 4); }),
             "coordinate 0 is infinite");
-  EXPECT_NE(
-      message_of([&] { NearestPoint(rows_of(bad, 2)); }, ErrorCode::not_finite).find("point 1"),
-      std::string::npos);
-  EXPECT_EQ(message_of([&] { nearest.nearest(rows_of(points, 3), out.data()); },
-                       ErrorCode::invalid_argument),
+  EXPECT_NE(error_of(ErrorCode::not_finite, [&] { NearestPoint(rows_of(bad, 2)); }).find("point 1"),
+            std::string::npos);
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument,
+                     [&] { nearest.nearest(rows_of(points, 3), out.data()); }),
             "points of dimension 3 asked of points in dimension 2");
-  EXPECT_EQ(message_of([&] { NearestPoint(PointView::row_major(points.data(), 0, 2)); },
-                       ErrorCode::invalid_argument),
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument,
+                     [&] { NearestPoint(PointView::row_major(points.data(), 0, 2)); }),
             "there are no points of which one could be the nearest");
   const std::vector<double> nine(9);
-  EXPECT_EQ(message_of([&] { NearestPoint(rows_of(nine, 9)); }, ErrorCode::invalid_argument),
+  EXPECT_EQ(error_of(ErrorCode::invalid_argument, [&] { NearestPoint(rows_of(nine, 9)); }),
             "nearest points are found in up to 8 dimensions, not in 9");
   nearest.nearest(PointView::row_major(points.data(), 0, 2), out.data());
   EXPECT_EQ(out, std::vector<std::uint32_t>(3, 7));
   RunOptions tight;
   tight.memory_budget = 1000;
   const std::vector<double> many(5000);
-  message_of([&] { NearestPoint(rows_of(many, 2), tight); }, ErrorCode::out_of_budget);
+  error_of(ErrorCode::out_of_budget, [&] { NearestPoint(rows_of(many, 2), tight); });
 }
 
 TEST(NearestPoint, CanBeStopped) {
@@ -237,8 +236,8 @@ TEST(NearestPoint, CanBeStopped) {
   RunOptions o;
   o.stop = stop.get_token();
   std::vector<std::uint32_t> out(100);
-  message_of([&] { nearest.nearest(rows_of(points, 2), out.data(), o); }, ErrorCode::cancelled);
-  message_of([&] { NearestPoint(rows_of(points, 2), o); }, ErrorCode::cancelled);
+  error_of(ErrorCode::cancelled, [&] { nearest.nearest(rows_of(points, 2), out.data(), o); });
+  error_of(ErrorCode::cancelled, [&] { NearestPoint(rows_of(points, 2), o); });
   // While it runs: the poll is called again and again.
   RunOptions polled;
   polled.threads = 1;

@@ -170,36 +170,22 @@ json other_number(const json& old, bool real, Random& r) {
                                    1LL << 32, (1LL << 62) + n};
     return choice[r.integer(0, 7)];
   }
-  switch (r.integer(0, 13)) {
-    case 0:
-      return -v;
-    case 1:
-      return std::nextafter(v, v + 1);
-    case 2:
-      return v * (1 + std::ldexp(r.integer(0, 1) ? 1 : -1, -r.integer(1, 53)));
-    case 3:
-      return v + std::ldexp(r.integer(0, 1) ? 1 : -1, -r.integer(1, 60));
-    case 4:
-      return v + std::ldexp(r.integer(0, 1) ? 1 : -1, r.integer(-1074, 1000));
-    case 5:
-      return 0.0;
-    case 6:
-      return "inf";
-    case 7:
-      return "-inf";
-    case 8:
-      return nullptr;
-    case 9:
-      return std::isfinite(2 * v) ? 2 * v : v;
-    case 10:
-      return 5e-324;
-    case 11:
-      return std::isfinite(v) ? json(v * (1 - 0x1p-40)) : json(1.0);
-    case 12:
-      return 1.0;
-    default:
-      return r.between(-1, 1);
-  }
+  const auto either = [&] { return r.integer(0, 1) ? 1 : -1; };
+  const json choice[] = {-v,
+                         std::nextafter(v, v + 1),
+                         v * (1 + std::ldexp(either(), -r.integer(1, 53))),
+                         v + std::ldexp(either(), -r.integer(1, 60)),
+                         v + std::ldexp(either(), r.integer(-1074, 1000)),
+                         0.0,
+                         "inf",
+                         "-inf",
+                         nullptr,
+                         std::isfinite(2 * v) ? 2 * v : v,
+                         5e-324,
+                         std::isfinite(v) ? v * (1 - 0x1p-40) : 1.0,
+                         1.0,
+                         r.between(-1, 1)};
+  return choice[r.integer(0, 13)];
 }
 
 /// One entry of a list, or the whole list; deeper where the list is one of lists.

@@ -9,7 +9,9 @@
 
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
+#include "tests/call_options.hpp"
 #include "tests/reference/reference_boundary.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull {
 namespace certify_test {
@@ -144,58 +146,35 @@ TEST(Certify, LargeSetsGoThroughTheInnerFilter) {
 TEST(Certify, MutationsOfACubeAreNamed) {
   const Case c = cube(3);
   const Hull h = reference_hull(c);
-  expect_fault(
-      c, h, [](Hull& b) { b.vertices.pop_back(); }, "not a vertex");
-  expect_fault(
-      c, h, [](Hull& b) { b.vertices.push_back(8); }, "vertex 8 is on no simplex");
-  expect_fault(
-      c, h, [](Hull& b) { std::swap(b.vertices[0], b.vertices[1]); }, "ascending");
-  expect_fault(
-      c, h, [](Hull& b) { b.vertices[7] = 1U << 20; }, "out of range");
-  expect_fault(
-      c, h, [](Hull& b) { b.simplices.edit()[0] = 77; }, "not a vertex");
-  expect_fault(
-      c, h, [](Hull& b) { b.simplex_neighbours[4] = 12; }, "out of range");
-  expect_fault(
-      c, h, [](Hull& b) { b.simplex_facets.edit()[0] = 6; }, "out of range");
-  expect_fault(
-      c, h, [](Hull& b) { std::swap(b.simplices.edit()[1], b.simplices.edit()[2]); }, "");
-  expect_fault(
-      c, h, [](Hull& b) { b.simplices.edit().resize(3); }, "differ in length");
-  expect_fault(
-      c, h, [](Hull& b) { b.facets.offsets.edit()[1] = 1U << 30; }, "offsets");
-  expect_fault(
-      c, h, [](Hull& b) { b.facets.offsets.clear(); }, "offsets");
-  expect_fault(
-      c, h, [](Hull& b) { std::swap(b.facets.items.edit()[1], b.facets.items.edit()[2]); },
-      "cyclic");
-  expect_fault(
-      c, h, [](Hull& b) { std::swap(b.facet_neighbours.items[0], b.facet_neighbours.items[1]); },
-      "neighbours of facet 0");
-  expect_fault(
-      c, h, [](Hull& b) { b.volume *= 1 + 1e-6; }, "volume");
-  expect_fault(
-      c, h, [](Hull& b) { b.area = std::nan(""); }, "area");
-  expect_fault(
-      c, h, [](Hull& b) { b.centroid[1] += 1e-6; }, "centroid");
-  expect_fault(
-      c, h,
-      [](Hull& b) {
+  const auto fault = [&](const char* why, const std::function<void(Hull&)>& spoil) {
+    expect_fault(c, h, spoil, why);
+  };
+  fault("not a vertex", [](Hull& b) { b.vertices.pop_back(); });
+  fault("vertex 8 is on no simplex", [](Hull& b) { b.vertices.push_back(8); });
+  fault("ascending", [](Hull& b) { std::swap(b.vertices[0], b.vertices[1]); });
+  fault("out of range", [](Hull& b) { b.vertices[7] = 1U << 20; });
+  fault("not a vertex", [](Hull& b) { b.simplices.edit()[0] = 77; });
+  fault("out of range", [](Hull& b) { b.simplex_neighbours[4] = 12; });
+  fault("out of range", [](Hull& b) { b.simplex_facets.edit()[0] = 6; });
+  fault("", [](Hull& b) { std::swap(b.simplices.edit()[1], b.simplices.edit()[2]); });
+  fault("differ in length", [](Hull& b) { b.simplices.edit().resize(3); });
+  fault("offsets", [](Hull& b) { b.facets.offsets.edit()[1] = 1U << 30; });
+  fault("offsets", [](Hull& b) { b.facets.offsets.clear(); });
+  fault("cyclic", [](Hull& b) { std::swap(b.facets.items.edit()[1], b.facets.items.edit()[2]); });
+  fault("neighbours of facet 0",
+        [](Hull& b) { std::swap(b.facet_neighbours.items[0], b.facet_neighbours.items[1]); });
+  fault("volume", [](Hull& b) { b.volume *= 1 + 1e-6; });
+  fault("area", [](Hull& b) { b.area = std::nan(""); });
+  fault("centroid", [](Hull& b) { b.centroid[1] += 1e-6; });
+  fault("facet 1", [](Hull& b) {
     for (unsigned i = 0; i < 4; ++i) b.facet_planes[4 + i] *= -1;
-      },
-      "facet 1");
-  expect_fault(
-      c, h, [](Hull& b) { b.facet_planes[0] += 1e-3; }, "normal of facet 0");
-  expect_fault(
-      c, h, [](Hull& b) { b.facet_planes[3] += 1e-3; }, "misses vertex");
-  expect_fault(
-      c, h, [](Hull& b) { b.affine_dimension = 2; }, "");
-  expect_fault(
-      c, h, [](Hull& b) { b.affine_dimension = 4; }, "affine dimension");
-  expect_fault(
-      c, h, [](Hull& b) { b.point_count = 8; }, "8 points, not of 9");
-  expect_fault(
-      c, h, [](Hull& b) { b.simplex_facets.edit()[1] = b.simplex_facets[0] == 0 ? 1 : 0; }, "");
+  });
+  fault("normal of facet 0", [](Hull& b) { b.facet_planes[0] += 1e-3; });
+  fault("misses vertex", [](Hull& b) { b.facet_planes[3] += 1e-3; });
+  fault("", [](Hull& b) { b.affine_dimension = 2; });
+  fault("affine dimension", [](Hull& b) { b.affine_dimension = 4; });
+  fault("8 points, not of 9", [](Hull& b) { b.point_count = 8; });
+  fault("", [](Hull& b) { b.simplex_facets.edit()[1] = b.simplex_facets[0] == 0 ? 1 : 0; });
 }
 
 /// Every simplex reversed: locally concave from its own side.
@@ -321,37 +300,18 @@ TEST(Certify, RandomMutationsAreRejectedAndNeverCrash) {
         auto& slot = list[random() % list.size()];
         slot = static_cast<std::decay_t<decltype(slot)>>(value());
       };
-      for (unsigned i = 0; i <= random() % 3; ++i) {
-        switch (random() % 9) {
-          case 0:
-            set(b.vertices);
-            break;
-          case 1:
-            set(b.simplices.edit());
-            break;
-          case 2:
-            set(b.simplex_neighbours);
-            break;
-          case 3:
-            set(b.simplex_facets.edit());
-            break;
-          case 4:
-            set(b.facets.items.edit());
-            break;
-          case 5:
-            set(b.facets.offsets.edit());
-            break;
-          case 6:
-            set(b.facet_neighbours.items);
-            break;
-          case 7:
-            set(b.facet_neighbours.offsets.edit());
-            break;
-          default:
-            set(b.facet_planes);
-            break;
-        }
-      }
+      const std::function<void()> spoil[] = {
+          [&] { set(b.vertices); },
+          [&] { set(b.simplices.edit()); },
+          [&] { set(b.simplex_neighbours); },
+          [&] { set(b.simplex_facets.edit()); },
+          [&] { set(b.facets.items.edit()); },
+          [&] { set(b.facets.offsets.edit()); },
+          [&] { set(b.facet_neighbours.items); },
+          [&] { set(b.facet_neighbours.offsets.edit()); },
+          [&] { set(b.facet_planes); },
+      };
+      for (unsigned i = 0; i <= random() % 3; ++i) spoil[random() % std::size(spoil)]();
       // Two mutations may cancel; then nothing is wrong.
       EXPECT_EQ(certify(c.view(), b).valid, reference::same_hull(b, h));
     }
@@ -374,16 +334,8 @@ TEST(Certify, ThinHullsWithoutADoubleInside) {
 TEST(Certify, StopsWhenAsked) {
   const Case c = cube(3);
   const Hull h = reference_hull(c);
-  std::stop_source source;
-  source.request_stop();
-  Options options;
-  options.stop = source.get_token();
-  try {
-    certify(c.view(), h, options);
-    FAIL() << "not cancelled";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code(), ErrorCode::cancelled);
-  }
+  testing_support::error_of(ErrorCode::cancelled,
+                            [&] { certify(c.view(), h, testing_support::stopped()); });
 }
 
 }  // namespace certify_test

@@ -8,10 +8,12 @@
 #include <random>
 #include <string>
 
-#include "cullhull/options.hpp"
+#include "call_options.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "parallel/threads/run.hpp"
+#include "tests/made_sets.hpp"
 #include "tests/reference/slow_hull.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::internal {
 namespace gauge_map_test {
@@ -91,10 +93,7 @@ struct Shape {
 };
 
 std::vector<double> cross_polytope(unsigned d) {
-  std::vector<double> rows;
-  for (unsigned j = 0; j < 2 * d; ++j)
-    for (unsigned k = 0; k < d; ++k) rows.push_back(k != j / 2 ? 0.0 : j % 2 ? -1.0 : 1.0);
-  return rows;
+  return testing_support::cross_polytope<InnerPolytope>(d, 0, 1).vertices;
 }
 
 std::vector<double> cube(unsigned d) {
@@ -366,19 +365,13 @@ TEST(GaugeMap, RefusesWhatHasNoInside) {
 }
 
 TEST(GaugeMap, StopsWhenAsked) {
-  std::stop_source stop;
-  Options options;
-  options.stop = stop.get_token();
-  stop.request_stop();
+  const Options options = testing_support::stopped();
   const auto map = GaugeMap::build(polytope_of(SlowHull(cube(2), 2)));
   const std::vector<double> rows(2000, 0.0);
-  try {
+  testing_support::error_of(ErrorCode::cancelled, [&] {
     map->survivors(PointView::row_major(rows.data(), 1000, 2),
                    internal::Run(options).with_threads(1));
-    FAIL() << "not cancelled";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  });
 }
 
 }  // namespace gauge_map_test

@@ -9,8 +9,10 @@
 #include <set>
 #include <stop_token>
 
+#include "call_options.hpp"
 #include "cullhull/cullhull.hpp"
 #include "parallel/threads/run.hpp"
+#include "thrown.hpp"
 
 namespace cullhull::internal {
 namespace lattice_cull_test {
@@ -201,19 +203,13 @@ TEST(LatticeCull, DeclinesWhereLinesAreNotShared) {
 }
 
 TEST(LatticeCull, Stops) {
-  std::stop_source stop;
-  stop.request_stop();
-  Options options;
-  options.stop = stop.get_token();
+  const Options options = testing_support::stopped();
   const std::vector<double> rows = generate("grid:8", 5000, 3);
   std::vector<std::uint32_t> kept;
-  try {
+  testing_support::error_of(ErrorCode::cancelled, [&] {
     lattice_cull(Array<double>(rows.begin(), rows.end()), 5000, 3,
                  internal::Run(options).with_threads(2), kept);
-    FAIL() << "did not stop";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  });
 }
 
 TEST(LatticeCull, EqualPointsLeaveTheFirst) {

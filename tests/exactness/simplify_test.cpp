@@ -12,9 +12,10 @@
 #include "agreement/canonical_hash.hpp"
 #include "agreement/hard_sets.hpp"
 #include "agreement/point_sets.hpp"
+#include "call_options.hpp"
 #include "cullhull/certify.hpp"
-#include "cullhull/error.hpp"
 #include "exactness/rational_distance.hpp"
+#include "thrown.hpp"
 
 namespace cullhull {
 namespace simplify_test {
@@ -333,16 +334,7 @@ TEST(Simplify, refuses_what_makes_no_sense) {
   const PointSet few = random_set("ball", 5, 3, 1), plane = random_set("ball", 50, 2, 1);
   EXPECT_THROW(simplify(view_of(few), hull, 1), Error);
   EXPECT_THROW(simplify(view_of(plane), hull, 1), Error);
-  Options stopped;
-  std::stop_source source;
-  source.request_stop();
-  stopped.stop = source.get_token();
-  try {
-    simplify(view_of(set), hull, 1, stopped);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), ErrorCode::cancelled);
-  }
+  error_of(ErrorCode::cancelled, [&] { simplify(view_of(set), hull, 1, stopped()); });
 }
 
 /// All that shared_planes() says; returns the number of planes.

@@ -39,12 +39,7 @@ class Sequence : public ::testing::Test {
     return frames;
   }
   std::string refusal(const std::string& path) const {
-    try {
-      read(open_sequence({path}));
-    } catch (const Error& e) {
-      return e.what();
-    }
-    return "";
+    return error_of([&] { read(open_sequence({path})); });
   }
 
   fs::path folder_;
