@@ -13,39 +13,24 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/generate.hpp"
-#include "geometry/gather.hpp"
-#include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "parallel/sort_few.hpp"
-#include "result/boundary.hpp"
 #include "result/facets/facet_keys.hpp"
-#include "result/measures/measure.hpp"
-#include "tests/agreement/canonical_hash.hpp"
+#include "tests/reference/framed_points.hpp"
 
 namespace cullhull::internal::write_simplices_test {
 
 using Rows = std::vector<double>;
 
 /// A frame and an engine's surface.
-struct Case {
+struct Case : FramedPoints {
   Case(const Rows& rows, unsigned d, unsigned threads = 1)
-      : view(PointView::row_major(rows.data(), rows.size() / d, d)),
-        run(options),
-        frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
-              static_cast<std::uint32_t>(view.count), d, run.with_threads(1)),
+      : FramedPoints(rows, d),
         surface(hull_nd(frame.points(), frame.simplex().data(),
                         run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {
     sort_simplices(surface, frame.points(), run.with_threads(threads));
   }
 
-  ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
-  Hull empty_hull() const {
-    Hull hull;
-    hull.dimension = view.dimension;
-    hull.point_count = view.count;
-    hull.affine_dimension = static_cast<int>(view.dimension);
-    return hull;
-  }
   bool short_way(unsigned threads, unsigned key_bits, Hull& hull) const {
     VertexList vertices =
         list_vertices(surface, frame.points().count, nullptr, run.with_threads(threads));
@@ -58,32 +43,13 @@ struct Case {
     return true;
   }
 
-  PointView view;
-  Options options;
-  Run run;
-  LocalFrame frame;
   Boundary surface;
 };
 
-/// As for any hull: coplanar simplices are looked for, merged, triangulated, sorted and measured.
-std::uint64_t the_general_way(const Rows& rows, unsigned d) {
-  Case c(rows, d);
-  Hull hull = c.empty_hull();
-  const CoplanarPairs pairs = coplanar_pairs(c.surface, c.frame.points(), c.run.with_threads(1),
-                                             hull.statistics.rung_counts);
-  const OrderedFacets assembled = order_facets(
-      c.input(),
-      merge_coplanar(std::move(c.surface), pairs, c.frame.points(), c.run.with_threads(1)),
-      c.run.with_threads(1), hull);
-  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), c.run.with_threads(1),
-          hull);
-  hull.vertices = assembled.vertices;
-  return testing_support::canonical_hash(hull);
-}
-
 /// Whether the short way can be gone; then its result is that of the general one.
 bool same_both_ways(const Rows& rows, unsigned d) {
-  const std::uint64_t expected = the_general_way(rows, d);
+  Case general(rows, d);
+  const std::uint64_t expected = general.the_general_way(std::move(general.surface));
   for (const unsigned threads : {1U, 2U, 5U})
     for (const unsigned key_bits : {128U, 70U, 40U}) {
       const Case c(rows, d, threads);

@@ -9,67 +9,36 @@
 #include <vector>
 
 #include "cullhull/generate.hpp"
-#include "geometry/gather.hpp"
-#include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"
-#include "result/boundary.hpp"
-#include "result/measures/measure.hpp"
 #include "result/write/write_simplices.hpp"
-#include "tests/agreement/canonical_hash.hpp"
+#include "tests/reference/framed_points.hpp"
 
 namespace cullhull::internal::write_triangles_test {
 
 using Rows = std::vector<double>;
 
 /// A frame and an engine's surface.
-struct Case {
+struct Case : FramedPoints {
   explicit Case(const Rows& rows, unsigned threads = 1)
-      : view(PointView::row_major(rows.data(), rows.size() / 3, 3)),
-        run(options),
-        frame(gather_points(view, nullptr, view.count, run.with_threads(1)),
-              static_cast<std::uint32_t>(view.count), 3, run.with_threads(1)),
+      : FramedPoints(rows, 3),
         surface(triangle_mesh(frame.points(), frame.simplex().data(),
                               run.with_budget(std::uint64_t{1} << 40).with_threads(threads))) {}
 
-  ResultInput input() const { return {&view, &frame.points(), nullptr, frame.axes().data()}; }
-
-  PointView view;
-  Options options;
-  Run run;
-  LocalFrame frame;
   TriangleMesh surface;
 };
 
-Hull empty_hull(const Case& c) {
-  Hull hull;
-  hull.dimension = 3;
-  hull.point_count = c.view.count;
-  hull.affine_dimension = 3;
-  return hull;
-}
-
-/// As for any hull: coplanar simplices are looked for, merged, triangulated, sorted and measured.
 std::uint64_t the_general_way(const Rows& rows) {
   Case c(rows);
-  Hull hull = empty_hull(c);
   Boundary surface = boundary_of(std::move(c.surface), c.run.with_threads(1));
   sort_simplices(surface, c.frame.points(), c.run);
-  const CoplanarPairs pairs =
-      coplanar_pairs(surface, c.frame.points(), c.run.with_threads(1), hull.statistics.rung_counts);
-  const OrderedFacets assembled = order_facets(
-      c.input(), merge_coplanar(std::move(surface), pairs, c.frame.points(), c.run.with_threads(1)),
-      c.run.with_threads(1), hull);
-  measure(c.view, assembled.vertices, assembled.index, c.frame.axes().data(), c.run.with_threads(1),
-          hull);
-  hull.vertices = assembled.vertices;
-  return testing_support::canonical_hash(hull);
+  return c.the_general_way(std::move(surface));
 }
 
 /// Whether the short way can be gone; then its result is the same for any number of threads.
 bool the_short_way(const Rows& rows, std::uint64_t expected) {
   for (const unsigned threads : {1U, 2U, 5U}) {
     Case c(rows, threads);
-    Hull hull = empty_hull(c);
+    Hull hull = c.empty_hull();
     if (!write_triangles(c.input(), c.surface, c.run.with_threads(threads), hull)) return false;
     EXPECT_EQ(testing_support::canonical_hash(hull), expected) << "threads " << threads;
   }
@@ -172,7 +141,7 @@ TEST(WriteTriangles, RefusesWhatIsNoHull) {
   const auto refused = [&](const std::function<void(TriangleMesh&)>& spoil) {
     Case c(rows);
     spoil(c.surface);
-    Hull hull = empty_hull(c);
+    Hull hull = c.empty_hull();
     return !write_triangles(c.input(), c.surface, c.run.with_threads(1), hull);
   };
   EXPECT_FALSE(refused([](TriangleMesh&) {}));
