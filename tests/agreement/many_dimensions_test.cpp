@@ -23,44 +23,23 @@
 #include "parallel/threads/run.hpp"
 #include "result/build_hull.hpp"
 #include "result/measures/simplex_measures.hpp"
+#include "slow_elimination.hpp"
 
 namespace cullhull::many_dimensions_test {
 
 using Points = std::vector<std::vector<double>>;
-using Matrix = std::vector<std::vector<mpq_class>>;
+using Matrix = std::vector<testing_support::Rationals>;
 using Ids = std::vector<std::uint64_t>;
-
-/// To reduced row echelon form; the pivots' columns.
-std::vector<std::size_t> reduce(Matrix& m) {
-  std::vector<std::size_t> pivots;
-  if (m.empty()) return pivots;
-  for (std::size_t c = 0, r = 0; c < m[0].size() && r < m.size(); ++c) {
-    std::size_t i = r;
-    while (i < m.size() && m[i][c] == 0) ++i;
-    if (i == m.size()) continue;
-    std::swap(m[i], m[r]);
-    const mpq_class pivot = m[r][c];
-    for (auto& v : m[r]) v /= pivot;
-    for (std::size_t k = 0; k < m.size(); ++k) {
-      if (k == r || m[k][c] == 0) continue;
-      const mpq_class factor = m[k][c];
-      for (std::size_t j = c; j < m[k].size(); ++j) m[k][j] -= factor * m[r][j];
-    }
-    pivots.push_back(c);
-    ++r;
-  }
-  return pivots;
-}
 
 /// Rows: a basis of the vectors x with m x = 0.
 Matrix null_space(Matrix m, std::size_t columns) {
-  const std::vector<std::size_t> pivots = reduce(m);
+  const std::vector<unsigned> pivots = testing_support::echelon(m);
   Matrix basis;
   for (std::size_t c = 0; c < columns; ++c) {
     if (std::find(pivots.begin(), pivots.end(), c) != pivots.end()) continue;
     std::vector<mpq_class> x(columns);
     x[c] = 1;
-    for (std::size_t r = 0; r < pivots.size(); ++r) x[pivots[r]] = -m[r][c];
+    for (std::size_t r = 0; r < pivots.size(); ++r) x[pivots[r]] = -m[r][c] / m[r][pivots[r]];
     basis.push_back(x);
   }
   return basis;
@@ -144,10 +123,15 @@ class GaleReference {
   Ids vertices_;
 };
 
-void expect_reference(const Points& points) {
-  const auto d = static_cast<std::uint32_t>(points[0].size());
+std::vector<double> rows_of(const Points& points) {
   std::vector<double> rows;
   for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+  return rows;
+}
+
+void expect_reference(const Points& points) {
+  const auto d = static_cast<std::uint32_t>(points[0].size());
+  const std::vector<double> rows = rows_of(points);
   const PointView view = PointView::row_major(rows.data(), points.size(), d);
   const Hull hull = convex_hull(view);
   const GaleReference reference(points);
@@ -254,8 +238,7 @@ TEST(ManyDimensions, ManyFacetsWithTheBitsOfAnUnprovedBoundary) {
   std::normal_distribution<double> normal;
   for (const auto& [d, count] : {std::pair{9U, 30U}, {10U, 20U}, {13U, 19U}, {20U, 24U}}) {
     const Points points = made(count, d, [&] { return normal(random); });
-    std::vector<double> rows;
-    for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+    const std::vector<double> rows = rows_of(points);
     const PointView view = PointView::row_major(rows.data(), count, d);
     Options options;
     options.threads = 1;
@@ -294,20 +277,12 @@ struct SimplexReference {
       for (std::size_t j = 0; j < k; ++j)
         for (std::size_t c = 0; c < d; ++c) m[i][j] += edges[i][c] * edges[j][c];
     }
-    Matrix gram = m;
-    squared_volume = 1;
-    for (std::size_t r = 0; r < k; ++r) {  // G is positive definite: no pivot is zero
-      squared_volume *= gram[r][r];
-      for (std::size_t i = r + 1; i < k; ++i) {
-        const mpq_class factor = gram[i][r] / gram[r][r];
-        for (std::size_t j = r; j < k; ++j) gram[i][j] -= factor * gram[r][j];
-      }
-    }
-    reduce(m);
+    testing_support::echelon(m, &squared_volume);  // G is positive definite: no pivot is zero
     gradients.assign(k + 1, std::vector<mpq_class>(d));
     for (std::size_t i = 0; i < k; ++i)
       for (std::size_t c = 0; c < d; ++c) {
-        for (std::size_t j = 0; j < k; ++j) gradients[i + 1][c] += m[i][k + j] * edges[j][c];
+        for (std::size_t j = 0; j < k; ++j)
+          gradients[i + 1][c] += m[i][k + j] / m[i][i] * edges[j][c];
         gradients[0][c] -= gradients[i + 1][c];
       }
   }
@@ -378,8 +353,7 @@ TEST(ManyDimensions, MeasuresOfSimplicesAreThoseOfRationals) {
         const std::size_t d = k + more;
         const Points points = simplex_of(random, k + 1, d, kind);
         if (kind == 2 && more == 0) continue;
-        std::vector<double> rows;
-        for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+        const std::vector<double> rows = rows_of(points);
         const PointView view =
             PointView::row_major(rows.data(), k + 1, static_cast<std::uint32_t>(d));
         Hull h;
@@ -412,8 +386,7 @@ TEST(ManyDimensions, SimplicesOfFiftyToAHundredDimensions) {
   for (const std::size_t d : {51U, 60U, 100U})
     for (int kind = 0; kind < (d == 60 ? 5 : 1); ++kind) {
       const Points points = simplex_of(random, d, d, kind);
-      std::vector<double> rows;
-      for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+      const std::vector<double> rows = rows_of(points);
       const PointView view = PointView::row_major(rows.data(), d, static_cast<std::uint32_t>(d));
       const Hull h = convex_hull(view);
       EXPECT_EQ(h.affine_dimension, static_cast<int>(d) - 1);
@@ -432,8 +405,7 @@ TEST(ManyDimensions, FaultsOfSimplicesAreSeen) {
   std::mt19937_64 random(7);
   for (const std::size_t k : {2U, 3U, 4U, 9U, 14U}) {
     const Points points = simplex_of(random, k + 1, k, 0);
-    std::vector<double> rows;
-    for (const auto& p : points) rows.insert(rows.end(), p.begin(), p.end());
+    const std::vector<double> rows = rows_of(points);
     const PointView view = PointView::row_major(rows.data(), k + 1, static_cast<std::uint32_t>(k));
     const Hull right = convex_hull(view);
     ASSERT_TRUE(certify(view, right).valid);

@@ -12,6 +12,8 @@
 #include <set>
 #include <vector>
 
+#include "slow_elimination.hpp"
+
 namespace cullhull::reference {
 
 /// mantissa * 2^exponent; every double is one, and sums and products stay exact.
@@ -103,8 +105,8 @@ inline Hyperplane hyperplane(unsigned d, const std::vector<const double*>& p) {
 }
 
 /// Rank of vectors of dyadic numbers (rows), by elimination over the rationals.
-inline unsigned rank(const std::vector<std::vector<Dyadic>>& rows, unsigned d) {
-  std::vector<std::vector<mpq_class>> a;
+inline std::size_t rank(const std::vector<std::vector<Dyadic>>& rows) {
+  std::vector<testing_support::Rationals> a;
   for (const auto& r : rows) {
     a.emplace_back();
     for (const Dyadic& v : r) {
@@ -116,19 +118,7 @@ inline unsigned rank(const std::vector<std::vector<Dyadic>>& rows, unsigned d) {
       a.back().push_back(q);
     }
   }
-  unsigned rank = 0;
-  for (unsigned c = 0; c < d && rank < a.size(); ++c) {
-    std::size_t pivot = rank;
-    while (pivot < a.size() && a[pivot][c] == 0) ++pivot;
-    if (pivot == a.size()) continue;
-    std::swap(a[pivot], a[rank]);
-    for (std::size_t r = rank + 1; r < a.size(); ++r) {
-      const mpq_class factor = a[r][c] / a[rank][c];
-      for (unsigned k = c; k < d; ++k) a[r][k] -= factor * a[rank][k];
-    }
-    ++rank;
-  }
-  return rank;
+  return testing_support::echelon(a).size();
 }
 
 struct SlowFacet {
@@ -175,7 +165,7 @@ class SlowHull {
       std::vector<std::vector<Dyadic>> normals;
       for (const SlowFacet& f : facets_)
         if (f.plane.side(point(v)) == 0) normals.push_back(f.plane.normal);
-      if (rank(normals, d_) == d_) extreme.push_back(lowest_equal(v));
+      if (rank(normals) == d_) extreme.push_back(lowest_equal(v));
     }
     std::sort(extreme.begin(), extreme.end());
     return extreme;
@@ -215,7 +205,7 @@ class SlowHull {
     for (std::uint32_t i = 1; i < count_ && simplex.size() <= d_; ++i) {
       if (lowest_equal(i) != i) continue;
       rows.push_back(difference(i, 0));
-      if (rank(rows, d_) == rows.size())
+      if (rank(rows) == rows.size())
         simplex.push_back(i);
       else
         rows.pop_back();
