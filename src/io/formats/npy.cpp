@@ -521,48 +521,18 @@ void write_values(OutputFile& out, const double* v, std::uint64_t count, ScalarT
   with_scalar(type, [&](auto scalar) { write_converted<decltype(scalar)>(out, v, count); });
 }
 
-struct NpyPointsWriter::Impl {
-  OutputFile out;
-  std::uint64_t points;  ///< that are missing
-  std::uint32_t dimension;
-  ScalarType type;
-};
-
-NpyPointsWriter::NpyPointsWriter(const std::string& path, std::uint64_t count,
-                                 std::uint32_t dimension, ScalarType type)
-    : impl_(new Impl{OutputFile(path), count, dimension, type}) {
-  impl_->out.write(npy_header(npy_descr(type).c_str(), {count, dimension}));
-  if (count == 0) impl_->out.commit();
-}
-NpyPointsWriter::~NpyPointsWriter() = default;
-
-void NpyPointsWriter::write(const double* coordinates, std::uint64_t count) {
-  if (count > impl_->points)
-    throw Error(ErrorCode::invalid_argument, "more points written than were announced");
-  if (count == 0) return;
-  write_values(impl_->out, coordinates, count * impl_->dimension, impl_->type);
-  if ((impl_->points -= count) == 0) impl_->out.commit();
-}
-
-struct NpySequenceWriter::Impl {
-  OutputFile out;
-  std::uint64_t frames, values;
-  ScalarType type;
-};
-
 NpySequenceWriter::NpySequenceWriter(const std::string& path, std::uint64_t frames,
                                      std::uint64_t count, std::uint32_t dimension, ScalarType type)
-    : impl_(new Impl{OutputFile(path), frames, count * dimension, type}) {
-  impl_->out.write(npy_header(npy_descr(type).c_str(), {frames, count, dimension}));
-  if (frames == 0) impl_->out.commit();
+    : out_(path), frames_(frames), values_(count * dimension), type_(type) {
+  out_.write(npy_header(npy_descr(type).c_str(), {frames, count, dimension}));
+  if (frames == 0) out_.commit();
 }
-NpySequenceWriter::~NpySequenceWriter() = default;
 
 void NpySequenceWriter::write(const double* coordinates) {
-  if (impl_->frames == 0)
+  if (frames_ == 0)
     throw Error(ErrorCode::invalid_argument, "more frames written than were announced");
-  write_values(impl_->out, coordinates, impl_->values, impl_->type);
-  if (--impl_->frames == 0) impl_->out.commit();
+  write_values(out_, coordinates, values_, type_);
+  if (--frames_ == 0) out_.commit();
 }
 
 }  // namespace cullhull::internal
@@ -578,7 +548,7 @@ void write_npy_ids(const std::string& path, const std::vector<std::uint64_t>& id
 
 void write_npy_points(const std::string& path, const double* coordinates, std::uint64_t count,
                       std::uint32_t dimension, ScalarType type) {
-  internal::NpyPointsWriter(path, count, dimension, type).write(coordinates, count);
+  PointsWriter(path, count, dimension, type, "npy").write(coordinates, count);
 }
 
 }  // namespace cullhull

@@ -1,28 +1,13 @@
-// NumPy arrays that are written piece by piece.
+// NumPy arrays of moving points, written frame by frame.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "cullhull/point_view.hpp"
+#include "io/write/output_file.hpp"
 
 namespace cullhull::internal {
-
-/// Writes an array (count, dimension) in pieces; the file appears once the last point is written.
-/// Throws as the other writers do.
-class NpyPointsWriter {
- public:
-  NpyPointsWriter(const std::string& path, std::uint64_t count, std::uint32_t dimension,
-                  ScalarType type);
-  ~NpyPointsWriter();
-  /// Writes the next points: count x dimension doubles.
-  void write(const double* coordinates, std::uint64_t count);
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
 
 /// Writes an array (frames, count, dimension) frame by frame; the file appears once the last frame
 /// is written. Throws as the other writers do.
@@ -30,13 +15,13 @@ class NpySequenceWriter {
  public:
   NpySequenceWriter(const std::string& path, std::uint64_t frames, std::uint64_t count,
                     std::uint32_t dimension, ScalarType type);
-  ~NpySequenceWriter();
   /// Writes the next frame: count x dimension doubles.
   void write(const double* coordinates);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  OutputFile out_;
+  std::uint64_t frames_, values_;  ///< frames that are missing, numbers of each
+  ScalarType type_;
 };
 
 }  // namespace cullhull::internal

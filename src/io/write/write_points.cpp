@@ -12,7 +12,6 @@
 #include "io/records.hpp"
 #include "io/source.hpp"
 #include "io/write/mesh.hpp"
-#include "io/write/npy_writers.hpp"
 #include "io/write/output_file.hpp"
 
 namespace cullhull::internal {
@@ -43,12 +42,6 @@ std::string ply_head(std::uint64_t count, std::uint32_t dimension, ScalarType ty
   for (std::uint32_t j = 0; j < dimension; ++j)
     head.append("\nproperty ").append(ply_type(type)).append({' ', "xyz"[j]});
   return head += "\nend_header\n";
-}
-
-void write_ply_points(OutputFile& out, const Coordinates& points,
-                      const std::vector<std::uint64_t>& ids) {
-  out.write(ply_head(ids.size(), points.dimension, points.scalar));
-  write_rows(out, points, ids);
 }
 
 /// Every number as a double: the shortest decimal of a 32-bit float would read back as another
@@ -142,7 +135,8 @@ void write_points_of(const std::string& path, const internal::Coordinates& point
     out.write(npy_header(npy_descr(points.scalar).c_str(), {ids.size(), points.dimension}));
     write_rows(out, points, ids);
   } else if (f == "ply") {
-    write_ply_points(out, points, ids);
+    out.write(ply_head(ids.size(), points.dimension, points.scalar));
+    write_rows(out, points, ids);
   } else if (f == "geojson") {
     write_geojson_points(out, points, ids, extras);
   } else {
@@ -175,12 +169,17 @@ void write_points(const std::string& path, const HullState& state, const std::st
 
 namespace {
 
-/// What stands around and between the coordinates of a text of points.
-struct TextFrame {
-  std::string head, before, between, after, next, tail;
+/// What stands around and between the coordinates of a text of points; of a binary file its head.
+struct PointsFrame {
+  std::string head, before{}, between{}, after{}, next{}, tail{};
 };
 
-TextFrame text_frame(const std::string& format, std::uint64_t count, std::uint32_t dimension) {
+PointsFrame points_frame(const std::string& format, std::uint64_t count, std::uint32_t dimension,
+                         ScalarType type) {
+  if (format == "raw") return {""};
+  if (format == "ply") return {internal::ply_head(count, dimension, type)};
+  if (format == "npy")
+    return {internal::npy_header(internal::npy_descr(type).c_str(), {count, dimension})};
   const std::string number = std::to_string(count), d = std::to_string(dimension);
   if (format == "csv") return {internal::axis_names(dimension), "", ",", "", "\n", "\n"};
   if (format == "obj") return {"", "v ", " ", "", "\n", "\n"};
@@ -209,15 +208,14 @@ void check_made_dimension(const std::string& format, std::uint32_t dimension) {
 }  // namespace
 
 struct PointsWriter::Impl {
-  std::unique_ptr<internal::NpyPointsWriter> npy;
   std::unique_ptr<internal::OutputFile> out;
   std::string format;
   std::uint64_t count, left;
   std::uint32_t dimension;
   ScalarType type;
-  TextFrame frame;
+  PointsFrame frame;
 
-  bool binary() const { return format == "ply" || format == "raw"; }
+  bool binary() const { return format == "npy" || format == "ply" || format == "raw"; }
 
   void write_row(std::string& text, const double* row) const {
     text += frame.before;
@@ -233,7 +231,7 @@ struct PointsWriter::Impl {
     text += frame.after;
   }
   void end() {
-    if (!binary() && (count > 0 || format == "geojson" || format == "wkt")) out->write(frame.tail);
+    if (count > 0 || format == "geojson" || format == "wkt") out->write(frame.tail);
     out->commit();
   }
 };
@@ -249,23 +247,15 @@ PointsWriter::PointsWriter(const std::string& path, std::uint64_t count, std::ui
   if (!internal::holds(impl.format, {internal::OutputKind::made}))
     internal::refuse_format(path, impl.format, {internal::OutputKind::made});
   check_made_dimension(impl.format, dimension);
-  if (impl.format == "npy") {
-    impl.npy = std::make_unique<internal::NpyPointsWriter>(path, count, dimension, type);
-    return;
-  }
   impl.out = std::make_unique<internal::OutputFile>(path);
-  if (impl.format == "ply") impl.out->write(internal::ply_head(count, dimension, type));
-  if (!impl.binary()) {
-    impl.frame = text_frame(impl.format, count, dimension);
-    impl.out->write(impl.frame.head);
-  }
+  impl.frame = points_frame(impl.format, count, dimension, type);
+  impl.out->write(impl.frame.head);
   if (count == 0) impl.end();
 }
 PointsWriter::~PointsWriter() = default;
 
 void PointsWriter::write(const double* coordinates, std::uint64_t count) {
   Impl& impl = *impl_;
-  if (impl.npy != nullptr) return impl.npy->write(coordinates, count);
   if (count > impl.left)
     throw Error(ErrorCode::invalid_argument, "more points written than were announced");
   if (count == 0) return;
