@@ -10,35 +10,80 @@
 namespace cullhull::internal {
 namespace {
 
-/// Writes each position by one(x, y), separated by commas; of a ring the first once more at the
-/// end.
+/// How a language spells geometries: those of one point, of a line, of a polygon, of several.
+struct Spelling {
+  const char* none;
+  const char* heads[4];
+  const char* after_point;
+  const char* tail;
+  const char* brackets;     ///< around lists
+  const char* position[3];  ///< around and between the numbers
+  void (*number)(std::string& out, double value);
+};
+
+constexpr Spelling geojson{
+    "null",
+    {R"({"type": "Point", "coordinates": )", R"({"type": "LineString", "coordinates": )",
+     R"({"type": "Polygon", "coordinates": )", R"({"type": "MultiPolygon", "coordinates": )"},
+    "",
+    "}",
+    "[]",
+    {"[", ", ", "]"},
+    append_json_number};
+constexpr Spelling wkt{"POLYGON EMPTY",
+                       {"POINT (", "LINESTRING ", "POLYGON ", "MULTIPOLYGON "},
+                       ")",
+                       "",
+                       "()",
+                       {"", " ", ""},
+                       append_number};
+
+/// Writes one(i) of each item, separated by commas, in brackets.
 template <class One>
-void append_positions(std::string& out, std::span<const double> boundary, bool ring,
-                      const One& one) {
-  const std::size_t count = boundary.size() / 2;
-  for (std::size_t i = 0; i < count + (ring ? 1 : 0); ++i) {
+void append_list(std::string& out, std::size_t count, const Spelling& by, const One& one) {
+  out += by.brackets[0];
+  for (std::size_t i = 0; i < count; ++i) {
     if (i > 0) out += ", ";
-    const double* const at = boundary.data() + (i < count ? 2 * i : 0);
-    one(at[0], at[1]);
+    one(i);
   }
+  out += by.brackets[1];
 }
 
-void append_json_positions(std::string& out, std::span<const double> boundary, bool ring) {
-  append_positions(out, boundary, ring, [&](double x, double y) {
-    out += '[';
-    append_json_number(out, x);
-    out += ", ";
-    append_json_number(out, y);
-    out += ']';
+void append_position(std::string& out, const double* at, const Spelling& by) {
+  by.number(out += by.position[0], at[0]);
+  by.number(out += by.position[1], at[1]);
+  out += by.position[2];
+}
+
+void append_rings(std::string& out, const PlaneRings& rings, const Spelling& by) {
+  append_list(out, rings.size(), by, [&](std::size_t i) {
+    const std::size_t count = rings[i].size() / 2;
+    append_list(out, count + 1, by, [&](std::size_t j) {  // closed
+      append_position(out, rings[i].data() + (j < count ? 2 * j : 0), by);
+    });
   });
 }
 
-void append_wkt_positions(std::string& out, std::span<const double> boundary, bool ring) {
-  append_positions(out, boundary, ring, [&](double x, double y) {
-    append_number(out, x);
-    out += ' ';
-    append_number(out, y);
-  });
+void append_geometry(std::string& out, const PlanePolygons& polygons, const Spelling& by) {
+  const std::size_t rings = polygons.empty() ? 0 : polygons[0].size();
+  const std::size_t count = rings == 0 ? 0 : polygons[0][0].size() / 2;
+  if (polygons.size() > 1) {
+    out += by.heads[3];
+    append_list(out, polygons.size(), by,
+                [&](std::size_t i) { append_rings(out, polygons[i], by); });
+  } else if (rings > 1 || count > 2) {
+    append_rings(out += by.heads[2], polygons[0], by);
+  } else if (count == 2) {
+    append_list(out += by.heads[1], count, by,
+                [&](std::size_t i) { append_position(out, polygons[0][0].data() + 2 * i, by); });
+  } else if (count == 1) {
+    append_position(out += by.heads[0], polygons[0][0].data(), by);
+    out += by.after_point;
+  } else {
+    out += by.none;
+    return;
+  }
+  out += by.tail;
 }
 
 struct PlaneMeasures {
@@ -54,81 +99,12 @@ PlaneMeasures measures_of(const Hull& hull) {
 
 }  // namespace
 
-void append_geojson(std::string& out, std::span<const double> boundary) {
-  const std::size_t count = boundary.size() / 2;
-  if (count == 0) {
-    out += "null";
-    return;
-  }
-  static constexpr const char* kinds[] = {"Point", "LineString", "Polygon"};
-  out += std::string("{\"type\": \"") + kinds[count > 2 ? 2 : count - 1] + "\", \"coordinates\": ";
-  out += count > 2 ? "[[" : count > 1 ? "[" : "";
-  append_json_positions(out, boundary, count > 2);
-  out += count > 2 ? "]]}" : count > 1 ? "]}" : "}";
-}
-
-void append_wkt(std::string& out, std::span<const double> boundary) {
-  const std::size_t count = boundary.size() / 2;
-  if (count == 0) {
-    out += "POLYGON EMPTY";
-    return;
-  }
-  out += count > 2 ? "POLYGON ((" : count > 1 ? "LINESTRING (" : "POINT (";
-  append_wkt_positions(out, boundary, count > 2);
-  out += count > 2 ? "))" : ")";
-}
-
-namespace {
-
-/// Every ring closed, within a pair of brackets.
-void append_rings(std::string& out, const PlaneRings& rings, const char* brackets,
-                  void (*positions)(std::string&, std::span<const double>, bool)) {
-  out += brackets[0];
-  for (std::size_t i = 0; i < rings.size(); ++i) {
-    if (i > 0) out += ", ";
-    out += brackets[0];
-    positions(out, rings[i], true);
-    out += brackets[1];
-  }
-  out += brackets[1];
-}
-
-}  // namespace
-
-void append_geojson(std::string& out, const PlaneRings& rings) {
-  if (rings.size() < 2)
-    return append_geojson(out, rings.empty() ? std::span<const double>() : rings[0]);
-  out += "{\"type\": \"Polygon\", \"coordinates\": ";
-  append_rings(out, rings, "[]", append_json_positions);
-  out += "}";
-}
-
-void append_wkt(std::string& out, const PlaneRings& rings) {
-  if (rings.size() < 2)
-    return append_wkt(out, rings.empty() ? std::span<const double>() : rings[0]);
-  out += "POLYGON ";
-  append_rings(out, rings, "()", append_wkt_positions);
-}
-
 void append_geojson(std::string& out, const PlanePolygons& polygons) {
-  if (polygons.size() < 2)
-    return append_geojson(out, polygons.empty() ? PlaneRings() : polygons[0]);
-  out += "{\"type\": \"MultiPolygon\", \"coordinates\": [";
-  for (std::size_t i = 0; i < polygons.size(); ++i) {
-    if (i > 0) out += ", ";
-    append_rings(out, polygons[i], "[]", append_json_positions);
-  }
-  out += "]}";
+  append_geometry(out, polygons, geojson);
 }
 
 void append_wkt(std::string& out, const PlanePolygons& polygons) {
-  if (polygons.size() < 2) return append_wkt(out, polygons.empty() ? PlaneRings() : polygons[0]);
-  out += "MULTIPOLYGON (";
-  for (std::size_t i = 0; i < polygons.size(); ++i) {
-    if (i > 0) out += ", ";
-    append_rings(out, polygons[i], "()", append_wkt_positions);
-  }
-  out += ")";
+  append_geometry(out, polygons, wkt);
 }
 
 void append_csv(std::string& out, std::string_view text) {
@@ -174,9 +150,7 @@ std::string geometry_file(const Coordinates& points, const Hull& hull, const std
   if (hull.dimension != 2)
     throw Error(ErrorCode::invalid_argument, ".", format, " holds hulls of 2D points, not ",
                 hull.dimension, "D; meshes hold 3D, .json any");
-  std::vector<double> boundary;
-  for (const std::uint64_t id : hull.vertices)
-    for (std::uint32_t j = 0; j < 2; ++j) boundary.push_back(points.at(id, j));
+  const PlanePolygons boundary{{ring_of(points, hull.vertices)}};
   std::string out;
   if (format == "wkt") {
     append_wkt(out, boundary);

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cullhull/alpha_shape.hpp"
 #include "cullhull/io.hpp"
 #include "cullhull/triangulation_io.hpp"
 #include "io/coordinates.hpp"
@@ -18,22 +19,31 @@
 
 namespace cullhull::internal {
 
-/// `boundary`: x y of the hull's vertices, counter-clockwise. A polygon is one closed ring; two
-/// points are a line, one is a point, none is null (GeoJSON) or an empty polygon (WKT).
-void append_geojson(std::string& out, std::span<const double> boundary);
-void append_wkt(std::string& out, std::span<const double> boundary);
-
-/// Rings of a polygon: x y of its points, the outer ring first.
+/// Rings of a polygon: x y of its points, the outer ring first; the last point is not the first.
 using PlaneRings = std::vector<std::vector<double>>;
-
-/// The same of a polygon with holes; one ring as above.
-void append_geojson(std::string& out, const PlaneRings& rings);
-void append_wkt(std::string& out, const PlaneRings& rings);
-
-/// Several polygons; a single one or an empty list as above.
 using PlanePolygons = std::vector<PlaneRings>;
+
+/// Polygons, of which a single one may be a line of two points or one point; none is null (GeoJSON)
+/// or an empty polygon (WKT).
 void append_geojson(std::string& out, const PlanePolygons& polygons);
 void append_wkt(std::string& out, const PlanePolygons& polygons);
+
+/// x y of the points with these ids. `Points`: PointView or Coordinates.
+template <class Points, class Ids>
+std::vector<double> ring_of(const Points& points, const Ids& ids) {
+  std::vector<double> ring;
+  for (const auto id : ids)
+    for (std::uint32_t j = 0; j < 2; ++j) ring.push_back(points.at(id, j));
+  return ring;
+}
+
+/// The rings of polygon i.
+inline PlaneRings rings_of(const CellPolygons& polygons, std::uint64_t i, const PointView& points) {
+  PlaneRings rings;
+  for (std::uint64_t r = polygons.polygon_offsets[i]; r < polygons.polygon_offsets[i + 1]; ++r)
+    rings.push_back(ring_of(points, polygons.rings[r]));
+  return rings;
+}
 
 /// The whole file for one hull: a Feature with its measures, or one line.
 /// Error{invalid_argument} unless the points are 2D.
@@ -76,10 +86,10 @@ MapExtras columns_of_shapes(const MapExtras& extras, std::uint64_t count, const 
 MapExtras columns_in_common(const MapExtras& extras, std::uint64_t count);
 
 /// Writes a collection of polygons, each with its number under `name` and in GeoJSON the values of
-/// `extras`; rings(i): those of polygon i.
-template <class Rings>
+/// `extras`; polygons(i): what shape i consists of.
+template <class Polygons>
 void write_map(const std::string& path, const std::string& f, std::uint64_t count, const char* name,
-               const MapExtras& extras, const Rings& rings) {
+               const MapExtras& extras, const Polygons& polygons) {
   OutputText out(path);
   const bool geojson = f == "geojson";
   if (geojson)
@@ -95,10 +105,10 @@ void write_map(const std::string& path, const std::string& f, std::uint64_t coun
       for (const PointColumn& column : extras.columns)
         append_property(out.text(), column, i, {name});
       out.add("}, \"geometry\": ");
-      append_geojson(out.text(), rings(i));
+      append_geojson(out.text(), polygons(i));
       out.add("}");
     } else {
-      append_wkt(out.text(), rings(i));
+      append_wkt(out.text(), polygons(i));
     }
   }
   out.add(geojson ? "]}\n" : count == 0 ? "\n" : ")\n");

@@ -128,11 +128,11 @@ class JsonWriter {
     key(name);
     list(items, 0, items.size());
   }
-  /// A row on each line; row(i) writes one.
+  /// A row on each line, or all within one; row(i) writes one.
   template <class Row>
-  void rows(std::string_view name, std::uint64_t count, const Row& row) {
+  void rows(std::string_view name, std::uint64_t count, const Row& row, bool lines = true) {
     key(name);
-    begin_list(true);
+    begin_list(lines);
     for (std::uint64_t i = 0; i < count; ++i) {
       item();
       row(i);

@@ -69,10 +69,7 @@ void write_parts(const std::string& path, const std::string& f, const PointView&
   const std::size_t each = t.affine_dimension == 1 ? 2 : 1;
   const MapExtras all = columns_in_common(extras, ends.size() / each);
   write_map(path, f, ends.size() / each, "region", all, [&](std::uint64_t i) {
-    PlaneRings part(1);
-    for (std::size_t end = i * each; end < (i + 1) * each; ++end)
-      for (std::uint32_t j = 0; j < 2; ++j) part[0].push_back(points.at(ends[end], j));
-    return part;
+    return PlanePolygons{{ring_of(points, std::span(ends).subspan(i * each, each))}};
   });
 }
 
@@ -80,15 +77,8 @@ void write_polygons(const std::string& path, const std::string& f, const PointVi
                     const Triangulation& t, const AlphaShape& shape, const MapExtras& extras) {
   const CellPolygons regions = cell_polygons(points, t, shape.cells);
   const MapExtras all = columns_in_common(extras, regions.polygon_count());
-  write_map(path, f, regions.polygon_count(), "region", all, [&](std::uint64_t i) {
-    PlaneRings rings;
-    for (std::uint64_t r = regions.polygon_offsets[i]; r < regions.polygon_offsets[i + 1]; ++r) {
-      rings.emplace_back();
-      for (const std::uint32_t id : regions.rings[r])
-        for (std::uint32_t j = 0; j < 2; ++j) rings.back().push_back(points.at(id, j));
-    }
-    return rings;
-  });
+  write_map(path, f, regions.polygon_count(), "region", all,
+            [&](std::uint64_t i) { return PlanePolygons{rings_of(regions, i, points)}; });
 }
 
 void write_json(const std::string& path, const Triangulation& t, const AlphaShape& shape,

@@ -252,12 +252,8 @@ void write_triangulation(const std::string& path, const PointView& points, const
       columns_of_shapes(extras, count, [&](const PointColumn& column, std::uint64_t c) {
         return value_in_common(column, 3, [&](std::uint64_t i) { return t.cell(c)[i]; });
       });
-  write_map(path, f, count, "cell", of_cells, [&](std::uint64_t c) {
-    PlaneRings corners(1);
-    for (const std::uint32_t v : t.cell(c))
-      for (std::uint32_t j = 0; j < 2; ++j) corners[0].push_back(points.at(v, j));
-    return corners;
-  });
+  write_map(path, f, count, "cell", of_cells,
+            [&](std::uint64_t c) { return PlanePolygons{{ring_of(points, t.cell(c))}}; });
 }
 
 void write_cells(const std::string& path, const ClippedCells& cells, const std::string& format,
