@@ -106,7 +106,7 @@ std::string report_text(std::string_view kind, const cullhull::PointView& points
                         const nlohmann::ordered_json& members) {
   using cullhull::internal::JsonPoints;
   return cullhull::internal::json_document(
-      {kind, JsonPoints{points.count, points.dimension, points.scalar}}, members);
+      kind, JsonPoints{points.count, points.dimension, points.scalar}, members);
 }
 
 void add_measures(nlohmann::ordered_json& json, int affine_dimension, double area, double volume) {

@@ -318,7 +318,7 @@ class Shown {
   /// One frame's report, or a document of all.
   std::string report() const {
     if (count_ == 1) return cullhull::internal::json_text(reports_[0]);
-    return cullhull::internal::json_document({"view_report", {}},
+    return cullhull::internal::json_document("view_report", {},
                                              nlohmann::ordered_json{{"frames", reports_}});
   }
 

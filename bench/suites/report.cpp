@@ -112,7 +112,7 @@ std::string report_json(const Report& report) {
                                    {"series", figure.series},
                                    {"rows", std::move(rows)}});
   }
-  return internal::json_document({"bench_report", {}}, json);
+  return internal::json_document("bench_report", {}, json);
 }
 
 }  // namespace cullhull::bench

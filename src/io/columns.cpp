@@ -472,10 +472,10 @@ ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
   return chosen;
 }
 
-PointData with_keys(PointData data, bool keyed, std::vector<std::string> labels) {
+PointData with_keys(PointData data, const ChosenFields& chosen) {
   data.chosen = true;
-  data.columns = std::move(labels);
-  if (!keyed) return data;
+  data.columns = chosen.labels;
+  if (!chosen.keyed) return data;
   --data.view.dimension;
   PointView keys = data.view;  // the column behind the last one
   keys.dimension = data.view.dimension + 1;

@@ -65,7 +65,7 @@ ChosenFields choose_fields(const ReadOptions& options, const std::string& file,
                            const std::vector<std::string>& names, std::uint32_t axes);
 /// Points of chosen fields, with the labels of their columns; their last column becomes their keys,
 /// as decimals, if it is the key.
-PointData with_keys(PointData data, bool keyed, std::vector<std::string> labels);
+PointData with_keys(PointData data, const ChosenFields& chosen);
 
 /// Restricts the view to the columns that `options` ask for, unless the reader has chosen them: by
 /// strides where possible, else by a copy. Keys, where asked for, are numbers as decimals. Of

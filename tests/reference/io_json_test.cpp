@@ -252,7 +252,7 @@ TEST(Json, TheWritersLayout) {
   const auto tree = nlohmann::ordered_json::parse(
       R"({"a": 1, "b": [1, 2.5], "c": {"d": -1, "e": [[1], [2]]}, "f": [[1], [{"g": null}]],
           "h": true, "i": [], "j": {}, "k": -0.0, "l": 1e300})");
-  EXPECT_EQ(internal::json_document({"test", internal::JsonPoints{5, 3, ScalarType::u16}}, tree),
+  EXPECT_EQ(internal::json_document("test", internal::JsonPoints{5, 3, ScalarType::u16}, tree),
             "{\n\"version\": \"" CULLHULL_VERSION
             "\",\n\"kind\": \"test\",\n\"schema\": 2,\n"
             "\"points\": {\"count\": 5, \"dimension\": 3, \"scalar\": \"u16\"},\n"

@@ -141,7 +141,7 @@ class PropertyColumns {
       PointData column;
       column.view = data.view;
       column.view.dimension = key + 1;
-      data.keys = with_keys(std::move(column), true, {}).keys;
+      data.keys = with_keys(std::move(column), {{}, true, {}}).keys;
       return;
     }
     const std::size_t number = number_asked(names[key]);

@@ -337,8 +337,7 @@ struct PointArray {
 struct StructuredArray {
   std::uint64_t data_offset = 0, count = 0, record = 0;
   std::vector<NumberField> fields;  ///< the coordinates, and behind them the key
-  bool keyed = false;
-  std::vector<std::string> labels;  ///< of the coordinates
+  ChosenFields chosen;
 };
 
 /// Points of the fields x, y and z, longitude and latitude, ... or of those that options name.
@@ -346,7 +345,7 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
                                  const ReadOptions& options) {
   if (h.shape.size() != 1)
     fail(head, "structured array of ", h.shape.size(), " axes; points need one");
-  StructuredArray a{h.data_offset, h.shape[0], h.record, {}, false, {}};
+  StructuredArray a{h.data_offset, h.shape[0], h.record, {}, {}};
   Dtype record;
   record.size = h.record;
   check_extent(head, h, record, file_size);
@@ -374,18 +373,16 @@ StructuredArray parse_structured(const Source& head, const Header& h, std::uint6
   for (std::uint32_t c = 0; c < numbers.size(); ++c)
     if (std::find(axes.begin(), axes.end(), c) == axes.end()) ordered.push_back(numbers[c]);
   for (const NumberField& f : ordered) ordered_names.push_back(f.name);
-  const ChosenFields chosen =
+  a.chosen =
       choose_fields(options, head.name, ordered_names, static_cast<std::uint32_t>(axes.size()));
-  for (const std::uint32_t c : chosen.columns) a.fields.push_back(ordered[c]);
-  a.keyed = chosen.keyed;
-  a.labels = chosen.labels;
+  for (const std::uint32_t c : a.chosen.columns) a.fields.push_back(ordered[c]);
   return a;
 }
 
 PointData points_of_structured(const Source& records, const StructuredArray& a, std::uint64_t count,
                                std::uint64_t first, const ReadOptions& options) {
   return with_keys(points_of_fields(records, a.fields, count, first, "npy (structured)", options),
-                   a.keyed, a.labels);
+                   a.chosen);
 }
 
 PointArray parse_points(const Source& head, Header&& header, std::uint64_t file_size) {

@@ -28,11 +28,11 @@ struct PcdHeader {
   std::vector<Field> fields;
   std::uint64_t points = 0, record = 0;
   std::uint32_t dimension = 0;
-  ReadFields chosen;  ///< of the fields
+  ChosenFields chosen;  ///< of the fields
   const char* body = nullptr;
   std::uint64_t lines = 0;
 
-  const Field& axis(std::uint64_t j) const { return fields[chosen.fields[j]]; }
+  const Field& axis(std::uint64_t j) const { return fields[chosen.columns[j]]; }
 };
 
 class PcdHeaderParser {
@@ -180,19 +180,19 @@ class PcdHeaderParser {
       }
       if (it->count != 1 || std::find_if(it + 1, h_.fields.end(), named) != h_.fields.end())
         fault("field " + quoted_text(name) + " must be one number");
-      axes_.push_back(static_cast<std::size_t>(it - h_.fields.begin()));
+      axes_.push_back(static_cast<std::uint32_t>(it - h_.fields.begin()));
     }
   }
   /// Among the axes and the other fields of one number.
   void choose() {
-    std::vector<std::pair<std::string, std::size_t>> others;
-    for (std::size_t i = 0; i < h_.fields.size(); ++i) {
+    std::vector<std::pair<std::string, std::uint32_t>> others;
+    for (std::uint32_t i = 0; i < h_.fields.size(); ++i) {
       const Field& f = h_.fields[i];
       const bool axis = std::find(axes_.begin(), axes_.end(), i) != axes_.end();
       if (f.count == 1 && f.name != "_" && !axis) others.emplace_back(f.name, i);
     }
     h_.chosen = fields_to_read(options_, source_.name, axes_, others);
-    h_.dimension = static_cast<std::uint32_t>(h_.chosen.fields.size());
+    h_.dimension = static_cast<std::uint32_t>(h_.chosen.columns.size());
   }
 
   const Source& source_;
@@ -201,7 +201,7 @@ class PcdHeaderParser {
   std::vector<std::string_view> words_;
   std::vector<std::string> seen_;
   std::optional<std::uint64_t> width_, height_, points_;
-  std::vector<std::size_t> axes_;  ///< numbers of fields
+  std::vector<std::uint32_t> axes_;  ///< numbers of fields
   PcdHeader h_;
 };
 
@@ -229,7 +229,7 @@ PointData points_of_records(const Source& records, const PcdHeader& h, std::uint
                             std::uint64_t first, const ReadOptions& options) {
   PointData data =
       points_of_fields(records, stored_fields(h, 0), count, first, name_of(h.body_kind), options);
-  return with_keys(std::move(data), h.chosen.keyed, h.chosen.labels);
+  return with_keys(std::move(data), h.chosen);
 }
 
 /// Throws unless the records fit into what follows the header. Bytes behind them are passed over:
@@ -282,7 +282,7 @@ void parse_point(const PcdHeader& h, const char* p, const char* end, double* out
       double value = 0;
       p = parse_coordinates(p, end, 1, &value, h.fields[i].label.c_str());
       for (std::uint32_t j = 0; j < h.dimension; ++j)
-        if (h.chosen.fields[j] == i) out[j] = value;
+        if (h.chosen.columns[j] == i) out[j] = value;
     }
   p = skip_blanks(p, end);
   if (p < end) throw LineFault{quoted_text(first_word(p, end)) + " after the last field"};
@@ -309,10 +309,9 @@ PointData read_ascii(const Source& source, const PcdHeader& h, const ReadOptions
 
 PointData read_pcd(const Source& source, const ReadOptions& options) {
   const PcdHeader h = PcdHeaderParser(source, options).parse();
-  if (h.body_kind == Body::ascii)
-    return with_keys(read_ascii(source, h, options), h.chosen.keyed, h.chosen.labels);
+  if (h.body_kind == Body::ascii) return with_keys(read_ascii(source, h, options), h.chosen);
   if (h.body_kind == Body::compressed)
-    return with_keys(read_compressed(source, h, options), h.chosen.keyed, h.chosen.labels);
+    return with_keys(read_compressed(source, h, options), h.chosen);
   check_room(source, h, source.size, options);
   return points_of_records({source.name, h.body, source.size}, h, h.points, 0, options);
 }

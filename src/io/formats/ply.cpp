@@ -44,7 +44,7 @@ struct PlyHeader {
   const char* body = nullptr;
   std::uint64_t lines = 0;
   std::uint32_t dimension = 0;
-  ReadFields chosen;                 ///< of the vertex's properties
+  ChosenFields chosen;               ///< of the vertex's properties
   std::array<std::size_t, 3> rgb{};  ///< likewise, of bytes
   bool coloured = false;
 };
@@ -164,10 +164,10 @@ class PlyHeaderParser {
       if (e.properties.empty())
         fail_at_line(source_, e.line, "element ", quoted_text(e.name), " has no property");
     header_.vertex = static_cast<std::size_t>(it - header_.elements.begin());
-    std::vector<std::size_t> axes;
+    std::vector<std::uint32_t> axes;
     for (const std::string_view name : {"x", "y", "z"}) {
-      std::size_t found = it->properties.size();
-      for (std::size_t j = 0; j < it->properties.size(); ++j) {
+      auto found = static_cast<std::uint32_t>(it->properties.size());
+      for (std::uint32_t j = 0; j < it->properties.size(); ++j) {
         if (it->properties[j].name != name) continue;
         if (found != it->properties.size() || it->properties[j].list)
           fail_at_line(source_, it->line, "property ", quoted_text(name), " must be one number");
@@ -182,15 +182,15 @@ class PlyHeaderParser {
     find_colours(*it);
   }
   /// Among the axes and the other properties of one number.
-  void choose(const Element& vertex, const std::vector<std::size_t>& axes) {
-    std::vector<std::pair<std::string, std::size_t>> others;
-    for (std::size_t j = 0; j < vertex.properties.size(); ++j) {
+  void choose(const Element& vertex, const std::vector<std::uint32_t>& axes) {
+    std::vector<std::pair<std::string, std::uint32_t>> others;
+    for (std::uint32_t j = 0; j < vertex.properties.size(); ++j) {
       const Property& p = vertex.properties[j];
       const bool axis = std::find(axes.begin(), axes.end(), j) != axes.end();
       if (!p.list && !axis) others.emplace_back(p.name, j);
     }
     header_.chosen = fields_to_read(options_, source_.name, axes, others);
-    header_.dimension = static_cast<std::uint32_t>(header_.chosen.fields.size());
+    header_.dimension = static_cast<std::uint32_t>(header_.chosen.columns.size());
   }
   /// Colours are optional: fields other than three bytes are ignored.
   void find_colours(const Element& vertex) {
@@ -223,7 +223,7 @@ PointData vertices_of_records(const char* records, std::uint64_t count, const Pl
                               const ReadOptions& options) {
   const Element& e = h.elements[h.vertex];
   std::vector<NumberField> fields;
-  for (const std::size_t j : h.chosen.fields) {
+  for (const std::size_t j : h.chosen.columns) {
     const Property& p = e.properties[j];
     fields.push_back(
         {p.name, field_type(p.type, h.encoding == Encoding::big), p.offset, e.min_size});
@@ -354,8 +354,8 @@ class PlyBinary {
       if (i % 65536 == 0) check_stop(options_);
       at = walk(e, at, at_property.data());
       for (std::uint32_t j = 0; j < h_.dimension; ++j)
-        *out++ = load(source_.data + at_property[h_.chosen.fields[j]],
-                      e.properties[h_.chosen.fields[j]].type, big_);
+        *out++ = load(source_.data + at_property[h_.chosen.columns[j]],
+                      e.properties[h_.chosen.columns[j]].type, big_);
     }
     check_rest(at);
     return data;
@@ -375,7 +375,7 @@ bool is_data_line(const char* p, const char* end) { return skip_blanks(p, end) <
 bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* out,
                   std::uint8_t* colour) {
   const Element& e = h.elements[h.vertex];
-  const std::size_t last = *std::max_element(h.chosen.fields.begin(), h.chosen.fields.end());
+  const std::size_t last = *std::max_element(h.chosen.columns.begin(), h.chosen.columns.end());
   for (std::size_t j = 0; j < e.properties.size(); ++j) {
     double value;
     if (e.properties[j].list && j > last && skip_blanks(p, end) == end) return false;
@@ -390,7 +390,7 @@ bool parse_vertex(const PlyHeader& h, const char* p, const char* end, double* ou
       continue;
     }
     for (std::uint32_t c = 0; c < h.dimension; ++c)
-      if (h.chosen.fields[c] == j) out[c] = value;
+      if (h.chosen.columns[c] == j) out[c] = value;
     if (h.coloured)
       for (std::size_t c = 0; c < 3; ++c)
         if (h.rgb[c] == j)  // what is not a number is black
@@ -450,7 +450,7 @@ PointData read_ply(const Source& source, const ReadOptions& options) {
   const PlyHeader header = PlyHeaderParser(source, options).parse();
   PointData data = header.encoding == Encoding::ascii ? read_ascii(source, header, options)
                                                       : PlyBinary(source, header, options).read();
-  return with_keys(std::move(data), header.chosen.keyed, header.chosen.labels);
+  return with_keys(std::move(data), header.chosen);
 }
 
 std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
@@ -468,8 +468,7 @@ std::optional<RecordLayout> ply_records(const Source& head, std::uint64_t size,
   layout.record_bytes = e.min_size;
   layout.ends_file = false;
   layout.decode = [=](const Source& records, std::uint64_t, std::uint64_t count) {
-    return with_keys(vertices_of_records(records.data, count, *header, options),
-                     header->chosen.keyed, header->chosen.labels);
+    return with_keys(vertices_of_records(records.data, count, *header, options), header->chosen);
   };
   return layout;
 }

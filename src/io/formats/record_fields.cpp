@@ -95,9 +95,9 @@ PointData points_of_fields(const Source& records, const std::vector<NumberField>
   return data;
 }
 
-ReadFields fields_to_read(const ReadOptions& options, const std::string& file,
-                          std::vector<std::size_t> axes,
-                          const std::vector<std::pair<std::string, std::size_t>>& others) {
+ChosenFields fields_to_read(const ReadOptions& options, const std::string& file,
+                            std::vector<std::uint32_t> axes,
+                            const std::vector<std::pair<std::string, std::uint32_t>>& others) {
   if (options.columns.empty() && options.key.empty()) return {std::move(axes), false, {}};
   std::vector<std::string> names{"x", "y", "z"};
   names.resize(axes.size());
@@ -106,10 +106,9 @@ ReadFields fields_to_read(const ReadOptions& options, const std::string& file,
     names.push_back(name);
     axes.push_back(field);
   }
-  const ChosenFields chosen = choose_fields(options, file, names, width);
-  ReadFields read{{}, chosen.keyed, chosen.labels};
-  for (const std::uint32_t c : chosen.columns) read.fields.push_back(axes[c]);
-  return read;
+  ChosenFields chosen = choose_fields(options, file, names, width);
+  for (std::uint32_t& c : chosen.columns) c = axes[c];
+  return chosen;
 }
 
 }  // namespace cullhull::internal

@@ -42,16 +42,10 @@ PointData points_of_fields(const Source& records, const std::vector<NumberField>
                            std::uint64_t count, std::uint64_t first, std::string format,
                            const ReadOptions& options);
 
-/// Which fields of a record are read: numbers of fields, and the rest as in ChosenFields.
-struct ReadFields {
-  std::vector<std::size_t> fields;
-  bool keyed = false;
-  std::vector<std::string> labels;
-};
-
-/// The axes x, y and perhaps z, or what options ask for among them and other fields.
-ReadFields fields_to_read(const ReadOptions& options, const std::string& file,
-                          std::vector<std::size_t> axes,
-                          const std::vector<std::pair<std::string, std::size_t>>& others);
+/// The axes x, y and perhaps z, or what options ask for among them and other fields: numbers of
+/// fields of the record.
+ChosenFields fields_to_read(const ReadOptions& options, const std::string& file,
+                            std::vector<std::uint32_t> axes,
+                            const std::vector<std::pair<std::string, std::uint32_t>>& others);
 
 }  // namespace cullhull::internal

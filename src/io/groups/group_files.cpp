@@ -44,7 +44,7 @@ GroupFile::GroupFile(const std::string& path, std::string format, std::string ke
     for (const char* const name : kind_.counts) (text_ += ',') += name;
     text_ += plane() ? ",perimeter,area,wkt\n" : ",area,volume\n";
   } else {
-    json_.begin_document({kind_.document, points_});
+    json_.begin_document(kind_.document, points_);
     json_.member("by", key_name_);
     json_.key("groups");
     json_.begin_list(true);

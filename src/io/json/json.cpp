@@ -9,9 +9,7 @@
 namespace cullhull::internal {
 namespace {
 
-JsonHead head_of(std::string_view kind, const Hull& hull) {
-  return {kind, JsonPoints{hull.point_count, hull.dimension, hull.scalar}};
-}
+JsonPoints points_of(const Hull& hull) { return {hull.point_count, hull.dimension, hull.scalar}; }
 
 void write_measures(JsonWriter& w, const Hull& hull) {
   w.member("affine_dimension", hull.affine_dimension);
@@ -60,7 +58,7 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
 void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink) {
   std::string text;
   JsonWriter w(text, sink);
-  w.begin_document(head_of("hull", hull));
+  w.begin_document("hull", points_of(hull));
   write_measures(w, hull);
   write_lists(w, points, hull);
   w.end_document();
@@ -70,7 +68,7 @@ std::string hull_to_json(const Hull& hull, const JsonExtras& extras) {
   std::string text;
   JsonWriter w(text);
   const Statistics& s = hull.statistics;
-  w.begin_document(head_of("hull_report", hull));
+  w.begin_document("hull_report", points_of(hull));
   w.member("threads", s.threads);
   w.member("backend", backend_name(s.backend));
   w.key("cull");

@@ -29,14 +29,6 @@ struct JsonPoints {
   ScalarType scalar = ScalarType::f64;  ///< of the coordinates as they were read
 };
 
-/// What every document begins with. What all documents are to say of their points, a unit for
-/// example, has its place here.
-struct JsonHead {
-  /// The name of the document's definition in docs/cullhull.schema.json.
-  std::string_view kind;
-  std::optional<JsonPoints> points;
-};
-
 /// Writes one document. The layout: each member of the document is on a line of its own; of a
 /// member that lists rows or records each of these is, too; all else stays within its line.
 class JsonWriter {
@@ -46,17 +38,19 @@ class JsonWriter {
   explicit JsonWriter(std::string& text, TextSink sink = {})
       : text_(text), sink_(std::move(sink)) {}
 
-  void begin_document(const JsonHead& head) {
+  /// `kind`: the name of the document's definition in docs/cullhull.schema.json. What all documents
+  /// are to say of their points, a unit for example, has its place here.
+  void begin_document(std::string_view kind, const std::optional<JsonPoints>& points) {
     open('{', true);
     member("version", CULLHULL_VERSION);
-    member("kind", head.kind);
+    member("kind", kind);
     member("schema", json_schema_version);
-    if (!head.points) return;
+    if (!points) return;
     key("points");
     begin_object();
-    member("count", head.points->count);
-    member("dimension", head.points->dimension);
-    member("scalar", scalar_name(head.points->scalar));
+    member("count", points->count);
+    member("dimension", points->dimension);
+    member("scalar", scalar_name(points->scalar));
     end_object();
   }
   /// `tree`: an nlohmann::ordered_json object that holds the head, too.
@@ -232,10 +226,11 @@ class JsonWriter {
 
 /// A whole document of the members of `tree`, an nlohmann::ordered_json object.
 template <class Tree>
-std::string json_document(const JsonHead& head, const Tree& tree) {
+std::string json_document(std::string_view kind, const std::optional<JsonPoints>& points,
+                          const Tree& tree) {
   std::string text;
   JsonWriter w(text);
-  w.begin_document(head);
+  w.begin_document(kind, points);
   w.members(tree);
   w.end_document();
   return text;

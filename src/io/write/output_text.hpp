@@ -34,9 +34,9 @@ class OutputText {
   std::string& text() { return text_; }
   /// Writes one JSON document: write(writer) its members.
   template <class Write>
-  void json(const JsonHead& head, const Write& write) {
+  void json(std::string_view kind, const JsonPoints& points, const Write& write) {
     JsonWriter w(text_, [this](const std::string& piece) { out_.write(piece); });
-    w.begin_document(head);
+    w.begin_document(kind, points);
     write(w);
     w.end_document();
   }

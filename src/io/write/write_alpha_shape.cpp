@@ -84,7 +84,7 @@ void write_polygons(const std::string& path, const std::string& f, const PointVi
 void write_json(const std::string& path, const Triangulation& t, const AlphaShape& shape,
                 double alpha) {
   OutputText out(path);
-  out.json({"alpha_shape", JsonPoints{t.point_count, t.dimension, t.scalar}}, [&](JsonWriter& w) {
+  out.json("alpha_shape", {t.point_count, t.dimension, t.scalar}, [&](JsonWriter& w) {
     w.member("affine_dimension", t.affine_dimension);
     w.key("alpha");
     if (std::isnan(alpha))

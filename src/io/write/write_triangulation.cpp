@@ -69,8 +69,7 @@ void vertex_lists(JsonWriter& w, const char* name, const Lists<std::uint32_t>& l
 void write_triangulation_json(const std::string& path, const Triangulation& t,
                               std::span<const double> heights) {
   OutputText out(path);
-  const JsonPoints about{t.point_count, t.dimension, t.scalar};
-  out.json({"triangulation", about}, [&](JsonWriter& w) {
+  out.json("triangulation", {t.point_count, t.dimension, t.scalar}, [&](JsonWriter& w) {
     w.member("affine_dimension", t.affine_dimension);
     w.member("furthest_site", t.furthest_site);
     w.flat("axes", t.axes);
@@ -281,7 +280,7 @@ void write_voronoi(const std::string& path, const Voronoi& v, const std::string&
   const std::string f = output_format(path, format, "json");
   if (f != "json") refuse_format(path, f, {OutputKind::voronoi});
   OutputText out(path);
-  out.json({"voronoi", JsonPoints{v.point_count, v.dimension, v.scalar}}, [&](JsonWriter& w) {
+  out.json("voronoi", {v.point_count, v.dimension, v.scalar}, [&](JsonWriter& w) {
     w.member("affine_dimension", v.affine_dimension);
     w.member("furthest_site", v.furthest_site);
     w.nested("vertices", v.vertices, v.dimension);
