@@ -15,6 +15,7 @@ namespace {
 
 using nlohmann::json;
 
+/// The members of a hull, in the order of `fields`.
 enum class Field {
   ignored,
   kind,
@@ -36,38 +37,46 @@ enum class Field {
   facet_planes,
   simplices,
   simplex_neighbours,
-  simplex_facets,
+  simplex_facets
 };
-constexpr const char* field_names[] = {"",
-                                       "kind",
-                                       "schema",
-                                       "points",
-                                       "affine_dimension",
-                                       "vertex_count",
-                                       "facet_count",
-                                       "simplex_count",
-                                       "length",
-                                       "perimeter",
-                                       "area",
-                                       "volume",
-                                       "centroid",
-                                       "vertices",
-                                       "vertex_coordinates",
-                                       "facets",
-                                       "facet_neighbours",
-                                       "facet_planes",
-                                       "simplices",
-                                       "simplex_neighbours",
-                                       "simplex_facets"};
-constexpr std::size_t field_total = std::size(field_names);
+enum class Shape { single, count, measure, flat, nested };
+
+struct FieldOf {
+  const char* name;
+  Shape shape;
+};
+constexpr FieldOf fields[] = {{"", Shape::single},
+                              {"kind", Shape::single},
+                              {"schema", Shape::single},
+                              {"points", Shape::single},
+                              {"affine_dimension", Shape::single},
+                              {"vertex_count", Shape::count},
+                              {"facet_count", Shape::count},
+                              {"simplex_count", Shape::count},
+                              {"length", Shape::measure},
+                              {"perimeter", Shape::measure},
+                              {"area", Shape::measure},
+                              {"volume", Shape::measure},
+                              {"centroid", Shape::flat},
+                              {"vertices", Shape::flat},
+                              {"vertex_coordinates", Shape::nested},
+                              {"facets", Shape::nested},
+                              {"facet_neighbours", Shape::nested},
+                              {"facet_planes", Shape::nested},
+                              {"simplices", Shape::nested},
+                              {"simplex_neighbours", Shape::nested},
+                              {"simplex_facets", Shape::flat}};
+constexpr std::size_t field_total = std::size(fields);
+
+const FieldOf& of(Field field) { return fields[static_cast<std::size_t>(field)]; }
 
 /// The file's contents before they are checked.
 struct RawHull {
   Hull hull;
-  std::uint64_t vertex_count = 0, facet_count = 0, simplex_count = 0;
   std::uint64_t dimension = 0;
   std::int64_t affine_dimension = 0;
-  double length = 0, perimeter = 0, area = 0, volume = 0;
+  std::uint64_t counts[field_total] = {};
+  double measures[field_total] = {};
   bool has_count = false, has_dimension = false, has_scalar = false;
   Lists<double> planes;
   Lists<double> coordinates;
@@ -77,6 +86,8 @@ struct RawHull {
   Lists<std::uint32_t> simplex_neighbours;
   bool seen[field_total] = {};
   bool has(Field field) const { return seen[static_cast<int>(field)]; }
+  std::uint64_t count(Field field) const { return counts[static_cast<int>(field)]; }
+  double measure(Field field) const { return measures[static_cast<int>(field)]; }
 };
 
 class HullReader final : public nlohmann::json_sax<json> {
@@ -135,7 +146,7 @@ class HullReader final : public nlohmann::json_sax<json> {
     if (depth_ == 1) {
       field_ = Field::ignored;
       for (std::size_t i = 1; i < field_total; ++i)
-        if (name == field_names[i]) field_ = static_cast<Field>(i);
+        if (name == fields[i].name) field_ = static_cast<Field>(i);
       if (field_ == Field::vertex_coordinates && !raw_.want_coordinates) field_ = Field::ignored;
       if (field_ != Field::ignored && std::exchange(raw_.seen[static_cast<int>(field_)], true))
         fault("given twice");
@@ -167,18 +178,10 @@ class HullReader final : public nlohmann::json_sax<json> {
   }
   bool top_level() const { return depth_ == 1; }
   bool in_points() const { return depth_ == 2 && field_ == Field::points; }
-  bool is_flat() const {
-    return field_ == Field::centroid || field_ == Field::vertices ||
-           field_ == Field::simplex_facets;
-  }
-  bool is_nested() const {
-    return field_ == Field::facets || field_ == Field::facet_neighbours ||
-           field_ == Field::facet_planes || field_ == Field::simplices ||
-           field_ == Field::simplex_neighbours || field_ == Field::vertex_coordinates;
-  }
+  bool is_flat() const { return of(field_).shape == Shape::flat; }
+  bool is_nested() const { return of(field_).shape == Shape::nested; }
   [[noreturn]] void fault(const std::string& message) const {
-    fail(source_, field_ == Field::ignored ? "JSON" : field_names[static_cast<int>(field_)], ": ",
-         message);
+    fail(source_, field_ == Field::ignored ? "JSON" : of(field_).name, ": ", message);
   }
   /// Allowed in members that are ignored.
   bool unexpected() const {
@@ -188,25 +191,13 @@ class HullReader final : public nlohmann::json_sax<json> {
     fault("a value of the wrong kind");
   }
   void end_row() {
-    switch (field_) {
-      case Field::facets:
-        raw_.hull.facets.offsets.push_back(raw_.hull.facets.items.size());
-        break;
-      case Field::facet_neighbours:
-        raw_.hull.facet_neighbours.offsets.push_back(raw_.hull.facet_neighbours.items.size());
-        break;
-      case Field::facet_planes:
-        raw_.planes.offsets.push_back(raw_.planes.items.size());
-        break;
-      case Field::vertex_coordinates:
-        raw_.coordinates.offsets.push_back(raw_.coordinates.items.size());
-        break;
-      case Field::simplices:
-        raw_.simplices.offsets.push_back(raw_.simplices.items.size());
-        break;
-      default:
-        raw_.simplex_neighbours.offsets.push_back(raw_.simplex_neighbours.items.size());
-    }
+    const auto end = [](auto& lists) { lists.offsets.push_back(lists.items.size()); };
+    if (field_ == Field::facets) end(raw_.hull.facets);
+    if (field_ == Field::facet_neighbours) end(raw_.hull.facet_neighbours);
+    if (field_ == Field::facet_planes) end(raw_.planes);
+    if (field_ == Field::vertex_coordinates) end(raw_.coordinates);
+    if (field_ == Field::simplices) end(raw_.simplices);
+    if (field_ == Field::simplex_neighbours) end(raw_.simplex_neighbours);
   }
   bool check_kind(const std::string& kind) const {
     if (kind == "hull" || kind == "hull_report") return true;
@@ -234,13 +225,9 @@ class HullReader final : public nlohmann::json_sax<json> {
         raw_.affine_dimension = static_cast<std::int64_t>(v);
         return true;
       case Field::vertex_count:
-        raw_.vertex_count = v;
-        return true;
       case Field::facet_count:
-        raw_.facet_count = v;
-        return true;
       case Field::simplex_count:
-        raw_.simplex_count = v;
+        raw_.counts[static_cast<int>(field_)] = v;
         return true;
       case Field::vertices:
         raw_.hull.vertices.push_back(v);
@@ -278,26 +265,11 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
     return true;
   }
-  double* measure_of_field() {
-    if (!top_level()) return nullptr;
-    switch (field_) {
-      case Field::length:
-        return &raw_.length;
-      case Field::perimeter:
-        return &raw_.perimeter;
-      case Field::area:
-        return &raw_.area;
-      case Field::volume:
-        return &raw_.volume;
-      default:
-        return nullptr;
-    }
-  }
   /// A double. `number`: written as one, so that it must be finite; else it stands for a word.
   bool real(double v, bool number) {
     if (number && !std::isfinite(v)) fault("a number out of range");
-    if (double* const measure = measure_of_field())
-      *measure = v;
+    if (top_level() && of(field_).shape == Shape::measure)
+      raw_.measures[static_cast<int>(field_)] = v;
     else if (depth_ == 2 && field_ == Field::centroid)
       raw_.hull.centroid.push_back(v);
     else if (depth_ == 3 && field_ == Field::facet_planes)
@@ -326,15 +298,15 @@ class HullChecker {
     check_header();
     const auto k = static_cast<std::uint64_t>(std::max<std::int64_t>(raw_.affine_dimension, 0));
     const std::uint64_t facets = hull_.facets.size(), simplices = hull_.simplex_facets.size();
-    equal("vertices", hull_.vertices.size(), raw_.vertex_count);
+    equal("vertices", hull_.vertices.size(), raw_.count(Field::vertex_count));
     if (raw_.want_coordinates) {
-      equal("vertex_coordinates", raw_.coordinates.size(), raw_.vertex_count);
+      equal("vertex_coordinates", raw_.coordinates.size(), raw_.count(Field::vertex_count));
       widths("vertex_coordinates", raw_.coordinates, raw_.dimension);
     }
-    equal("facets", facets, raw_.facet_count);
+    equal("facets", facets, raw_.count(Field::facet_count));
     equal("facet_neighbours", hull_.facet_neighbours.size(), facets);
     equal("facet_planes", raw_.planes.size(), facets);
-    equal("simplex_facets", simplices, raw_.simplex_count);
+    equal("simplex_facets", simplices, raw_.count(Field::simplex_count));
     equal("simplices", raw_.simplices.size(), simplices);
     equal("simplex_neighbours", raw_.simplex_neighbours.size(), simplices);
     if (k == 0 && (facets > 0 || simplices > 0)) fault("facets", "a hull of one point has none");
@@ -365,11 +337,7 @@ class HullChecker {
   }
   bool is_required(Field field) const {
     if (field == Field::vertex_coordinates) return raw_.want_coordinates;
-    return field != Field::kind && field != Field::schema && !is_measure(field);
-  }
-  static bool is_measure(Field field) {
-    return field == Field::length || field == Field::perimeter || field == Field::area ||
-           field == Field::volume;
+    return field != Field::kind && field != Field::schema && of(field).shape != Shape::measure;
   }
   /// By the names that measures have in the hull's dimension; in schema 1 they were `area` and
   /// `volume` in every dimension, `area` being that of the boundary.
@@ -382,23 +350,23 @@ class HullChecker {
       return k == 1 && field == Field::length;
     };
     for (const Field field : {Field::length, Field::perimeter, Field::area, Field::volume}) {
-      const char* const name = field_names[static_cast<int>(field)];
+      const char* const name = of(field).name;
       if (wanted(field) && !raw_.has(field))
         fault(name, "missing, so this is not a hull with its lists");
       if (!wanted(field) && raw_.has(field))
         fault(name, "no measure of a hull of dimension " + std::to_string(k));
     }
     const bool boundary_is_perimeter = k == 2 && !old;
-    hull_.volume = boundary_is_perimeter ? raw_.area : raw_.volume;
-    hull_.area = boundary_is_perimeter ? raw_.perimeter : raw_.area;
+    hull_.volume = raw_.measure(boundary_is_perimeter ? Field::area : Field::volume);
+    hull_.area = raw_.measure(boundary_is_perimeter ? Field::perimeter : Field::area);
     if (k != 1 || old) return;
-    hull_.volume = raw_.length;
+    hull_.volume = raw_.measure(Field::length);
     hull_.area = 2;  // the end points
   }
   void check_header() {
     for (std::size_t i = 1; i < field_total; ++i) {
       if (!is_required(static_cast<Field>(i))) continue;
-      if (!raw_.seen[i]) fault(field_names[i], "missing, so this is not a hull with its lists");
+      if (!raw_.seen[i]) fault(fields[i].name, "missing, so this is not a hull with its lists");
     }
     if (!raw_.has_count || !raw_.has_dimension || !raw_.has_scalar)
       fault("points", "needs count, dimension and scalar");
