@@ -66,8 +66,8 @@ FileFormat format_of(std::string_view endings, Reader reader, Encoding encoding)
   return f;
 }
 
-FileFormat of_records(std::string_view endings, decltype(FileFormat::read) read,
-                      decltype(FileFormat::records) records, std::string_view magic) {
+FileFormat of_records(std::string_view endings, decltype(FileFormat::records) records,
+                      std::string_view magic, decltype(FileFormat::read) read = nullptr) {
   FileFormat f = format_of(endings, Reader::here, Encoding::bytes);
   f.read = read;
   f.records = records;
@@ -115,11 +115,11 @@ std::vector<FileFormat> table() {
     f.name = name;
     return f;
   };
-  add(of_records("npy", read_npy, npy_records, "\x93NUMPY"),
+  add(of_records("npy", npy_records, "\x93NUMPY"),
       "  .npy             NumPy array with a row per point, C or Fortran order (memory-mapped)\n",
       {ids, points, made})
       .axes = false;
-  FileFormat& ply = add(of_records("ply", read_ply, ply_records, ""),
+  FileFormat& ply = add(of_records("ply", ply_records, "", read_ply),
                         "  .ply             vertices, binary (memory-mapped) or ASCII\n",
                         {hull, triangulation, cells, points, made}, Shape::mesh);
   ply.encoding = Encoding::utf8;
@@ -133,11 +133,11 @@ std::vector<FileFormat> table() {
   add(only_written("glb"), "", {hull, triangulation}, Shape::mesh);
   add(only_written("vtp"), "", {hull, triangulation, cells}, Shape::mesh);
   add(only_written("vtk"), "", {triangulation});
-  add(of_records("las laz", read_las, las_records, "LASF"),  // its error names a reader for .laz
+  add(of_records("las laz", las_records, "LASF"),  // its error names a reader for .laz
       "  .las             LAS 1.0 to 1.4, all point formats; other fields (classification,\n"
       "                   intensity, gps_time, red, ...) are columns\n",
       {records});
-  add(of_records("pcd", read_pcd, pcd_records, "# .PCD"),
+  add(of_records("pcd", pcd_records, "# .PCD", read_pcd),
       "  .pcd             fields x, y, z: ascii, binary (memory-mapped), binary_compressed\n");
   add(of_text("geojson geojsonl geojsons geojsonseq", read_geojson, begins_with_json),
       "  .geojson .wkt    the vertices of all geometries; a ring's closing position is not "
@@ -174,7 +174,7 @@ std::vector<FileFormat> table() {
       "CULLHS\n";
   add(of_others("npz", Reader::container),
       "  .npz             one array of an archive: FILE.npz:NAME, or the only array\n", {state});
-  add(of_records("raw", read_raw, raw_records, ""),
+  add(of_records("raw", raw_records, ""),
       "  .raw             coordinates without a header: needs --dim D --type T; any other name\n"
       "                   also needs --input-format raw\n",
       {made})
@@ -211,6 +211,14 @@ std::string format_of_content(const Source& s) {
     break;
   }
   return "text";
+}
+
+/// The points of a file that is no text of rows.
+PointData points_of(const Source& file, const FileFormat& format, const ReadOptions& options) {
+  if (format.read != nullptr) return format.read(file, options);
+  const RecordLayout layout = *format.records(file, file.size, options);
+  return layout.decode({file.name, file.data + layout.offset, file.size - layout.offset}, 0,
+                       layout.count);
 }
 
 /// Skips the byte order mark of UTF-8.
@@ -352,7 +360,7 @@ PointData read_points(const Source& file, const ReadOptions& options) {
     if (!format.endings.empty()) data.format = name;
     return data;
   }
-  PointData data = format.read(source, options);
+  PointData data = points_of(source, format, options);
   choose_columns(data, file.name, column_names(name), options);
   return data;
 }
@@ -365,7 +373,7 @@ std::optional<std::uint64_t> line_in_file(const Source& file, std::uint64_t poin
   if (source.size == 0) return std::nullopt;
   if (format.line_of != nullptr) return format.line_of(source, point);
   if (format.rows) return line_of_row(source, point, name);
-  const PointLine at = format.read(source, {}).not_finite;
+  const PointLine at = points_of(source, format, {}).not_finite;
   return at.line > 0 && at.point == point ? std::optional(at.line) : std::nullopt;
 }
 

@@ -61,7 +61,7 @@ struct FileFormat {
 
   Reader reader = Reader::none;
   Encoding encoding = Encoding::bytes;
-  /// Reads a file; null where `rows`.
+  /// Reads a file; null where `rows`, and where all its files are `records`.
   PointData (*read)(const Source& source, const ReadOptions& options) = nullptr;
   /// Its points as records of fixed size, which are read in blocks; empty for a file that has
   /// others.

@@ -198,18 +198,6 @@ std::vector<double> numbers_of(const PointKeys& words, const std::string& name,
   return numbers;
 }
 
-std::uint64_t raw_record(const Source& source, const ReadOptions& options) {
-  if (options.raw_dimension == 0 || !options.raw_scalar)
-    throw Error(ErrorCode::invalid_argument, source.name,
-                ": raw input needs a dimension and a scalar type");
-  return std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
-}
-
-void check_whole_records(const Source& source, std::uint64_t size, std::uint64_t record) {
-  if (size % record != 0)
-    fail_at_byte(source, size - size % record, "ends within a point: one takes ", record, " bytes");
-}
-
 PointData raw_points(const Source& source, std::uint64_t count, const ReadOptions& options) {
   PointData data;
   data.format = "raw";
@@ -226,19 +214,18 @@ PointData raw_points(const Source& source, std::uint64_t count, const ReadOption
 
 }  // namespace
 
-PointData read_raw(const Source& source, const ReadOptions& options) {
-  const std::uint64_t record = raw_record(source, options);
-  check_whole_records(source, source.size, record);
-  return raw_points(source, source.size / record, options);
-}
-
 std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
+  if (options.raw_dimension == 0 || !options.raw_scalar)
+    throw Error(ErrorCode::invalid_argument, head.name,
+                ": raw input needs a dimension and a scalar type");
   RecordLayout layout;
   layout.format = "raw";
-  layout.record_bytes = raw_record(head, options);
-  if (size != unknown_size) check_whole_records(head, size, layout.record_bytes);
+  layout.record_bytes = std::uint64_t{options.raw_dimension} * scalar_size(*options.raw_scalar);
   layout.count = size == unknown_size ? unknown_size : size / layout.record_bytes;
+  if (size != unknown_size && size % layout.record_bytes != 0)
+    fail_at_byte(head, layout.count * layout.record_bytes, "ends within a point: one takes ",
+                 layout.record_bytes, " bytes");
   layout.decode = [options](const Source& records, std::uint64_t, std::uint64_t count) {
     return raw_points(records, count, options);
   };

@@ -105,16 +105,13 @@ PointData in_machine_order(PointData data);
 PointData with_reversed_bytes(PointData data);
 
 /// Readers, one file each. They throw Error{bad_file}; `options` gives threads and stop token.
-PointData read_npy(const Source& source, const ReadOptions& options);
 PointData read_ply(const Source& source, const ReadOptions& options);
 PointData read_pcd(const Source& source, const ReadOptions& options);
-PointData read_las(const Source& source, const ReadOptions& options);
 PointData read_obj(const Source& source, const ReadOptions& options);
 PointData read_off(const Source& source, const ReadOptions& options);
 PointData read_stl(const Source& source, const ReadOptions& options);
 /// `format`: "csv", "xyz", "pts", "node", "txt" or "text".
 PointData read_text(const Source& source, const ReadOptions& options, const std::string& format);
-PointData read_raw(const Source& source, const ReadOptions& options);
 /// Scans of Leica's: each with its placement and a grid of records.
 PointData read_ptx(const Source& source, const ReadOptions& options);
 

@@ -121,12 +121,6 @@ PointData points_of_records(const std::string& file, const char* records, std::u
 
 }  // namespace
 
-PointData read_las(const Source& source, const ReadOptions& options) {
-  const LasHeader h = parse_header(source, options.numbers);
-  check_room(source, h, source.size);
-  return points_of_records(source.name, source.data + h.offset, h.count, h, options);
-}
-
 std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
   const LasHeader h = parse_header(head, options.numbers);

@@ -402,18 +402,6 @@ PointArray parse_points(const Source& head, Header&& header, std::uint64_t file_
 
 }  // namespace
 
-PointData read_npy(const Source& source, const ReadOptions& options) {
-  Header header = parse_header(source);
-  if (!header.fields.empty()) {
-    const StructuredArray a = parse_structured(source, header, source.size, options);
-    return points_of_structured({source.name, source.data + a.data_offset, 0}, a, a.count, 0,
-                                options);
-  }
-  const PointArray a = parse_points(source, std::move(header), source.size);
-  return points_of_array(source, source.data + a.header.data_offset, a.count, a.dimension, a.type,
-                         a.header.fortran, options);
-}
-
 std::optional<RecordLayout> npy_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options) {
   RecordLayout layout;
