@@ -28,7 +28,7 @@ cullhull::Hull hull_on_grid(const cullhull::PointView& numbers,
   cullhull::Statistics& s = hull.statistics;
   s.survivors = count;
   s.filter = survivors.filter;
-  s.cull_reason = survivors.reason;
+  s.cull_reason.replace(0, s.cull_reason.find("; "), survivors.reason);  // "no filter, as asked"
   s.backend = survivors.backend;
   s.cull_seconds = survivors.seconds;
   s.compute_seconds += survivors.seconds;

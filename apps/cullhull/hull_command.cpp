@@ -394,9 +394,9 @@ Hull hull_of_state(const HullArguments& arguments, const Streamed& streamed) {
   cullhull::Statistics& s = found.result.statistics;
   s.survivors = streamed.state.ids().size();
   s.filter = cullhull::UsedFilter::stream;
-  s.cull_reason =
-      fmt::format("points in {} blocks, {} maps, {} exact reductions", streamed.read.blocks,
-                  streamed.report.maps, streamed.report.reductions);
+  s.cull_reason = fmt::format("points in {} blocks, {} maps, {} exact reductions; then {}",
+                              streamed.read.blocks, streamed.report.maps,
+                              streamed.report.reductions, s.cull_reason);
   s.cull_seconds = streamed.seconds;
   s.hull_seconds = watch.seconds();
   s.compute_seconds = s.cull_seconds + s.hull_seconds;

@@ -5,6 +5,7 @@
 
 #include "cullhull/hull.hpp"
 #include "few/few_in_space.hpp"
+#include "filter/ways.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -185,19 +186,19 @@ class Joiner {
 
 }  // namespace
 
-SetHuller::SetHuller(const Run& run)
-    : options_(run.options),
-      plain_(options_.backend != Backend::cuda &&
-             (options_.memory_budget == 0 || options_.memory_budget >= 1 << 22)),
-      polygon_(run.control) {
+SetHuller::SetHuller(const Run& run) : options_(run.options), polygon_(run.control) {
   options_.threads = 1;
   options_.progress = nullptr;
   options_.poll = nullptr;  // only for the calling thread; this may run on another
 }
 
 void SetHuller::append(const PointView& set, HullBatch& to) {
-  if (plain_ && polygon_.find(set) && polygon_.write(set, to)) return;
-  if (!plain_ || !append_small_3d(set, to)) internal::append(to, convex_hull(set, options_));
+  // Small sets are not filtered, whatever filter was chosen.
+  const bool at_once = permits_few(
+      {.dimension = set.dimension, .backend = options_.backend, .budget = options_.memory_budget});
+  if (at_once && ((polygon_.find(set) && polygon_.write(set, to)) || append_small_3d(set, to)))
+    return;
+  internal::append(to, convex_hull(set, options_));
 }
 
 void SetHuller::append(const FoundHull& found, HullBatch& to) {

@@ -36,7 +36,6 @@ class SetHuller {
 
  private:
   Options options_;
-  bool plain_;  ///< whether the options permit the fast paths
   SmallPolygon polygon_;
 };
 

@@ -9,6 +9,7 @@
 #include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "filter/planner.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
@@ -41,11 +42,11 @@ class DeviceFilter {
     Filtered result;
     result.survivors.all = true;
     if (run_.options.cull == CullMethod::pseudo_hull && run_.options.backend != Backend::cpu &&
-        d_ >= pseudo_hull_min_dimension && d_ <= pseudo_hull_cuda_max_dimension &&
-        points_.count > d_ + 1)
+        d_ <= pseudo_hull_cuda_max_dimension &&
+        takes(Way::pseudo_hull, way_question(points_, run_.options)))
       return pseudo_hull_there();
     if (run_.options.cull == CullMethod::pseudo_hull) return culled_on_host("");
-    result.survivors.reason = why_no_filter(run_.options.cull, points_.count, d_);
+    result.survivors.reason = why_no_filter(way_question(points_, run_.options));
     if (!result.survivors.reason.empty()) return all_points(std::move(result));
     if (run_.options.backend == Backend::cpu) return culled_on_host("");
     std::string where = "CUDA device as asked";

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "few/few_nd.hpp"
 #include "few/small_3d_measures.hpp"
 #include "few/small_3d_surface.hpp"
+#include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
 #include "result/write/few_lists.hpp"
@@ -100,8 +100,10 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
 }
 
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull) {
+  if (view.dimension < 3 || !takes_few({.dimension = view.dimension, .count = count, .left = true}))
+    return false;
   if (view.dimension > 3) return hull_of_few_nd(view, ids, count, hull);
-  if (view.dimension != 3 || count < 4 || count > MediumHull3D::max_points) return false;
+  static_assert(row_of(Way::few_in_space).most_left <= MediumHull3D::max_points);
   const auto n = static_cast<unsigned>(count);
   if (count <= SmallHull3D::max_points) return write_small(view, ids, n, hull);
   struct Memory {
@@ -114,7 +116,8 @@ bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t 
 }
 
 bool append_small_3d(const PointView& set, HullBatch& to) {
-  return set.dimension == 3 && set.count >= 4 && set.count <= SmallHull3D::max_points &&
+  return set.dimension == 3 && takes_few({.dimension = 3, .count = set.count}) &&
+         set.count <= SmallHull3D::max_points &&
          write_small(set, nullptr, static_cast<unsigned>(set.count), to);
 }
 

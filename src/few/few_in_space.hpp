@@ -17,11 +17,6 @@ void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
 void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
                 MediumPoints3D& points);
 
-/// The largest set in space that is hulled without a filter. All its points may be extreme: each is
-/// tested against all of up to twice as many facets. With more points the engine's search for a
-/// visible facet is faster.
-inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
-
 /// The hull of the points with the given ids, which ascend (nullptr: of all points), where they are
 /// few: the same bits as build_hull gives. Fills every field except statistics. False, with `hull`
 /// unchanged, for points that are too many or not in space or 4D to 8D, for flats, coordinates that
@@ -30,6 +25,10 @@ inline constexpr std::uint64_t most_unfiltered_in_space = 1024;
 /// tests it against, or where SmallSurfaceNd gives up. There points that are not finite throw
 /// Error{not_finite}.
 bool hull_of_few(const PointView& view, const std::uint64_t* ids, std::uint64_t count, Hull& hull);
+
+/// Does this from 4D on, for points that it takes.
+bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
+                    Hull& hull);
 
 /// Appends the hull of a small set of points in space to `to`: the same bits as convex_hull gives.
 /// False, with `to` unchanged, for sets that are not small or that small_hull_3d refuses, and where

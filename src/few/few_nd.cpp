@@ -1,12 +1,12 @@
 // The canonical hull of few points in four to eight dimensions, from their coordinates.
-#include "few/few_nd.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <utility>
 #include <vector>
 
+#include "few/few_in_space.hpp"
 #include "few/small_nd.hpp"
+#include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/sort_few.hpp"
@@ -18,10 +18,6 @@
 
 namespace cullhull::internal {
 namespace {
-
-/// For 4D to 8D. In 4D the engine's searches take less time for more points than tests against all
-/// facets; elsewhere larger sets, some milliseconds of work, are left to the engine's threads.
-constexpr std::uint64_t most_points[] = {1024, 256, 80, 40, 24};
 
 /// Writes a surface as a hull, with the bits that build_hull gives: simplices in canonical order,
 /// then planes and measures, run by run.
@@ -48,7 +44,7 @@ class SmallWriter {
  private:
   static constexpr unsigned lanes = FacetBlock<K>::lanes;
   static constexpr unsigned slot_bits = std::bit_width(SmallSurfaceNd<K>::most_facets - 1);
-  static_assert(slot_bits + K * std::bit_width(most_points[K - small_nd_min_dimension] - 1) <= 64);
+  static_assert(slot_bits + K * std::bit_width(row_of(few_way(K)).most_left - 1) <= 64);
   struct Facet {
     std::uint32_t corner[K];  ///< ranks of the vertices in stored order
     std::uint32_t across[K];  ///< slots of the facets opposite to them
@@ -174,13 +170,9 @@ struct Memory {
 
 bool hull_of_few_nd(const PointView& view, const std::uint64_t* ids, std::uint64_t count,
                     Hull& hull) {
-  const unsigned d = view.dimension;
-  if (d < small_nd_min_dimension || d > small_nd_max_dimension || count <= d ||
-      count > most_points[d - small_nd_min_dimension])
-    return false;
   const Array<double> rows = gather_points(view, ids, count, short_run());
   const auto n = static_cast<unsigned>(count);
-  return with_dimension<4, 7, 8>(d, [&](auto k) {
+  return with_dimension<4, 7, 8>(view.dimension, [&](auto k) {
     auto& memory = thread_memory<Memory<k>>();
     const bool done = memory.surface.build(rows.data(), n) &&
                       memory.writer.run(view, ids, n, memory.surface, hull);

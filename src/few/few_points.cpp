@@ -1,14 +1,14 @@
 #include "few/few_points.hpp"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "few/few_in_space.hpp"
-#include "few/few_nd.hpp"
-#include "few/small_nd.hpp"
 #include "few/small_polygon.hpp"
 #include "filter/lattice/small_lattice.hpp"
+#include "filter/ways.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
@@ -35,10 +35,12 @@ bool small_extreme_2d(const PointView& points, ExtremePoints& result) {
 
 bool small_hull_3d(const PointView& points, Hull& hull) {
   const std::vector<std::uint64_t>* ids = nullptr;
-  if (ends_in_small_lattice(points, ids))
-    return hull_of_few(points, ids->data(), ids->size(), hull);
-  return points.count <= most_unfiltered_in_space &&
-         hull_of_few(points, nullptr, points.count, hull);
+  if (!ends_in_small_lattice(points, ids))
+    return takes_few({.dimension = 3, .count = points.count}) &&
+           hull_of_few(points, nullptr, points.count, hull);
+  if (!hull_of_few(points, ids->data(), ids->size(), hull)) return false;
+  hull.statistics.cull_reason = std::string(row_of(Way::small_lattice).name) + ", ";
+  return true;
 }
 
 bool small_extreme_3d(const PointView& points, ExtremePoints& result) {
@@ -53,28 +55,25 @@ bool small_hull_2d(const PointView& points, Hull& hull) {
   SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
   if (!polygon.write(points, hull)) return false;
+  if (const WayRow* filter = polygon.filtered_by())
+    hull.statistics.cull_reason = std::string(filter->name) + ", ";
   polygon.rung_counts().add_to(hull.statistics.rung_counts);
   return true;
 }
 
-/// Calls find() if size and options permit it, and fills `statistics`. False where find() is not
-/// called or returns false.
+/// Calls find() if the options permit it, and fills `statistics`. False where find() is not called
+/// or returns false.
 template <class Find>
 bool find_small(const PointView& points, const Options& options, Statistics& statistics,
                 const Find& find) {
-  if (points.dimension < 2 || points.dimension > small_nd_max_dimension ||
-      !takes_small_sets(options, points.dimension))
-    return false;
+  if (!permits_few(way_question(points, options))) return false;
   const Clock::time_point start = Clock::now();
   const Control control(options);
   control.check();
   if (!find()) return false;
   statistics.threads = resolve_threads(options.threads);
   statistics.survivors = points.count;
-  constexpr std::uint64_t few = std::uint64_t{1} << 16;
-  statistics.cull_reason = points.count <= few
-                               ? "few points"
-                               : "an ellipse in a sample's hull, or lines, left few points";
+  statistics.cull_reason += row_of(few_way(points.dimension)).name;
   statistics.hull_seconds = statistics.compute_seconds = seconds_since(start);
   control.report("done", 1);
   return true;
@@ -82,17 +81,11 @@ bool find_small(const PointView& points, const Options& options, Statistics& sta
 
 }  // namespace
 
-bool takes_small_sets(const Options& options, std::uint32_t dimension) {
-  return options.backend != Backend::cuda && options.cull == CullMethod::automatic &&
-         (options.memory_budget == 0 || options.memory_budget >= small_set_bytes(dimension));
-}
-
 bool small_hull(const PointView& points, const Options& options, Hull& hull) {
   return find_small(points, options, hull.statistics, [&] {
-    const bool found = points.dimension == 2 ? small_hull_2d(points, hull)
-                       : points.dimension == 3
-                           ? small_hull_3d(points, hull)
-                           : hull_of_few_nd(points, nullptr, points.count, hull);
+    const bool found = points.dimension == 2   ? small_hull_2d(points, hull)
+                       : points.dimension == 3 ? small_hull_3d(points, hull)
+                                               : hull_of_few(points, nullptr, points.count, hull);
     if (!found) return false;
     hull.dimension = points.dimension;
     hull.point_count = points.count;

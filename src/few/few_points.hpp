@@ -2,24 +2,12 @@
 // general flow.
 #pragma once
 
-#include <cstdint>
-
 #include "cullhull/extreme_points.hpp"
 #include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 
 namespace cullhull::internal {
-
-/// More bytes than a small set of this dimension takes, result included, so that these paths need
-/// not count bytes.
-constexpr std::uint64_t small_set_bytes(std::uint32_t dimension) {
-  return dimension <= 3 ? std::uint64_t{1} << 22 : std::uint64_t{1} << 23;
-}
-
-/// Whether the options permit these direct paths: not where the caller chose a filter, a device or
-/// a memory budget below small_set_bytes().
-bool takes_small_sets(const Options& options, std::uint32_t dimension);
 
 /// Fills all of `hull` with the same bits as the general flow. Returns false, having done nothing,
 /// where the general flow is needed. `points` and `options` have been checked.

@@ -10,8 +10,6 @@
 
 namespace cullhull::internal {
 
-inline constexpr unsigned small_nd_min_dimension = 4, small_nd_max_dimension = 8;
-
 /// The surface of the hull of points in D dimensions, as simplices of which no two adjacent ones
 /// are coplanar. Incremental insertion; each point is tested against all facets at once by their
 /// planes in f32, so nothing is searched. Doubtful signs are decided by `orientation`.
@@ -19,7 +17,7 @@ template <unsigned D>
 class SmallSurfaceNd {
  public:
   /// A surface of more facets than this is given up. With its result it takes less than 5 MiB
-  /// (`small_set_bytes`).
+  /// (`WayRow::bytes`).
   static constexpr unsigned most_facets = 8192;
   /// In the neighbours of a slot without a facet.
   static constexpr std::uint32_t none = 0xFFFFFFFFU;

@@ -9,14 +9,14 @@
 namespace cullhull::internal {
 
 bool SmallPolygon::find(const PointView& set) {
-  if (set.dimension != 2 || set.count < 3 || set.count > most_points) return false;
+  if (!takes(Way::few_in_plane, {.dimension = set.dimension, .count = set.count})) return false;
   // Of these a copy is made where that is needed, once for all passes.
   constexpr std::uint64_t most_copied = std::uint64_t{1} << 16;
   const PointView points = set.count <= most_copied
                                ? PointView::row_major(rows_as_given(set, loaded_), set.count, 2)
                                : set;
   all_ = !filter_.keep_few(points, series_);
-  if (all_ && set.count > most_unfiltered) return false;
+  if (all_ && set.count > row_of(Way::few_in_plane).most_left) return false;
   count_ = all_ ? static_cast<std::uint32_t>(set.count) : filter_.count();
   rows_ = all_ ? packed_doubles(points) : filter_.rows();
   if (!all_finite(rows_, 2 * std::size_t{count_})) return false;
@@ -55,8 +55,8 @@ bool SmallPolygon::measure(const PointView& set, double* planes, PlanarMeasures&
   if (!kernel.ordinary()) return false;
   for (Corner& c : by_rank_)
     c.point = kernel.scaled({rows_[2 * std::size_t{c.row}], rows_[2 * std::size_t{c.row} + 1]});
-  static_assert(most_unfiltered <= measure_chunk &&
-                PlaneFilter::most_kept <= measure_chunk);  // one chunk of sums
+  static_assert(PlaneFilter::most_kept <= row_of(Way::few_in_plane).most_left &&
+                row_of(Way::few_in_plane).most_left <= measure_chunk);  // one chunk of sums
   Share<2, DoubleDouble> sums;
   const std::size_t h = by_rank_.size();
   Share<2> run;

@@ -15,17 +15,15 @@ namespace cullhull::internal {
 
 class SmallPolygon {
  public:
-  /// With more points the passes of several threads over a map are faster.
-  static constexpr std::uint64_t most_points = std::uint64_t{1} << 20;
-  /// The most points where none is discarded: one chunk of sums.
-  static constexpr std::uint64_t most_unfiltered = 8192;
-
   /// Holds at most about 1 MB, and 1 MB more for points that are not packed doubles.
   explicit SmallPolygon(const Control& control) : series_(control) {}
 
   /// Finds the corners of a set. False where the general flow must be used: other dimensions, too
   /// few or too many points, points on a line, extreme aspect ratios, points that are not finite.
   bool find(const PointView& set);
+
+  /// The quick filter that dropped points of the set found; null: none did.
+  const WayRow* filtered_by() const { return all_ ? nullptr : &row_of(filter_.way()); }
 
   /// Number of corners, and so of edges.
   std::size_t size() const { return by_rank_.size(); }

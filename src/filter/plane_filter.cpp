@@ -11,10 +11,8 @@ namespace cullhull::internal {
 /// Keeps of the points with the same value on an axis only the lowest and the highest along the
 /// other axis, and of equal points the first: no other point can be a corner.
 bool PlaneFilter::keep_ends_of_columns(const PointView& set) {
-  // Sets that are searched for columns, points per column, and columns.
-  constexpr std::uint64_t smallest = 96, points_per_column = 6, most_columns = 512;
+  constexpr std::uint64_t points_per_column = 6, most_columns = 512;
   constexpr std::uint64_t first = 16;  // points that show that most sets have no such axis
-  if (set.count < smallest) return false;
   for (const std::uint64_t n : {first, set.count}) {
     const WholeRange range = whole_range(set, n);
     if (!range.finite) return false;

@@ -7,6 +7,7 @@
 
 #include "cullhull/point_view.hpp"
 #include "filter/inner_ellipse.hpp"
+#include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 
 namespace cullhull::internal {
@@ -18,20 +19,23 @@ class PlaneFilter {
   /// The most points that it keeps. Where samples leave more, of a square of 26,000 points, a map
   /// is as fast.
   static constexpr std::uint32_t most_kept = 5632;
-  /// With fewer points a sample costs more than it saves: 12 % more time at 130 and 160 points in a
-  /// disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in Gaussian sets, and
-  /// costs 7 to 8 % on circles.
-  static constexpr std::uint32_t smallest_worth_sampling = 192;
 
   /// Filters less than 2^32 points of the plane. `hull` finds the corners of samples: its
   /// corners(rows, count), counter-clockwise, of finite packed pairs, and then their box(). False
   /// where this does not pay or too much is left; the members below then say nothing.
+  ///
+  /// With less than 192 points a sample costs more than it saves: 12 % more time at 130 and 160
+  /// points in a disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in
+  /// Gaussian sets, and costs 7 to 8 % on circles.
   template <class Hull>
   bool keep_few(const PointView& set, Hull& hull) {
-    return keep_ends_of_columns(set) ||
-           (set.count >= smallest_worth_sampling && keep_outside_samples(set, hull));
+    const WayQuestion q{.dimension = 2, .count = set.count, .left = true};
+    if (takes(Way::columns, q) && keep_ends_of_columns(set)) return kept_by(Way::columns);
+    return takes(Way::ellipse, q) && keep_outside_samples(set, hull) && kept_by(Way::ellipse);
   }
 
+  /// The way that kept them.
+  Way way() const { return way_; }
   std::uint32_t count() const { return count_; }
   /// The number of kept point i < count() in the set of the last keep_few(); ascending.
   std::uint32_t id(std::uint32_t i) const { return kept_[i]; }
@@ -45,6 +49,10 @@ class PlaneFilter {
     std::uint32_t first, last;  ///< the points that have them
   };
 
+  bool kept_by(Way way) {
+    way_ = way;
+    return true;
+  }
   bool keep_ends_of_columns(const PointView& set);
   void find_ends(const PointView& set, unsigned axis, double low, std::uint32_t columns);
   void make_room();
@@ -80,6 +88,7 @@ class PlaneFilter {
     }
   }
 
+  Way way_ = Way::columns;
   std::uint32_t count_ = 0;
   std::vector<std::uint32_t> kept_, outside_;
   std::vector<double> rows_;

@@ -5,6 +5,7 @@
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "few/few_points.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
@@ -40,10 +41,11 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   unfiltered.survivors.all = true;
   KnownHull known;
   if (filtered.triangles.count() != 0) known.triangles = &filtered.triangles;
-  Hull hull = hull_of_survivors(PointView::row_major(filtered.rows.data(), count, points.dimension),
-                                std::move(unfiltered), run, Few::at_once, &known);
-  if (options.with_coordinates)
-    write_coordinates(PointView::row_major(filtered.rows.data(), count, points.dimension), hull);
+  const PointView rows = PointView::row_major(filtered.rows.data(), count, points.dimension);
+  Hull hull;
+  if (!small_hull(rows, options, hull))
+    hull = hull_of_survivors(rows, std::move(unfiltered), run, &known);
+  if (options.with_coordinates) write_coordinates(rows, hull);
   hull.statistics.threads = call.run.threads;
   // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
   if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
@@ -51,10 +53,11 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   hull.scalar = points.scalar;
   hull.statistics.survivors = count;
   hull.statistics.filter = s.filter;
-  hull.statistics.cull_reason = s.reason;
+  std::string reason = s.reason;
   if (known.tried)
-    hull.statistics.cull_reason +=
-        known.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
+    reason += known.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
+  std::string& way = hull.statistics.cull_reason;
+  way = way.empty() ? reason : reason + "; then " + way;
   hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;

@@ -4,6 +4,7 @@
 
 #include "cullhull/error.hpp"
 #include "filter/lattice/lattice_cull.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
@@ -12,11 +13,8 @@ namespace cullhull::internal {
 namespace {
 
 void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
-  // The least number of points for the lattice test, which takes 110 us for 1,000 points: a loss
-  // where there is no lattice, while the engine is quick with few points. Untested value.
-  constexpr std::uint64_t worthwhile = 256;
   std::vector<std::uint32_t> kept;
-  if (input.count < worthwhile ||
+  if (!takes(Way::lattice, {.dimension = d, .count = input.count, .left = true}) ||
       !lattice_cull(input.rows, static_cast<std::uint32_t>(input.count), d, run, kept) ||
       kept.size() == input.count)
     return;
@@ -33,7 +31,7 @@ void thin_lattice(EngineInput& input, unsigned d, const Run& run) {
 }
 
 void require_engine_room(std::uint64_t count, unsigned dimension, const Run& run) {
-  if (count >= 0xFFFFFFFF)
+  if (count > most_of_engine)
     throw Error(ErrorCode::out_of_budget, count,
                 " points survive the filter; an engine takes 2^32 - 2");
   // Bytes needed: coordinates, a copy in the engine's order, and keys with ids to sort them by.

@@ -1,9 +1,6 @@
 #include <algorithm>
 
-#include "few/few_in_space.hpp"
-#include "filter/gauge/gauge_map.hpp"
-#include "filter/planner.hpp"
-#include "filter/pseudo_hull/pseudo_hull.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/memory/memory.hpp"
@@ -42,32 +39,15 @@ void gather_survivors(const PointView& points, Filtered& result, const Run& run)
   run.report("cull", 0.8);
 }
 
-std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d) {
-  if (method == CullMethod::none) return "no filter, as asked";
-  if (method == CullMethod::pseudo_hull) return "the pseudo-hull is for 2D to 8D";
-  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension)
-    return "the gauge map is for 2D to 6D";
-  if (count <= d + 1 || (method == CullMethod::automatic && count < smallest_worth_culling(d)))
-    return "too few points for the filter to pay (" + std::to_string(count) + ")";
-  return "";
-}
-
 Filtered run_filter(const PointView& points, const Run& run) {
   Filtered result;
   result.survivors.all = true;
   result.pass_survivors = points.count;
-  const unsigned d = points.dimension;
-  if (run.options.cull == CullMethod::pseudo_hull && d >= pseudo_hull_min_dimension &&
-      d <= pseudo_hull_max_dimension && points.count > d + 1)
-    return run_pseudo_hull(points, run);
-  if (run.options.cull == CullMethod::automatic && run.options.backend != Backend::cuda && d == 3 &&
-      points.count > most_unfiltered_in_space && points.count <= most_by_outermost &&
-      cull_by_outermost(points, run, result))
-    return result;
-  result.survivors.reason = why_no_filter(run.options.cull, points.count, d);
-  if (!result.survivors.reason.empty()) return result;
-
-  filter_by_sample(points, run, result);
+  const WayQuestion q = way_question(points, run.options);
+  if (takes(Way::pseudo_hull, q)) return run_pseudo_hull(points, run);
+  if (takes(Way::outermost, q) && cull_by_outermost(points, run, result)) return result;
+  result.survivors.reason = why_no_filter(q);
+  if (result.survivors.reason.empty()) filter_by_sample(points, run, result);
   return result;
 }
 

@@ -5,8 +5,9 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "cullhull/hull.hpp"
 #include "few/few_in_space.hpp"
-#include "few/few_points.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"
@@ -24,6 +25,13 @@ Boundary run_engine(const LocalFrame& frame, const Run& run) {
   return hull_nd(points, frame.simplex().data(), run);
 }
 
+/// Tells the way that found the hull; returns true.
+bool add_way(Way way, Hull& hull) {
+  std::string& reason = hull.statistics.cull_reason;
+  reason += (reason.empty() ? "" : "; then ") + std::string(row_of(way).name);
+  return true;
+}
+
 /// Hulls 2D points without a frame. Returns false if `points` is not 2D; also for flats and
 /// polygons of extreme aspect ratio, after reducing `filtered` to the polygon's corners, which have
 /// the same hull.
@@ -36,7 +44,7 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   if (edges >= 3 && write_polygon(points, rows.ids, polygon, run, hull)) {
     hull.affine_dimension = 2;
     polygon.rung_counts.add_to(hull.statistics.rung_counts);
-    return true;
+    return add_way(Way::plane_engine, hull);
   }
   filtered.survivors.ids =
       ascending_ids(polygon.corners.data(), edges, polygon.rows, rows.ids, run);
@@ -48,11 +56,15 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
 /// Hulls few points from 3D on directly from their coordinates. Returns false where the engine is
 /// needed.
 bool hull_few(const PointView& points, const Survivors& survivors, const Run& run, Hull& hull) {
-  const unsigned d = points.dimension;
   const std::uint64_t count = survivors.size(points.count);
-  if (run.budget < small_set_bytes(d) || (survivors.all && count > most_unfiltered_in_space))
-    return false;
-  return hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull);
+  // Of all points small_hull() had the choice: a failed attempt can take milliseconds.
+  if (survivors.all && takes_few(way_question(points, run.options))) return false;
+  return takes_few({.dimension = points.dimension,
+                    .count = count,
+                    .left = !survivors.all,
+                    .budget = run.budget}) &&
+         hull_of_few(points, survivors.all ? nullptr : survivors.ids.data(), count, hull) &&
+         add_way(few_way(points.dimension), hull);
 }
 
 /// The known triangles at the points' positions; nothing if they are of other points.
@@ -94,7 +106,9 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
   const LocalFrame& frame = *found;
   run.check();
   hull.affine_dimension = frame.affine_dimension();
+  const Way way = engine_way(static_cast<std::uint32_t>(hull.affine_dimension));
   if (hull.affine_dimension == 0) {
+    add_way(way, hull);
     hull.vertices = {input.all ? 0 : input.ids[0]};
     for (unsigned j = 0; j < points.dimension; ++j)
       hull.centroid.push_back(points.at(hull.vertices[0], j));
@@ -102,6 +116,7 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
     const ResultInput from{&points, &frame.points(), input.all ? nullptr : input.ids.data(),
                            frame.axes().data()};
     const auto finish = [&](auto&& boundary, std::uint64_t facets) {
+      add_way(way, hull);
       boundary.rung_counts.add_to(hull.statistics.rung_counts);
       const auto k = static_cast<std::uint64_t>(hull.affine_dimension);
       require_budget(run.budget, facets * result_bytes_per_facet(k, points.dimension),
@@ -126,7 +141,7 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
 
 }  // namespace
 
-Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run, Few few,
+Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        KnownHull* known) {
   const Clock::time_point start = Clock::now();
   Hull hull;
@@ -139,7 +154,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
-      (few == Few::by_engine || !hull_few(points, filtered.survivors, run, hull)))
+      !hull_few(points, filtered.survivors, run, hull))
     hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;

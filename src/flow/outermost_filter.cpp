@@ -3,12 +3,15 @@
 #include "few/small_3d.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/outermost.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {
+
+constexpr std::uint64_t most_hulled = row_of(Way::few_in_space).most_left;
 
 /// Returns the hull of the points with these ids; of dimension 0 if there are too many for
 /// small_hull_3d or it fails.
@@ -18,7 +21,7 @@ InnerPolytope polytope_of(const PointView& points, const std::vector<std::uint64
     MediumHull3D hull;
   };
   InnerPolytope polytope;
-  if (ids.size() < 4 || ids.size() > MediumHull3D::max_points) return polytope;
+  if (ids.size() < 4 || ids.size() > most_hulled) return polytope;
   Memory& m = thread_memory<Memory>();
   const auto count = static_cast<unsigned>(ids.size());
   load_small(points, ids.data(), count, m.points);
@@ -81,7 +84,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
                      std::to_string(6 * first.cones * first.cones) + " directions";
   gather_survivors(points, result, run);
   std::vector<std::uint64_t> kept;
-  if (survivors.ids.size() > MediumHull3D::max_points &&
+  if (survivors.ids.size() > most_hulled &&
       kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, run, kept)) {
     keep_of_survivors(result, 3, kept);
     survivors.filter = UsedFilter::gauge_twice;

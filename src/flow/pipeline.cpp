@@ -81,11 +81,7 @@ Hull convex_hull(const PointView& points, const Options& options) {
   run.check();
   Filtered filtered = filter_and_plan(points, run);
   const double cull_seconds = seconds_since(start);
-  // From 4D on a failed attempt can take milliseconds: small_hull() is not repeated.
-  const bool tried =
-      points.dimension > 3 && filtered.survivors.all && takes_small_sets(options, points.dimension);
-  Hull hull =
-      hull_of_survivors(points, std::move(filtered), run, tried ? Few::by_engine : Few::at_once);
+  Hull hull = hull_of_survivors(points, std::move(filtered), run);
   hull.statistics.threads = call.run.threads;  // a stage may use fewer
   hull.statistics.cull_seconds = cull_seconds;
   if (options.with_coordinates) write_coordinates(points, hull);

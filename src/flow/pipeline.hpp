@@ -30,10 +30,6 @@ struct Filtered {
   StarTriangles triangles;           ///< a surface of the survivors that may be their hull, or none
 };
 
-/// The most 3D points that are filtered by a map of the outermost points, which takes little more
-/// than one pass over them. With more points a larger sample and a finer map are faster.
-inline constexpr std::uint64_t most_by_outermost = 1 << 16;
-
 /// Runs the filter that the options ask for. Points with a NaN or an infinity always survive, so
 /// that gathering the survivors reports them; `rows`, if present, has been checked. If a sample's
 /// hull would exceed the budget, there is no map; if the survivors exceed it, throws
@@ -57,9 +53,6 @@ Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& r
 inline PointView view_of_rows(const Filtered& result, unsigned d) {
   return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
 }
-
-/// Returns why the gauge map is not tried; empty if it is tried.
-std::string why_no_filter(CullMethod method, std::uint64_t count, unsigned d);
 
 /// Culls the survivors of a first map, whose rows must have been gathered, by a second map if that
 /// is worthwhile.
@@ -132,10 +125,6 @@ void check_arguments(const PointView& points, const Options& options);
 /// Runs the filter, and sets run.threads to the number worthwhile for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);
 
-/// Whether few points are hulled directly or by frame and engine; both give the same result, bit
-/// for bit.
-enum class Few { at_once, by_engine };
-
 /// Triangles that are tried before an engine is: those of a hull of the same points at other
 /// positions, or a surface of the points themselves.
 struct KnownHull {
@@ -146,10 +135,10 @@ struct KnownHull {
 };
 
 /// Returns the hull of the points of `points` that a filter kept: thins lattices, then computes
-/// frame, engine and result. Fills the statistics except the filter's time and the total time. If
-/// the vertices of `known` are the survivors, its triangles are tried first; the result is the
-/// same, bit for bit.
+/// frame, engine and result. Where no filter ran, the caller has tried small_hull(). Fills the
+/// statistics except the filter's time and the total time. If the vertices of `known` are the
+/// survivors, its triangles are tried first; the result is the same, bit for bit.
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
-                       Few few = Few::at_once, KnownHull* known = nullptr);
+                       KnownHull* known = nullptr);
 
 }  // namespace cullhull::internal

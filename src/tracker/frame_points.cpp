@@ -51,8 +51,7 @@ Filtered HostFrame::filter_afresh() {
 Hull HostFrame::hull(Filtered&& filtered) {
   const unsigned threads =
       useful_threads(run_.threads, filtered.survivors.size(points_.count), points_.dimension);
-  Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads),
-                                Few::at_once, &known);
+  Hull hull = hull_of_survivors(points_, std::move(filtered), run_.with_threads(threads), &known);
   if (run_.options.with_coordinates) write_coordinates(points_, hull);
   hull.statistics.threads = run_.threads;
   return hull;

@@ -6,9 +6,7 @@
 #include "cullhull/error.hpp"
 #include "cullhull/track.hpp"
 #include "few/few_points.hpp"
-#include "filter/gauge/gauge_map.hpp"
-#include "filter/planner.hpp"
-#include "filter/pseudo_hull/pseudo_hull.hpp"
+#include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/sort_few.hpp"
@@ -27,10 +25,10 @@ namespace {
 /// to an eighth of a frame; the wait doubles each time, up to 32 frames.
 constexpr std::uint64_t least_surface_penalty = 4;
 
-/// In 3D, up to most_by_outermost points are filtered by leaders from `least_led` points on, if the
-/// filter without them leaves `least_left` times as many points as there are vertices. Frames of a
-/// twisted surface with relief take 0.72 of the time with 50,000 points, 0.8 to 0.9 with 20,000; if
-/// each point moves by itself, 1.2 with 10,000 and 20,000.
+/// In 3D, points that a map of the outermost ones filters are filtered by leaders from `least_led`
+/// points on, if the filter without them leaves `least_left` times as many points as there are
+/// vertices. Frames of a twisted surface with relief take 0.72 of the time with 50,000 points, 0.8
+/// to 0.9 with 20,000; if each point moves by itself, 1.2 with 10,000 and 20,000.
 constexpr std::uint64_t least_led = 32768, least_left = 3;
 
 }  // namespace
@@ -62,33 +60,28 @@ struct HullTracker::Impl {
   /// Whether a map of the outermost points filters these points without leaders.
   static bool is_small(const FramePoints& points) {
     return points.dimension == 3 && points.on_host() != nullptr &&
-           points.count <= most_by_outermost;
+           points.count <= row_of(Way::outermost).most;
   }
 
   bool wants_gauge(const FramePoints& points) const {
     const unsigned d = points.dimension;
-    if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || hull.vertices.size() <= d)
+    if (!takes(Way::gauge, way_question(points, options)) || hull.vertices.size() <= d)
       return false;
     if (options.cull == CullMethod::gauge) return true;
     // A filter that takes little longer than one pass gains from leaders only where it leaves much
     // more than they do: points near a surface with relief, not a ball or a normal distribution.
     if (is_small(points))
-      return options.cull == CullMethod::automatic && pause == 0 && points.count >= least_led &&
-             hull.vertices.size() <= points.count / 8 &&
+      return pause == 0 && points.count >= least_led && hull.vertices.size() <= points.count / 8 &&
              left_afresh >= least_left * hull.vertices.size();
     // The leaders' hull costs about their share of the points times the hull of all points without
     // a filter: at most an eighth is accepted. In 3D a filter without leaders is built faster than
     // many leaders are processed (measured in docs/moving-points.md), hence the lower limit.
     const std::uint64_t least_per_leader = d == 3 && points.on_host() != nullptr ? 192 : 8;
-    return options.cull == CullMethod::automatic && pause == 0 &&
-           points.count >= smallest_worth_culling(d) &&
-           hull.vertices.size() <= points.count / least_per_leader;
+    return pause == 0 && hull.vertices.size() <= points.count / least_per_leader;
   }
 
   Filtered filter(FramePoints& points, const Run& run, FrameReport& now) {
-    if (options.cull == CullMethod::pseudo_hull && points.on_host() != nullptr &&
-        points.dimension >= pseudo_hull_min_dimension &&
-        points.dimension <= pseudo_hull_max_dimension && points.count > points.dimension + 1) {
+    if (points.on_host() != nullptr && takes(Way::pseudo_hull, way_question(points, options))) {
       bool led = false;
       if (!follows(points)) simplices.clear();
       Filtered filtered = simplices.filter(*points.on_host(), run, led, now.scan_seconds);

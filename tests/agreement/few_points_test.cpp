@@ -31,13 +31,13 @@ namespace cullhull::few_points_test {
 
 using namespace testing_support;
 
-/// All points, by frame, engine and the result of large sets.
+/// All points, which the ways for few points are taken to have refused, by frame, engine and the
+/// result of large sets.
 Hull the_general_way(const PointView& points) {
   const Options options = options_of(1);
   internal::Filtered all;
   all.survivors.all = true;
-  return internal::hull_of_survivors(points, std::move(all), internal::Run(options),
-                                     internal::Few::by_engine);
+  return internal::hull_of_survivors(points, std::move(all), internal::Run(options));
 }
 
 struct Shape {

@@ -65,7 +65,7 @@ Hull hull_of_left(const PointView& view, const Found& found, bool& holds) {
   Filtered all;
   all.survivors.all = true;
   Hull hull = hull_of_survivors(PointView::row_major(rows.data(), found.left.size(), 3),
-                                std::move(all), run, Few::by_engine, &known);
+                                std::move(all), run, &known);
   holds = known.holds;
   hull.rename([&](std::uint64_t i) { return found.left[i]; });
   hull.point_count = view.count;

@@ -270,7 +270,8 @@ TEST(HullTracker, AFrameWithoutLeadersIsOneStaticCall) {
       tracker.update(rows_of(rows, 3));
       static_bytes = between - before;
       tracked_bytes = allocated_bytes - between;
-      EXPECT_EQ(tracker.hull().statistics.cull_reason, fixed.statistics.cull_reason);
+      // Where the last frame's triangles hold, no way finds the hull.
+      EXPECT_TRUE(fixed.statistics.cull_reason.starts_with(tracker.hull().statistics.cull_reason));
     }
     EXPECT_LE(tracked_bytes, static_bytes + static_bytes / 50 + 2048);  // no copies of hulls
   }
@@ -316,8 +317,7 @@ void expect_by_known(const Rows& rows, const Hull& last, bool& holds) {
     internal::Filtered all;
     all.survivors.all = true;
     internal::KnownHull known{.hull = &last, .numbers = near};
-    const Hull hull = internal::hull_of_survivors(rows_of(rows, 3), std::move(all), run,
-                                                  internal::Few::by_engine, &known);
+    const Hull hull = internal::hull_of_survivors(rows_of(rows, 3), std::move(all), run, &known);
     EXPECT_TRUE(known.tried);
     holds = known.holds;
     EXPECT_EQ(canonical_hash(hull), static_hash(rows_of(rows, 3)));

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "filter/ways.hpp"
+
 namespace cullhull::internal::planner_test {
 
 TEST(Planner, SurfacesAreNotCulled) {
@@ -202,6 +204,55 @@ TEST(Planner, CellsAreBuiltForManyPoints) {
 
 TEST(Planner, FindingsAreSaid) {
   EXPECT_EQ(sample_finding(1000, 132), "132 of 1000 sampled points are extreme");
+}
+
+TEST(Planner, WaysTakeWhatTheirRowsSay) {
+  for (const WayRow& r : ways) {
+    const std::uint32_t d = r.least_dimension;
+    WayQuestion q{.dimension = d};
+    if (r.way == Way::pseudo_hull) q.cull = CullMethod::pseudo_hull;
+    if (r.way == Way::gauge) q.cull = CullMethod::gauge;
+    const auto of = [&](std::uint64_t count) {
+      q.count = count;
+      return refusal(r.way, q);
+    };
+    EXPECT_EQ(of(r.least), Refusal::none) << r.name;
+    EXPECT_EQ(of(r.least - 1), Refusal::too_few) << r.name;
+    EXPECT_EQ(of(r.most), Refusal::none) << r.name;
+    EXPECT_EQ(why_not(r.way, q), "") << r.name;
+    if (r.most != any_number) {
+      EXPECT_EQ(of(r.most + 1), Refusal::too_many) << r.name;
+    }
+    q.left = true;
+    EXPECT_EQ(of(r.most_left + 1), r.most_left < r.least ? Refusal::too_few : Refusal::too_many)
+        << r.name;
+    q.left = false;
+    q.count = r.least;
+    q.budget = 1;
+    EXPECT_EQ(refusal(r.way, q), r.bytes > 0 ? Refusal::budget : Refusal::none) << r.name;
+    q.dimension = r.least_dimension - 1;
+    EXPECT_EQ(refusal(r.way, q), Refusal::dimension) << r.name;
+    q.dimension = d;
+    q.cull = CullMethod::none;
+    EXPECT_EQ(refusal(r.way, q) == Refusal::options,
+              r.unchosen || r.way == Way::pseudo_hull || r.way == Way::gauge)
+        << r.name;
+    ways_off = 1U << static_cast<unsigned>(r.way);
+    EXPECT_EQ(refusal(r.way, q), Refusal::off) << r.name;
+    ways_off = 0;
+  }
+  for (std::uint32_t d = 2; d <= 8; ++d) {
+    EXPECT_EQ(row_of(few_way(d)).least_dimension, d);
+    EXPECT_EQ(row_of(few_way(d)).most_dimension, d);
+    EXPECT_TRUE(permits_few({.dimension = d, .count = 1 << 30}));
+    EXPECT_FALSE(permits_few({.dimension = d, .backend = Backend::cuda}));
+  }
+  EXPECT_FALSE(permits_few({.dimension = 1}));
+  EXPECT_FALSE(permits_few({.dimension = 9}));
+  EXPECT_FALSE(takes_few({.dimension = 9, .count = 12}));
+  EXPECT_EQ(why_no_filter({.dimension = 9, .count = 50, .cull = CullMethod::pseudo_hull}),
+            "the pseudo-hull is for 2D to 8D");
+  EXPECT_EQ(why_no_filter({.dimension = 7, .count = 50}), "the gauge map is for 2D to 6D");
 }
 
 TEST(Planner, FewPointsAreNotShared) {

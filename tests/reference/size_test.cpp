@@ -20,10 +20,10 @@ namespace fs = std::filesystem;
 const std::map<std::string, std::size_t> budgets = {
     {"include", 3650},   {"src/batch", 710},     {"src/certify", 4160},  {"src/constrained", 600},
     {"src/cuda", 5460},  {"src/delaunay", 4220}, {"src/diagrams", 6330}, {"src/distributed", 260},
-    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 2560},      {"src/filter", 7250},
-    {"src/flow", 1300},  {"src/generate", 670},  {"src/geometry", 1430}, {"src/hull", 5520},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 2515},      {"src/filter", 7475},
+    {"src/flow", 1280},  {"src/generate", 670},  {"src/geometry", 1430}, {"src/hull", 5520},
     {"src/io", 16610},   {"src/parallel", 2670}, {"src/query", 3490},    {"src/result", 6540},
-    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28540},
+    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 820},   {"bindings", 28540},
     {"tests", 51020},    {"docs", 9450},         {"apps", 9430},         {"bench", 7380},
     {"viewer", 3440},    {"scripts", 3620},
 };
@@ -106,7 +106,7 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 494U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 497U);
   EXPECT_LE(files_with(root / "include", header, type).second, 84U);
 }
 

@@ -6,14 +6,13 @@
 #include <cstddef>
 
 #include "filter/lattice/whole_range.hpp"
+#include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-// The most points: some ten milliseconds, in which a call is not cancelled.
-constexpr std::uint64_t least_points = 128, most_points = std::uint64_t{1} << 22;
 constexpr double places_per_point = 10, most_places = 1U << 18;
 
 class SmallLattice {
@@ -114,7 +113,7 @@ class SmallLattice {
 }  // namespace
 
 bool ends_in_small_lattice(const PointView& points, const std::vector<std::uint64_t>*& ids) {
-  if (points.dimension != 3 || points.count < least_points || points.count > most_points)
+  if (!takes(Way::small_lattice, {.dimension = points.dimension, .count = points.count}))
     return false;
   SmallLattice& lattice = thread_memory<SmallLattice>();
   if (!lattice.find(points)) return false;
