@@ -10,6 +10,7 @@
 #include "commands.hpp"
 #include "converted.hpp"
 #include "cullhull/io.hpp"
+#include "filter/ways.hpp"
 #include "outputs.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "streaming.hpp"
@@ -31,7 +32,61 @@ struct Described {
   bool in_place = false;
   double read_seconds = 0;
   Placing placing;
+  bool streamed = false;                  ///< read in blocks
+  nlohmann::ordered_json plan = nullptr;  ///< of --plan
 };
+
+/// The ways that `hull` would try (src/filter/ways.hpp), in their order.
+nlohmann::ordered_json plan_of(const Described& input, const RunArguments& run, std::size_t files) {
+  using namespace cullhull::internal;
+  auto plan = nlohmann::ordered_json::array();
+  const auto add = [&](const char* way, const char* tried, const std::string& reason) {
+    plan.push_back({{"way", way}, {"tried", tried}, {"reason", reason}});
+  };
+  if (input.streamed) {
+    add("blocks", "yes", "what came before discards from each block that is read");
+    return plan;
+  }
+  const WayQuestion asked = way_question(input.points, run.options());
+  WayQuestion behind{.dimension = asked.dimension, .count = asked.count, .budget = asked.budget};
+  const bool filter = asked.cull != cullhull::CullMethod::none;
+  // One file with a grid: `hull` filters its numbers before few points are hulled.
+  const bool filtered = files == 1 && input.placing.any && !input.placing.raw;
+  for (const WayRow& r : ways) {
+    if (asked.dimension < r.least_dimension || asked.dimension > r.most_dimension) continue;
+    // Beyond the plane a way for few points is asked again, about what a filter left.
+    const bool few = r.unchosen && r.bytes > 0;
+    WayQuestion few_left = behind;
+    few_left.count = r.least;
+    const bool again = few && asked.dimension > 2 && r.most_left > 0;
+    const bool first = takes(r.way, asked) && !(few && filtered);
+    if (first || (again && !filter && takes(r.way, behind)))
+      add(r.name, "yes", r.reason);
+    else if (again && filter && takes(r.way, few_left))
+      add(r.name, "left",
+          fmt::format("if a filter leaves at most {} points",
+                      grouped(filtered ? r.most : r.most_left)));
+    else if (takes(r.way, asked))
+      add(r.name, "no", "the file's own numbers are filtered first");
+    else
+      add(r.name, "no",
+          why_not(r.way, !again                   ? asked
+                         : takes(r.way, few_left) ? behind
+                                                  : few_left));
+  }
+  return plan;
+}
+
+std::string plan_lines(const nlohmann::ordered_json& plan) {
+  std::string text;
+  for (const auto& row : plan)
+    text +=
+        fmt::format("{}{:<15}{:<5}{}\n",
+                    text.empty() ? "plan       in this order, until one finds the hull:\n  " : "  ",
+                    row["way"].get<std::string>(), row["tried"].get<std::string>(),
+                    row["reason"].get<std::string>());
+  return text;
+}
 
 /// Null for an axis without points.
 nlohmann::ordered_json number(double value, bool any) {
@@ -58,6 +113,7 @@ std::string report(const Described& input, const Scan& found) {
   json["not_finite"] = found.not_finite;
   json["first_not_finite"] = found.not_finite > 0 ? Json(found.first_not_finite) : Json();
   json["read_seconds"] = input.read_seconds;
+  if (!input.plan.is_null()) json["plan"] = input.plan;
   return report_text("info_report", points, json);
 }
 
@@ -81,20 +137,21 @@ std::string summary(const Described& input, const Scan& found) {
                             grouped(found.not_finite), found.not_finite == 1 ? "" : "s",
                             found.first_not_finite,
                             found.place.empty() ? "" : " (" + found.place + ")");
-  return text;
+  return text + plan_lines(input.plan);
 }
 
 struct InfoArguments {
   InputArguments input;
+  RunArguments run;
   StreamArguments stream;
   std::string json;
+  bool plan = false;
 };
 
-Described describe(const InputArguments& arguments, const std::vector<std::string>& files,
-                   Scan& found) {
-  Input input = open_inputs(arguments, files, 0);
+Described describe(const InfoArguments& a, const std::vector<std::string>& files, Scan& found) {
+  Input input = open_inputs(a.input, files, a.run.threads, a.run.memory_bytes());
   input.to_world();
-  found.add(axis_ranges(input.kept(), cullhull::internal::resolve_threads(0)));
+  found.add(axis_ranges(input.kept(), cullhull::internal::resolve_threads(a.run.threads)));
   if (found.not_finite > 0) {
     found.first_not_finite = input.skipped.id_of(found.first_not_finite);
     found.place = input.places.of(fmt::format("point {},", found.first_not_finite));
@@ -104,12 +161,12 @@ Described describe(const InputArguments& arguments, const std::vector<std::strin
       input.placing};
 }
 
-Described describe_streamed(const InputArguments& arguments, const std::vector<std::string>& files,
+Described describe_streamed(const InfoArguments& a, const std::vector<std::string>& files,
                             Scan& found) {
   std::mutex mutex;
   cullhull::PointView shape;
   const cullhull::BlockSummary read = stream_blocks(
-      arguments, files, RunArguments{}, [&](const cullhull::PointView& block, std::uint64_t first) {
+      a.input, files, a.run, [&](const cullhull::PointView& block, std::uint64_t first) {
         const AxisRanges part = axis_ranges(block, 1, first);
         const std::lock_guard lock(mutex);
         found.add(part);
@@ -121,7 +178,7 @@ Described describe_streamed(const InputArguments& arguments, const std::vector<s
     axis.least = read.grid.to_world(axis.least);
     axis.greatest = read.grid.to_world(axis.greatest);
   }
-  return {files[0], shape, read.format, false, 0, placing_of(read, arguments)};
+  return {files[0], shape, read.format, false, 0, placing_of(read, a.input), true};
 }
 
 int run(InfoArguments arguments) {
@@ -130,12 +187,18 @@ int run(InfoArguments arguments) {
   plan.reads_inputs(arguments.input.words, files);
   plan.writes_json(arguments.json);
   Scan found;
-  const bool streamed = arguments.stream.wanted(files, RunArguments{}, "");
-  arguments.input.blocks_hint = StreamArguments::hint("");
-  const Described input = streamed ? describe_streamed(arguments.input, files, found)
-                                   : describe(arguments.input, files, found);
+  // As `hull` would read them.
+  const std::string whole = arguments.run.cull != "auto"      ? "--cull " + arguments.run.cull
+                            : arguments.run.backend == "cuda" ? "--backend cuda"
+                                                              : "";
+  const bool streamed = arguments.stream.wanted(files, arguments.run, whole);
+  arguments.input.blocks_hint = StreamArguments::hint(whole);
+  Described input =
+      streamed ? describe_streamed(arguments, files, found) : describe(arguments, files, found);
+  if (arguments.plan) input.plan = plan_of(input, arguments.run, files.size());
   if (!arguments.json.empty()) cullhull::write_text(arguments.json, report(input, found));
-  if (!plan.uses_stdout()) write_stdout(summary(input, found) + wrote_line(arguments.json));
+  if (!arguments.run.quiet && !plan.uses_stdout())
+    write_stdout(summary(input, found) + wrote_line(arguments.json));
   return 0;
 }
 
@@ -147,12 +210,17 @@ Command add_info(Parser& parent) {
       *parent.add_subcommand("info", "Describe files: format, points, scalar type, ranges");
   a->input.add_many_to(command);
   add_json_option(command, a->json, "Report the same");
+  command.add_flag("--plan", a->plan,
+                   "List the ways that 'hull' would try with these options, and\n"
+                   "why each applies or not");
+  a->run.add_to(command, true);
   a->stream.add_to(command, false);
   command.footer(std::string(input_footer) +
                  "\n\nExamples:\n"
                  "  cullhull info cloud.npy             number of points, dimension, ranges\n"
                  "  cullhull info tile.las --json       the same as JSON; with scale and offset\n"
                  "  cullhull info table.csv             which columns are the coordinates\n"
+                 "  cullhull info cloud.npy --plan      by which way its hull would be found\n"
                  "\n"
                  "Exit status: 0 success; 1 bad input; 2 bad usage; 130 cancelled.");
   return [a] { return run(*a); };

@@ -1,5 +1,8 @@
 // Every JSON document the program writes is the one that docs/cullhull.schema.json describes.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <sstream>
 #include <utility>
 
 #include "agreement/expect_json.hpp"
@@ -46,6 +49,84 @@ TEST(CliJson, InfoCountsWhatIsNotFinite) {
   const Ran ran = run_app({"info", f / "p.txt", "--json=" + (f / "i.json")});
   EXPECT_EQ(schema().fault(json_in(f / "i.json"), "info_report"), "");
   EXPECT_TRUE(has(ran.out, "finite     no: 3 points"));
+}
+
+TEST(CliJson, InfoPlansTheWayThatHullTakes) {
+  const Folder f;
+  const auto generate = [&](const char* shape, const char* n, const char* d) {
+    const std::string path = f / (std::string(shape) + "-" + n + "-" + d + ".npy");
+    run_well({"generate", shape, "-n", n, "-d", d, "-q", "-o", path});
+    return path;
+  };
+  struct Case {
+    std::string file;
+    std::vector<std::string> options;
+    std::string taken;  ///< the end of cull.reason
+    std::vector<std::string> named;
+  };
+  const Case cases[] = {
+      {generate("ball", "10", "2"), {}, "few in plane", {"few in plane"}},
+      {generate("ball", "5k", "2"), {}, "ellipse, few in plane", {"ellipse", "few in plane"}},
+      {generate("grid", "3k", "2"), {}, "columns, few in plane", {"columns", "few in plane"}},
+      {generate("sphere", "100k", "2"), {}, "; then plane engine", {"gauge map", "plane engine"}},
+      {generate("ball", "500", "3"), {}, "few in space", {"few in space"}},
+      {generate("grid:16", "1k", "3"), {}, "small lattice, few in space", {"small lattice"}},
+      {generate("ball", "5k", "3"), {}, " directions; then few in space", {"outermost"}},
+      {generate("sphere", "5k", "3"), {}, "; then space engine", {"space engine"}},
+      {generate("ball", "100k", "3"), {"--backend", "cpu"}, "; then space engine", {"gauge map"}},
+      {generate("ball", "5k", "3"),
+       {"--cull", "pseudo-hull"},
+       "; then few in space",
+       {"pseudo-hull"}},
+      {generate("ball", "500", "3"),
+       {"--cull", "none"},
+       "asked; then few in space",
+       {"few in space"}},
+      {generate("ball", "500", "3"), {"--memory", "1M"}, "; then space engine", {"space engine"}},
+      {generate("ball", "100", "4"), {}, "few in 4D", {"few in 4D"}},
+      {generate("ball", "300", "5"), {}, "; then general engine", {"general engine"}},
+  };
+  for (const Case& c : cases) {
+    const auto with = [&](std::vector<std::string> words) {
+      words.insert(words.end(), c.options.begin(), c.options.end());
+      return words;
+    };
+    const json hull = expect_json(with({"hull", c.file, "--json"}), "hull_report");
+    const std::string reason = hull["cull"]["reason"];
+    EXPECT_TRUE(reason.ends_with(c.taken)) << c.file << ": " << reason;
+    const json plan =
+        expect_json(with({"info", c.file, "--plan", "--json"}), "info_report")["plan"];
+    // What was taken is planned, and is tried or depends on what a filter leaves.
+    for (std::string way : c.named) {
+      const auto row =
+          std::find_if(plan.begin(), plan.end(), [&](const json& r) { return r["way"] == way; });
+      ASSERT_NE(row, plan.end()) << c.file << ", " << way;
+      EXPECT_EQ((*row)["tried"], "yes") << c.file << ", " << way;
+    }
+    std::istringstream text(run_well(with({"info", c.file, "--plan"})).out);
+    for (std::string line; std::getline(text, line);) EXPECT_LE(line.size(), 80U) << line;
+  }
+  // What cannot be is told.
+  const auto row_of = [&](const std::string& file, const std::vector<std::string>& options,
+                          const std::string& way) {
+    std::vector<std::string> words{"info", file, "--plan", "--json"};
+    words.insert(words.end(), options.begin(), options.end());
+    const json info = expect_json(words, "info_report");
+    for (const json& row : info["plan"])
+      if (row["way"] == way)
+        return row["tried"].get<std::string>() + ": " + row["reason"].get<std::string>();
+    return std::string("is not listed");
+  };
+  const std::string ball = f / "ball-5k-3.npy";
+  EXPECT_EQ(row_of(ball, {}, "few in plane"), "is not listed");
+  EXPECT_EQ(row_of(ball, {}, "few in space"), "left: if a filter leaves at most 2,048 points");
+  EXPECT_EQ(row_of(ball, {}, "gauge map"), "no: too few points for the filter to pay (5000)");
+  EXPECT_EQ(row_of(ball, {}, "pseudo-hull"), "no: only if it is asked for");
+  EXPECT_EQ(row_of(ball, {"--cull", "none"}, "gauge map"), "no: no filter, as asked");
+  EXPECT_EQ(row_of(ball, {"--cull", "none"}, "few in space"), "no: takes at most 1024 points");
+  EXPECT_EQ(row_of(ball, {"--cull", "gauge"}, "outermost"), "no: a filter is asked for");
+  EXPECT_EQ(row_of(ball, {"--memory", "1M"}, "few in space"), "no: needs a budget of 4 MiB");
+  EXPECT_EQ(row_of(ball, {"--stream", "on"}, "blocks").substr(0, 3), "yes");
 }
 
 TEST(CliJson, InfoHasTheRangesOfEveryTypeAndDimension) {

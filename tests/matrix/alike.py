@@ -14,7 +14,7 @@ from commands import Output
 #: Members of a report that tell how points came and what the run was like, not what was found.
 VOLATILE = re.compile(
     r"seconds|bytes|version|^format$|in_place|stride|scalar|^backend$|threads|^cull$|^engine$|"
-    r"^columns$|^reason$|^placement$|survivors|share|exact_decisions|^method$|^output$|per_second"
+    r"^columns$|^plan$|^reason$|^placement$|survivors|share|exact_decisions|^method$|^output$|per_second"
 )
 _BINARY = (".npy", ".npz", ".ply", ".stl", ".glb")
 _NUMBER = re.compile(rb"(?<![\w.])-?(?:\d[\d.]*|inf)(?:[eE][+-]?\d+)?")

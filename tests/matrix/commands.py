@@ -312,6 +312,7 @@ ROWS = (
         scalars="f64",
     ),
     Row("info", ("info",), (_report("info"),), not_finite=0),
+    _main("info --plan", _report("info"), not_finite=0),
     _main("view", _o(".html", texts.page, alike="page"), _report("hull")),
     _main(
         "view --delaunay",
