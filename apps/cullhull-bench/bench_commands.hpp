@@ -10,5 +10,6 @@ Command add_rivals(Parser& parent);
 Command add_calls(Parser& parent);
 Command add_lifting(Parser& parent);
 Command add_stream(Parser& parent);
+Command add_paths(Parser& parent);
 
 }  // namespace app

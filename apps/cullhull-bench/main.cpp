@@ -7,7 +7,7 @@ int main(int argc, char** argv) {
       {.name = "cullhull-bench",
        .description =
            "cullhull-bench: the paper's evaluation, rivals, single calls, triangulations, "
-           "streams.",
+           "streams, ways.",
        .footer = "Examples:\n"
                  "  cullhull-bench rivals --report rivals.html    beside Qhull and CGAL\n"
                  "\n"
@@ -16,6 +16,6 @@ int main(int argc, char** argv) {
                  "not proved; 4 out of memory; 130 cancelled. 'cullhull-bench help SUITE' tells "
                  "more.",
        .commands = {app::add_paper, app::add_rivals, app::add_calls, app::add_lifting,
-                    app::add_stream}},
+                    app::add_stream, app::add_paths}},
       argc, argv);
 }

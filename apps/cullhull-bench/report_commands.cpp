@@ -1,4 +1,4 @@
-// cullhull-bench paper, rivals, calls, lifting and stream: suites that give a report.
+// cullhull-bench paper, rivals, calls, lifting, stream and paths: suites that give a report.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "lifting.hpp"
 #include "outputs.hpp"
 #include "paper.hpp"
+#include "paths.hpp"
 #include "rivals.hpp"
 #include "signals.hpp"
 #include "stream.hpp"
@@ -187,6 +188,8 @@ struct StreamBenchArguments : ReportArguments {
   std::vector<std::string> formats;
   std::string folder, memory = "1GiB";
 };
+
+struct PathArguments : ReportArguments, cullhull::bench::PathSettings {};
 
 /// "1,2,all" where `all`, which gives 0, is allowed.
 std::vector<unsigned> counts_in(const std::string& text, const char* option, unsigned least,
@@ -463,6 +466,29 @@ Command add_stream(Parser& parent) {
       s.folder = a->folder;
       s.memory = a->memory;
       return cullhull::bench::run_stream(s, progress, stop_token());
+    });
+  };
+}
+
+Command add_paths(Parser& parent) {
+  auto a = std::make_shared<PathArguments>();
+  Parser& command =
+      *parent.add_subcommand("paths", "What each way to a hull gains, and what it costs elsewhere");
+  a->add_outputs(command);
+  allow_words(*command.add_option("--way", a->ways, "Only this one; may be given again"),
+              cullhull::bench::path_names());
+  allow_real_range(*command.add_option("--scale", a->scale, "Factor on every size; 1 if not given")
+                        ->type_name("S"),
+                   1e-6, 100);
+  allow_real_range(
+      *command.add_option("--seconds", a->seconds, "Seconds of calls for each set; 1 if not given")
+           ->type_name("S"),
+      0, 1e6);
+  command.footer(std::string("Ways are those of 'cullhull info --plan'. A minute.\n\n") +
+                 exit_status_text);
+  return [a] {
+    return run(*a, [&](const cullhull::Progress& progress) {
+      return cullhull::bench::run_paths(*a, progress, stop_token());
     });
   };
 }

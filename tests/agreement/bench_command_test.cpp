@@ -50,6 +50,10 @@ TEST(CliJson, BenchSuites) {
   expect_json({"cullhull-bench", "lifting", "--scale", "1", "--repeat", "1", "--workload",
                "uniform-3d-50", "--json"},
               "bench_report");
+  const auto paths =
+      expect_json({"cullhull-bench", "paths", "--way", "few in space", "--seconds", "0", "--json"},
+                  "bench_report");
+  EXPECT_EQ(paths["figures"][0]["rows"][0]["name"], "few in space, ball-3d-100");
   expect_json(
       {"cullhull-bench", "stream", "--scale", "1e-5", "--repeat", "1", "--format", "las", "--json"},
       "bench_report");
