@@ -6,49 +6,27 @@
 #include "cullhull/hull.hpp"
 #include "few/few_in_space.hpp"
 #include "filter/ways.hpp"
+#include "result/write/hull_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
 
-template <class To, class Items>
-requires requires(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
-void append(To& to, const Items& items) { to.insert(to.end(), items.begin(), items.end()); }
-
-/// Appends a list.
-template <class T, class Items>
-void append_list(Lists<T>& to, const Items& items) {
-  append(to.items, items);
-  to.offsets.push_back(to.items.size());
-}
-
-/// Appends offsets that begin at 0, increased by the last offset of `to`.
-template <class To, class Offsets>
-void append_offsets(To& to, const Offsets& offsets) {
-  const std::uint64_t base = to.back();
-  for (std::size_t i = 1; i < offsets.size(); ++i) to.push_back(base + offsets[i]);
-}
-
-template <class T, class Items>
-void append_lists(Lists<T>& to, const Lists<T, Items>& more) {
-  append_offsets(to.offsets, more.offsets);
-  append(to.items, more.items);
-}
-
 void append(HullBatch& b, const Hull& h) {
-  b.point_counts.push_back(h.point_count);
-  b.affine_dimensions.push_back(h.affine_dimension);
-  b.volumes.push_back(h.volume);
-  b.areas.push_back(h.area);
-  append(b.centroids, h.centroid);
-  b.centroids.resize(b.size() * b.dimension, 0);
-  append_list(b.vertices, h.vertices);
-  b.facet_starts.push_back(b.facet_starts.back() + h.facet_count());
-  append_lists(b.facets, h.facets);
-  append_lists(b.facet_neighbours, h.facet_neighbours);
-  append(b.facet_planes, h.facet_planes);
-  append_list(b.simplices, h.simplices);
-  append_list(b.simplex_neighbours, h.simplex_neighbours);
-  append_list(b.simplex_facets, h.simplex_facets);
+  const auto k = static_cast<unsigned>(std::max(h.affine_dimension, 0));
+  NewLists<HullBatch> to({k, h.vertices.size(), h.simplex_count(), h.facet_count(),
+                          h.facets.items.size(), h.facet_neighbours.items.size()},
+                         b);
+  const auto copy = [](const auto& from, auto* at) { std::copy(from.begin(), from.end(), at); };
+  copy(h.vertices, to.vertices());
+  copy(h.facets.items, to.facets);
+  copy(h.facet_neighbours.items, to.facet_neighbours);
+  copy(h.facet_planes, to.planes);
+  copy(h.simplices, to.simplices);
+  copy(h.simplex_neighbours, to.simplex_neighbours);
+  copy(h.simplex_facets, to.simplex_facets);
+  write_measures(h.affine_dimension, h.point_count, h.volume, h.area, h.centroid, b);
+  to.keep([&](std::size_t i) { return h.facets[i].size(); },
+          [&](std::size_t i) { return h.facet_neighbours[i].size(); });
 }
 
 /// Empties a batch but keeps its memory.

@@ -8,7 +8,7 @@
 #include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
-#include "result/write/few_lists.hpp"
+#include "result/write/hull_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -27,44 +27,33 @@ void put_ids(const Number* from, std::size_t count, const std::uint64_t* names, 
   for (std::size_t i = 0; i < count; ++i) to[i] = names[from[i]];
 }
 
-template <class Small, class Target>
-void write_lists(const Small& from, const std::uint64_t* names, Target& target) {
-  const std::size_t n = from.count;
-  std::size_t corners = 3 * n;
-  if (!from.simplicial())
-    corners = std::accumulate(from.facet_size, from.facet_size + from.facet_count, std::size_t{0});
-  write_lists(
-      FewSizes{3, from.vertex_count, n, from.facet_count, corners}, target,
-      [&](std::size_t i) { return from.facet_size[i]; },
-      [&](const FewLists& to) {
-    for (unsigned i = 0; i < from.vertex_count; ++i)
-      to.vertices[i] = names != nullptr ? names[from.ids[i]] : from.ids[i];
-    put_ids(from.vertices, 3 * n, names, to.simplices);
-    widen(from.opposite, 3 * n, to.simplex_neighbours);
-    widen(from.beside, corners, to.facet_neighbours);
-    if (to.facets != nullptr)
-      put_ids(from.simplicial() ? from.vertices : from.corners, corners, names, to.facets);
-    if (!from.simplicial()) widen(from.facet_of, n, to.simplex_facets);
-      });
-}
-
 /// Appends planes, measures and lists of the hull of `points`, those of the view with the given
 /// names, to a Hull or a HullBatch; `shares` is working memory. False, with the target unchanged,
 /// where a measure needs more than doubles.
 template <class Points, class Small, class Target>
 bool measure_and_write(const PointView& view, const std::uint64_t* names, const Points& points,
                        const Small& small, SmallShares<Small::max_facets>& shares, Target& target) {
-  SmallMeasures measures;
-  Array<double>& planes = target.facet_planes;
-  const std::size_t before = planes.size();
-  // Room for a plane (four numbers) per triangle, up to a multiple of eight for the measurer.
-  planes.resize(before + std::size_t{4} * ((small.count + 7) / 8 * 8));
-  const bool done =
-      SmallMeasurer(view, names, points, small, shares).run(planes.data() + before, measures);
-  planes.resize(done ? before + std::size_t{4} * small.facet_count : before);
-  if (!done) return false;
+  const std::size_t n = small.count;
+  std::size_t corners = 3 * n;
+  if (!small.simplicial())
+    corners =
+        std::accumulate(small.facet_size, small.facet_size + small.facet_count, std::size_t{0});
+  NewLists<Target> to({3, small.vertex_count, n, small.facet_count, corners, corners}, target,
+                      256);  // seven planes
+  Measures measures;
+  if (!SmallMeasurer(view, names, points, small, shares).run(to.planes, measures)) return false;
   write_measures(3, view.count, measures.volume, measures.area, measures.centroid, target);
-  write_lists(small, names, target);
+  std::uint64_t* const vertices = to.vertices();
+  for (unsigned i = 0; i < small.vertex_count; ++i)
+    vertices[i] = names != nullptr ? names[small.ids[i]] : small.ids[i];
+  put_ids(small.vertices, 3 * n, names, to.simplices);
+  widen(small.opposite, 3 * n, to.simplex_neighbours);
+  widen(small.beside, corners, to.facet_neighbours);
+  if (to.facets != nullptr)
+    put_ids(small.simplicial() ? small.vertices : small.corners, corners, names, to.facets);
+  if (!small.simplicial()) widen(small.facet_of, n, to.simplex_facets);
+  const auto size = [&](std::size_t i) { return small.facet_size[i]; };
+  to.keep(size, size);
   return true;
 }
 

@@ -1,6 +1,5 @@
 #include "few/few_points.hpp"
 
-#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,9 +25,7 @@ bool small_extreme_2d(const PointView& points, ExtremePoints& result) {
   SmallPolygon& polygon = thread_memory<KeptPolygon>().polygon;
   if (!polygon.find(points)) return false;
   result.affine_dimension = 2;
-  result.ids.resize(polygon.size());
-  polygon.write_vertices(result.ids.data());
-  std::sort(result.ids.begin(), result.ids.end());
+  result.ids = polygon.extreme();
   polygon.rung_counts().add_to(result.statistics.rung_counts);
   return true;
 }

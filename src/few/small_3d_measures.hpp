@@ -13,12 +13,9 @@
 #include "few/small_3d_shares.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
+#include "result/measures/measure.hpp"
 
 namespace cullhull::internal {
-
-struct SmallMeasures {
-  double volume = 0, area = 0, centroid[3] = {};
-};
 
 /// Computes planes and measures as the general path does, bit for bit.
 template <class Points, class Hull>
@@ -32,22 +29,15 @@ class SmallMeasurer {
       : view_(view), names_(names), points_(points), hull_(hull), shares_(shares) {}
 
   /// Writes planes for a multiple of eight facets. False where doubles do not suffice.
-  bool run(double* planes, SmallMeasures& out) {
+  bool run(double* planes, Measures& out) {
     if (!find_exponent()) return false;
     small_shares(points_, hull_, exponent_, shares_, planes);
     for (unsigned w = 0; w < std::size(shares_.open); ++w)
       for (std::uint64_t rest = shares_.open[w]; rest != 0; rest &= rest - 1)
         look_again(64 * w + static_cast<unsigned>(std::countr_zero(rest)), planes);
     if (!hull_.simplicial()) choose_planes(planes);
-    const Share<3, DoubleDouble> all = total();
-    if (!settled(all, 0x1p-53)) return false;
-    double origin[3];
-    for (unsigned c = 0; c < 3; ++c)
-      origin[c] = scale_by(points_.axes[c][hull_.ids[0]], -exponent_);
-    if (!finish_quickly(3, exponent_, origin, all.volume, all.area, all.moment, &out.volume,
-                        &out.area, out.centroid))
-      finish_slowly(all, out);
-    return true;
+    const std::uint64_t first = names_ != nullptr ? names_[hull_.ids[0]] : hull_.ids[0];
+    return finish_plain(view_, first, exponent_, total(), out);
   }
 
  private:
@@ -121,14 +111,6 @@ class SmallMeasurer {
     for (unsigned first = 0; first < hull_.count; first += measure_run)
       all.add(shares_.sum(first, std::min<unsigned>(hull_.count, first + measure_run)));
     return all;
-  }
-
-  void finish_slowly(const Share<3, DoubleDouble>& all, SmallMeasures& out) {
-    cullhull::Hull h;
-    finish_measures(frame(), Totals<DoubleDouble>(all), h);
-    out.volume = h.volume;
-    out.area = h.area;
-    std::copy_n(h.centroid.begin(), 3, out.centroid);
   }
 
   const PointView& view_;

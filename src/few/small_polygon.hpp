@@ -8,8 +8,8 @@
 #include "cullhull/point_view.hpp"
 #include "filter/plane_filter.hpp"
 #include "hull/plane/polygon.hpp"
-#include "parallel/threads/parallel.hpp"
-#include "result/write/polygon_result.hpp"
+#include "parallel/threads/run.hpp"
+#include "result/write/write_polygon.hpp"
 
 namespace cullhull::internal {
 
@@ -25,21 +25,20 @@ class SmallPolygon {
   /// The quick filter that dropped points of the set found; null: none did.
   const WayRow* filtered_by() const { return all_ ? nullptr : &row_of(filter_.way()); }
 
-  /// Number of corners, and so of edges.
-  std::size_t size() const { return by_rank_.size(); }
   const RungCounts& rung_counts() const { return series_.rung_counts(); }
 
-  /// Appends planes, measures and lists of the set found to a Hull or a HullBatch, with the same
-  /// bits as write_polygon. False, with `target` unchanged, where doubles do not suffice.
+  /// Appends planes, measures and lists of the set found to a Hull or a HullBatch. False, with
+  /// `target` unchanged, where doubles do not suffice.
   template <class Target>
-  bool write(const PointView& set, Target& target);
-
-  /// Writes size() ids.
-  void write_vertices(std::uint64_t* vertices) const;
+  bool write(const PointView& set, Target& target) {
+    return write_polygon(set, PolygonOfRows<std::uint32_t>{*corners_, count_, ids(), series_.box()},
+                         short_run(), memory_, target);
+  }
+  /// The ids of the corners, ascending.
+  std::vector<std::uint64_t> extreme() const;
 
  private:
-  bool measure(const PointView& set, double* planes, PlanarMeasures& measures);
-  void rank(const std::vector<std::uint32_t>& corners);
+  const std::uint32_t* ids() const { return all_ ? nullptr : filter_.ids(); }
 
   PolygonSeries series_;
   PlaneFilter filter_;
@@ -47,15 +46,8 @@ class SmallPolygon {
   // The points that may be corners; `all_`: every point of the set, whose numbers are its own.
   bool all_ = true;
   std::uint32_t count_ = 0;
-  const double* rows_ = nullptr;
-  std::vector<std::uint32_t> rank_;  // by row of rows_: the rank of a corner
-  struct Corner {
-    std::uint32_t id, row;        // its number in the set, its row of rows_
-    std::uint32_t before, after;  // the ranks before and after, counter-clockwise
-    PlanarPoint point;            // scaled for EdgeKernel
-  };
-  std::vector<Corner> by_rank_;
-  std::vector<std::uint32_t> cycle_;  // ranks, counter-clockwise from the lowest
+  const std::vector<std::uint32_t>* corners_ = nullptr;  // among them
+  PolygonMemory memory_;
 };
 
 }  // namespace cullhull::internal

@@ -37,8 +37,8 @@ class PlaneFilter {
   /// The way that kept them.
   Way way() const { return way_; }
   std::uint32_t count() const { return count_; }
-  /// The number of kept point i < count() in the set of the last keep_few(); ascending.
-  std::uint32_t id(std::uint32_t i) const { return kept_[i]; }
+  /// The numbers of the count() kept points in the set of the last keep_few(), ascending.
+  const std::uint32_t* ids() const { return kept_.data(); }
   /// The kept points' coordinates: packed pairs, with the sign of each zero. They may not be
   /// finite.
   const double* rows() const { return rows_.data(); }

@@ -12,7 +12,7 @@
 #include "geometry/local_frame.hpp"
 #include "hull/space/triangle_mesh.hpp"
 #include "result/build_hull.hpp"
-#include "result/write/polygon_result.hpp"
+#include "result/write/write_polygon.hpp"
 #include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal {
@@ -41,8 +41,11 @@ bool hull_in_plane(const PointView& points, Filtered& filtered, const Run& run, 
   const Polygon polygon = rows.hull(run);
   const std::uint64_t edges = polygon.corners.size();
   require_budget(run.budget, edges * 160, std::to_string(edges) + " facets");
-  if (edges >= 3 && write_polygon(points, rows.ids, polygon, run, hull)) {
-    hull.affine_dimension = 2;
+  PolygonMemory memory;
+  if (edges >= 3 && write_polygon(points,
+                                  PolygonOfRows<std::uint64_t>{polygon.corners, polygon.rows,
+                                                               rows.ids, polygon.box},
+                                  run, memory, hull)) {
     polygon.rung_counts.add_to(hull.statistics.rung_counts);
     return add_way(Way::plane_engine, hull);
   }

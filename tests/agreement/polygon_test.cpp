@@ -17,7 +17,7 @@
 #include "hull/engine.hpp"
 #include "made_sets.hpp"
 #include "result/build_hull.hpp"
-#include "result/write/polygon_result.hpp"
+#include "result/write/write_polygon.hpp"
 #include "thrown.hpp"
 
 namespace cullhull::internal::polygon_test {

@@ -196,7 +196,6 @@ const std::map<std::string, std::string> bounds_elsewhere = {
      "the nearest neighbour; what is in doubt is left to power_sign"},
     {"src/extreme/hull_membership.cpp", "signs of one direction, else rationals"},
     {"src/extreme/inside_exact.cpp", "columns in doubt are priced in rationals"},
-    {"src/few/small_3d_measures.hpp", "measures in doubt are computed with more bits"},
     {"src/filter/gauge/gauge_planes.cpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/gauge/gauge_walk.hpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/pseudo_hull/pseudo_hull_math.hpp", "points in doubt survive"},
@@ -216,7 +215,6 @@ const std::map<std::string, std::string> bounds_elsewhere = {
     {"src/query/vertex_search.cpp", "signs of one direction, else floats that are exact"},
     {"src/result/measures/measure.cpp", "measures in doubt are computed with more bits"},
     {"src/result/measures/measure.hpp", "measures in doubt are computed with more bits"},
-    {"src/result/write/polygon_result.cpp", "measures in doubt are computed with more bits"},
 };
 
 /// Other sources that bound the rounding of doubles.

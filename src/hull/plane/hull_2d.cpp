@@ -398,7 +398,7 @@ Polygon polygon_by_sample(const PointView& points, bool lattice, const Run& run)
   if (!filter.keep_few(points, series)) return polygon_of(points, lattice, run);
   Polygon polygon =
       polygon_of(PointView::row_major(filter.rows(), filter.count(), 2), lattice, run);
-  for (std::uint32_t& corner : polygon.corners) corner = filter.id(corner);
+  for (std::uint32_t& corner : polygon.corners) corner = filter.ids()[corner];
   polygon.rows = static_cast<std::uint32_t>(points.count);
   return polygon;
 }

@@ -436,6 +436,28 @@ void finish_measures(const Frame& frame, const Totals<DoubleDouble>& sums, Hull&
   finish_measures(frame, wide, frame.stretch, frame.exponent, hull);
 }
 
+template <unsigned K>
+void finish_with_care(const PointView& points, std::uint64_t first, int exponent,
+                      const double (&origin)[K], const Share<K, DoubleDouble>& sums,
+                      Measures& out) {
+  const std::vector<std::uint64_t> vertices{first};
+  Frame frame;  // of vertex 0 alone: more is not used here
+  frame.dimension = frame.k = K;
+  frame.exponent = exponent;
+  frame.points = &points;
+  frame.vertices = &vertices;
+  frame.scaled.assign(origin, origin + K);
+  Hull hull;
+  finish_measures(frame, Totals<DoubleDouble>(sums), hull);
+  out.volume = hull.volume;
+  out.area = hull.area;
+  std::copy_n(hull.centroid.begin(), K, out.centroid);
+}
+template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[2],
+                               const Share<2, DoubleDouble>&, Measures&);
+template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[3],
+                               const Share<3, DoubleDouble>&, Measures&);
+
 namespace {
 
 void measure_in_frame(const Frame& frame, const std::vector<std::uint32_t>& vertex_index,

@@ -30,6 +30,36 @@ void measure_thin(const PointView& points, const std::vector<std::uint64_t>& ver
                   const std::vector<std::uint32_t>& vertex_index, const unsigned* axes,
                   const Run& run, Hull& hull);
 
+/// The measures of a hull in the plane or in space, before they are written.
+struct Measures {
+  double volume = 0, area = 0, centroid[3] = {};
+};
+
+/// Computes them from the sums, in units of 2^exponent, where doubles leave a rounding uncertain.
+/// `first`: the lowest id of a vertex.
+template <unsigned K>
+void finish_with_care(const PointView& points, std::uint64_t first, int exponent,
+                      const double (&origin)[K], const Share<K, DoubleDouble>& sums,
+                      Measures& out);
+extern template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[2],
+                                      const Share<2, DoubleDouble>&, Measures&);
+extern template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[3],
+                                      const Share<3, DoubleDouble>&, Measures&);
+
+/// Computes the measures in dimension K = 2 or 3. Returns false if rounding could show in them (a
+/// thin hull): the general code is then needed.
+template <unsigned K>
+bool finish_plain(const PointView& points, std::uint64_t first, int exponent,
+                  const Share<K, DoubleDouble>& sums, Measures& out) {
+  if (!settled(sums, 0x1p-53)) return false;
+  double origin[K];
+  for (unsigned c = 0; c < K; ++c) origin[c] = scale_by(points.at(first, c), -exponent);
+  if (!finish_quickly(K, exponent, origin, sums.volume, sums.area, sums.moment, &out.volume,
+                      &out.area, out.centroid))
+    finish_with_care(points, first, exponent, origin, sums, out);
+  return true;
+}
+
 /// The last step of write_triangles and write_simplices: computes area, volume and centroid from
 /// the sums over runs of facets, or again with more bits if those are not accurate enough (thin
 /// hulls). `vertices`: the vertices' ids, ascending. hull.simplices must be complete.

@@ -27,6 +27,7 @@
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
+#include "result/write/hull_lists.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -58,13 +59,9 @@ class SimplexWriter {
     renumber();
     run_.report("ridges", 0);
     if (!scan(hull.statistics.rung_counts)) return false;
-    using Ids = SharedArray<std::uint64_t>;
-    hull.simplices = Ids(std::move(simplices_));
-    hull.simplex_neighbours = std::move(neighbours_);
-    hull.facets = Lists<std::uint64_t, Ids>::of_length(K, Ids(std::move(facets_)));
-    hull.facet_neighbours = Lists<std::uint32_t>::of_length(K, std::move(facet_neighbours_));
     hull.facet_planes = std::move(planes_);
-    hull.simplex_facets = EvenArray<std::uint32_t>::of_step(count_, 1);
+    keep_simplicial(K, std::move(simplices_), std::move(facets_), std::move(neighbours_),
+                    std::move(facet_neighbours_), hull);
     run_.report("measures", 0);
     finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), run_, hull);
     return true;

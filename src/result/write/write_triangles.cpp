@@ -20,6 +20,7 @@
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
+#include "result/write/hull_lists.hpp"
 #include "result/write/triangle_sweep.hpp"
 #include "result/write/write_simplices.hpp"
 
@@ -296,7 +297,7 @@ class TriangleWriter {
 
   void resize(Id slots) {
     simplices_.resize(count_ * 3);
-    hull_.simplex_neighbours.resize(count_ * 3);
+    next_.resize(count_ * 3);
     hull_.facet_planes.resize(count_ * 4);
     rank_ = BigArray<Id>(slots);
     runs_ = BigArray<Share<3>>(chunk_count(count_, measure_run));
@@ -383,7 +384,7 @@ class TriangleWriter {
   void write_simplex(std::uint64_t i, const TriangleRecord& r) {
     rank_[r.slot] = static_cast<Id>(i);
     std::uint64_t* simplex = simplices_.data() + i * 3;
-    Id* across = hull_.simplex_neighbours.data() + i * 3;
+    Id* across = next_.data() + i * 3;
     for (unsigned j = 0; j < 3; ++j) {
       simplex[j] = plain_ ? r.vertex[j] : vertices_.ids()[r.vertex[j]];
       across[j] = r.neighbour[j];  // renumbered in the third sweep
@@ -438,7 +439,7 @@ class TriangleWriter {
     Array<Id> neighbours(count_ * 3);
     run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
-        Id* next = hull_.simplex_neighbours.data() + i * 3;
+        Id* next = next_.data() + i * 3;
         Id* across = neighbours.data() + i * 3;
         for (unsigned j = 0; j < 3; ++j) {
           if (i + ahead < end) prefetch_line(&rank_[next[j + ahead * 3]]);
@@ -448,11 +449,7 @@ class TriangleWriter {
         for (unsigned j = 0; j < 3; ++j) across[j] = next[(j + 2) % 3];
       }
     });
-    using Ids = SharedArray<std::uint64_t>;
-    hull_.simplices = Ids(std::move(simplices_));
-    hull_.facets = Lists<std::uint64_t, Ids>::of_length(3, hull_.simplices);
-    hull_.facet_neighbours = Lists<Id>::of_length(3, std::move(neighbours));
-    hull_.simplex_facets = EvenArray<Id>::of_step(count_, 1);
+    keep_simplicial(3, std::move(simplices_), {}, std::move(next_), std::move(neighbours), hull_);
   }
 
   /// Prefetch distance in facets. Without prefetching the hull of 1M points on a sphere takes 37%
@@ -480,6 +477,7 @@ class TriangleWriter {
   BigArray<TriangleRecord> records_;
   std::atomic<bool> stop_{false};
   Array<std::uint64_t> simplices_;
+  Array<Id> next_;     // the neighbours of the simplices
   BigArray<Id> rank_;  // canonical number of each of the engine's slots
   BigArray<Share<3>> runs_;
   std::vector<Cut> cut_;
