@@ -66,12 +66,12 @@ bool SmallSurfaceNd<D>::sieve(std::size_t begin) {
     std::uint8_t inside[sieve_block];
     beneath_facets(D, level_planes_.data(), level_planes_.size() / (D + 1), y, inside);
     for (std::size_t i = 0; i < count; ++i)
-      if (inside[i] != 0) order_[first + i] = none;
+      if (inside[i] != 0) order_[first + i] = no_index;
     any = any || std::count(inside, inside + count, 1) > 0;
     if (!any) return false;
     end = first;
   }
-  std::erase(order_, none);
+  std::erase(order_, no_index);
   return true;
 }
 
@@ -343,7 +343,7 @@ bool SmallSurfaceNd<D>::replace(std::uint32_t point) {
   const PlaneFrame frame{D, scaled_.data(), centre_, reach_};
   facet_planes(frame, point, new_vertices_.data(), apex_.data(), count, new_planes_.data());
   while (seen_.size() > count) {
-    neighbours_[std::size_t{seen_.back()} * D] = none;
+    neighbours_[std::size_t{seen_.back()} * D] = no_index;
     clear_plane(seen_.back());
     free_.push_back(seen_.back());
     seen_.pop_back();

@@ -7,6 +7,7 @@
 
 #include "hull/general/facet_planes.hpp"
 #include "hull/general/ridge_pairs.hpp"
+#include "result/write/write_simplices.hpp"
 
 namespace cullhull::internal {
 
@@ -19,8 +20,6 @@ class SmallSurfaceNd {
   /// A surface of more facets than this is given up. With its result it takes less than 5 MiB
   /// (`WayRow::bytes`).
   static constexpr unsigned most_facets = 8192;
-  /// In the neighbours of a slot without a facet.
-  static constexpr std::uint32_t none = 0xFFFFFFFFU;
 
   /// Inserts `count` points, packed rows of finite doubles. False, and the surface then must not be
   /// used, where some point lies in the plane of a facet that it is tested against (so for points
@@ -29,13 +28,7 @@ class SmallSurfaceNd {
   /// to 150 ns (8D) for each facet made. Memory of at most 2.5 MB is kept.
   bool build(const double* rows, unsigned count);
 
-  /// Number of slots; some have no facet.
-  unsigned slots() const { return slots_; }
-  bool live(unsigned f) const { return neighbours(f)[0] != none; }
-  /// The D points of a facet: orientation(v0, ..., v(D-1), x) is negative for x inside.
-  const std::uint32_t* vertices(unsigned f) const { return &vertices_[std::size_t{f} * D]; }
-  /// Entry j is the facet across the ridge opposite to vertex j.
-  const std::uint32_t* neighbours(unsigned f) const { return &neighbours_[std::size_t{f} * D]; }
+  FewSimplices simplices() const { return {slots_, vertices_.data(), neighbours_.data()}; }
 
  private:
   struct Ridge {  // of the horizon
@@ -45,6 +38,9 @@ class SmallSurfaceNd {
   /// On a horizon ridge the seen facet's neighbour is the new facet's number and this flag.
   static constexpr std::uint32_t is_new = 0x80000000U;
 
+  bool live(unsigned f) const { return neighbours(f)[0] != no_index; }
+  const std::uint32_t* vertices(unsigned f) const { return &vertices_[std::size_t{f} * D]; }
+  const std::uint32_t* neighbours(unsigned f) const { return &neighbours_[std::size_t{f} * D]; }
   const double* row(std::uint32_t i) const { return &scaled_[std::size_t{i} * D]; }
   bool scale(const double* rows);
   bool choose_simplex(std::uint32_t* simplex);

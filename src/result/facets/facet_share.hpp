@@ -51,8 +51,10 @@ Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::
 
 /// Does the same for the facet in a lane of a block that facet_block and facet_shares have filled.
 template <unsigned K>
-Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane, const std::uint32_t* vertex,
-                     const FacetBlock<K>& block, unsigned lane, double* out) {
+[[gnu::always_inline]] inline Share<K> facet_share(const Frame& frame, const FacetPlane<K>& plane,
+                                                   const std::uint32_t* vertex,
+                                                   const FacetBlock<K>& block, unsigned lane,
+                                                   double* out) {
   const bool thin = !(block.length[lane] > conditioned * block.edges[lane]);
   if (thin || !(block.largest[lane] > 0x1p-400 && block.largest[lane] < 0x1p400)) {
     double normal[K], sum[K];

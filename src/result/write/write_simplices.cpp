@@ -16,12 +16,14 @@
 
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "parallel/dispatch.hpp"
 #include "parallel/memory/pages.hpp"
 #include "parallel/memory/raw_array.hpp"
 #include "parallel/prefetch.hpp"
 #include "parallel/scan.hpp"
 #include "parallel/sort_few.hpp"
 #include "parallel/threads/parallel.hpp"
+#include "parallel/threads/thread_memory.hpp"
 #include "result/facets/facet_keys.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
@@ -32,19 +34,97 @@
 namespace cullhull::internal {
 namespace {
 
+/// What is written of a simplex in dimension K: one text for surfaces of few and of many.
+template <unsigned K>
+class SimplexLists {
+ protected:
+  static constexpr unsigned lanes = FacetBlock<K>::lanes;
+
+  /// `vertices`: the ids of the hull's vertices. `plain`: each is its position.
+  SimplexLists(const Frame& frame, const std::vector<std::uint64_t>& vertices, bool plain,
+               std::uint64_t count)
+      : frame_(frame), plane_(frame), ids_(vertices.data()), plain_(plain), count_(count) {}
+
+  /// Writes the vertices of simplex i and of its facet, given by their positions in stored order:
+  /// ascending, except that the last two are exchanged if that makes the simplex outward oriented.
+  void put_vertices(std::uint64_t i, const std::uint32_t* stored) {
+    std::uint64_t* simplex = simplices_.data() + i * K;
+    std::uint64_t* facet = facets_.data() + i * K;
+    for (unsigned j = 0; j < K; ++j) facet[j] = simplex[j] = plain_ ? stored[j] : ids_[stored[j]];
+    facet[K - 2] = std::min(simplex[K - 2], simplex[K - 1]);
+    facet[K - 1] = std::max(simplex[K - 2], simplex[K - 1]);
+  }
+  /// Writes its neighbours: number(j) lies opposite to stored vertex j.
+  template <class Number>
+  void put_neighbours(std::uint64_t i, const Number& number) {
+    std::uint32_t* next = neighbours_.data() + i * K;
+    std::uint32_t* ordered = facet_neighbours_.data() + i * K;
+    for (unsigned j = 0; j < K; ++j) next[j] = ordered[j] = number(j);
+    sort_few<K>(ordered);
+  }
+
+  FacetBlock<K> empty_block() const {
+    FacetBlock<K> block;
+    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    return block;
+  }
+  void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {
+    for (unsigned j = 0; j < K; ++j) {
+      const double* p = frame_.at(corners[j]);
+      for (unsigned c = 0; c < K; ++c) block.corner[j][c][lane] = p[c];
+    }
+  }
+  /// Writes the planes of the run of simplices [from, to), and returns the sum of their shares.
+  /// corners(i): the positions of the vertices of simplex i, in stored order. with_normals(first,
+  /// end) may use what facet_block has computed of these simplices.
+  template <class Corners, class WithNormals>
+  Share<K> put_planes(std::uint64_t from, std::uint64_t to, FacetBlock<K>& block,
+                      const Corners& corners, const WithNormals& with_normals) {
+    Share<K> run;
+    for (std::uint64_t first = from; first < to; first += lanes) {
+      const auto n = static_cast<unsigned>(std::min<std::uint64_t>(lanes, to - first));
+      for (unsigned lane = 0; lane < lanes; ++lane)
+        load(corners(first + std::min(lane, n - 1)), block, lane);
+      facet_block(block);
+      with_normals(first, first + n);
+      facet_shares(block);
+      for (unsigned lane = 0; lane < n; ++lane)
+        run.add(facet_share(frame_, plane_, corners(first + lane), block, lane,
+                            planes_.data() + (first + lane) * (K + 1)));
+    }
+    return run;
+  }
+
+  void keep_lists(Hull& hull) {
+    hull.facet_planes = std::move(planes_);
+    keep_simplicial(K, std::move(simplices_), std::move(facets_), std::move(neighbours_),
+                    std::move(facet_neighbours_), hull);
+  }
+
+  const Frame& frame_;
+  const FacetPlane<K> plane_;
+  const std::uint64_t* const ids_;
+  const bool plain_;
+  const std::uint64_t count_;
+  Array<std::uint64_t> simplices_, facets_;
+  Array<std::uint32_t> neighbours_, facet_neighbours_;
+  Array<double> planes_;
+};
+
 /// The work of write_simplices in dimension K.
 template <unsigned K>
-class SimplexWriter {
+class SimplexWriter : SimplexLists<K> {
+  using Base = SimplexLists<K>;
+  using Base::lanes, Base::frame_, Base::count_, Base::neighbours_, Base::load;
+
  public:
   SimplexWriter(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                 const Frame& frame, const Run& run, unsigned key_bits)
-      : input_(input),
+      : Base(frame, vertices.ids, vertices.plain, surface.facet_count()),
+        input_(input),
         surface_(surface),
         vertices_(vertices),
-        frame_(frame),
-        plane_(frame),
         run_(run),
-        count_(surface.facet_count()),
         shift_(bucket_shift(count_, vertices.ids.size(), 1024)),
         buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
         packing_(vertices.ids.size(), count_, shift_, key_bits) {}
@@ -59,17 +139,13 @@ class SimplexWriter {
     renumber();
     run_.report("ridges", 0);
     if (!scan(hull.statistics.rung_counts)) return false;
-    hull.facet_planes = std::move(planes_);
-    keep_simplicial(K, std::move(simplices_), std::move(facets_), std::move(neighbours_),
-                    std::move(facet_neighbours_), hull);
+    this->keep_lists(hull);
     run_.report("measures", 0);
     finish_simplicial<K>(input_, vertices_.ids, frame_, runs_.get(), run_, hull);
     return true;
   }
 
  private:
-  static constexpr unsigned lanes = FacetBlock<K>::lanes;
-
   // ---------------------------------------------------------------- keys, sorted
 
   /// Distributes the simplices' keys to buckets. The order within a bucket depends on the chunk
@@ -110,8 +186,8 @@ class SimplexWriter {
     order_ = BigArray<std::uint32_t>(count_);
     rank_ = BigArray<std::uint32_t>(count_);
     corners_ = BigArray<std::uint32_t>(count_ * K);
-    simplices_.resize(count_ * K);
-    facets_.resize(count_ * K);
+    this->simplices_.resize(count_ * K);
+    this->facets_.resize(count_ * K);
     run_.each(buckets_, 4, [&](std::uint64_t begin, std::uint64_t end) {
       BucketSort<FacetKey> sorted;
       for (std::uint64_t b = begin; b < end; ++b) {
@@ -159,12 +235,8 @@ class SimplexWriter {
       else
         stored(f, v);
       std::copy_n(v, K, &corners_[i * K]);
-      std::uint64_t* simplex = simplices_.data() + i * K;
-      std::uint64_t* facet = facets_.data() + i * K;
-      for (unsigned j = 0; j < K; ++j)
-        facet[j] = simplex[j] = vertices_.plain ? v[j] : vertices_.ids[v[j]];
-      facet[K - 2] = std::min(simplex[K - 2], simplex[K - 1]);
-      facet[K - 1] = std::max(simplex[K - 2], simplex[K - 1]);
+      this->put_vertices(i, v);
+      const std::uint64_t* facet = &this->facets_[i * K];
       for (unsigned j = 1; j < K; ++j) twice |= facet[j - 1] == facet[j];
     }
     if (twice) fail_not_exact("a simplex uses a point twice");
@@ -180,7 +252,7 @@ class SimplexWriter {
     // change the time by no more than the noise, 3%.
     constexpr std::uint64_t far = 40, near = 12;
     neighbours_.resize(count_ * K);
-    facet_neighbours_.resize(count_ * K);
+    this->facet_neighbours_.resize(count_ * K);
     const auto of = [&](std::uint64_t i) {
       return surface_.neighbours.data() + std::size_t{order_[i]} * K;
     };
@@ -191,14 +263,12 @@ class SimplexWriter {
         if (i + near < end)
           for (unsigned j = 0; j < K; ++j) prefetch_line(rank_.get() + of(i + near)[j]);
         const std::uint32_t* across = of(i);
-        std::uint32_t* next = neighbours_.data() + i * K;
-        std::uint32_t* ordered = facet_neighbours_.data() + i * K;
-        for (unsigned j = 0; j < K; ++j) {
+        this->put_neighbours(i, [&](unsigned j) {
           const std::uint32_t g = across[j];
           open |= g >= count_ || g == order_[i];
-          next[j] = ordered[j] = rank_[g < count_ ? g : 0];
-        }
-        sort_few<K>(ordered);
+          return rank_[g < count_ ? g : 0];
+        });
+        std::uint32_t* next = neighbours_.data() + i * K;
         if (is_odd(&corners_[i * K])) std::swap(next[K - 2], next[K - 1]);
       }
       if (open) fail_not_exact("a ridge has no second facet");
@@ -215,7 +285,7 @@ class SimplexWriter {
   /// Checks all ridges and computes planes and shares. Returns false if some simplices are
   /// coplanar.
   bool scan(std::uint64_t* rung_counts) {
-    planes_.resize(count_ * (K + 1));
+    this->planes_.resize(count_ * (K + 1));
     runs_ = BigArray<Share<K>>(chunk_count(count_, measure_run));
     std::vector<ChunkCounts> counts(chunk_count(count_, simplex_chunk));
     run_.each_chunk(count_, simplex_chunk,
@@ -242,8 +312,7 @@ class SimplexWriter {
 
   /// Processes a chunk run by run. The data of the next run is prefetched while a run is computed.
   void scan_chunk(std::uint64_t begin, std::uint64_t end, ChunkCounts& out) {
-    FacetBlock<K> block;
-    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    FacetBlock<K> block = this->empty_block();
     Ridge lists[2][measure_run * K + 1];
     unsigned count = list_ridges(begin, std::min(end, begin + measure_run), lists[0]);
     for (std::uint64_t from = begin; from < end; from += measure_run) {
@@ -254,23 +323,13 @@ class SimplexWriter {
                                          lists[1 - (from - begin) / measure_run % 2]);
       out.ridges += count;
       for (Ridge* r = ridges; r < ridges + count; ++r) match(*r);
-      Share<K> run;
       const Ridge* ridge = ridges;
-      for (std::uint64_t first = from; first < to; first += lanes) {
-        const auto n = static_cast<unsigned>(std::min<std::uint64_t>(lanes, to - first));
-        for (unsigned lane = 0; lane < lanes; ++lane)
-          load(&corners_[(first + std::min(lane, n - 1)) * K], block, lane);
-        facet_block(block);
-        for (; ridge < ridges + count && ridge->simplex < first + n; ++ridge)
+      runs_[from / measure_run] = this->put_planes(
+          from, to, block, [this](std::uint64_t i) { return &corners_[i * K]; },
+          [&](std::uint64_t first, std::uint64_t last) {
+        for (; ridge < ridges + count && ridge->simplex < last; ++ridge)
           check_convex(*ridge, block, static_cast<unsigned>(ridge->simplex - first), out);
-        facet_shares(block);
-        for (unsigned lane = 0; lane < n; ++lane) {
-          const std::uint64_t i = first + lane;
-          run.add(facet_share(frame_, plane_, &corners_[i * K], block, lane,
-                              planes_.data() + i * (K + 1)));
-        }
-      }
-      runs_[from / measure_run] = run;
+          });
       count = ahead;
     }
   }
@@ -332,13 +391,6 @@ class SimplexWriter {
     prefetch_line(frame_.at(x));
   }
 
-  void load(const std::uint32_t* corners, FacetBlock<K>& block, unsigned lane) const {
-    for (unsigned j = 0; j < K; ++j) {
-      const double* p = frame_.at(corners[j]);
-      for (unsigned c = 0; c < K; ++c) block.corner[j][c][lane] = p[c];
-    }
-  }
-
   void check_convex(const Ridge& ridge, const FacetBlock<K>& block, unsigned lane,
                     ChunkCounts& out) {
     bool known = false;
@@ -390,8 +442,7 @@ class SimplexWriter {
   /// not, other simplices may still have one. The sample has up to 512 simplices, in blocks of 8.
   bool coplanar_sample() const {
     const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
-    FacetBlock<K> block;
-    for (unsigned c = 0; c < K; ++c) std::fill_n(block.origin[c], lanes, frame_.at(0)[c]);
+    FacetBlock<K> block = this->empty_block();
     for (std::uint64_t k = 0; k < blocks; ++k) {
       const auto at = [&](unsigned lane) {
         return static_cast<std::uint32_t>(count_ * (k * lanes + lane) / (blocks * lanes));
@@ -425,10 +476,7 @@ class SimplexWriter {
   const ResultInput& input_;
   const Boundary& surface_;
   const VertexList& vertices_;
-  const Frame& frame_;
-  const FacetPlane<K> plane_;
   const Run& run_;
-  const std::uint64_t count_;
   const unsigned shift_;
   const std::uint32_t buckets_;
   const FacetKeys<K> packing_;
@@ -439,26 +487,141 @@ class SimplexWriter {
   BigArray<std::uint32_t> corners_;  // stored vertices of the simplices in canonical order
   std::atomic<bool> coplanar_{false};
   BigArray<Share<K>> runs_;
-  // Lists of the result.
-  Array<std::uint64_t> simplices_, facets_;
-  Array<std::uint32_t> neighbours_, facet_neighbours_;
-  Array<double> planes_;
 };
 
+/// Working memory of FewSimplexWriter.
 template <unsigned K>
-bool build(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
-           const Frame& frame, const Run& run, unsigned key_bits, Hull& hull) {
-  return SimplexWriter<K>(input, surface, vertices, frame, run, key_bits).run(hull);
-}
+struct FewSimplexMemory {
+  struct Simplex {
+    std::uint32_t corner[K];  ///< positions of the vertices in stored order
+    std::uint32_t across[K];  ///< slots of the simplices opposite to them
+  };
+  std::vector<std::uint64_t> ids;            // of the vertices
+  std::vector<std::uint32_t> position;       // of each point among the vertices
+  std::vector<Simplex> stored;               // by slot
+  std::vector<std::uint32_t> number, order;  // of each slot; the slot of each number
+  std::vector<std::uint64_t> keys;           // the corners, then the slot
+  BucketSort<std::uint64_t> sorted;
+  std::vector<Share<K>> runs;
+};
+
+/// The work of write_few_simplices: without checks, on one thread, with keys of 64 bits.
+template <unsigned K>
+class FewSimplexWriter : SimplexLists<K> {
+  using Memory = FewSimplexMemory<K>;
+
+ public:
+  FewSimplexWriter(const FewSimplices& surface, const Frame& frame, bool plain, std::uint64_t count,
+                   Memory& memory)
+      : SimplexLists<K>(frame, memory.ids, plain, count), surface_(surface), m_(memory) {}
+
+  void run(const ResultInput& input, Hull& hull) {
+    sort();
+    const std::size_t count = m_.order.size();
+    this->simplices_.resize(count * K);
+    this->facets_.resize(count * K);
+    this->neighbours_.resize(count * K);
+    this->facet_neighbours_.resize(count * K);
+    this->planes_.resize(count * (K + 1));
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto& simplex = m_.stored[m_.order[i]];
+      this->put_vertices(i, simplex.corner);
+      this->put_neighbours(i, [&](unsigned j) { return m_.number[simplex.across[j]]; });
+    }
+    m_.runs.resize(chunk_count(count, measure_run));
+    FacetBlock<K> block = this->empty_block();
+    for (std::size_t i = 0; i < m_.runs.size(); ++i)
+      m_.runs[i] = this->put_planes(
+          i * measure_run, std::min(count, (i + 1) * measure_run), block,
+          [this](std::uint64_t f) { return m_.stored[m_.order[f]].corner; },
+          [](std::uint64_t, std::uint64_t) {});
+    this->keep_lists(hull);
+    hull.affine_dimension = K;
+    hull.vertices = m_.ids;
+    finish_simplicial<K>(input, m_.ids, this->frame_, m_.runs.data(), short_run(), hull);
+  }
+
+  /// Lists the vertices of the surface of `count` points. Returns the number of its simplices.
+  static std::uint64_t list_vertices(const FewSimplices& surface, const std::uint64_t* ids,
+                                     unsigned count, Memory& m) {
+    m.position.assign(count, 0);
+    std::uint64_t simplices = 0;
+    for (unsigned f = 0; f < surface.slots; ++f) {
+      if (!surface.live(f, K)) continue;
+      ++simplices;
+      for (unsigned j = 0; j < K; ++j) m.position[surface.corners[std::size_t{f} * K + j]] = 1;
+    }
+    m.ids.clear();
+    for (unsigned i = 0; i < count; ++i) {
+      if (m.position[i] == 0) continue;
+      m.position[i] = static_cast<std::uint32_t>(m.ids.size());
+      m.ids.push_back(ids != nullptr ? ids[i] : i);
+    }
+    return simplices;
+  }
+
+ private:
+  /// Brings each simplex into stored order, and all into the order of their vertices.
+  void sort() {
+    const auto bits = static_cast<unsigned>(std::bit_width(m_.ids.size() - 1)),
+               slot_bits = static_cast<unsigned>(std::bit_width(surface_.slots - 1));
+    m_.stored.resize(surface_.slots);
+    m_.number.resize(surface_.slots);
+    m_.keys.clear();
+    for (unsigned f = 0; f < surface_.slots; ++f) {
+      if (!surface_.live(f, K)) continue;
+      std::uint32_t packed[K];
+      for (unsigned j = 0; j < K; ++j)
+        packed[j] = m_.position[surface_.corners[std::size_t{f} * K + j]] << 3 | j;
+      if (sort_few<K>(packed)) std::swap(packed[K - 2], packed[K - 1]);
+      auto& simplex = m_.stored[f];
+      std::uint64_t key = 0;
+      for (unsigned j = 0; j < K; ++j) {
+        simplex.corner[j] = packed[j] >> 3;
+        simplex.across[j] = surface_.across[std::size_t{f} * K + (packed[j] & 7)];
+        key = key << bits | simplex.corner[j];
+      }
+      m_.keys.push_back(key << slot_bits | f);
+    }
+    const unsigned shift = slot_bits + (K - 1) * bits;
+    m_.sorted.sort(
+        m_.keys.size(), m_.ids.size(),
+        [&](const auto& visit) { std::for_each(m_.keys.begin(), m_.keys.end(), visit); },
+        [&](std::uint64_t key) { return static_cast<std::uint32_t>(key >> shift); },
+        [](std::uint64_t key) { return key; },
+        [](std::uint64_t a, std::uint64_t b) { return a < b; });
+    m_.order.resize(m_.keys.size());
+    for (unsigned i = 0; i < m_.order.size(); ++i) {
+      m_.order[i] = static_cast<std::uint32_t>(m_.sorted[i]) & ((1U << slot_bits) - 1);
+      m_.number[m_.order[i]] = i;
+    }
+  }
+
+  const FewSimplices& surface_;
+  Memory& m_;
+};
 
 }  // namespace
 
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits) {
-  using Build = bool (*)(const ResultInput&, const Boundary&, const VertexList&, const Frame&,
-                         const Run&, unsigned, Hull&);
-  static constexpr Build builds[] = {build<4>, build<5>, build<6>, build<7>, build<8>};
-  return builds[surface.dimension - 4](input, surface, vertices, frame, run, key_bits, hull);
+  return with_dimension<4, 7, 8>(surface.dimension, [&](auto k) {
+    return SimplexWriter<k>(input, surface, vertices, frame, run, key_bits).run(hull);
+  });
+}
+
+bool write_few_simplices(const PointView& view, const std::uint64_t* ids, unsigned count,
+                         const FewSimplices& surface, Hull& hull) {
+  return with_dimension<4, 7, 8>(view.dimension, [&](auto k) {
+    auto& memory = thread_memory<FewSimplexMemory<k>>();
+    const auto simplices = FewSimplexWriter<k>::list_vertices(surface, ids, count, memory);
+    constexpr unsigned axes[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    const Frame frame = make_frame(view, memory.ids, axes, k, short_run());
+    if (frame.wild) return false;
+    FewSimplexWriter<k>(surface, frame, false, simplices, memory)
+        .run({&view, nullptr, ids, axes}, hull);
+    return true;
+  });
 }
 
 }  // namespace cullhull::internal

@@ -61,4 +61,22 @@ bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run&
 bool write_simplices(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                      const Frame& frame, const Run& run, Hull& hull, unsigned key_bits = 128);
 
+/// A surface of few simplices of which no two adjacent ones are coplanar, as an engine that keeps
+/// its memory leaves it.
+struct FewSimplices {
+  unsigned slots;                ///< some are empty: then their first neighbour is no_index
+  const std::uint32_t* corners;  ///< slots x dimension points; outward as those of a Boundary
+  const std::uint32_t* across;   ///< the slot of the simplex opposite to each of them
+
+  bool live(unsigned f, unsigned dimension) const {
+    return across[std::size_t{f} * dimension] != no_index;
+  }
+};
+
+/// Fills the hull of `count` points of the view, those with the given ids (nullptr: 0, 1, ...), on
+/// the calling thread, without checks. A simplex's key must fit 64 bits: the number of its slot and
+/// its vertices. False, with the hull unchanged, where coordinates span too many powers of two.
+bool write_few_simplices(const PointView& view, const std::uint64_t* ids, unsigned count,
+                         const FewSimplices& surface, Hull& hull);
+
 }  // namespace cullhull::internal
