@@ -11,24 +11,6 @@
 namespace cullhull::internal {
 namespace {
 
-void append(HullBatch& b, const Hull& h) {
-  const auto k = static_cast<unsigned>(std::max(h.affine_dimension, 0));
-  NewLists<HullBatch> to({k, h.vertices.size(), h.simplex_count(), h.facet_count(),
-                          h.facets.items.size(), h.facet_neighbours.items.size()},
-                         b);
-  const auto copy = [](const auto& from, auto* at) { std::copy(from.begin(), from.end(), at); };
-  copy(h.vertices, to.vertices());
-  copy(h.facets.items, to.facets);
-  copy(h.facet_neighbours.items, to.facet_neighbours);
-  copy(h.facet_planes, to.planes);
-  copy(h.simplices, to.simplices);
-  copy(h.simplex_neighbours, to.simplex_neighbours);
-  copy(h.simplex_facets, to.simplex_facets);
-  write_measures(h.affine_dimension, h.point_count, h.volume, h.area, h.centroid, b);
-  to.keep([&](std::size_t i) { return h.facets[i].size(); },
-          [&](std::size_t i) { return h.facet_neighbours[i].size(); });
-}
-
 /// Empties a batch but keeps its memory.
 void clear(HullBatch& b) {
   const auto clear_lists = [](auto& lists) {

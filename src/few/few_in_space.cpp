@@ -1,14 +1,12 @@
 #include "few/few_in_space.hpp"
 
 #include <algorithm>
-#include <numeric>
 
-#include "few/small_3d_measures.hpp"
 #include "few/small_3d_surface.hpp"
 #include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/threads/thread_memory.hpp"
-#include "result/write/hull_lists.hpp"
+#include "result/write/few_triangles.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -19,44 +17,6 @@ void load(const PointView& view, const std::uint64_t* ids, unsigned count, Point
   for (auto& axis : points.axes) std::fill(axis + count, axis + (count + 15) / 16 * 16, axis[0]);
 }
 
-/// Writes ids as the caller counts them: those with the given names, which ascend; nullptr: 0, 1,
-/// ...
-template <class Number>
-void put_ids(const Number* from, std::size_t count, const std::uint64_t* names, std::uint64_t* to) {
-  if (names == nullptr) return widen(from, count, to);
-  for (std::size_t i = 0; i < count; ++i) to[i] = names[from[i]];
-}
-
-/// Appends planes, measures and lists of the hull of `points`, those of the view with the given
-/// names, to a Hull or a HullBatch; `shares` is working memory. False, with the target unchanged,
-/// where a measure needs more than doubles.
-template <class Points, class Small, class Target>
-bool measure_and_write(const PointView& view, const std::uint64_t* names, const Points& points,
-                       const Small& small, SmallShares<Small::max_facets>& shares, Target& target) {
-  const std::size_t n = small.count;
-  std::size_t corners = 3 * n;
-  if (!small.simplicial())
-    corners =
-        std::accumulate(small.facet_size, small.facet_size + small.facet_count, std::size_t{0});
-  NewLists<Target> to({3, small.vertex_count, n, small.facet_count, corners, corners}, target,
-                      256);  // seven planes
-  Measures measures;
-  if (!SmallMeasurer(view, names, points, small, shares).run(to.planes, measures)) return false;
-  write_measures(3, view.count, measures.volume, measures.area, measures.centroid, target);
-  std::uint64_t* const vertices = to.vertices();
-  for (unsigned i = 0; i < small.vertex_count; ++i)
-    vertices[i] = names != nullptr ? names[small.ids[i]] : small.ids[i];
-  put_ids(small.vertices, 3 * n, names, to.simplices);
-  widen(small.opposite, 3 * n, to.simplex_neighbours);
-  widen(small.beside, corners, to.facet_neighbours);
-  if (to.facets != nullptr)
-    put_ids(small.simplicial() ? small.vertices : small.corners, corners, names, to.facets);
-  if (!small.simplicial()) widen(small.facet_of, n, to.simplex_facets);
-  const auto size = [&](std::size_t i) { return small.facet_size[i]; };
-  to.keep(size, size);
-  return true;
-}
-
 /// The hull of `count` points with its measures; points, small and shares are working memory.
 /// False, and `target` unchanged, where doubles do not suffice.
 template <class Points, class Small, class Target>
@@ -64,7 +24,7 @@ bool write_hull(const PointView& view, const std::uint64_t* names, unsigned coun
                 Small& small, SmallShares<Small::max_facets>& shares, Target& target) {
   load(view, names, count, points);
   return small_hull_3d(points, count, small) &&
-         measure_and_write(view, names, points, small, shares, target);
+         write_few_triangles(view, names, points, small, shares, target);
 }
 
 /// Does this for up to SmallHull3D::max_points points, on the stack.
@@ -79,10 +39,6 @@ bool write_small(const PointView& view, const std::uint64_t* names, unsigned cou
 
 }  // namespace
 
-void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
-                SmallPoints3D& points) {
-  load(view, ids, count, points);
-}
 void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
                 MediumPoints3D& points) {
   load(view, ids, count, points);
@@ -127,7 +83,7 @@ bool append_simplices_3d(const PointView& rows, const std::uint8_t* simplices, u
     hull.high[c] = *high;
   }
   SmallShares<SmallHull3D::max_facets> shares;
-  return measure_and_write(rows, nullptr, points, hull, shares, to);
+  return write_few_triangles(rows, nullptr, points, hull, shares, to);
 }
 
 }  // namespace cullhull::internal

@@ -13,8 +13,6 @@ namespace cullhull::internal {
 /// Loads the coordinates of `count` points of the view, those with the given ids; nullptr: the
 /// first.
 void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
-                SmallPoints3D& points);
-void load_small(const PointView& view, const std::uint64_t* ids, unsigned count,
                 MediumPoints3D& points);
 
 /// The hull of the points with the given ids, which ascend (nullptr: of all points), where they are

@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3650},   {"src/batch", 682},     {"src/certify", 4160},  {"src/constrained", 600},
+    {"include", 3650},   {"src/batch", 664},     {"src/certify", 4160},  {"src/constrained", 600},
     {"src/cuda", 5460},  {"src/delaunay", 4220}, {"src/diagrams", 6330}, {"src/distributed", 260},
-    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 2290},      {"src/filter", 7250},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1892},      {"src/filter", 7250},
     {"src/flow", 1300},  {"src/generate", 670},  {"src/geometry", 1430}, {"src/hull", 5520},
-    {"src/io", 16910},   {"src/parallel", 2670}, {"src/query", 3490},    {"src/result", 6810},
+    {"src/io", 16910},   {"src/parallel", 2670}, {"src/query", 3490},    {"src/result", 7228},
     {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28540},
     {"tests", 51860},    {"docs", 9450},         {"apps", 9430},         {"bench", 7380},
     {"viewer", 3440},    {"scripts", 3620},
@@ -108,6 +108,31 @@ TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
   EXPECT_LE(files_with(root / "src", header, type).second, 497U);
   EXPECT_LE(files_with(root / "include", header, type).second, 84U);
+}
+
+// Four texts write the lists of a canonical result: of polygons, of triangles and of simplices, few
+// or many, and of merged facets. hull_lists.hpp gives them room in a Hull or a HullBatch.
+TEST(Size, FourTextsWriteResults) {
+  const std::regex writes(
+      R"(\b(NewLists<|keep_simplicial\()|\bfacet_neighbours\.(items|offsets)(\.resize| = ))");
+  EXPECT_EQ(
+      files_with(fs::path(CULLHULL_ROOT) / "src", std::regex(".*"), writes).first,
+      (std::set<std::string>{"result/write/hull_lists.hpp", "result/write/write_facets.cpp",
+                             "result/write/write_polygon.cpp", "result/write/write_simplices.cpp",
+                             "result/write/write_triangles.cpp"}));
+}
+
+// The incremental insertions: each replaces what a new point sees or is in conflict with. That of
+// few points in space counts twice, since it has two surfaces.
+TEST(Size, InsertionsAreFew) {
+  const std::regex inserts(
+      R"(\b(void|bool) ([\w<>]+::)?(insert|replace|replace_cavity|make_cells)\()"
+      R"((unsigned|Id|std::uint32_t|Stream&) [^;]*\{$)");
+  EXPECT_EQ(files_with(fs::path(CULLHULL_ROOT) / "src", std::regex(".*"), inserts).first,
+            (std::set<std::string>{"cuda/kernels/warp_hull.cuh", "delaunay/cell_insertion.hpp",
+                                   "delaunay/plane_insertion.hpp", "few/small_3d.cpp",
+                                   "few/small_nd.cpp", "hull/general/insertion_nd_cavity.hpp",
+                                   "hull/space/insertion_3d.cpp"}));
 }
 
 TEST(Size, PlantedExcessesAreFound) {

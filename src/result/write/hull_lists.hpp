@@ -47,7 +47,7 @@ class NewLists {
 
  public:
   /// `room`: this many bytes behind each list but the vertices may be overwritten, so that whole
-  /// vectors can be stored, and behind the planes of the facets those of all simplices as well.
+  /// vectors can be stored, and then there is room for a plane of each simplex and of seven more.
   NewLists(const ListSizes& sizes, Target& to, std::size_t room = 0)
       : sizes_(sizes),
         to_(to),
@@ -59,7 +59,8 @@ class NewLists {
         simplex_neighbours(extend(to.simplex_neighbours, sizes.simplices * sizes.dimension)),
         facet_neighbours(extend(to.facet_neighbours, sizes.across)),
         simplex_facets(numbered_ ? extend(to.simplex_facets, sizes.simplices) : nullptr),
-        planes(extend(to.facet_planes, (room > 0 ? sizes.simplices : sizes.facets) * width())) {}
+        planes(extend(to.facet_planes, (room > 0 ? sizes.simplices + 7 : sizes.facets) * width())) {
+  }
   NewLists(const NewLists&) = delete;
   NewLists& operator=(const NewLists&) = delete;
   ~NewLists() {
@@ -187,6 +188,25 @@ inline void write_measures(int dimension, std::uint64_t points, double volume, d
   to.areas.push_back(area);
   to.centroids.insert(to.centroids.end(), centroid.begin(), centroid.end());
   to.centroids.resize(to.size() * to.dimension, 0);
+}
+
+/// Appends a copy of a hull.
+inline void append(HullBatch& b, const Hull& h) {
+  const auto k = static_cast<unsigned>(std::max(h.affine_dimension, 0));
+  NewLists<HullBatch> to({k, h.vertices.size(), h.simplex_count(), h.facet_count(),
+                          h.facets.items.size(), h.facet_neighbours.items.size()},
+                         b);
+  const auto copy = [](const auto& from, auto* at) { std::copy(from.begin(), from.end(), at); };
+  copy(h.vertices, to.vertices());
+  copy(h.facets.items, to.facets);
+  copy(h.facet_neighbours.items, to.facet_neighbours);
+  copy(h.facet_planes, to.planes);
+  copy(h.simplices, to.simplices);
+  copy(h.simplex_neighbours, to.simplex_neighbours);
+  copy(h.simplex_facets, to.simplex_facets);
+  write_measures(h.affine_dimension, h.point_count, h.volume, h.area, h.centroid, b);
+  to.keep([&](std::size_t i) { return h.facets[i].size(); },
+          [&](std::size_t i) { return h.facet_neighbours[i].size(); });
 }
 
 }  // namespace cullhull::internal

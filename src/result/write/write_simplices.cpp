@@ -41,9 +41,8 @@ class SimplexLists {
   static constexpr unsigned lanes = FacetBlock<K>::lanes;
 
   /// `vertices`: the ids of the hull's vertices. `plain`: each is its position.
-  SimplexLists(const Frame& frame, const std::vector<std::uint64_t>& vertices, bool plain,
-               std::uint64_t count)
-      : frame_(frame), plane_(frame), ids_(vertices.data()), plain_(plain), count_(count) {}
+  SimplexLists(const Frame& frame, const std::vector<std::uint64_t>& vertices, bool plain)
+      : frame_(frame), plane_(frame), ids_(vertices.data()), plain_(plain) {}
 
   /// Writes the vertices of simplex i and of its facet, given by their positions in stored order:
   /// ascending, except that the last two are exchanged if that makes the simplex outward oriented.
@@ -105,7 +104,6 @@ class SimplexLists {
   const FacetPlane<K> plane_;
   const std::uint64_t* const ids_;
   const bool plain_;
-  const std::uint64_t count_;
   Array<std::uint64_t> simplices_, facets_;
   Array<std::uint32_t> neighbours_, facet_neighbours_;
   Array<double> planes_;
@@ -115,16 +113,17 @@ class SimplexLists {
 template <unsigned K>
 class SimplexWriter : SimplexLists<K> {
   using Base = SimplexLists<K>;
-  using Base::lanes, Base::frame_, Base::count_, Base::neighbours_, Base::load;
+  using Base::lanes, Base::frame_, Base::neighbours_, Base::load;
 
  public:
   SimplexWriter(const ResultInput& input, const Boundary& surface, const VertexList& vertices,
                 const Frame& frame, const Run& run, unsigned key_bits)
-      : Base(frame, vertices.ids, vertices.plain, surface.facet_count()),
+      : Base(frame, vertices.ids, vertices.plain),
         input_(input),
         surface_(surface),
         vertices_(vertices),
         run_(run),
+        count_(surface.facet_count()),
         shift_(bucket_shift(count_, vertices.ids.size(), 1024)),
         buckets_(static_cast<std::uint32_t>((vertices.ids.size() - 1) >> shift_) + 1),
         packing_(vertices.ids.size(), count_, shift_, key_bits) {}
@@ -477,6 +476,7 @@ class SimplexWriter : SimplexLists<K> {
   const Boundary& surface_;
   const VertexList& vertices_;
   const Run& run_;
+  const std::uint64_t count_;
   const unsigned shift_;
   const std::uint32_t buckets_;
   const FacetKeys<K> packing_;
@@ -511,9 +511,8 @@ class FewSimplexWriter : SimplexLists<K> {
   using Memory = FewSimplexMemory<K>;
 
  public:
-  FewSimplexWriter(const FewSimplices& surface, const Frame& frame, bool plain, std::uint64_t count,
-                   Memory& memory)
-      : SimplexLists<K>(frame, memory.ids, plain, count), surface_(surface), m_(memory) {}
+  FewSimplexWriter(const FewSimplices& surface, const Frame& frame, Memory& memory)
+      : SimplexLists<K>(frame, memory.ids, false), surface_(surface), m_(memory) {}
 
   void run(const ResultInput& input, Hull& hull) {
     sort();
@@ -541,23 +540,19 @@ class FewSimplexWriter : SimplexLists<K> {
     finish_simplicial<K>(input, m_.ids, this->frame_, m_.runs.data(), short_run(), hull);
   }
 
-  /// Lists the vertices of the surface of `count` points. Returns the number of its simplices.
-  static std::uint64_t list_vertices(const FewSimplices& surface, const std::uint64_t* ids,
-                                     unsigned count, Memory& m) {
+  /// Lists the vertices of the surface of `count` points.
+  static void list_vertices(const FewSimplices& surface, const std::uint64_t* ids, unsigned count,
+                            Memory& m) {
     m.position.assign(count, 0);
-    std::uint64_t simplices = 0;
-    for (unsigned f = 0; f < surface.slots; ++f) {
-      if (!surface.live(f, K)) continue;
-      ++simplices;
-      for (unsigned j = 0; j < K; ++j) m.position[surface.corners[std::size_t{f} * K + j]] = 1;
-    }
+    for (unsigned f = 0; f < surface.slots; ++f)
+      if (surface.live(f, K))
+        for (unsigned j = 0; j < K; ++j) m.position[surface.corners[std::size_t{f} * K + j]] = 1;
     m.ids.clear();
     for (unsigned i = 0; i < count; ++i) {
       if (m.position[i] == 0) continue;
       m.position[i] = static_cast<std::uint32_t>(m.ids.size());
       m.ids.push_back(ids != nullptr ? ids[i] : i);
     }
-    return simplices;
   }
 
  private:
@@ -614,12 +609,11 @@ bool write_few_simplices(const PointView& view, const std::uint64_t* ids, unsign
                          const FewSimplices& surface, Hull& hull) {
   return with_dimension<4, 7, 8>(view.dimension, [&](auto k) {
     auto& memory = thread_memory<FewSimplexMemory<k>>();
-    const auto simplices = FewSimplexWriter<k>::list_vertices(surface, ids, count, memory);
+    FewSimplexWriter<k>::list_vertices(surface, ids, count, memory);
     constexpr unsigned axes[] = {0, 1, 2, 3, 4, 5, 6, 7};
     const Frame frame = make_frame(view, memory.ids, axes, k, short_run());
     if (frame.wild) return false;
-    FewSimplexWriter<k>(surface, frame, false, simplices, memory)
-        .run({&view, nullptr, ids, axes}, hull);
+    FewSimplexWriter<k>(surface, frame, memory).run({&view, nullptr, ids, axes}, hull);
     return true;
   });
 }

@@ -20,6 +20,7 @@
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure.hpp"
 #include "result/write/bucket_sort.hpp"
+#include "result/write/few_triangle_measures.hpp"
 #include "result/write/hull_lists.hpp"
 #include "result/write/triangle_sweep.hpp"
 #include "result/write/write_simplices.hpp"
@@ -483,7 +484,50 @@ class TriangleWriter {
   std::vector<Cut> cut_;
 };
 
+/// Writes ids as the caller counts them: those with the given names, which ascend; nullptr: 0, 1,
+/// ...
+template <class Number>
+void put_ids(const Number* from, std::size_t count, const std::uint64_t* names, std::uint64_t* to) {
+  if (names == nullptr) return widen(from, count, to);
+  for (std::size_t i = 0; i < count; ++i) to[i] = names[from[i]];
+}
+
 }  // namespace
+
+template <class Points, class Small, class Target>
+bool write_few_triangles(const PointView& view, const std::uint64_t* names, const Points& points,
+                         const Small& small, SmallShares<Small::max_facets>& shares,
+                         Target& target) {
+  const std::size_t n = small.count;
+  std::size_t corners = 3 * n;
+  if (!small.simplicial())
+    corners =
+        std::accumulate(small.facet_size, small.facet_size + small.facet_count, std::size_t{0});
+  NewLists<Target> to({3, small.vertex_count, n, small.facet_count, corners, corners}, target, 64);
+  Measures measures;
+  if (!SmallMeasurer(view, names, points, small, shares).run(to.planes, measures)) return false;
+  write_measures(3, view.count, measures.volume, measures.area, measures.centroid, target);
+  std::uint64_t* const vertices = to.vertices();
+  for (unsigned i = 0; i < small.vertex_count; ++i)
+    vertices[i] = names != nullptr ? names[small.ids[i]] : small.ids[i];
+  put_ids(small.vertices, 3 * n, names, to.simplices);
+  widen(small.opposite, 3 * n, to.simplex_neighbours);
+  widen(small.beside, corners, to.facet_neighbours);
+  if (to.facets != nullptr)
+    put_ids(small.simplicial() ? small.vertices : small.corners, corners, names, to.facets);
+  if (!small.simplicial()) widen(small.facet_of, n, to.simplex_facets);
+  const auto size = [&](std::size_t i) { return small.facet_size[i]; };
+  to.keep(size, size);
+  return true;
+}
+template bool write_few_triangles(const PointView&, const std::uint64_t*, const SmallPoints3D&,
+                                  const SmallHull3D&, SmallShares<SmallHull3D::max_facets>&, Hull&);
+template bool write_few_triangles(const PointView&, const std::uint64_t*, const SmallPoints3D&,
+                                  const SmallHull3D&, SmallShares<SmallHull3D::max_facets>&,
+                                  HullBatch&);
+template bool write_few_triangles(const PointView&, const std::uint64_t*, const MediumPoints3D&,
+                                  const MediumHull3D&, SmallShares<MediumHull3D::max_facets>&,
+                                  Hull&);
 
 bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run& run, Hull& hull) {
   if (input.view->dimension != 3 || surface.live < 4) return false;

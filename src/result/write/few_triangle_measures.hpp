@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "cullhull/hull.hpp"
-#include "few/small_3d.hpp"
-#include "few/small_3d_shares.hpp"
 #include "result/facets/facet_plane.hpp"
 #include "result/facets/facet_share.hpp"
 #include "result/measures/measure.hpp"
+#include "result/write/few_triangles.hpp"
 
 namespace cullhull::internal {
 

@@ -1,12 +1,11 @@
-#include "few/small_3d_shares.hpp"
-
 #include "cullhull/hull.hpp"
 #include "parallel/simd_targets.hpp"
+#include "result/write/few_triangles.hpp"
 
 // Vectors are kept in arrays below, which sizeless types do not allow.
 #define HWY_DISABLED_TARGETS CULLHULL_SPARED_TARGETS
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "few/small_3d_shares.cpp"
+#define HWY_TARGET_INCLUDE "result/write/few_triangle_shares.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
