@@ -46,6 +46,13 @@ std::vector<T> normal_points(std::size_t n, unsigned d, std::uint64_t seed, doub
   return v;
 }
 
+/// What `cullhull generate` makes, as T.
+template <class T>
+std::vector<T> made(const char* shape, std::uint64_t n, unsigned d, std::uint64_t seed) {
+  const std::vector<double> rows = generate(shape, n, d, seed);
+  return {rows.begin(), rows.end()};
+}
+
 /// n points of the cube of half the side `reach` around `centre`.
 template <class T = double>
 std::vector<T> uniform_points(unsigned d, std::size_t n, double centre, double reach,

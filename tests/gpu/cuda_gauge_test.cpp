@@ -15,28 +15,19 @@
 #include "tests/agreement/canonical_hash.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull::internal {
 namespace cuda_gauge_test {
 
 using cullhull::testing::OnDevice;
 using cullhull::testing::short_run;
-using testing_support::canonical_hash;
-using testing_support::cross_polytope;
+using namespace testing_support;
 
 class CudaGauge : public ::testing::Test {
  protected:
   void SetUp() override { CULLHULL_NEEDS_DEVICE(); }
 };
-
-template <class T>
-std::vector<T> uniform(unsigned d, std::size_t n, double reach, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> unit(-reach, reach);
-  std::vector<T> rows(n * d);
-  for (T& v : rows) v = static_cast<T>(0.125 + unit(random));
-  return rows;
-}
 
 template <class T>
 void strew(std::vector<T>& rows) {
@@ -75,10 +66,7 @@ void expect_same_survivors(const GaugeMap& map, const std::vector<T>& rows, std:
                 map.table(), DevicePointView::row_major(odd.data<T>() + 1, n, d))),
             expected)
       << what;
-  std::vector<T> columns(n * d);
-  for (std::size_t i = 0; i < n; ++i)
-    for (unsigned j = 0; j < d; ++j) columns[j * n + i] = rows[i * d + j];
-  const OnDevice turned(columns);
+  const OnDevice turned(transposed(rows, d));
   EXPECT_EQ(on_host(survivors_of_device_points(
                 map.table(), DevicePointView::column_major(turned.data<T>(), n, d))),
             expected)
@@ -93,8 +81,8 @@ TEST_F(CudaGauge, SurvivorsAreThoseOfTheCpu) {
     for (const std::size_t n :
          {1U, 31U, 32U, 33U, 127U, 128U, 129U, 32767U, 32768U, 32769U, 1000003U}) {
       if (n > 100000 && short_run()) continue;
-      auto doubles = uniform<double>(d, n, 1.2 / d + 0.2, n + d);
-      auto floats = uniform<float>(d, n, 1.2 / d + 0.2, n + d);
+      auto doubles = uniform_points<double>(d, n, 0.125, 1.2 / d + 0.2, n + d);
+      auto floats = uniform_points<float>(d, n, 0.125, 1.2 / d + 0.2, n + d);
       strew(doubles);
       strew(floats);
       expect_same_survivors(*map, doubles, n, d);
@@ -108,12 +96,12 @@ TEST_F(CudaGauge, OtherWaysThroughTheKernel) {
   const auto large = GaugeMap::build(cross_polytope(3, 0.125, 1), 200);
   ASSERT_TRUE(large);
   ASSERT_GT(large->table().nodes.size() * sizeof(float), this_device().shared_per_block);
-  const auto rows = uniform<float>(3, 100000, 0.6, 1);
+  const auto rows = uniform_points<float>(3, 100000, 0.125, 0.6, 1);
   expect_same_survivors(*large, rows, 100000, 3);
 
   const auto far = GaugeMap::build(cross_polytope(3, 0x1p23 + 0.75, 1));
   ASSERT_FALSE(far->table().single_precision);
-  auto shifted = uniform<float>(3, 50000, 2, 2);
+  auto shifted = uniform_points<float>(3, 50000, 0.125, 2, 2);
   for (float& v : shifted) v += 0x1p23F;
   expect_same_survivors(*far, shifted, 50000, 3);
 }
@@ -135,27 +123,13 @@ TEST_F(CudaGauge, IntegersGoAsDoubles) {
 TEST_F(CudaGauge, ManyPieces) {
   const auto map = GaugeMap::build(cross_polytope(3, 0.125, 1));
   const std::size_t n = short_run() ? 4500001 : 7000001;
-  const auto rows = uniform<float>(3, n, 0.6, 9);
+  const auto rows = uniform_points<float>(3, n, 0.125, 0.6, 9);
   if (!short_run()) return expect_same_survivors(*map, rows, n, 3);
   const Options options;
   const internal::Run run(options);
   const auto view = PointView::row_major(rows.data(), n, 3);
   EXPECT_EQ(survivors_of_host_points(map->table(), view, run.with_threads(2)),
             map->survivors(view, run.with_threads(2)));
-}
-
-std::vector<float> ball(unsigned d, std::size_t n, double power, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> unit;
-  std::vector<float> rows(n * d);
-  for (std::size_t i = 0; i < n; ++i) {
-    double v[8], norm = 0;
-    for (unsigned j = 0; j < d; ++j) v[j] = normal(random), norm += v[j] * v[j];
-    const double scale = std::pow(unit(random), power) / std::sqrt(norm);
-    for (unsigned j = 0; j < d; ++j) rows[i * d + j] = static_cast<float>(v[j] * scale);
-  }
-  return rows;
 }
 
 template <class T>
@@ -183,13 +157,13 @@ TEST_F(CudaGauge, HullsAreTheSameBitForBit) {
   for (unsigned d = 2; d <= 6; ++d) {
     const std::size_t whole = d < 4 ? 200000 : d == 4 ? 50000 : 3000;
     const std::size_t n = !short_run() ? whole : d < 5 ? 20000 : 800;
-    const auto rows = ball(d, n, 1.0 / d, d);
+    const auto rows = made<float>("ball", n, d, d);
     expect_same_hull(rows, n, d, std::to_string(d) + "D ball");
     expect_same_hull(std::vector<double>(rows.begin(), rows.end()), n, d,
                      std::to_string(d) + "D ball, f64");
   }
   const std::size_t on_sphere = short_run() ? 12000 : 20000;
-  expect_same_hull(ball(3, on_sphere, 0, 3), on_sphere, 3, "sphere");
+  expect_same_hull(made<float>("sphere", on_sphere, 3, 3), on_sphere, 3, "sphere");
   std::vector<float> grid;  // ties, coplanar points, duplicates
   const int side = short_run() ? 24 : 40;
   for (int i = 0; i < side; ++i)
@@ -198,7 +172,7 @@ TEST_F(CudaGauge, HullsAreTheSameBitForBit) {
         for (const int v : {i, j, k}) grid.push_back(static_cast<float>(v));
   grid.insert(grid.end(), grid.begin(), grid.end() - 3);
   expect_same_hull(grid, grid.size() / 3, 3, "grid");
-  std::vector<float> flat = ball(3, short_run() ? 20000 : 100000, 1.0 / 3, 4);
+  std::vector<float> flat = made<float>("ball", short_run() ? 20000 : 100000, 3, 4);
   for (std::size_t i = 0; i < flat.size(); i += 3) flat[i] = 0.5F;
   expect_same_hull(flat, flat.size() / 3, 3, "flat");
   expect_same_hull(std::vector<float>{-0.0F, 1, 2}, 1, 3, "a point");
@@ -208,7 +182,7 @@ TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
   const std::size_t n = 300000;
   bool cull_alone = false;  // hull and cull filter alike: in a short run they take turns
   for (const std::size_t bad : {std::size_t{0}, std::size_t{123456}, n - 1}) {
-    auto rows = ball(3, n, 1.0 / 3, 5);
+    auto rows = made<float>("ball", n, 3, 5);
     for (std::size_t i = bad; i < n; i += 1000) rows[3 * i + 1] = NAN;
     const OnDevice there(rows);
     for (const CullMethod method : {CullMethod::automatic, CullMethod::gauge, CullMethod::none}) {
@@ -218,19 +192,16 @@ TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
       cull_alone = !cull_alone;
       for (const bool whole : {false, true}) {
         if (short_run() && whole == cull_alone) continue;
-        try {
-          const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
+        const auto view = DevicePointView::row_major(there.data<float>(), n, 3);
+        EXPECT_TRUE(has(error_of(
+                            ErrorCode::not_finite,
+                            [&] {
           if (whole)
             convex_hull(view, options);
           else
             cull(view, options);
-          ADD_FAILURE() << "no error";
-        } catch (const Error& e) {
-          EXPECT_EQ(e.code(), ErrorCode::not_finite);
-          EXPECT_NE(std::string(e.what()).find("point " + std::to_string(bad) + ","),
-                    std::string::npos)
-              << e.what();
-        }
+                            }),
+                        "point " + std::to_string(bad) + ","));
       }
     }
   }
@@ -241,20 +212,14 @@ TEST_F(CudaGauge, ViewsThatNoDeviceReadsAreRefused) {
   const OnDevice there(host);
   DevicePointView odd = DevicePointView::row_major(there.data<float>(), 90, 3);
   odd.point_stride = 13;
-  for (const DevicePointView& view : {DevicePointView::row_major(host.data(), 100, 3), odd}) {
-    try {
-      convex_hull(view);
-      ADD_FAILURE() << "no error";
-    } catch (const Error& e) {
-      EXPECT_EQ(e.code(), ErrorCode::invalid_argument) << e.what();
-    }
-  }
+  for (const DevicePointView& view : {DevicePointView::row_major(host.data(), 100, 3), odd})
+    error_of(ErrorCode::invalid_argument, [&] { convex_hull(view); });
 }
 
 // The caller's stream may still be writing the points when the call begins.
 TEST_F(CudaGauge, WorkIsOrderedBehindTheStream) {
   const std::size_t n = short_run() ? 300000 : 1000000;  // either is worth two filters
-  const auto rows = ball(3, n, 1.0 / 3, 6);
+  const auto rows = made<float>("ball", n, 3, 6);
   const CudaStream stream;
   const OnDevice there(std::vector<float>(rows.size()));
   PinnedArray<float> pinned(rows.size());

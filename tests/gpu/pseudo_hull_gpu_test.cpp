@@ -10,8 +10,10 @@
 #include "cullhull/options.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
 #include "gpu/device.hpp"
+#include "reference/same_rounds.hpp"
 #include "reference/slow_hull.hpp"
 #include "tests/made_sets.hpp"
+#include "tests/thrown.hpp"
 
 namespace cullhull::internal {
 namespace pseudo_hull_gpu_test {
@@ -33,13 +35,7 @@ void expect_as_on_the_host(const PointView& host, const OnDevice& device, unsign
                                        internal::Run(defaults).with_threads(0), &expected))
       << name << ", " << host.dimension << "D, " << host.count << " points, " << subsets
       << " subsets, " << max_rounds << " rounds";
-  ASSERT_EQ(rounds.size(), expected.size()) << name;
-  for (std::size_t r = 0; r < rounds.size(); ++r) {
-    EXPECT_EQ(rounds[r].facets, expected[r].facets) << name << ", round " << r;
-    EXPECT_EQ(rounds[r].exterior, expected[r].exterior) << name << ", round " << r;
-    EXPECT_EQ(rounds[r].culled, expected[r].culled) << name << ", round " << r;
-    EXPECT_EQ(rounds[r].kept, expected[r].kept) << name << ", round " << r;
-  }
+  testing_support::expect_same_rounds(rounds, expected, name);
 }
 
 template <class T>
@@ -55,14 +51,10 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
 template <class T>
 void expect_agreement(unsigned d) {
   const std::size_t n = testing::short_run() ? 1100 : d <= 4 ? 6000 : 2500;
-  for (const double step : {0.0, 0.5}) {  // on a grid ties and duplicates are the rule
-    const std::vector<T> p = normal_points<T>(n, d, 41 * d, step);
-    expect_as_on_the_host(p, PointView::row_major(p.data(), n, d), "rows");
-    expect_as_on_the_host(p, PointView::column_major(p.data(), n, d), "columns");
-    PointView backwards = PointView::row_major(p.data() + (n - 1) * d, n / 3, d);
-    backwards.point_stride = -2 * backwards.point_stride;
-    expect_as_on_the_host(p, backwards, "every second point, backwards");
-  }
+  testing_support::each_normal_layout<T>(
+      n, d, 41 * d, [](const auto& points, const PointView& view, const char* name) {
+        expect_as_on_the_host(points, view, name);
+      });
 }
 
 TEST(PseudoHullGpu, EqualsTheHostInEveryRound) {
@@ -116,19 +108,16 @@ TEST(PseudoHullGpu, RefusesWhatItCannotDo) {
   const std::vector<int> p(70, 1);
   const OnDevice device(p);
   const Stream stream;
-  const auto refused = [&](const PointView& view) {
-    try {
+  const auto expect_refused = [&](const PointView& view) {
+    testing_support::error_of(ErrorCode::invalid_argument, [&] {
       pseudo_hull_survivors_cuda(device.view(view, stream), {}, internal::Run(defaults).control);
-    } catch (const Error& e) {
-      return e.code() == ErrorCode::invalid_argument;
-    }
-    return false;
+    });
   };
-  EXPECT_TRUE(refused(PointView::row_major(p.data(), 10, 3)));
-  EXPECT_TRUE(refused(PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 7)));
+  expect_refused(PointView::row_major(p.data(), 10, 3));
+  expect_refused(PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 7));
   PointView crooked = PointView::row_major(reinterpret_cast<const float*>(p.data()), 10, 3);
   crooked.data += 2;
-  EXPECT_TRUE(refused(crooked));
+  expect_refused(crooked);
   // The device works as before.
   const std::vector<float> good = normal_points<float>(300, 3, 1, 0);
   expect_as_on_the_host(good, PointView::row_major(good.data(), 300, 3), "after an error");

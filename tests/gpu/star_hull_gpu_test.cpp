@@ -12,6 +12,7 @@
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "gpu/device.hpp"
+#include "reference/same_rounds.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
@@ -50,27 +51,17 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   EXPECT_EQ(there.triangles.vertices, triangles.vertices) << name;
   EXPECT_EQ(there.triangles.neighbours, triangles.neighbours) << name;
   EXPECT_EQ(there.triangles.order, triangles.order) << name;
-  ASSERT_EQ(rounds.size(), expected.size()) << name;
-  for (std::size_t r = 0; r < rounds.size(); ++r) {
-    EXPECT_EQ(rounds[r].facets, expected[r].facets) << name << ", round " << r;
-    EXPECT_EQ(rounds[r].exterior, expected[r].exterior) << name << ", round " << r;
-    EXPECT_EQ(rounds[r].culled, expected[r].culled) << name << ", round " << r;
-  }
+  testing_support::expect_same_rounds(rounds, expected, name);
 }
 
 template <class T>
 void expect_agreement() {
   const std::size_t n = testing::short_run() ? 900 : 20000;
-  for (const double step : {0.0, 0.5}) {  // on a grid ties and duplicates are the rule
-    const std::vector<T> p = normal_points<T>(n, 3, 41, step);
-    expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "rows");
-    expect_as_on_the_host(p, PointView::column_major(p.data(), n, 3), "columns");
-    PointView backwards = PointView::row_major(p.data() + (n - 1) * 3, n / 3, 3);
-    backwards.point_stride = -2 * backwards.point_stride;
-    expect_as_on_the_host(p, backwards, "every second point, backwards");
-  }
-  const std::vector<double> sphere = generate("sphere", n, 3, 5);
-  const std::vector<T> p(sphere.begin(), sphere.end());
+  testing_support::each_normal_layout<T>(
+      n, 3, 41, [](const auto& points, const PointView& view, const char* name) {
+        expect_as_on_the_host(points, view, name);
+      });
+  const std::vector<T> p = testing_support::made<T>("sphere", n, 3, 5);
   expect_as_on_the_host(p, PointView::row_major(p.data(), n, 3), "sphere");
 }
 

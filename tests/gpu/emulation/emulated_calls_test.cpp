@@ -68,27 +68,14 @@ class RandomCall : public RandomWork<RandomCall> {
     const int holder = static_cast<int>(below(2));
     emulation::settings().devices = 2;
     check(cudaSetDevice(holder));
-    // Rows, columns or the first columns of wider records.
-    const std::size_t n = rows.size() / d, extra = one_in(2) ? 0 : below(3);
-    const bool columns = one_in(4);
-    std::vector<T> memory(columns ? n * d : n * (d + extra));
-    for (std::size_t i = 0; i < n; ++i)
-      for (unsigned j = 0; j < d; ++j)
-        memory[columns ? j * n + i : i * (d + extra) + j] = rows[i * d + j];
-    const OnDevice there(memory);
-    const Stream own;
-    const cudaStream_t streams[] = {own, nullptr, cudaStreamPerThread};
-    const std::uint64_t which = below(3);
-    auto view = columns ? DevicePointView::column_major(there.data<T>(), n, d, streams[which])
-                        : DevicePointView::row_major(there.data<T>(), n, d, streams[which]);
-    if (!columns) view.point_stride = static_cast<std::ptrdiff_t>((d + extra) * sizeof(T));
+    const Laid<T> laid(*this, rows, d);
     emulation::restart(seed_ + 1);
     choose_failures();
     emulation::settings().devices = 2;
-    if (which != 0) check(cudaSetDevice(static_cast<int>(below(2))));
+    if (laid.which != 0) check(cudaSetDevice(static_cast<int>(below(2))));
     outcome(expected, o, [&] {
-      return below(4) == 0 ? convex_hull(PointView::row_major(rows.data(), n, d), o)
-                           : convex_hull(view, o);
+      return below(4) == 0 ? convex_hull(PointView::row_major(rows.data(), laid.n, d), o)
+                           : convex_hull(laid.view, o);
     });
     emulation::settings() = {};
     emulation::settings().devices = 2;

@@ -280,10 +280,7 @@ TEST_F(EmulatedEdges, OffsetsThatTheHostCanReadAreWaitedFor) {
 TEST_F(EmulatedEdges, ARefusedStridedCopyLeavesNoneInFlight) {
   const std::size_t n = 3000;
   const auto rows = ball(3, n, 5);
-  std::vector<float> columns(n * 3);
-  for (std::size_t i = 0; i < n; ++i)
-    for (unsigned j = 0; j < 3; ++j) columns[j * n + i] = rows[i * 3 + j];
-  const OnDevice there(columns);
+  const OnDevice there(testing_support::transposed(rows, 3));
   const auto view = DevicePointView::column_major(there.data<float>(), n, 3);
   for (const long failing : {1L, 2L, 3L}) {
     keep_memory(0);
@@ -344,10 +341,8 @@ TEST_F(EmulatedEdges, RowsOfWiderRecordsComeBackFromAFullDevice) {
   const std::size_t n = 30000;
   const Records records(n);
   const std::uint64_t expected = plain_hash(records.packed, 3);
-  std::vector<float> columns(n * 3);
-  for (std::size_t i = 0; i < n; ++i)
-    for (unsigned j = 0; j < 3; ++j) columns[j * n + i] = records.packed[i * 3 + j];
-  const OnDevice wide(records.wide), turned(columns), there(records.packed);
+  const OnDevice wide(records.wide), turned(testing_support::transposed(records.packed, 3)),
+      there(records.packed);
   auto view = DevicePointView::row_major(wide.data<float>(), n, 3);
   view.point_stride = 4 * sizeof(float);
   emulation::restart();

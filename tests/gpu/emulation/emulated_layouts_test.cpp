@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <numeric>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -26,10 +25,7 @@ using testing_support::cross_polytope;
 /// Some of them no numbers, huge or tiny: those survive.
 template <class T>
 std::vector<T> strewn_rows(unsigned d, std::size_t n) {
-  std::mt19937_64 random(31 * n + d);
-  std::uniform_real_distribution<double> unit(-1.2 / d - 0.2, 1.2 / d + 0.2);
-  std::vector<T> rows(n * d);
-  for (T& v : rows) v = static_cast<T>(0.125 + unit(random));
+  std::vector<T> rows = testing_support::uniform_points<T>(d, n, 0.125, 1.2 / d + 0.2, 31 * n + d);
   const double odd[] = {NAN,     INFINITY, -INFINITY, 1e38,  -3e38,  0x1p126,
                         0x1p127, 0,        -0.0,      1e-44, -1e-40, 3.4e38};
   for (std::size_t e = 0; e * 7 < rows.size() / 2; ++e)
@@ -55,15 +51,15 @@ std::vector<Layout<T>> layouts_of(const std::vector<T>& rows, unsigned d, std::s
     std::copy(rows.begin(), rows.end(), memory.begin() + static_cast<std::ptrdiff_t>(shift));
     all.push_back({"shifted", std::move(memory), shift, step, 1});
   }
-  std::vector<T> columns(n * d), records(n * (d + 3) + 2, T(NAN)), backwards(n * d);
+  std::vector<T> records(n * (d + 3) + 2, T(NAN)), backwards(n * d);
   for (std::size_t i = 0; i < n; ++i)
     for (unsigned j = 0; j < d; ++j) {
       const T value = rows[i * d + j];
-      columns[j * n + i] = value;
       records[i * (d + 3) + 2 + j] = value;
       backwards[(n - 1 - i) * d + (d - 1 - j)] = value;
     }
-  all.push_back({"columns", columns, 0, 1, static_cast<std::ptrdiff_t>(n)});
+  all.push_back(
+      {"columns", testing_support::transposed(rows, d), 0, 1, static_cast<std::ptrdiff_t>(n)});
   all.push_back({"records", records, 2, step + 3, 1});
   if (n > 0) all.push_back({"backwards", backwards, n * d - 1, -step, -1});
   return all;
