@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3650},   {"src/batch", 664},     {"src/certify", 4160},  {"src/constrained", 600},
-    {"src/cuda", 5460},  {"src/delaunay", 4220}, {"src/diagrams", 6330}, {"src/distributed", 260},
-    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1892},      {"src/filter", 7250},
-    {"src/flow", 1300},  {"src/generate", 670},  {"src/geometry", 1430}, {"src/hull", 5520},
-    {"src/io", 16910},   {"src/parallel", 2670}, {"src/query", 3490},    {"src/result", 7228},
-    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28540},
-    {"tests", 51860},    {"docs", 9450},         {"apps", 9430},         {"bench", 7380},
-    {"viewer", 3440},    {"scripts", 3620},
+    {"include", 3660},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
+    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6310}, {"src/distributed", 250},
+    {"src/exact", 4590}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
+    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5510},
+    {"src/io", 16580},   {"src/parallel", 2660}, {"src/query", 3490},    {"src/result", 7220},
+    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 820},   {"bindings", 27970},
+    {"tests", 51020},    {"docs", 9470},         {"apps", 9510},         {"bench", 7390},
+    {"viewer", 3430},    {"scripts", 3560},
 };
 
 bool is_text(const fs::path& file) {

@@ -39,8 +39,7 @@ struct Measures {
 /// `first`: the lowest id of a vertex.
 template <unsigned K>
 void finish_with_care(const PointView& points, std::uint64_t first, int exponent,
-                      const double (&origin)[K], const Share<K, DoubleDouble>& sums,
-                      Measures& out);
+                      const double (&origin)[K], const Share<K, DoubleDouble>& sums, Measures& out);
 extern template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[2],
                                       const Share<2, DoubleDouble>&, Measures&);
 extern template void finish_with_care(const PointView&, std::uint64_t, int, const double (&)[3],
