@@ -48,8 +48,8 @@ extern template void finish_with_care(const PointView&, std::uint64_t, int, cons
 /// Computes the measures in dimension K = 2 or 3. Returns false if rounding could show in them (a
 /// thin hull): the general code is then needed.
 template <unsigned K>
-bool finish_plain(const PointView& points, std::uint64_t first, int exponent,
-                  const Share<K, DoubleDouble>& sums, Measures& out) {
+[[gnu::flatten]] bool finish_plain(const PointView& points, std::uint64_t first, int exponent,
+                                   const Share<K, DoubleDouble>& sums, Measures& out) {
   if (!settled(sums, 0x1p-53)) return false;
   double origin[K];
   for (unsigned c = 0; c < K; ++c) origin[c] = scale_by(points.at(first, c), -exponent);
