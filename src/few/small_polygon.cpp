@@ -18,7 +18,7 @@ bool SmallPolygon::find(const PointView& set) {
   count_ = all_ ? static_cast<std::uint32_t>(set.count) : filter_.count();
   const double* const rows = all_ ? packed_doubles(points) : filter_.rows();
   if (!all_finite(rows, 2 * std::size_t{count_})) return false;
-  corners_ = &series_.corners(rows, count_);
+  corners_ = &series_.corners(rows, count_, !all_);
   return corners_->size() >= 3;
 }
 

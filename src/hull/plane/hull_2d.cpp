@@ -429,11 +429,12 @@ Boundary hull_2d(const LocalPoints& points, const Run& run) {
   return hull;
 }
 
-/// Polygons of small sets: a single bucket each; of up to 512 points, inner ones are discarded
-/// before sorting.
+/// Polygons of small sets: a single bucket each; inner points are discarded before sorting, but not
+/// of more than 512 that no filter could thin: most of those are extreme.
 PolygonSeries::PolygonSeries(const Control& control) : chains_({}, Turn(), control) {}
 
-const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count) {
+const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std::uint32_t count,
+                                                         bool thinned) {
   const auto entry = [rows](std::uint32_t i) {
     return Entry{rows[2 * std::size_t{i}], rows[2 * std::size_t{i} + 1], i, 0};
   };
@@ -464,7 +465,7 @@ const std::vector<std::uint32_t>& PolygonSeries::corners(const double* rows, std
     }
   };
   constexpr std::uint32_t most_worth_a_quadrilateral = 512;
-  if (count <= most_worth_a_quadrilateral) {
+  if (thinned || count <= most_worth_a_quadrilateral) {
     const Quadrilateral middle({&chord.first, &lowest, &chord.last, &highest}, box_);
     keep([&](double x, double y) { return middle.contains(x, y); });
   } else {

@@ -31,9 +31,10 @@ Polygon polygon_by_sample(const PointView& points, bool lattice, const Run& run)
 class PolygonSeries {
  public:
   explicit PolygonSeries(const Control& control);
-  /// `rows`: count > 0 packed pairs of finite doubles. The corners are overwritten by the next
-  /// call.
-  const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count);
+  /// `rows`: count > 0 packed pairs of finite doubles; `thinned`: a filter left them. The corners
+  /// are overwritten by the next call.
+  const std::vector<std::uint32_t>& corners(const double* rows, std::uint32_t count,
+                                            bool thinned = false);
   /// The bounding box of the last call's points.
   const Box& box() const { return box_; }
   const RungCounts& rung_counts() const { return chains_.turn().counts(); }
