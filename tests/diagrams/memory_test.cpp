@@ -52,7 +52,7 @@ TEST(DiagramMemory, TriangulationsAreRefusedByAnEstimateBeforeTheWork) {
       o.progress = [&](const char* phase, double share) {
         if (std::string_view(phase) == "triangulate") done = std::max(done, share);
       };
-      const std::string why = refusal([&] { (void)delaunay(points.view(), o); });
+      const std::string why = refusal([&, &made = points] { (void)delaunay(made.view(), o); });
       EXPECT_NE(why.find("cells of the triangulation need about"), std::string::npos) << why;
       EXPECT_LT(done, 0.1) << "the points were inserted before the refusal";
     }

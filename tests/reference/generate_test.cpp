@@ -106,7 +106,8 @@ TEST(Generate, NoPiecesThatAreNot) {
   std::vector<double> rows(3 * 3 * run);
   for (const auto& [first, count] : std::vector<std::pair<std::uint64_t, std::uint64_t>>{
            {1, 1}, {2 * run, 6}, {3 * run, 0}, {0, most}, {most - run + 1, 1}}) {
-    error_of(ErrorCode::invalid_argument, [&] { generator.rows(first, count, rows.data()); });
+    error_of(ErrorCode::invalid_argument,
+             [&, f = first, n = count] { generator.rows(f, n, rows.data()); });
   }
   std::stop_source stop;
   stop.request_stop();

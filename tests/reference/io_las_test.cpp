@@ -1,6 +1,7 @@
 // LAS: every version and point format, in place and in blocks; headers that lie.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "cullhull/point_blocks.hpp"
