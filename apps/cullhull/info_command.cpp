@@ -62,7 +62,7 @@ nlohmann::ordered_json plan_of(const Described& input, const RunArguments& run, 
     const bool first = takes(r.way, asked) && !(few && filtered);
     if (first || (again && !filter && takes(r.way, behind)))
       add(r.name, "yes", r.reason);
-    else if (again && filter && takes(r.way, few_left))
+    else if (again && filter && asked.count >= r.least && takes(r.way, few_left))
       add(r.name, "left",
           fmt::format("if a filter leaves at most {} points",
                       grouped(filtered ? r.most : r.most_left)));

@@ -120,6 +120,7 @@ TEST(CliJson, InfoPlansTheWayThatHullTakes) {
   const std::string ball = f / "ball-5k-3.npy";
   EXPECT_EQ(row_of(ball, {}, "few in plane"), "is not listed");
   EXPECT_EQ(row_of(ball, {}, "few in space"), "left: if a filter leaves at most 2,048 points");
+  EXPECT_EQ(row_of(generate("ball", "3", "3"), {}, "few in space"), "no: needs 4 points");
   EXPECT_EQ(row_of(ball, {}, "gauge map"), "no: too few points for the filter to pay (5000)");
   EXPECT_EQ(row_of(ball, {}, "pseudo-hull"), "no: only if it is asked for");
   EXPECT_EQ(row_of(ball, {"--cull", "none"}, "gauge map"), "no: no filter, as asked");
