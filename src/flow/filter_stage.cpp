@@ -40,6 +40,8 @@ void gather_survivors(const PointView& points, Filtered& result, const Run& run)
 }
 
 Filtered run_filter(const PointView& points, const Run& run) {
+  static_assert(row_of(Way::gauge).least_dimension == GaugeMap::min_dimension &&
+                row_of(Way::gauge).most_dimension == GaugeMap::max_dimension);
   Filtered result;
   result.survivors.all = true;
   result.pass_survivors = points.count;

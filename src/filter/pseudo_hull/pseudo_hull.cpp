@@ -7,6 +7,7 @@
 
 #include "cullhull/error.hpp"
 #include "filter/pseudo_hull/pseudo_hull_growth.hpp"
+#include "filter/ways.hpp"
 #include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/threads/run.hpp"
@@ -209,7 +210,8 @@ std::vector<std::uint64_t> pseudo_hull_survivors(const PointView& points,
   report.clear();
   const unsigned subsets = settings.subsets != 0 ? settings.subsets : subset_count(points.count);
   const unsigned most = settings.max_rounds;
-  if (points.dimension < pseudo_hull_min_dimension || points.dimension > pseudo_hull_max_dimension)
+  constexpr const WayRow& way = row_of(Way::pseudo_hull);
+  if (points.dimension < way.least_dimension || points.dimension > way.most_dimension)
     throw Error(ErrorCode::invalid_argument, "the pseudo-hull filter is for 2 to 8 dimensions");
   return with_dimension<2, 7, 8>(points.dimension, [&](auto d) {
     return survivors_of<decltype(d)::value>(points, subsets, most, run, report, record);

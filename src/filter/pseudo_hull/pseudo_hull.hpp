@@ -36,8 +36,6 @@ struct SimplexRecord {
 /// The most points of a subset: cells of the facet stream have 32-bit numbers.
 inline constexpr std::uint64_t pseudo_hull_most_points = std::uint64_t{1} << 28;
 
-inline constexpr unsigned pseudo_hull_min_dimension = 2, pseudo_hull_max_dimension = 8;
-
 /// Returns the ids (ascending, indices into `points`) of all points that are not provably strictly
 /// inside the hull; a point with a NaN or an infinity is always among them. `rounds`, if given,
 /// receives one entry for the first simplex and one for each round; `record` receives the simplex
