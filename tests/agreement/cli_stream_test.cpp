@@ -341,14 +341,19 @@ std::chrono::microseconds time_of_whole(const std::vector<std::string>& words) {
                                                                start);
 }
 
-/// Kills runs until one has left a checkpoint.
+/// Kills runs as soon as their first checkpoint is seen, until one has stayed: a run that comes to
+/// its end before the signal does removes it.
 void leave_a_checkpoint(const Folder& f) {
-  for (int round = 0; round < 100 && !std::filesystem::exists(f / "run.checkpoint"); ++round) {
+  const std::string checkpoint = f / "run.checkpoint";
+  for (int round = 0; round < 100 && !std::filesystem::exists(checkpoint); ++round) {
     const pid_t child = start_quietly(checkpointed(f));
-    std::this_thread::sleep_for(std::chrono::milliseconds(10 + round * round));
+    siginfo_t ended{};
+    while (!std::filesystem::exists(checkpoint) && ended.si_pid == 0)
+      if (::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) != 0) break;
     testing::send(child, SIGKILL);
     testing::wait_for(child);
   }
+  ASSERT_TRUE(std::filesystem::exists(checkpoint));
 }
 
 TEST(CliStream, KilledAtAnyMomentAndResumed) {
@@ -406,8 +411,7 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   write_slow_input(f);
   // What is still to be read takes several looks at the clock.
   write_npy(f / "tile-999.npy", generate("ball", 3000000, 3, 9), 3);
-  leave_a_checkpoint(f);
-  ASSERT_TRUE(std::filesystem::exists(f / "run.checkpoint"));
+  ASSERT_NO_FATAL_FAILURE(leave_a_checkpoint(f));
   const std::string before = read_file(f / "run.checkpoint");
   const Ran ran = run_limited(checkpointed(f), [] {
     const rlimit limit{1000, 1000};  // bytes a file may have, as on a full disk
@@ -422,7 +426,7 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
 TEST(CliStream, ACheckpointOfOtherInputsOrEditedIsRefused) {
   const Folder f;
   write_slow_input(f);
-  leave_a_checkpoint(f);
+  ASSERT_NO_FATAL_FAILURE(leave_a_checkpoint(f));
   expect_error({"hull", f / "tile-100.npy", "--checkpoint", f / "run.checkpoint"}, 2,
                "is of other inputs");
   const std::string text = read_file(f / "run.checkpoint");
