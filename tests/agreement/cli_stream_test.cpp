@@ -349,7 +349,8 @@ void leave_a_checkpoint(const Folder& f) {
     const pid_t child = start_quietly(checkpointed(f));
     siginfo_t ended{};
     while (!std::filesystem::exists(checkpoint) && ended.si_pid == 0)
-      if (::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) != 0) break;
+      if (::waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) != 0)
+        break;
     testing::send(child, SIGKILL);
     testing::wait_for(child);
   }

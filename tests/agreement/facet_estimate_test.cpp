@@ -61,12 +61,11 @@ TEST(FacetEstimateTest, RefusedInManyDimensionsBeforeTheWork) {
   // Hulls of 1.5 million facets, of more than 10^9, and of more than any memory holds.
   for (const auto& [count, dimension] : {std::pair{60U, 12U}, {60U, 20U}, {100U, 30U}}) {
     const std::vector<double> x = generate("cube", count, dimension);
+    const PointView points = PointView::row_major(x.data(), count, dimension);
     Options options;
     options.memory_budget = 100 << 20;
-    EXPECT_TRUE(has(
-        error_of(ErrorCode::out_of_budget,
-                 [&] { convex_hull(PointView::row_major(x.data(), count, dimension), options); }),
-        "facets is expected"));
+    EXPECT_TRUE(has(error_of(ErrorCode::out_of_budget, [&] { convex_hull(points, options); }),
+                    "facets is expected"));
   }
 }
 
