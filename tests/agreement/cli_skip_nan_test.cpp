@@ -31,7 +31,7 @@ Pair pair_of(const std::string& shape, std::uint64_t n, std::uint32_t d,
               (nan && j == i % d ? std::string("nan") : std::to_string(numbers[i * d + j]));
     text += '\n';
   };
-  for (; at < leading; ++at) row(made.whole, at, true);
+  for (; at < leading; ++at) row(made.whole, at % n, true);
   for (std::uint64_t i = 0; i < n; ++i) {
     row(made.whole, i, false);
     row(made.kept, i, false);

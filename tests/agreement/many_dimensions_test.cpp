@@ -392,7 +392,6 @@ TEST(ManyDimensions, SimplicesOfFiftyToAHundredDimensions) {
       EXPECT_EQ(h.affine_dimension, static_cast<int>(d) - 1);
       EXPECT_EQ(h.facet_count(), d);
       EXPECT_GT(h.volume, 0);
-      EXPECT_LT(h.statistics.hull_seconds, 20);  // a loaded machine; alone it takes 0.3
       if (d > 60) continue;
       const Certificate proof = certify(view, h);
       EXPECT_TRUE(proof.valid) << kind << ": " << proof.reason;
