@@ -222,7 +222,8 @@ TEST(CliMaps, KeptColumnsGoToCellsAndSurvivors) {
   write_file(f / "m.csv", many);
   run_well(
       {"cull", f / "p.csv", f / "m.csv", "--columns", "x,y", "--keep", "2", "-o", f / "m.geojson"});
-  for (const json& point : json_in(f / "m.geojson")["features"]) {
+  const json written = json_in(f / "m.geojson");
+  for (const json& point : written["features"]) {
     const auto id = point["properties"]["id"].get<int>();
     if (id >= 5) {
       EXPECT_EQ(point["properties"]["column 2"], "k" + std::to_string(id - 5));
