@@ -364,3 +364,14 @@ def test_simplex_tolerance_as_scipy_s():
             ),
             1,
         )
+
+
+@pytest.mark.parametrize("kind", [cullhull.LinearNDInterpolator, cullhull.NaturalNDInterpolator])
+def test_of_a_tolerant_triangulation(kind):
+    """Its simplices are numbered without those that it dropped."""
+    rows = [[0, 0], [1, 1e-17], [2, 0], [1, 1], [0, 1], [2, 1], [0.3, 0.4], [1.5, 0.7]]
+    points, asked = np.array(rows), np.random.default_rng(1).random((200, 2)) * [2, 1]
+    tolerant = cullhull.TolerantDelaunay(points)
+    assert tolerant.dropped == 1
+    asked = np.vstack([asked, [[0.5, 0], [1.5, 0], [2 + 1e-15, 0.5], [1, 1]]])
+    assert np.allclose(kind(tolerant, points @ [1, 2])(asked), asked @ [1, 2], rtol=0, atol=1e-12)
