@@ -27,11 +27,15 @@ class PlaneFilter {
   /// With less than 192 points a sample costs more than it saves: 12 % more time at 130 and 160
   /// points in a disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in
   /// Gaussian sets, and costs 7 to 8 % on circles.
+  ///
+  /// The first sample has at most `first_sample` points. Of a ring, which a map leaves of a disc, a
+  /// small one is all extreme.
   template <class Hull>
-  bool keep_few(const PointView& set, Hull& hull) {
+  bool keep_few(const PointView& set, Hull& hull, std::uint64_t first_sample = 191) {
     const WayQuestion q{.dimension = 2, .count = set.count, .left = true};
     if (takes(Way::columns, q) && keep_ends_of_columns(set)) return kept_by(Way::columns);
-    return takes(Way::ellipse, q) && keep_outside_samples(set, hull) && kept_by(Way::ellipse);
+    return takes(Way::ellipse, q) && keep_outside_samples(set, hull, first_sample) &&
+           kept_by(Way::ellipse);
   }
 
   /// The way that kept them.
@@ -65,9 +69,10 @@ class PlaneFilter {
   /// sample thins the next larger one, and so on, so that all samples but the largest take little
   /// time.
   template <class Hull>
-  bool keep_outside_samples(const PointView& set, Hull& hull) {
-    // Each sample takes an eighth of the time of the next; the first has 24 to 191 points.
-    constexpr std::uint64_t ratio = 8, first_sample = 191;
+  bool keep_outside_samples(const PointView& set, Hull& hull, std::uint64_t first_sample) {
+    // Each sample takes an eighth of the time of the next; the first has at most `first_sample`
+    // points and at least an eighth of that.
+    constexpr std::uint64_t ratio = 8;
     std::uint64_t step = ratio;
     while (set.count / step > first_sample) step *= ratio;
     keep_all(set, step);

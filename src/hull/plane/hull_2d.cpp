@@ -388,14 +388,14 @@ Polygon polygon_of(const PointView& points, bool lattice, const Run& run) {
 }
 
 Polygon polygon_by_sample(const PointView& points, bool lattice, const Run& run) {
-  constexpr std::uint64_t worthwhile = 4096;
+  constexpr std::uint64_t worthwhile = 4096, first_sample = 1023;
   struct Memory {
     PlaneFilter filter;
     PolygonSeries series{short_run().control};
   };
   if (points.count < worthwhile) return polygon_of(points, lattice, run);
   auto& [filter, series] = thread_memory<Memory>();
-  if (!filter.keep_few(points, series)) return polygon_of(points, lattice, run);
+  if (!filter.keep_few(points, series, first_sample)) return polygon_of(points, lattice, run);
   Polygon polygon =
       polygon_of(PointView::row_major(filter.rows(), filter.count(), 2), lattice, run);
   for (std::uint32_t& corner : polygon.corners) corner = filter.ids()[corner];
