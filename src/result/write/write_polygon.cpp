@@ -72,6 +72,7 @@ class PolygonWriter {
         count_(polygon.corners.size()),
         words_(polygon.rows / 64 + 1),
         exponent_(exponent),
+        scale_(scale_by(1, -exponent)),
         unscale_(scale_by(1, exponent)),
         run_(run),
         target_(target),
@@ -149,6 +150,13 @@ class PolygonWriter {
   /// Sets a bit for each corner's row, and counts the corners before each word of bits. Small
   /// enough for the cache.
   void mark_corners() {
+    if (words_ == 1) {  // not by way of memory, which each bit would wait for
+      std::uint64_t word = 0;
+      for (const std::uint32_t row : cycle_) word |= std::uint64_t{1} << row;
+      bits_[0] = word;
+      before_[0] = 0;
+      return;
+    }
     if (run_.threads == 1 || count_ <= light_grain) {
       std::memset(bits_, 0, words_ * sizeof(std::uint64_t));
       for (const std::uint32_t row : cycle_) bits_[row / 64] |= std::uint64_t{1} << row % 64;
@@ -201,7 +209,7 @@ class PolygonWriter {
           const auto row = static_cast<std::uint32_t>(64 * w + std::countr_zero(word));
           if (ranks_ != nullptr) ranks_[row] = static_cast<std::uint32_t>(out - corners_);
           const std::uint64_t i = id(row);
-          *out++ = {scale_by(read(i, 0), -exponent_), scale_by(read(i, 1), -exponent_), i, 0};
+          *out++ = {scale_ * read(i, 0), scale_ * read(i, 1), i, 0};
         }
     });
   }
@@ -266,7 +274,7 @@ class PolygonWriter {
   const std::span<const std::uint32_t> cycle_;
   const std::uint64_t count_, words_;
   const int exponent_;
-  const double unscale_;
+  const double scale_, unscale_;  ///< powers of two that are no extreme ones
   const Run& run_;
   Target& target_;
   NewLists<Target> lists_;
