@@ -28,8 +28,8 @@ class PlaneFilter {
   /// points in a disc. At 200 and 250 points it saves 12 to 16 % in discs and 10 to 13 % in
   /// Gaussian sets, and costs 7 to 8 % on circles.
   ///
-  /// The first sample has at most `first_sample` points. Of a ring, which a map leaves of a disc, a
-  /// small one is all extreme.
+  /// The first sample has at most `first_sample` points, at least an eighth of that. What a map
+  /// leaves of a disc is a thin ring: nearly all points of a small sample of it are extreme.
   template <class Hull>
   bool keep_few(const PointView& set, Hull& hull, std::uint64_t first_sample = 191) {
     const WayQuestion q{.dimension = 2, .count = set.count, .left = true};
@@ -70,8 +70,7 @@ class PlaneFilter {
   /// time.
   template <class Hull>
   bool keep_outside_samples(const PointView& set, Hull& hull, std::uint64_t first_sample) {
-    // Each sample takes an eighth of the time of the next; the first has at most `first_sample`
-    // points and at least an eighth of that.
+    // Each sample takes an eighth of the time of the next.
     constexpr std::uint64_t ratio = 8;
     std::uint64_t step = ratio;
     while (set.count / step > first_sample) step *= ratio;

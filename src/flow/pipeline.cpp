@@ -71,7 +71,7 @@ Survivors cull(const PointView& points, const Options& options) {
 
 Hull convex_hull(const PointView& points, const Options& options) {
   check_arguments(points, options);
-  Hull hull;  // made where the caller wants it: moving it takes a thirtieth of the smallest calls
+  Hull hull;  // the only one, so none is moved: that took 3 % of a call with 10 points
   if (small_hull(points, options, hull)) {
     if (options.with_coordinates) write_coordinates(points, hull);
     return hull;

@@ -84,12 +84,12 @@ class NewLists {
     }
   }
 
-  /// The same where every facet is a simplex.
+  /// The lists are complete, and every facet is a simplex.
   void keep() {
     const auto all = [this](std::size_t) { return sizes_.dimension; };
     keep(all, all);
   }
-  /// The lists are complete, but for numbers that follow from the sizes. corners_of(i),
+  /// The same for any facets; numbers that follow from the sizes are filled in. corners_of(i),
   /// across_of(i): how many corners and neighbours facet i has; asked only where some facet is no
   /// simplex.
   template <class CornersOf, class AcrossOf>

@@ -150,7 +150,7 @@ class PolygonWriter {
   /// Sets a bit for each corner's row, and counts the corners before each word of bits. Small
   /// enough for the cache.
   void mark_corners() {
-    if (words_ == 1) {  // not by way of memory, which each bit would wait for
+    if (words_ == 1) {  // in a register: in memory each bit waits for the one before it
       std::uint64_t word = 0;
       for (const std::uint32_t row : cycle_) word |= std::uint64_t{1} << row;
       bits_[0] = word;
@@ -274,7 +274,7 @@ class PolygonWriter {
   const std::span<const std::uint32_t> cycle_;
   const std::uint64_t count_, words_;
   const int exponent_;
-  const double scale_, unscale_;  ///< powers of two that are no extreme ones
+  const double scale_, unscale_;  ///< 2^-exponent_ and 2^exponent_
   const Run& run_;
   Target& target_;
   NewLists<Target> lists_;

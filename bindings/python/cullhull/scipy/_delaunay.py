@@ -285,7 +285,7 @@ class Delaunay(ShownCells, Lifted):
     def _find_rows(
         self, rows: npt.NDArray[np.float64], tolerance: float
     ) -> tuple[npt.NDArray[np.int32], bool]:
-        """The cells of rows, and whether some may be in none."""
+        """The cells of rows in the exact triangulation, and whether some may be in none."""
         try:
             cells, outside = self.triangulation._cells.find_some(rows, None)
         except NotFinite:

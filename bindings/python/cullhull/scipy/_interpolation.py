@@ -233,8 +233,8 @@ class LinearNDInterpolator(_OnCells):
                 numbers = np.ascontiguousarray(numbers, dtype=np.float64)
         found: npt.NDArray[Any] = self.tri.triangulation._cells.linear(
             rows,
-            # By the exact triangulation's numbers, of which a TolerantDelaunay has its own.
-            Delaunay.find_simplex(self.tri, rows, tol=tolerance),
+            # Numbered as in the exact triangulation; find_simplex of a TolerantDelaunay is not.
+            self.tri._find_rows(rows, tolerance)[0],
             numbers,
             numbers.shape[1],
             outside,
@@ -363,7 +363,7 @@ class NaturalNDInterpolator(_OnCells):
     ) -> npt.NDArray[np.int32]:
         """The cells of points outside: of `find_simplex`, whose tolerance is a share of the cell's
         height, and of those that are as near as coordinates are rounded; -1 for others."""
-        cells: npt.NDArray[np.int32] = Delaunay.find_simplex(self.tri, rows, tol=tolerance)
+        cells, _ = self.tri._find_rows(rows, tolerance)
         left = np.flatnonzero((cells < 0) & np.isfinite(rows).all(axis=1))
         largest = max(float(np.abs(self.points).max()), np.finfo(np.float64).tiny)
         left = left[self._hull.distance(rows[left]) <= 4 * np.finfo(np.float64).eps * largest]
