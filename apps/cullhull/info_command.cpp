@@ -44,7 +44,7 @@ nlohmann::ordered_json plan_of(const Described& input, const RunArguments& run, 
     plan.push_back({{"way", way}, {"tried", tried}, {"reason", reason}});
   };
   if (input.streamed) {
-    add("blocks", "yes", "what came before discards from each block that is read");
+    add("blocks", "yes", "each block is filtered by the hull of those before it");
     return plan;
   }
   const WayQuestion asked = way_question(input.points, run.options());
