@@ -19,7 +19,6 @@ from ._lists import Lists
 from ._native import Native
 from ._options import documented
 from ._triangulation import Triangulation
-from .geo._maps import save_map
 from .show._forms import (
     Picture,
     Surface,
@@ -434,6 +433,8 @@ class ClippedCells(Exported, Native):
         """
         require_polygons(path, format, polygons)
         cells = self._clipped
+        from .geo._maps import save_map  # with what writes files
+
         save_map(path, format, crs, lambda p, f, c: _core.save_clipped(p, cells, f, polygons, c))
 
     def _page(self) -> str:

@@ -12,7 +12,6 @@ from . import _core
 from ._errors import InvalidArgument
 from ._native import Certified
 from ._options import documented
-from .geo._maps import save_map
 from .show._shown_cells import ShownCells
 
 
@@ -79,6 +78,8 @@ class FoundCells(ShownCells, Certified):
             rows = np.ascontiguousarray(heights, dtype=np.float64)
             if rows.ndim != 1:
                 raise InvalidArgument(f"heights should be one number a point, not {rows.shape}")
+        from .geo._maps import save_map  # with what writes files
+
         save_map(path, format, crs, lambda p, f, c: _core.save_cells(p, self._cells, rows, f, c))
 
     def _native(self) -> _core.Cells:

@@ -16,7 +16,6 @@ from ._compared import Compared
 from ._errors import InvalidArgument
 from ._hull import Hull
 from ._options import Budgeted, Unpack, documented, require_known, takes
-from .geo._maps import save_map
 from .show._forms import Surface, Table
 from .show._shown import Exported
 
@@ -181,6 +180,8 @@ class GroupHulls(Exported, Compared, Mapping[Any, Hull]):
         b,1,1,0,0,"POINT (9 9)"
         """
         keys = _texts(self._keys)
+        from .geo._maps import save_map  # with what writes files
+
         save_map(path, format, crs, lambda *to: self.batch._write_by(keys, by, *to))
 
     def members(self, key: Any) -> npt.NDArray[np.int64]:

@@ -16,7 +16,6 @@ from ._lists import Lists
 from ._native import Certificate, Certified
 from ._options import Unpack, Watched, documented, settings, takes
 from ._questions import Questions
-from .geo._maps import save_map
 from .show._forms import (
     Picture,
     Rows,
@@ -375,6 +374,8 @@ class Hull(Questions, Exported, Certified):
         array = None if points is None else as_points(points)
         require_polygons(path, format, polygons)
         solid = self._solid
+        from .geo._maps import save_map  # with what writes files
+
         save_map(path, format, crs, lambda p, f, c: _core.save(p, solid, array, f, polygons, c))
 
     def view(  # type: ignore[override]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
 from enum import Enum
+from typing import NamedTuple
 
 from .._errors import InvalidArgument, OptionWarning, warn
 
 
-@dataclass(frozen=True)
-class QhullOptions:
+class QhullOptions(NamedTuple):
     """What an option string asks of the result; all the rest of it steers Qhull's precision."""
 
     #: Qc: list points on the boundary that are no vertices.
@@ -158,13 +157,13 @@ def kind_of(word: str, *, lifted: bool = False) -> tuple[Kind, str]:
 
 def _with(options: QhullOptions, word: str) -> QhullOptions:
     if word == "Qc":
-        return replace(options, coplanar=True)
+        return options._replace(coplanar=True)
     if word == "Qi":
-        return replace(options, interior=True)
+        return options._replace(interior=True)
     if word.startswith("QJ"):
-        return replace(options, joggled=True)
+        return options._replace(joggled=True)
     if word == "Qbb":
-        return replace(options, scaled_last=True)
+        return options._replace(scaled_last=True)
     if word == "Qz":
-        return replace(options, at_infinity=True)
-    return replace(options, good_point=int(word[2:].lstrip("-")), good_if_visible="-" not in word)
+        return options._replace(at_infinity=True)
+    return options._replace(good_point=int(word[2:].lstrip("-")), good_if_visible="-" not in word)

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from .._answers import Mesh
 from .._errors import InvalidArgument
 from .._options import documented
-from ..geo._maps import save_map
 from ._forms import Picture, Surface, Table, Volume
 
 if TYPE_CHECKING:
@@ -164,6 +163,8 @@ class Saved:
         ...     os.listdir(folder)
         ['shape.geojson']
         """
+        from ..geo._maps import save_map  # with what writes files
+
         save_map(path, format, crs, self._write)
 
 
