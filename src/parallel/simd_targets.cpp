@@ -14,6 +14,9 @@
 
 #include <atomic>
 #include <cstdint>
+#if defined(__GLIBC__) && __has_include(<sys/platform/x86.h>)
+#include <sys/platform/x86.h>
+#endif
 
 namespace hwy {
 namespace {
@@ -30,16 +33,33 @@ std::uint32_t saved_registers() {
   return low;
 }
 
+struct Cpuid {
+  std::uint32_t a = 0, b = 0, c = 0, d = 0;
+};
+/// What CPUID tells of a leaf; zeros if it has none. In virtual machines each of these instructions
+/// takes microseconds, a tenth of a process's first call, hence glibc's copy where there is one.
+Cpuid cpuid(std::uint32_t leaf) {
+  Cpuid found;
+#if defined(__GLIBC__) && __has_include(<sys/platform/x86.h>)
+  const auto& kept = __x86_get_cpuid_feature_leaf(leaf == 1   ? CPUID_INDEX_1
+                                                  : leaf == 7 ? CPUID_INDEX_7
+                                                              : CPUID_INDEX_80000001)
+                         ->cpuid_array;
+  found = {kept[0], kept[1], kept[2], kept[3]};
+#else
+  __get_cpuid_count(leaf, 0, &found.a, &found.b, &found.c, &found.d);
+#endif
+  return found;
+}
+
 /// The instruction sets that processor and system support (Intel's manual, volume 2, CPUID).
 std::int64_t detected() {
   std::int64_t found = HWY_EMU128 | HWY_SCALAR;
 #ifdef HWY_SSE2
   found |= HWY_SSE2;
 #endif
-  std::uint32_t a = 0, b = 0, c1 = 0, d = 0, b7 = 0, c7 = 0, extended = 0;
-  if (__get_cpuid(1, &a, &b, &c1, &d) == 0) return found;
-  __get_cpuid_count(7, 0, &a, &b7, &c7, &d);
-  __get_cpuid(0x80000001, &a, &b, &extended, &d);
+  const std::uint32_t c1 = cpuid(1).c, extended = cpuid(0x80000001).c;
+  const std::uint32_t b7 = cpuid(7).b, c7 = cpuid(7).c;
   if (!has(c1, bit_SSE3 | bit_SSSE3)) return found;
   found |= HWY_SSSE3;
   if (!has(c1, bit_SSE4_1 | bit_SSE4_2 | bit_AES | bit_PCLMUL)) return found;

@@ -8,7 +8,8 @@
 #endif
 
 #include <algorithm>
-#include <fstream>
+#include <charconv>
+#include <cstdio>
 #include <limits>
 
 namespace cullhull::internal {
@@ -16,12 +17,27 @@ namespace {
 
 constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
 
+/// The text of a file of some lines; empty if it cannot be read. Not by a stream, whose first use
+/// makes the locales of a process, which takes longer than all of these files.
+std::string text_of(const std::string& path) {
+  std::string text;
+  if (std::FILE* const file = std::fopen(path.c_str(), "r")) {
+    std::setvbuf(file, nullptr, _IONBF, 0);
+    char part[512];
+    for (std::size_t n; (n = std::fread(part, 1, sizeof part, file)) > 0;) text.append(part, n);
+    std::fclose(file);
+  }
+  return text;
+}
+
 /// Reads a limit from a file, which contains one number or the word "max". Returns no_limit for
 /// "max" and for a file that cannot be read.
 std::uint64_t limit_in(const std::string& path) {
-  std::ifstream file(path);
+  const std::string text = text_of(path);
   std::uint64_t bytes = 0;
-  return file >> bytes ? bytes : no_limit;
+  return std::from_chars(text.data(), text.data() + text.size(), bytes).ec == std::errc()
+             ? bytes
+             : no_limit;
 }
 
 /// The least limit of a group and of the groups that contain it, up to the root. In a container the
@@ -59,8 +75,10 @@ std::uint64_t addressable_memory() {
 
 std::uint64_t group_memory_limit(const std::string& groups, const std::string& root) {
   std::uint64_t least = no_limit;
-  std::ifstream file(groups);
-  for (std::string line; std::getline(file, line);) {  // "4:memory:/group", version 2: "0::/group"
+  const std::string text = text_of(groups);
+  for (std::size_t begin = 0, end = 0; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);  // "4:memory:/group", "0::/group"
     const auto first = line.find(':');
     const auto second = first == std::string::npos ? first : line.find(':', first + 1);
     if (second == std::string::npos) continue;

@@ -34,8 +34,7 @@ class FreeBlocks {
     const std::lock_guard lock(mutex_);
     limit_ = std::min(bytes, most);
     for (unsigned c = classes; kept_ > limit_; --c)
-      for (List& list = lists_[c - 1]; list.count > 0 && kept_ > limit_;)
-        drop(list, size_of(c - 1));
+      while (counts_[c - 1] > 0 && kept_ > limit_) drop(c - 1);
   }
   std::size_t kept() noexcept {
     const std::lock_guard lock(mutex_);
@@ -45,9 +44,9 @@ class FreeBlocks {
     const unsigned c = class_of(bytes);
     {
       const std::lock_guard lock(mutex_);
-      if (List& list = lists_[c]; list.count > 0) {
+      if (counts_[c] > 0) {
         kept_ -= size_of(c);
-        return list.blocks[--list.count];
+        return blocks_[c][--counts_[c]];
       }
     }
     return ::operator new(size_of(c), alignment);
@@ -56,9 +55,8 @@ class FreeBlocks {
     const unsigned c = class_of(bytes);
     {
       const std::lock_guard lock(mutex_);
-      List& list = lists_[c];
-      if (list.count < List::room && kept_ + size_of(c) <= limit_) {
-        list.blocks[list.count++] = block;
+      if (counts_[c] < room && kept_ + size_of(c) <= limit_) {
+        blocks_[c][counts_[c]++] = block;
         kept_ += size_of(c);
         return;
       }
@@ -75,11 +73,7 @@ class FreeBlocks {
   static constexpr unsigned octaves = std::countr_zero(mapped_block) - std::countr_zero(kept_block);
   static constexpr unsigned classes = 4 * octaves + 1;
 
-  struct List {
-    static constexpr unsigned room = 64;  // most blocks kept of a class; a guess, not tuned
-    void* blocks[room];
-    unsigned count = 0;
-  };
+  static constexpr unsigned room = 64;  // most blocks kept of a class; a guess, not tuned
 
   static unsigned class_of(std::size_t bytes) {
     const std::size_t quarter = std::bit_floor(bytes) / 4;
@@ -88,14 +82,15 @@ class FreeBlocks {
   }
   static std::size_t size_of(unsigned c) { return (kept_block << c / 4) / 4 * (4 + c % 4); }
 
-  void drop(List& list, std::size_t size) noexcept {
-    ::operator delete(list.blocks[--list.count], alignment);
-    kept_ -= size;
+  void drop(unsigned c) noexcept {
+    ::operator delete(blocks_[c][--counts_[c]], alignment);
+    kept_ -= size_of(c);
   }
 
   std::mutex mutex_;
   std::size_t limit_ = most, kept_ = 0;
-  List lists_[classes];
+  std::uint8_t counts_[classes] = {};
+  void* blocks_[classes][room];  ///< not initialised: pages that the first call need not touch
 };
 
 FreeBlocks& free_blocks() {

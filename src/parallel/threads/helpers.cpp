@@ -1,5 +1,9 @@
 #include "parallel/threads/helpers.hpp"
 
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -162,7 +166,16 @@ const ForkGuard helpers_guard(
 }  // namespace
 
 unsigned machine_threads() {
-  static const unsigned count = std::max(1U, std::thread::hardware_concurrency());
+  static const unsigned count = [] {
+#if defined(__linux__)
+    // The processors that this process may use. hardware_concurrency() reads a file for those that
+    // the machine has, a fifth of the first call of a process.
+    cpu_set_t ours;
+    if (sched_getaffinity(0, sizeof ours, &ours) == 0)
+      return static_cast<unsigned>(std::max(1, CPU_COUNT(&ours)));
+#endif
+    return std::max(1U, std::thread::hardware_concurrency());
+  }();
   return count;
 }
 

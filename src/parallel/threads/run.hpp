@@ -94,10 +94,11 @@ class Call {
   PageScope pages_;
 };
 
-/// A Run for short work on the calling thread that need not be cancelled.
+/// A Run for short work on the calling thread that need not be cancelled and takes little memory:
+/// whose limits, read from several files, it does not ask for.
 inline const Run& short_run() {
-  static const Options options;
-  static const Run run = Run(options).with_threads(1);
+  static const Options options{.threads = 1, .memory_budget = ~std::uint64_t{0}};
+  static const Run run(options);
   return run;
 }
 
