@@ -11,7 +11,6 @@ from . import _core
 from ._arguments import as_point_set, as_points, as_questions
 from ._errors import InvalidArgument, NotCertified
 from ._found_cells import FoundCells
-from ._lifted_planes import planes, spheres
 from ._native import Certificate
 from ._options import Budgeted, Unpack, Watched, settings, takes
 from .show._forms import Table
@@ -221,9 +220,7 @@ class Triangulation(FoundCells):
         >>> bool(abs(normal @ [1, 1, 1**2 + 1**2] + offset) < 1e-15)    # point 2 is on it
         True
         """
-        rows = np.ascontiguousarray(self.points, dtype=np.float64)
-        found = spheres(rows, self.cells, self.weights)
-        return planes(found, 1.0, 0.0, upper=self.furthest_site)
+        return self._cells.lifted_planes(self.cells, 1.0, 0.0)
 
     @property
     def hull_facets(self) -> npt.NDArray[np.int32]:

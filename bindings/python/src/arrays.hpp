@@ -94,7 +94,7 @@ class Array : public nb::object {
       int axis = 0;
       for (const std::size_t size : shape) sizes[axis++] = static_cast<npy_intp>(size);
     }
-    npy_intp sizes[2];
+    npy_intp sizes[3];
   };
   static Array from(PyObject* array) {
     if (array == nullptr) throw nb::python_error();

@@ -130,6 +130,7 @@ void bind_triangulation(nb::module_& m) {
   c.def_prop_ro("duplicates", duplicates);
   c.def_prop_ro("hidden", [](Self self) { return list_in(shown(self).hidden, self); });
   bind_cells_query(m, c);
+  bind_lifted(m, c);
   m.def("triangulate", triangulate, nb::arg("points"), nb::arg("weights").none(),
         nb::arg("furthest_site"), nb::arg("settings").none());
   m.def("certify_cells", certify, nb::arg("cells"), nb::arg("settings").none());

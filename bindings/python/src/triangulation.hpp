@@ -63,5 +63,7 @@ Length length_of_cells(const Cells& cells) noexcept;
 
 /// Questions to a triangulation.
 void bind_cells_query(nanobind::module_& m, nanobind::class_<Cells>& c);
+/// What SciPy's Delaunay has beside cells and neighbours.
+void bind_lifted(nanobind::module_& m, nanobind::class_<Cells>& c);
 
 }  // namespace binding

@@ -210,6 +210,17 @@ def test_unpickling_of_cells_hears_a_signal_to_its_end():
     assert any(heard)  # of a call that was quicker than the first none
 
 
+def test_attributes_hear_a_signal():
+    found = cullhull.Delaunay(np.random.default_rng(5).random((300_000, 3)))
+    for attribute in ("equations", "transform"):
+        made = []
+        with alarm(0.005), pytest.raises(Alarm):
+            made.extend(map(getattr, [found], [attribute]))
+            time.sleep(60)
+        assert made == []
+        assert len(getattr(found, attribute)) == found.nsimplex
+
+
 def test_points_in_the_making_hear_a_signal():
     with alarm(0.2), pytest.raises(Alarm):  # some ten seconds of work
         cullhull.generate("ball", 40_000_000, 6)

@@ -312,13 +312,47 @@ def test_adding_is_as_at_once():
 
 def test_far_from_the_origin():
     """The spheres' centres are those of the points shifted back, to the last digits."""
-    from cullhull._lifted_planes import spheres
-
     points = np.random.default_rng(3).integers(0, 1000, (200, 2)) / 1024
-    near, far = cullhull.Delaunay(points), cullhull.Delaunay(points + 2.0**20)
-    assert np.array_equal(near.simplices, far.simplices)
-    centres = [spheres(found.points, found.simplices).centres for found in (near, far)]
+    near, far = (cullhull.delaunay(points + shift) for shift in (0, 2.0**20))
+    assert np.array_equal(near.cells, far.cells)
+    # Of the plane of |x|^2 = 2 c x - (|c|^2 - r^2) over a cell whose sphere has centre c.
+    centres = [-0.5 * found.equations[:, :2] / found.equations[:, 2:3] for found in (near, far)]
     assert np.allclose(centres[0] + 2.0**20, centres[1], rtol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3, 4, 5, 6])
+def test_planes_and_maps_against_rationals(dimension):
+    """Of cells of every shape, with weights and in a flat, as LAPACK has them."""
+    rng = np.random.default_rng(dimension)
+    points = rng.normal(size=(40 if dimension < 5 else 15, dimension))
+    weights = rng.random(len(points))
+    for found in (cullhull.delaunay(points), cullhull.delaunay(points, weights=weights)):
+        lifted = (points**2).sum(axis=1) - (0 if found.weights is None else weights)
+        rows = np.column_stack([points, lifted])
+        heights = np.einsum("cij,cj->ci", rows[found.cells], found.equations[:, :-1])
+        size = np.abs(rows).max() * np.linalg.cond(points[found.cells[:, 1:]] - points[found.cells[:, :1]])
+        assert (np.abs(heights + found.equations[:, -1:]).max(axis=1) < 1e-14 * size).all()
+        assert np.allclose(np.linalg.norm(found.equations[:, :-1], axis=1), 1, rtol=1e-15)
+        assert (found.equations[:, -2] < 0).all()
+    ours = cullhull.Delaunay(points)
+    corners = points[ours.simplices]
+    expected = np.linalg.inv(np.swapaxes(corners[:, :-1] - corners[:, -1:], 1, 2))
+    sizes = np.abs(expected).max(axis=(1, 2), keepdims=True)
+    assert (np.abs(ours.transform[:, :-1] - expected) < 1e-10 * sizes).all()
+    assert np.array_equal(ours.transform[:, -1], corners[:, -1])
+
+
+def test_planes_of_points_in_a_flat():
+    """The centre of a sphere lies in the flat, as far from all corners of the cell."""
+    flat = np.random.default_rng(8).integers(0, 50, (30, 2))
+    points = flat @ np.array([[2, 1, 0, 3], [1, -1, 4, 0]]) + [5, 0, 1, 2]
+    found = cullhull.delaunay(points)
+    assert found.affine_dimension == 2
+    centres = -0.5 * found.equations[:, :4] / found.equations[:, 4:5]
+    away = np.linalg.norm(points[found.cells] - centres[:, None], axis=2)
+    assert np.allclose(away, away[:, :1], rtol=1e-9)
+    basis = np.linalg.svd((points - points[0]).T)[0][:, 2:]
+    assert np.allclose((centres - points[0]) @ basis, 0, atol=1e-9 * np.abs(centres).max())
 
 
 # Questions
@@ -432,34 +466,6 @@ def test_nearly_flat_simplices_leave_the_others_alone():
     good = (ours.simplices != 4).all(axis=1)
     assert np.isfinite(ours.transform[good]).all() and np.isfinite(ours.equations[good]).all()
     assert np.isnan(ours.transform[~good]).any()
-
-
-@pytest.mark.parametrize(
-    "attribute, step", [("equations", "_solutions"), ("transform", "_inverses")]
-)
-def test_planes_and_transforms_hear_an_interrupt(monkeypatch, attribute, step):
-    """They are computed in blocks, between which Python handles signals; blocks change no bit."""
-    from cullhull import _lifted_planes
-
-    points = np.random.default_rng(5).normal(size=(12_000, 2))
-    monkeypatch.setattr(_lifted_planes, "_BLOCK", 10**6)
-    at_once = getattr(cullhull.Delaunay(points), attribute)
-    monkeypatch.undo()
-
-    computed, sizes = getattr(_lifted_planes, step), []
-
-    def interrupted(matrices, *rest):
-        sizes.append(len(matrices))
-        if len(sizes) == 2:
-            raise KeyboardInterrupt
-        return computed(matrices, *rest)
-
-    monkeypatch.setattr(_lifted_planes, step, interrupted)
-    ours = cullhull.Delaunay(points)
-    with pytest.raises(KeyboardInterrupt):
-        getattr(ours, attribute)
-    assert np.array_equal(getattr(ours, attribute), at_once)
-    assert len(sizes) >= 4 and max(sizes) <= 2**14
 
 
 def test_scipys_degenerate_points():

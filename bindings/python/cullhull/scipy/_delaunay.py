@@ -12,8 +12,6 @@ import numpy.typing as npt
 from .. import _core
 from .._arguments import as_array, as_coordinates, is_doubles
 from .._errors import InvalidArgument, NotFinite
-from .._lifted_planes import planes, spheres, transforms
-from .._lists import first_places
 from .._options import Budgeted, Unpack, documented, require_known, settings, takes
 from .._triangulation import Triangulation
 from ..show._forms import Table
@@ -174,14 +172,9 @@ class Delaunay(ShownCells, Lifted):
         at infinity, a tenth above all others, is among them."""
         if not self._options.scaled_last:
             return 1.0, 0.0
-        heights = (self.points**2).sum(axis=1)
-        least, most = float(heights.min()), float(heights.max())
-        if self._options.at_infinity and not self.furthest_site:
-            most *= 1.1
-        if not most > least:
-            return 1.0, 0.0
-        scale = float(np.abs(self.points).max()) / (most - least)
-        return scale, -least * scale
+        return self.triangulation._cells.paraboloid(
+            self._options.at_infinity and not self.furthest_site
+        )
 
     @property
     def paraboloid_scale(self) -> float:
@@ -196,33 +189,26 @@ class Delaunay(ShownCells, Lifted):
     @Lazy
     def equations(self) -> npt.NDArray[np.float64]:
         """(s, d + 2) float64: outward unit normal and offset of each lifted simplex."""
-        found = spheres(self.points, self._cells)
-        return planes(found, *self._paraboloid, upper=self.furthest_site)
+        return self.triangulation._cells.lifted_planes(self._cells, *self._paraboloid)
 
     @Lazy
     def transform(self) -> npt.NDArray[np.float64]:
         """(s, d + 1, d) float64: ``transform[i, :d] @ (x - transform[i, d])`` are the first d
         barycentric coordinates of x in simplex i; NaN where it is nearly flat."""
-        return transforms(self.points, self._cells)
+        return self.triangulation._cells.barycentric_maps(self._cells)
 
     @Lazy
     def vertex_to_simplex(self) -> npt.NDArray[np.int32]:
         """(n,) int32: the first simplex with each vertex; for a point equal to another, of that
         one; -1 for points that are no vertices."""
-        cells = self._cells
-        places = first_places(cells.ravel(), self.npoints)
-        first: npt.NDArray[np.int32] = (places // cells.shape[1]).astype(np.int32)
-        equal = self.triangulation.duplicates
-        first[equal[:, 0]] = first[equal[:, 1]]
-        return first
+        return self.triangulation._cells.vertex_cells(self._cells)
 
     @Lazy
     def coplanar(self) -> npt.NDArray[np.int32]:
         """(c, 3) int32: each point that is no vertex because it equals one, a simplex with that
         vertex, and the vertex."""
-        equal = self.triangulation.duplicates
-        table = np.column_stack([equal[:, 0], self.vertex_to_simplex[equal[:, 1]], equal[:, 1]])
-        return table[(table[:, 1] >= 0) & self._options.coplanar]
+        table = self.triangulation._cells.equal_points(self._cells)
+        return table if self._options.coplanar else table[:0]
 
     @Lazy
     def convex_hull(self) -> npt.NDArray[np.int32]:
@@ -233,14 +219,7 @@ class Delaunay(ShownCells, Lifted):
     def vertex_neighbor_vertices(self) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
         """Offsets (n + 1,) and indices, int32: the neighbours of vertex i are
         ``indices[offsets[i]:offsets[i + 1]]``, ascending."""
-        cells = self._cells.astype(np.int64)
-        width = cells.shape[1]
-        pairs = [cells[:, i] * self.npoints + cells[:, j]
-                 for i in range(width) for j in range(width) if i != j]  # fmt: skip
-        both = np.unique(np.concatenate(pairs)) if pairs else np.empty(0, dtype=np.int64)
-        counts = np.bincount(both // self.npoints, minlength=self.npoints)
-        offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-        return offsets, (both % self.npoints).astype(np.int32)
+        return self.triangulation._cells.vertex_neighbours(self._cells)
 
     def find_simplex(
         self, xi: Any, bruteforce: bool = False, tol: float | None = None

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Generic, TypeVar, overload
 import numpy as np
 import numpy.typing as npt
 
+from .. import _core
 from .._arguments import as_point_set, as_points
 from .._errors import InvalidArgument
 
@@ -165,13 +166,17 @@ class IncrementalPoints(Incremental):
         return self.points
 
     @Lazy
+    def _bounds(self) -> npt.NDArray[np.float64]:
+        return _core.bounds(self._extreme())
+
+    @Lazy
     def min_bound(self) -> npt.NDArray[np.float64]:
         """(d,) float64: the least coordinates."""
-        bound: npt.NDArray[np.float64] = self._extreme().min(axis=0)
+        bound: npt.NDArray[np.float64] = self._bounds[0]
         return bound
 
     @Lazy
     def max_bound(self) -> npt.NDArray[np.float64]:
         """(d,) float64: the largest coordinates."""
-        bound: npt.NDArray[np.float64] = self._extreme().max(axis=0)
+        bound: npt.NDArray[np.float64] = self._bounds[1]
         return bound
