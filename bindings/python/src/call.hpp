@@ -30,6 +30,7 @@ const Settings& settings_or_default(const Settings* settings);
 
 /// How long a call may take, judged by its sizes.
 enum class Length {
+  tiny,      ///< a microsecond or two
   brief,     ///< well below a millisecond
   moderate,  ///< usually some tens of milliseconds; more in the worst case
   long_,     ///< perhaps seconds
@@ -41,10 +42,11 @@ Length length_of(const cullhull::PointView& points) noexcept;
 Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noexcept;
 
 /// Runs `work` without the GIL; an exception from a signal handler (KeyboardInterrupt, say) or from
-/// `progress` stops the work and is thrown when it has stopped. Brief work simply runs: starting a
-/// thread, or looking up a signal handler, takes longer. Moderate work runs on this thread, which
-/// checks for signals now and then (Options::poll). Long work, and any with `progress`, runs on
-/// another thread while this one waits.
+/// `progress` stops the work and is thrown when it has stopped. Tiny work keeps the GIL: handing it
+/// over and getting it back takes as long, several times that where other threads wait. Brief work
+/// simply runs: starting a thread, or looking up a signal handler, takes longer. Moderate work runs
+/// on this thread, which checks for signals now and then (Options::poll). Long work, and any with
+/// `progress`, runs on another thread while this one waits.
 void run(const Settings* settings, Length length,
          const std::function<void(const cullhull::Options&)>& work);
 /// The same for work that returns its result.
