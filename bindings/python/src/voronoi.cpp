@@ -1,6 +1,7 @@
 // Voronoi and power diagrams, whole and within a region.
 #include "cullhull/voronoi.hpp"
 
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -8,6 +9,8 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -123,6 +126,44 @@ IntegerLists nested_lists(Array<std::int64_t> offsets, Array<std::int32_t> items
   });
 }
 
+/// For each of `count` points the simplices at it: ascending, or, with the neighbours of triangles,
+/// in a ring from the lowest on, counter-clockwise where triangles are so.
+IntegerLists simplices_at(Array<std::int32_t> simplices,
+                          std::optional<Array<std::int32_t>> neighbours, std::size_t count,
+                          std::size_t corners) {
+  const std::size_t size = simplices.size();
+  if (!simplices.is_contiguous() || corners == 0 || size % corners != 0 ||
+      (neighbours && (!neighbours->is_contiguous() || neighbours->size() != size || corners != 3)))
+    throw nb::value_error("simplices with a neighbour across each corner");
+  const std::span points(simplices.data(), size);
+  std::vector<std::size_t> ends(count + 1), at(size);
+  for (const std::int32_t p : points) {
+    if (p < 0 || static_cast<std::size_t>(p) >= count) throw nb::index_error();
+    ++ends[static_cast<std::size_t>(p) + 1];
+  }
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<std::size_t> next = ends;
+  for (std::size_t i = 0; i < size; ++i) at[next[static_cast<std::size_t>(points[i])]++] = i;
+  std::vector<std::int32_t> ring;
+  return nested(count, nb::list(), [&](std::size_t p) {
+    ring.clear();
+    std::size_t place = ends[p] < ends[p + 1] ? at[ends[p]] : 0;
+    for (std::size_t k = ends[p]; k < ends[p + 1]; ++k) {
+      if (!neighbours) place = at[k];
+      ring.push_back(static_cast<std::int32_t>(place / corners));
+      if (!neighbours) continue;
+      // Over the edge opposite to the next corner.
+      const std::int32_t over = neighbours->data()[place / 3 * 3 + (place + 1) % 3];
+      if (over < 0 || static_cast<std::size_t>(over) >= size / 3) throw nb::index_error();
+      const auto first = points.begin() + std::ptrdiff_t{3} * over;
+      const auto found = std::find(first, first + 3, points[place]);
+      if (found == first + 3) throw nb::value_error("a neighbour without the edge");
+      place = static_cast<std::size_t>(found - points.begin());
+    }
+    return std::span<const std::int32_t>(ring);
+  });
+}
+
 /// As SciPy has a diagram's ridges, or its regions.
 IntegerLists lists_of_diagram(const cullhull::Lists<std::uint32_t>& lists,
                               const nb::list& numbers) {
@@ -195,6 +236,8 @@ void bind_voronoi(nb::module_& m) {
   bind_diagram(m);
   bind_clipped_cells(m);
   m.def("nested_lists", nested_lists, nb::arg("offsets"), nb::arg("items"), nb::arg("numbers"));
+  m.def("simplices_at", simplices_at, nb::arg("simplices"), nb::arg("neighbours").none(),
+        nb::arg("count"), nb::arg("corners"));
   m.def("voronoi", voronoi, nb::arg("cells"), nb::arg("settings").none());
   m.def("clip_to_box", clip_to_box, nb::arg("cells"), nb::arg("diagram"), nb::arg("low"),
         nb::arg("high"), nb::arg("shapes"), nb::arg("settings").none());

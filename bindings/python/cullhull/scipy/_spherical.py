@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .. import _core
 from .._arguments import as_points
 from .._errors import InvalidArgument, NotFinite
-from .._lists import first_places
+from .._lists import collector_paused
 from ._convex_hull import ConvexHull
 
 
@@ -77,7 +78,7 @@ class SphericalVoronoi:
         self.vertices = self.radius * hull.equations[:, :-1] + self.center
         self._simplices = hull.simplices
         self._neighbors = hull.neighbors
-        self.regions = self._ascending_regions()
+        self.regions = self._simplices_at_points(None)
 
     def _check(self, nearness: float) -> None:
         if len(self.points) == 0:
@@ -93,11 +94,10 @@ class SphericalVoronoi:
         if not np.abs(away - self.radius).max() < nearness:
             raise InvalidArgument("Radius inconsistent with generators.")
 
-    def _ascending_regions(self) -> list[list[int]]:
-        corners = self._simplices.ravel()
-        simplices = np.argsort(corners, kind="stable") // self._dim
-        ends = np.cumsum(np.bincount(corners, minlength=len(self.points)))
-        return [part.tolist() for part in np.split(simplices, ends[:-1])]
+    def _simplices_at_points(self, neighbors: npt.NDArray[np.int32] | None) -> list[list[int]]:
+        """Ascending, or by the neighbours in rings."""
+        with collector_paused():
+            return _core.simplices_at(self._simplices, neighbors, len(self.points), self._dim)
 
     def sort_vertices_of_regions(self) -> None:
         """Sorts the vertices of each of `regions` counter-clockwise, seen from outside, in place.
@@ -118,30 +118,8 @@ class SphericalVoronoi:
         """
         if self._dim != 3:
             raise TypeError("Only supported for three-dimensional point sets")
-        points, steps, simplices = self._walks()
-        order = np.lexsort((steps, points))
-        ends = np.cumsum(np.bincount(points, minlength=len(self.points)))
-        for region, part in zip(self.regions, np.split(simplices[order], ends[:-1])):
-            region[:] = part.tolist()  # in place, as SciPy's
-
-    def _walks(self) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], npt.NDArray[np.intp]]:
-        """Around all points at once, from each one's first simplex: point, step, simplex."""
-        corners = self._simplices.astype(np.intp)
-        first = first_places(corners.ravel(), len(self.points))
-        # From corner j the way goes over the edge opposite to corner j + 1 into the next simplex.
-        across = np.roll(self._neighbors, -1, axis=1).astype(np.intp)
-        at_point = np.argmax(corners[across] == corners[:, :, np.newaxis], axis=2)
-        following = (3 * across + at_point).ravel()
-        walkers = np.flatnonzero(first >= 0)
-        at, start = first[walkers], first[walkers]
-        found: list[tuple[npt.NDArray[Any], ...]] = []
-        while len(walkers):
-            found.append((walkers, np.full(len(walkers), len(found), dtype=np.intp), at // 3))
-            at = following[at]
-            on = at != start
-            walkers, at, start = walkers[on], at[on], start[on]
-        points, steps, simplices = (np.concatenate(column) for column in zip(*found))
-        return points, steps, simplices
+        for region, ring in zip(self.regions, self._simplices_at_points(self._neighbors)):
+            region[:] = ring  # in place, as SciPy's
 
     def calculate_areas(self) -> npt.NDArray[np.float64]:
         """The area of each region; in 2D the length of its arc.
