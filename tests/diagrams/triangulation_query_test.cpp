@@ -67,6 +67,12 @@ void check(const LiftedSet& s, unsigned count, bool furthest = false) {
   query.find(asked, cells.data());
   query.nearest(asked, nearest.data());
   query.barycentric(asked, cells.data(), shares.data());
+  std::vector<double> values(3 * s.count()), between(3 * n);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i % 17) - 8;
+  query.interpolate(asked, values.data(), 3, std::vector{-7.0, 9.0}, between.data());
+  const double tolerance = 0x1p-24;
+  std::vector<std::uint32_t> tolerant(n);
+  query.find(asked, tolerant.data(), {}, tolerance);
   std::vector<double> single(t.corners());
   for (std::size_t i = 0; i < n; ++i) {
     const double* p = rows.data() + i * s.dimension;
@@ -76,6 +82,19 @@ void check(const LiftedSet& s, unsigned count, bool furthest = false) {
     EXPECT_EQ(query.find(p), cells[i]);
     EXPECT_EQ(query.nearest(p), nearest[i]);
     query.barycentric(p, cells[i], single.data());
+    for (unsigned m = 0; m < 3; ++m) {
+      double sum = cells[i] == no_index ? (m == 1 ? 9 : -7) : 0;
+      for (unsigned j = 0; j < t.corners() && cells[i] != no_index; ++j)
+        sum += single[j] * values[3 * t.cell(cells[i])[j] + m];
+      ASSERT_EQ(between[3 * i + m], sum) << s.name << ", question " << i;
+    }
+    if (cells[i] != no_index) {
+      ASSERT_EQ(tolerant[i], cells[i]) << s.name << ", question " << i;
+    } else if (tolerant[i] != no_index) {
+      const auto beyond = slow_barycentric(s, t.cell(tolerant[i]), q);
+      for (const mpq_class& share : *beyond)
+        ASSERT_TRUE(share >= -tolerance) << s.name << ", question " << i;
+    }
     for (unsigned j = 0; j < t.corners(); ++j) {
       const double share = shares[i * t.corners() + j];
       if (cells[i] == no_index) {
@@ -147,6 +166,53 @@ TEST(TriangulationQuery, BarycentricBeyondTheCell) {
   EXPECT_EQ(shares[1], -1);
   EXPECT_EQ(shares[2], 1.5);
   EXPECT_EQ(query.find(outside), no_index);
+}
+
+/// A point beyond the middle of a facet of the hull, by a share of the cell's height: in that cell
+/// if the tolerance is larger. So it is with maps of cells and by walks, which more cells have.
+TEST(TriangulationQuery, AToleranceTakesPointsNearBy) {
+  for (const auto& [d, n] :
+       {std::pair{1U, 50U}, {2U, 50U}, {3U, 50U}, {4U, 50U}, {5U, 20U}, {2U, 120'000U}}) {
+    const LiftedSet s = random_points(d, n, 3);
+    const Triangulation t = triangulate(s);
+    const TriangulationQuery query(view_of(s), t);
+    std::vector<double> rows;
+    std::vector<std::uint32_t> cells;
+    for (std::uint32_t c = 0; c < t.size() && cells.size() < 200; ++c)
+      for (unsigned facet = 0; facet <= d; ++facet) {
+        if (t.neighbours_of(c)[facet] != no_index) continue;
+        cells.push_back(c);
+        for (unsigned j = 0; j < d; ++j) {
+          double x = 0;  // of shares -2^-30 for the corner across, equal ones for the others
+          for (unsigned i = 0; i <= d; ++i)
+            x += s.rows[std::size_t{t.cell(c)[i]} * d + j] *
+                 (i == facet ? -0x1p-30 : (1 + 0x1p-30) / d);
+          rows.push_back(x);
+        }
+      }
+    const PointView asked = PointView::row_major(rows.data(), cells.size(), d);
+    std::vector<std::uint32_t> found(cells.size());
+    query.find(asked, found.data(), {}, 0x1p-28);
+    EXPECT_EQ(found, cells) << d;
+    for (const double less : {0.0, 0x1p-32}) {
+      query.find(asked, found.data(), {}, less);
+      EXPECT_EQ(std::count(found.begin(), found.end(), no_index),
+                static_cast<std::ptrdiff_t>(cells.size()))
+          << d;
+    }
+  }
+}
+
+/// Shares are the doubles nearest to the exact ones, whatever the cells' shapes and scales are.
+TEST(TriangulationQuery, CellsOfManyScales) {
+  for (unsigned d = 2; d <= 4; ++d)
+    for (const double scale : {1e-300, 1e-160, 1e-12, 1e12, 1e160, 1e300}) {
+      LiftedSet s = random_points(d, d == 4 ? 12 : 40, 5);
+      for (std::size_t i = 0; i < s.rows.size(); i += d) s.rows[i] *= scale;
+      check(s, 60);
+      for (double& x : s.rows) x = 1e6 + x * 1e-3;
+      check(s, 60);
+    }
 }
 
 /// Many questions: the same for any threads, in the cell they name, and the lowest of those that

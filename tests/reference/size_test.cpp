@@ -18,12 +18,12 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3660},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
-    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6310}, {"src/distributed", 250},
-    {"src/exact", 4590}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
-    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5510},
-    {"src/io", 16580},   {"src/parallel", 2660}, {"src/query", 3490},    {"src/result", 7220},
-    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 820},   {"bindings", 27970},
+    {"include", 3670},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
+    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6870}, {"src/distributed", 250},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
+    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5530},
+    {"src/io", 16580},   {"src/parallel", 2720}, {"src/query", 3490},    {"src/result", 7220},
+    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28140},
     {"tests", 51020},    {"docs", 9470},         {"apps", 9510},         {"bench", 7390},
     {"viewer", 3430},    {"scripts", 3560},
 };
@@ -106,7 +106,7 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 497U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 502U);
   EXPECT_LE(files_with(root / "include", header, type).second, 84U);
 }
 

@@ -264,7 +264,7 @@ class Triangulation(FoundCells):
         [0, 1, 0, -1]
         """
         array, single = as_questions(points, self.dimension, "points", "triangulation")
-        cells = self._cells.find(array, settings(options, Watched))
+        cells = self._cells.find(array, 0.0, settings(options, Watched))
         return int(cells[0]) if single else cells
 
     @takes(Watched)
@@ -328,7 +328,7 @@ class Triangulation(FoundCells):
         array, single = as_questions(points, self.dimension, "points", "triangulation")
         chosen = settings(options, Watched)
         if cells is None:
-            found = self._cells.find(array, chosen)
+            found = self._cells.find(array, 0.0, chosen)
         else:
             given = np.atleast_1d(cells)
             if given.dtype.kind not in "iu":

@@ -44,29 +44,6 @@ struct Interpolator::State {
       body(part, out + first * components);
     }
   }
-
-  /// For each point in a cell calls write(i, cell, its barycentric coordinates, a row of zeros for
-  /// the result), where write = make(view of a block) for each chunk of `grain` points; writes
-  /// `outside` for all other points.
-  template <class Make>
-  void each_inside(const PointView& points, double* out, double outside, const RunOptions& options,
-                   std::uint64_t grain, const Make& make) const {
-    const Call call(options);
-    each_block(points, out, [&](const PointView& part, double* to) {
-      Array<std::uint32_t> cells(part.count);
-      Array<double> shares(part.count * corners);
-      query.find(part, cells.data(), options);
-      query.barycentric(part, cells.data(), shares.data(), options);
-      call.run.each(part.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
-        auto write = make(part);
-        for (std::uint64_t i = begin; i < end; ++i) {
-          double* row = to + i * components;
-          std::fill_n(row, components, cells[i] == no_index ? outside : 0);
-          if (cells[i] != no_index) write(i, cells[i], shares.data() + i * corners, row);
-        }
-      });
-    });
-  }
 };
 
 Interpolator::Interpolator(const PointView& points, const Triangulation& triangulation,
@@ -97,27 +74,33 @@ const TriangulationQuery& Interpolator::query() const noexcept { return state_->
 void Interpolator::linear(const PointView& points, double* out, double outside,
                           const RunOptions& options) const {
   const State& s = *state_;
-  s.each_inside(points, out, outside, options, light_grain, [&](const PointView&) {
-    return [&](std::uint64_t, std::uint32_t cell, const double* shares, double* row) {
-      for (unsigned j = 0; j < s.corners; ++j)
-        if (shares[j] != 0)  // otherwise even a NaN there has no effect
-          s.add(s.triangulation.cell(cell)[j], shares[j], row);
-    };
-  });
+  s.query.interpolate(points, s.values.data(), s.components, {&outside, 1}, out, options);
 }
 
 void Interpolator::natural(const PointView& points, double* out, double outside,
                            const RunOptions& options) const {
   const State& s = *state_;
   s.require_natural();
-  s.each_inside(points, out, outside, options, 256, [&](const PointView& part) {
-    return [&, natural = NaturalWeights(s.triangulation), found = NaturalNeighbours(),
-            point = std::vector<double>(part.dimension)](
-               std::uint64_t i, std::uint32_t cell, const double* shares, double* row) mutable {
-      for (std::uint32_t j = 0; j < part.dimension; ++j) point[j] = part.at(i, j);
-      natural.find(point.data(), cell, shares, found);
-      for (std::size_t n = 0; n < found.ids.size(); ++n) s.add(found.ids[n], found.weights[n], row);
-    };
+  const Call call(options);
+  s.each_block(points, out, [&](const PointView& part, double* to) {
+    Array<std::uint32_t> cells(part.count);
+    Array<double> shares(part.count * s.corners);
+    s.query.find(part, cells.data(), options);
+    s.query.barycentric(part, cells.data(), shares.data(), options);
+    call.run.each(part.count, 256, [&](std::uint64_t begin, std::uint64_t end) {
+      NaturalWeights natural(s.triangulation);
+      NaturalNeighbours found;
+      std::vector<double> point(part.dimension);
+      for (std::uint64_t i = begin; i < end; ++i) {
+        double* row = to + i * s.components;
+        std::fill_n(row, s.components, cells[i] == no_index ? outside : 0);
+        if (cells[i] == no_index) continue;
+        load_row(part, i, point.data());
+        natural.find(point.data(), cells[i], shares.data() + i * s.corners, found);
+        for (std::size_t n = 0; n < found.ids.size(); ++n)
+          s.add(found.ids[n], found.weights[n], row);
+      }
+    });
   });
 }
 

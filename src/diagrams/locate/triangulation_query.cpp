@@ -7,8 +7,12 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <type_traits>
+#include <variant>
 
 #include "cullhull/error.hpp"
+#include "diagrams/locate/cell_maps.hpp"
 #include "diagrams/locate/nearest_tree.hpp"
 #include "diagrams/locate/queries.hpp"
 #include "diagrams/locate/walk.hpp"
@@ -117,6 +121,86 @@ void barycentric(unsigned k, const double* const* p, const double* q, double* ou
   });
 }
 
+/// How far, as a share of the way to the middle of all vertices, a point outside is moved to look
+/// for the cell that a tolerance puts it into; also a quarter of it.
+double longest_pull(double tolerance) { return std::min(4 * tolerance, 0x1p-20); }
+
+/// A cell that a step from q towards the middle leads to, if no barycentric coordinate of q in it
+/// is below -tolerance; q is outside. Walks begin at `place`.
+template <unsigned K>
+std::uint32_t near_cell(const WalkMesh& mesh, const Extent& extent, Walk<K>& walk, const double* q,
+                        std::uint32_t place, double tolerance) {
+  const unsigned d = mesh.dimension;
+  std::vector<double> pulled(d), shares(d + 1);
+  std::vector<const double*> corners(d + 1);
+  const double longest = longest_pull(tolerance);
+  for (const double pull : {longest, 0.25 * longest}) {
+    for (unsigned j = 0; j < d; ++j) pulled[j] = q[j] + pull * (extent.middle[j] - q[j]);
+    const std::uint32_t at = walk.find_from(place, pulled.data());
+    if (at == no_index) continue;
+    for (unsigned i = 0; i <= d; ++i) corners[i] = mesh.row(mesh.corners_of(at)[i]);
+    barycentric(d, corners.data(), q, shares.data());
+    if (*std::min_element(shares.begin(), shares.end()) >= -tolerance) return at;
+  }
+  return no_index;
+}
+
+/// Answers of one thread to questions about few cells.
+template <unsigned K>
+class FewCells {
+ public:
+  FewCells(const WalkMesh& mesh, const Extent& extent, const CellMaps<K>& maps, double tolerance)
+      : mesh_(mesh), extent_(extent), maps_(maps), tolerance_(tolerance) {}
+
+  /// Calls body(i, place of the cell, shares) for the points [begin, end); shares are barycentric
+  /// coordinates if `with_shares`.
+  template <class Body>
+  void find(const PointView& points, std::uint64_t begin, std::uint64_t end, bool with_shares,
+            const Body& body) {
+    double rows[answered_at_once * K];
+    MappedAnswer<K> answers[answered_at_once];
+    for (std::uint64_t first = begin; first < end; first += answered_at_once) {
+      const auto n =
+          static_cast<std::size_t>(std::min<std::uint64_t>(answered_at_once, end - first));
+      load_rows(points, first, first + n, rows);
+      answer(maps_, rows, n, with_shares, 0x1p-40 + (K + 1) * tolerance_, answers);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::uint32_t place = place_of(rows + i * K, answers[i]);
+        if (with_shares && place != no_index &&
+            !(answers[i].found == Found::inside && answers[i].refined))
+          exact_shares(rows + i * K, place, answers[i].shares);
+        body(first + i, place, answers[i].shares);
+      }
+    }
+  }
+
+ private:
+  std::uint32_t place_of(const double* q, const MappedAnswer<K>& answer) {
+    if (answer.found == Found::inside) return answer.place;
+    if (answer.found == Found::far) return no_index;
+    if (answer.found == Found::outside &&
+        (tolerance_ == 0 || maps_.stays_beyond(answer, longest_pull(tolerance_))))
+      return no_index;
+    if (!walk_) walk_.emplace(mesh_);
+    if (answer.found == Found::doubtful) {
+      const std::uint32_t exact = walk_->find_from(answer.place, q);
+      if (exact != no_index || tolerance_ == 0) return exact;
+    }
+    return near_cell(mesh_, extent_, *walk_, q, answer.place, tolerance_);
+  }
+  void exact_shares(const double* q, std::uint32_t place, double* shares) const {
+    const double* corners[K + 1];
+    for (unsigned i = 0; i <= K; ++i) corners[i] = mesh_.row(mesh_.corners_of(place)[i]);
+    barycentric(K, corners, q, shares);
+  }
+
+  const WalkMesh& mesh_;
+  const Extent& extent_;
+  const CellMaps<K>& maps_;
+  std::optional<Walk<K>> walk_;
+  double tolerance_;
+};
+
 }  // namespace
 }  // namespace cullhull::internal
 
@@ -176,6 +260,57 @@ struct TriangulationQuery::State {
         rows[i] = to;
       }
       if (orientation(k + 1, rows.data()) != Sign::zero) return false;
+    }
+    return true;
+  }
+
+  const Extent& extent() const {
+    std::call_once(extent_once, [&] { made_extent.emplace(mesh); });
+    return *made_extent;
+  }
+  using Maps = std::variant<std::monostate, CellMaps<2>, CellMaps<3>, CellMaps<4>>;
+  /// Of few cells in 2D to 4D; made when first asked for.
+  const Maps& maps(const Run& run) const {
+    std::call_once(maps_once, [&] {
+      const unsigned k = mesh.corners == 0 ? 0 : mesh.corners - 1;
+      if (k != mesh.dimension) return;
+      with_dimension<2, 4, 0>(k, [&](auto known) {
+        if constexpr (known() != 0)
+          if (mesh.numbers.size() * sizeof(MappedCell<known()>) <= most_map_bytes)
+            made_maps.emplace<CellMaps<known()>>(mesh, extent(), run);
+      });
+    });
+    return made_maps;
+  }
+  /// Calls body(i, place of its cell, shares) for all points, as FewCells does. False without a
+  /// call where there are no maps.
+  template <class Body>
+  bool each_mapped(const PointView& points, double tolerance, bool with_shares, const Run& run,
+                   const Body& body) const {
+    return std::visit(
+        [&](const auto& made) {
+      using Made = std::remove_cvref_t<decltype(made)>;
+      if constexpr (std::is_same_v<Made, std::monostate>) {
+        return false;
+      } else {
+        run.each(points.count, queries_per_chunk, [&](std::uint64_t begin, std::uint64_t end) {
+          FewCells<Made::dimension>(mesh, extent(), made, tolerance)
+              .find(points, begin, end, with_shares, body);
+        });
+        return true;
+      }
+        },
+        maps(run));
+  }
+
+  /// Whether a tolerance may put q, which is outside, into a cell.
+  bool is_near(const double* q, double tolerance) const {
+    const unsigned d = mesh.dimension;
+    if (tolerance == 0 || mesh.corners <= d) return false;
+    const Extent& box = extent();
+    for (unsigned j = 0; j < d; ++j) {
+      const double margin = (d + 1) * tolerance * (box.high[j] - box.low[j]);
+      if (!(q[j] >= box.low[j] - margin && q[j] <= box.high[j] + margin)) return false;
     }
     return true;
   }
@@ -241,7 +376,9 @@ struct TriangulationQuery::State {
   }
 
   WalkMesh mesh;
-  mutable std::once_flag graph_once, tree_once;
+  mutable std::once_flag graph_once, tree_once, extent_once, maps_once;
+  mutable std::optional<const Extent> made_extent;
+  mutable Maps made_maps;
   mutable Adjacency<std::uint32_t> made_graph;
   mutable std::unique_ptr<const NearestTree> made_tree;
   mutable std::atomic<bool> has_graph = false, has_tree = false;
@@ -287,18 +424,69 @@ std::uint32_t TriangulationQuery::nearest(const double* point) const {
 }
 
 void TriangulationQuery::find(const PointView& points, std::uint32_t* out,
-                              const RunOptions& options) const {
+                              const RunOptions& options, double tolerance) const {
   const State& s = *state_;
   s.answer(points, out, options, [&](const Run& run) {
+    const auto keep = [&](std::uint64_t i, std::uint32_t place, const double*) {
+      out[i] = place == no_index ? no_index : s.mesh.numbers[place];
+    };
+    if (s.each_mapped(points, tolerance, false, run, keep)) return;
     with_dimension<2, 3, 0>(s.mesh.corners - 1, [&](auto k) {
       each_along_curve(s.mesh, points, run, [&] {
         return [&, walk = Walk<k()>(s.mesh)](std::uint64_t i, const double* row,
                                              std::uint32_t key) mutable {
           out[i] = s.find_row(walk, row, key);
+          if (out[i] == no_index && s.is_near(row, tolerance)) {
+            const std::uint32_t place =
+                near_cell(s.mesh, s.extent(), walk, row, walk.place(), tolerance);
+            if (place != no_index) out[i] = s.mesh.numbers[place];
+          }
         };
       });
     });
   });
+}
+
+void TriangulationQuery::interpolate(const PointView& points, const double* values,
+                                     std::uint32_t components, std::span<const double> outside,
+                                     double* out, const RunOptions& options,
+                                     double tolerance) const {
+  const State& s = *state_;
+  if (components == 0 || outside.empty())
+    throw Error(ErrorCode::invalid_argument, "values need at least one component");
+  const Call call(options);
+  s.check(points, call.run);
+  const auto write = [&](std::uint64_t i, std::uint32_t place, const double* shares) {
+    double* const row = out + i * components;
+    if (place == no_index) {
+      for (std::uint32_t c = 0; c < components; ++c) row[c] = outside[c % outside.size()];
+      return;
+    }
+    std::fill_n(row, components, 0.0);
+    const std::uint32_t* const v = s.mesh.corners_of(place);
+    for (unsigned j = 0; j < s.mesh.corners; ++j) {
+      if (shares[j] == 0) continue;  // even a NaN there has no effect
+      const double* const value = values + std::size_t{s.mesh.ids[v[j]]} * components;
+      for (std::uint32_t c = 0; c < components; ++c) row[c] += shares[j] * value[c];
+    }
+  };
+  if (s.each_mapped(points, tolerance, true, call.run, write)) return;
+  // Cells and shares of so many points at once, which bounds the memory.
+  const std::uint64_t block = queries_at_once / 4;
+  Array<std::uint32_t> cells(std::min(points.count, block));
+  Array<double> shares(cells.size() * std::max(1U, s.mesh.corners));
+  for (std::uint64_t first = 0; first < points.count; first += block) {
+    PointView part = points;
+    part.count = std::min(block, points.count - first);
+    part.data = points.address(first, 0);
+    find(part, cells.data(), options, tolerance);
+    barycentric(part, cells.data(), shares.data(), options);
+    call.run.each(part.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i)
+        write(first + i, cells[i] == no_index ? no_index : s.mesh.places[cells[i]],
+              shares.data() + i * s.mesh.corners);
+    });
+  }
 }
 
 void TriangulationQuery::barycentric(const PointView& points, const std::uint32_t* cells,

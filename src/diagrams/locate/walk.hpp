@@ -71,10 +71,15 @@ class Walk {
         cell_ != no_index && distance(key, key_) <= distance(key, mesh_.keys[row]);
     row_ = row;
     key_ = key;
-    if (!from_last) cell_ = mesh_.lowest_cell[row];
-    if (!walk(q)) return no_index;
-    return lowest();
+    return find_from(from_last ? cell_ : mesh_.lowest_cell[row], q);
   }
+  /// The same from this cell.
+  std::uint32_t find_from(std::uint32_t place, const double* q) {
+    cell_ = place;
+    return walk(q) ? lowest() : no_index;
+  }
+  /// Where the last walk ended.
+  std::uint32_t place() const { return cell_; }
 
  private:
   static constexpr std::uint32_t nowhere = 0xfffffffe;

@@ -27,8 +27,9 @@ _DEFAULTS_INCREMENTAL = QhullOptions(coplanar=True)
 
 #: `find_simplex`'s tolerance, as SciPy documents it. It decides nothing about the triangulation.
 DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
-#: How far, as a share of its way to the middle, a point outside is moved to look for its cell.
-_LARGEST_PULL = 2.0**-20
+#: The tolerance up to which the native search looks near enough: as a share of its way to the
+#: middle, a point outside is moved that far.
+LARGEST_PULL = 2.0**-20
 
 
 @takes(Budgeted)
@@ -258,34 +259,23 @@ class Delaunay(ShownCells, Lifted):
         """
         x = self._as_questions(xi)
         rows = x if x.ndim == 2 else x.reshape(-1, self.ndim)
-        cells = self._find_rows(rows, DEFAULT_TOLERANCE if tol is None else float(tol))[0]
+        cells = self._find_rows(rows, DEFAULT_TOLERANCE if tol is None else max(float(tol), 0.0))
         return cells if x.ndim == 2 else cells.reshape(x.shape[:-1])
 
-    def _find_rows(
-        self, rows: npt.NDArray[np.float64], tolerance: float
-    ) -> tuple[npt.NDArray[np.int32], bool]:
-        """The cells of rows in the exact triangulation, and whether some may be in none."""
+    def _find_rows(self, rows: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[np.int32]:
+        """The cells of rows in the exact triangulation."""
         try:
-            cells, outside = self.triangulation._cells.find_some(rows, None)
+            cells = self.triangulation._cells.find(rows, tolerance, None)
         except NotFinite:
-            cells, outside = np.full(len(rows), -1, dtype=np.int32), True
+            cells = np.full(len(rows), -1, dtype=np.int32)
             finite = np.flatnonzero(np.isfinite(rows).all(axis=1))
-            cells[finite] = self.triangulation.find_simplex(rows[finite])
-        if outside and tolerance > 0:
-            self._find_near(rows, cells, tolerance)
-        return cells, outside
-
-    def _find_near(
-        self, rows: npt.NDArray[np.float64], cells: npt.NDArray[np.int32], tolerance: float
-    ) -> None:
-        """Sets the cells of points outside that a tolerance puts into one."""
-        pull = min(4 * tolerance, _LARGEST_PULL)
-        self.triangulation._cells.find_near(rows, cells, self._frame, tolerance, pull, None)
-        if tolerance > _LARGEST_PULL:
+            cells[finite] = self.triangulation._cells.find(rows[finite], tolerance, None)
+        if tolerance > LARGEST_PULL:
             low, high = self.min_bound, self.max_bound
             margin = (self.ndim + 1) * tolerance * (high - low)
             near = (rows >= low - margin).all(axis=1) & (rows <= high + margin).all(axis=1)
             self._find_far(rows, cells, np.flatnonzero(near & (cells < 0)), tolerance)
+        return cells
 
     def _find_far(
         self,
@@ -303,11 +293,6 @@ class Delaunay(ShownCells, Lifted):
             inside = (shares >= -tolerance).all(axis=1)
             cells[places[inside]] = cell
             places = places[~inside]
-
-    @Lazy
-    def _frame(self) -> npt.NDArray[np.float64]:
-        """The least coordinates, the largest, and the means."""
-        return np.concatenate([self.min_bound, self.max_bound, self.points.mean(axis=0)])
 
     def lift_points(self, x: Any) -> npt.NDArray[np.float64]:
         """Points lifted to the paraboloid.

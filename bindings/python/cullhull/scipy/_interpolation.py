@@ -15,7 +15,7 @@ from .._functions import convex_hull
 from .._hull import Hull
 from .._options import documented, settings
 from .._triangulation import as_triangulation
-from ._delaunay import DEFAULT_TOLERANCE, Delaunay
+from ._delaunay import DEFAULT_TOLERANCE, LARGEST_PULL, Delaunay
 from ._incremental import Lazy
 from ._original import of_scipy
 
@@ -231,18 +231,34 @@ class LinearNDInterpolator(_OnCells):
                 numbers = np.ascontiguousarray(numbers, dtype=np.complex128).view(np.float64)
             else:
                 numbers = np.ascontiguousarray(numbers, dtype=np.float64)
-        found: npt.NDArray[Any] = self.tri.triangulation._cells.linear(
-            rows,
-            # Numbered as in the exact triangulation; find_simplex of a TolerantDelaunay is not.
-            self.tri._find_rows(rows, tolerance)[0],
-            numbers,
-            numbers.shape[1],
-            outside,
-            self._settings(),
-        )
+        native, width = self.tri.triangulation._cells, numbers.shape[1]
+        more = (numbers, width, outside, tolerance, self._settings())
+        found: npt.NDArray[Any]
+        try:
+            found = native.linear(rows, *more)
+        except NotFinite:
+            finite = np.isfinite(rows).all(axis=1)
+            found = np.tile(outside, len(rows) * (width // len(outside)))
+            found.reshape(-1, width)[finite] = native.linear(rows[finite], *more).reshape(-1, width)
+        if tolerance > LARGEST_PULL:
+            self._add_far(rows, found.reshape(-1, width), numbers, tolerance)
         if len(outside) == 2:
             found = found.view(np.complex128)
         return found.reshape(xi.shape[:-1] + self.values_shape)
+
+    def _add_far(
+        self,
+        rows: npt.NDArray[np.float64],
+        found: npt.NDArray[np.float64],
+        numbers: npt.NDArray[np.float64],
+        tolerance: float,
+    ) -> None:
+        """Sets the values of points in cells by a tolerance that no rounding asks for."""
+        cells = self.tri._find_rows(rows, tolerance)
+        far = np.flatnonzero(cells >= 0)
+        shares = self.tri.triangulation.barycentric(rows[far], cells[far])
+        corners = numbers[self.tri.triangulation.cells[cells[far]]]
+        found[far] = np.einsum("ij,ijc->ic", shares, corners)
 
 
 class NaturalNDInterpolator(_OnCells):
@@ -363,7 +379,7 @@ class NaturalNDInterpolator(_OnCells):
     ) -> npt.NDArray[np.int32]:
         """The cells of points outside: of `find_simplex`, whose tolerance is a share of the cell's
         height, and of those that are as near as coordinates are rounded; -1 for others."""
-        cells, _ = self.tri._find_rows(rows, tolerance)
+        cells = self.tri._find_rows(rows, tolerance)
         left = np.flatnonzero((cells < 0) & np.isfinite(rows).all(axis=1))
         largest = max(float(np.abs(self.points).max()), np.finfo(np.float64).tiny)
         left = left[self._hull.distance(rows[left]) <= 4 * np.finfo(np.float64).eps * largest]
