@@ -180,7 +180,7 @@ class CellInsertion {
   void make_tables() {
     if constexpr (K == 3) {
       labels_.resize(s_.count + 1, 0);
-      edges_.resize(std::size_t{most_labels} * most_labels);
+      edges_.reserve(std::size_t{most_labels} * most_labels);
       labelled_.resize(most_labels);
     }
   }
@@ -706,7 +706,8 @@ class CellInsertion {
   // labels_: for each vertex, label_base_ plus its label; the last entry is that of infinity.
   // edges_: for the two labels of a directed edge, the code of the new cell's facet there.
   // labelled_: for each label, the vertex. corners_: for each facet, its labels.
-  std::vector<std::uint32_t> labels_, edges_, labelled_;
+  std::vector<std::uint32_t> labels_, labelled_;
+  RawArray<std::uint32_t> edges_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;

@@ -171,7 +171,7 @@ class CellStore {
   void grow() {
     const unsigned cells_a_point = corners() == 2 ? 1 : corners() == 3 ? 2 : 7;
     const std::uint64_t wanted =
-        capacity_ == 0 ? std::uint64_t{expected_} * cells_a_point + 64 : capacity_ + capacity_ / 2;
+        capacity_ == 0 ? std::uint64_t{expected_} * cells_a_point + 16 : capacity_ + capacity_ / 2;
     if (capacity_ == limit())
       throw Error(ErrorCode::out_of_budget,
                   "the triangulation has too many cells for their numbers");

@@ -195,7 +195,8 @@ Triangulation triangulate(const PointView& points, std::span<const double> weigh
   if (points.count >= no_index)
     throw Error(ErrorCode::out_of_budget,
                 "a triangulation takes fewer than 4294967295 points, not ", points.count);
-  const Call call(o);
+  // In 4D, 100 points have at most 9,312 cells, as many as the cyclic polytope has facets.
+  const Call call(o, points.count <= 100 && points.dimension <= 4);
   const Run& run = call.run;
   const auto start = Clock::now();
   run.check();

@@ -110,7 +110,7 @@ std::string size_text(std::uint64_t bytes) {
                                           : std::to_string(bytes >> 20) + " MiB";
 }
 
-void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what) {
+void require_budget(std::uint64_t budget, std::uint64_t bytes, std::string_view what) {
   if (bytes <= budget) return;
   throw Error(ErrorCode::out_of_budget, what, " need about ", (bytes >> 20) + 1,
               " MiB, the memory budget is ", size_text(budget));

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace cullhull::internal {
 
@@ -12,7 +13,7 @@ std::uint64_t resolve_budget(std::uint64_t requested);
 
 /// Throws Error{out_of_budget} if `bytes`, which `what` needs, exceeds `budget`. `what` is the
 /// plural noun that begins the message.
-void require_budget(std::uint64_t budget, std::uint64_t bytes, const std::string& what);
+void require_budget(std::uint64_t budget, std::uint64_t bytes, std::string_view what);
 
 /// "200 MiB", or "5000 bytes" below one MiB.
 std::string size_text(std::uint64_t bytes);

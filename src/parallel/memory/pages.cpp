@@ -8,6 +8,8 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <new>
+#include <optional>
 
 #include "parallel/threads/fork_guard.hpp"
 
@@ -143,11 +145,15 @@ void prefer_huge_pages(void* begin, std::size_t bytes) noexcept {
 
 namespace {
 
-std::size_t usual_limit() {
+std::size_t usual_limit() noexcept {
   // The most bytes kept between calls, even on a machine with much memory.
   constexpr std::size_t most = std::size_t{1} << 30;
-  const std::uint64_t memory = machine_memory();
-  return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
+  try {
+    const std::uint64_t memory = machine_memory();
+    return memory == 0 ? most / 4 : std::min<std::size_t>(most, memory / 16);
+  } catch (const std::bad_alloc&) {
+    return 0;
+  }
 }
 
 /// PageScopes of the calling thread.
@@ -171,8 +177,8 @@ class FreePages {
   void close() {
     const std::lock_guard lock(mutex_);
     --scopes_here;
-    if (--scopes_ > 0) return;
-    shrink(limit_);
+    if (--scopes_ > 0 || kept_ == 0) return;
+    shrink(most_kept());
     for (auto& [start, range] : ranges_) {
       if (range.written_end > range.written) offer(range.written, range.written_end);
       range.written = range.written_end = nullptr;
@@ -181,7 +187,7 @@ class FreePages {
   void limit(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     limit_ = bytes;
-    if (scopes_ == 0) shrink(limit_);
+    if (scopes_ == 0) shrink(bytes);
   }
   void trim(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
@@ -220,7 +226,7 @@ class FreePages {
   /// outside of every PageScope, or if there is no memory for an entry of ranges_.
   bool give(char* start, std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
-    if (scopes_ == 0 && (bytes > limit_ || kept_ > limit_ - bytes)) return false;
+    if (scopes_ == 0 && (bytes > most_kept() || kept_ > most_kept() - bytes)) return false;
     Range range{bytes, start, start + bytes};
     if (scopes_ == 0) {
       offer(start, start + bytes);
@@ -267,6 +273,12 @@ class FreePages {
     madvise(begin, static_cast<std::size_t>(end - begin), MADV_FREE);
   }
 
+  /// The limit is asked of the system when pages are first kept: calls with few points keep none.
+  std::size_t most_kept() noexcept {
+    if (!limit_) limit_ = usual_limit();
+    return *limit_;
+  }
+
   /// Returns memory to the system, highest addresses first, until at most `most` bytes are kept.
   void shrink(std::size_t most) {
     while (kept_ > most) {
@@ -284,7 +296,8 @@ class FreePages {
 
   std::mutex mutex_;
   unsigned scopes_ = 0;
-  std::size_t limit_ = usual_limit(), kept_ = 0;
+  std::size_t kept_ = 0;
+  std::optional<std::size_t> limit_;
   std::map<char*, Range> ranges_;
 };
 

@@ -17,13 +17,17 @@ namespace cullhull::internal {
 /// microseconds, long compared with the microsecond of handing a chunk to another thread.
 inline constexpr std::uint64_t light_grain = std::uint64_t{1} << 15;
 
+/// The memory that work on few points is known to stay below: then no budget need be asked of the
+/// system, which takes some 30 microseconds in the first call of a process.
+inline constexpr std::uint64_t little_memory = std::uint64_t{1} << 26;
+
 /// The resolved options of one call. Refers to the options, which must outlive it.
 struct Run {
-  explicit Run(const Options& o)
+  explicit Run(const Options& o, bool little = false)
       : options(o),
         control(o),
         threads(resolve_threads(o.threads)),
-        budget(resolve_budget(o.memory_budget)) {}
+        budget(little && o.memory_budget == 0 ? little_memory : resolve_budget(o.memory_budget)) {}
   explicit Run(Options&&) = delete;  ///< a temporary would be destroyed before the Run
 
   Run with_threads(unsigned n) const {
@@ -78,8 +82,10 @@ struct Run {
 class Call {
  public:
   explicit Call(const Options& options) : run(options) {}
+  /// `little`: the call takes less than little_memory.
   template <class Others>
-  explicit Call(const Others& options) : options_(options_as<Options>(options)), run(*options_) {}
+  explicit Call(const Others& options, bool little = false)
+      : options_(options_as<Options>(options)), run(*options_, little) {}
   template <class Temporary>
   requires(!std::is_lvalue_reference_v<Temporary>) explicit Call(Temporary&&) = delete;
 
@@ -94,11 +100,10 @@ class Call {
   PageScope pages_;
 };
 
-/// A Run for short work on the calling thread that need not be cancelled and takes little memory:
-/// whose limits, read from several files, it does not ask for.
+/// A Run for short work on the calling thread that need not be cancelled and takes little memory.
 inline const Run& short_run() {
-  static const Options options{.threads = 1, .memory_budget = ~std::uint64_t{0}};
-  static const Run run(options);
+  static const Options options{.threads = 1};
+  static const Run run(options, true);
   return run;
 }
 
