@@ -115,6 +115,13 @@ const Shape shapes[] =
   p[1] = r.integer(-16, 16) / 16.0;
   p[2] = p[0] * p[0] + p[1] * p[1];
      }},
+    {"beside its mirror image",
+     [](Random& r, const PointSet& s, double* p) {
+  direction(r, p);
+  if (s.coordinates.size() % 2 == 0) return;
+  std::copy_n(s.coordinates.end() - 3, 3, p);
+  p[1] = -p[1];
+     }},
     {"of all sizes",
      [](Random& r, const PointSet&, double* p) {
   direction(r, p);
@@ -216,6 +223,25 @@ TEST(FewPoints, large_faces) {
       for (const double z : {-1.0, 1.0}) s.add({(1 - t * t) / (1 + t * t), 2 * t / (1 + t * t), z});
     }
     expect_the_same(view_of(s), "prism of " + std::to_string(n));
+  }
+}
+
+/// Four points that two others mirror are on a plane, which no exact arithmetic is needed for: many
+/// such signs must not send the set the general way, which takes ten times as long.
+TEST(FewPoints, mirror_images_stay_few) {
+  for (const int n : {60, 500, 2000}) {
+    Random r(static_cast<std::uint64_t>(n));
+    PointSet s = named("mirrored", 3);
+    for (int i = 0; i < n / 2; ++i) {
+      double p[3];
+      direction(r, p);
+      const double size = 1 + 0.4 * std::sin(3 * p[0] + 1) * std::sin(4 * p[1]);
+      for (const int side : {-1, 1}) s.add({p[0] * size, side * p[1] * size / 2, p[2] * size});
+    }
+    expect_the_same(view_of(s), "mirrored");
+    const Hull hull = convex_hull(view_of(s));
+    EXPECT_LT(hull.facet_count(), hull.simplex_count());
+    EXPECT_TRUE(has(hull.statistics.cull_reason, "few in space")) << hull.statistics.cull_reason;
   }
 }
 

@@ -35,6 +35,21 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
   return det > 0 ? Sign::positive : det < 0 ? Sign::negative : Sign::zero;
 }
 
+/// Whether four points lie on at most two parallels of an axis, as those do that an object has in
+/// common with its mirror image: they are on a plane.
+bool on_two_lines(const double* a, const double* b, const double* c, const double* p) {
+  for (unsigned j = 0; j < 3; ++j) {
+    const unsigned k = j == 2 ? 0 : j + 1;
+    const auto same = [j, k](const double* v, const double* w) {
+      return v[j] == w[j] && v[k] == w[k];
+    };
+    const double* const other = !same(a, b) ? b : !same(a, c) ? c : p;
+    const auto on_either = [&](const double* v) { return same(v, a) || same(v, other); };
+    if (on_either(c) && on_either(p)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 // The bound of double-doubles. Differences of doubles are exact as pairs (two-sum); products err by
@@ -46,6 +61,10 @@ Sign lattice_sign(const std::int64_t (&m)[3][3]) {
 // determinant 1e-20: decided, where doubles, with a bound of 2e-15, are not.
 bool side_in_double_doubles(const double* a, const double* b, const double* c, const double* p,
                             double tiny, Sign& sign) {
+  if (on_two_lines(a, b, c, p)) {
+    sign = Sign::zero;
+    return true;
+  }
   DoubleDouble m[3][3];
   for (unsigned j = 0; j < 3; ++j) {
     m[0][j] = DoubleDouble::sum(b[j], -a[j]);

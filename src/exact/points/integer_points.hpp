@@ -34,7 +34,14 @@ class IntegerPoints {
   /// Points may be given in two arrays: `count` at p, then `more_count` at more.
   IntegerPoints(unsigned d, const double* const* p, unsigned count,
                 const double* const* more = nullptr, unsigned more_count = 0)
-      : d_(d), scaled_(std::size_t{count + more_count} * d), exponent_(d) {
+      : d_(d) {
+    const std::size_t size = std::size_t{count + more_count} * d;
+    if (size > few) {
+      many_.resize(size);
+      many_exponents_.resize(d);
+      scaled_ = many_.data();
+      exponent_ = many_exponents_.data();
+    }
     for (unsigned j = 0; j < d; ++j) {
       int low = 0, high = 0;
       bool any = false;
@@ -51,6 +58,8 @@ class IntegerPoints {
       bits_ = std::max(bits_, high - low);
     }
   }
+  IntegerPoints(const IntegerPoints&) = delete;
+  IntegerPoints& operator=(const IntegerPoints&) = delete;
   unsigned dimension() const { return d_; }
   /// Every coordinate is below 2^bits() in magnitude.
   int bits() const { return bits_; }
@@ -69,10 +78,16 @@ class IntegerPoints {
   }
 
  private:
+  static constexpr std::size_t few = 12;  // four points in space
+
   unsigned d_;
   int bits_ = 0;
-  std::vector<DoubleParts> scaled_;
-  std::vector<int> exponent_;
+  DoubleParts few_[few];
+  int few_exponents_[few];
+  std::vector<DoubleParts> many_;
+  std::vector<int> many_exponents_;
+  DoubleParts* scaled_ = few_;
+  int* exponent_ = few_exponents_;
 };
 
 // Differences have at most one bit more than coordinates: with bits() <= 61 they fit 64-bit
