@@ -61,9 +61,12 @@ class HullTracker {
   const Hull& update(const DevicePointView& points);
 
   const Hull& hull() const noexcept;  ///< the last hull computed
+  /// The same without a copy, for longer than until the next update.
+  std::shared_ptr<const Hull> shared_hull() const noexcept;
   /// Report of the last update that succeeded. The first call after an update compares its hull
   /// with that of the frame before, in O(v log v + f) for v vertices and f facets; both hulls are
-  /// kept until then.
+  /// kept until then or until the next update has filtered its points: if that one is stopped or
+  /// fails later, changes that nobody had asked for count as 0.
   const FrameReport& report() const;
   /// Points of that frame that the filter kept.
   const Survivors& survivors() const noexcept;

@@ -36,17 +36,23 @@ std::vector<std::uint64_t> places_of(std::vector<std::uint64_t> vertices,
 }  // namespace
 
 Solid::Solid(Hull hull, const PointView& points)
-    : hull_(std::move(hull)), vertex_rows_(gather(points, hull_.vertices)) {}
+    : own_(std::move(hull)), vertex_rows_(gather(points, own_.vertices)) {}
 
 Solid::Solid(Hull hull, std::span<const std::uint64_t> ids, const PointView& points)
-    : hull_(std::move(hull)), vertex_rows_(gather(points, places_of(hull_.vertices, ids))) {}
+    : own_(std::move(hull)), vertex_rows_(gather(points, places_of(own_.vertices, ids))) {}
 
 Solid::Solid(Hull hull, std::vector<double> vertex_rows)
-    : hull_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}
+    : own_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}
+
+Solid::Solid(std::shared_ptr<const Hull> hull, const PointView& points)
+    : shared_(std::move(hull)), vertex_rows_(gather(points, shared_->vertices)) {}
+
+Solid::Solid(std::shared_ptr<const Hull> hull, std::vector<double> vertex_rows)
+    : shared_(std::move(hull)), vertex_rows_(std::move(vertex_rows)) {}
 
 const std::vector<std::uint64_t>& Solid::ids() const {
   std::call_once(sorted_, [this] {
-    ids_ = hull_.vertices;
+    ids_ = hull().vertices;
     std::sort(ids_.begin(), ids_.end());  // a polygon's are in cyclic order
   });
   return ids_;
@@ -54,7 +60,7 @@ const std::vector<std::uint64_t>& Solid::ids() const {
 
 const HullQuery& Solid::query() const {
   std::call_once(prepared_, [this] {
-    Hull own = hull_;
+    Hull own = hull();
     own.vertex_coordinates.assign(vertex_rows_.begin(), vertex_rows_.end());
     query_ = std::make_unique<HullQuery>(own);
     is_prepared_ = true;
@@ -63,24 +69,24 @@ const HullQuery& Solid::query() const {
 }
 
 Hull Solid::by_place() const {
-  Hull local = hull_;
+  Hull local = hull();
   local.rename([this](std::uint64_t id) { return place_of(ids(), id); });
   local.point_count = ids().size();
   return local;
 }
 
 void Solid::renumber(const Solid& whole) {
-  hull_.rename([&](std::uint64_t place) { return whole.ids()[place]; });
-  hull_.point_count = whole.hull().point_count;
-  hull_.scalar = whole.hull().scalar;
+  own_.rename([&](std::uint64_t place) { return whole.ids()[place]; });
+  own_.point_count = whole.hull().point_count;
+  own_.scalar = whole.hull().scalar;
 }
 
 std::vector<double> Solid::rows_by_place() const {
-  const std::size_t d = hull_.dimension;
+  const std::size_t d = hull().dimension;
   std::vector<double> rows(vertex_rows_.size());
-  for (std::size_t i = 0; i < hull_.vertices.size(); ++i)
+  for (std::size_t i = 0; i < hull().vertices.size(); ++i)
     std::copy_n(vertex_rows_.data() + i * d, d,
-                rows.data() + place_of(ids(), hull_.vertices[i]) * d);
+                rows.data() + place_of(ids(), hull().vertices[i]) * d);
   return rows;
 }
 

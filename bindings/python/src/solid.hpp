@@ -33,8 +33,11 @@ class Solid {
   Solid(cullhull::Hull hull, std::span<const std::uint64_t> ids, const cullhull::PointView& points);
   /// `vertex_rows`: the coordinates of hull.vertices, in that order.
   Solid(cullhull::Hull hull, std::vector<double> vertex_rows);
+  /// Of a hull that something else keeps as well.
+  Solid(std::shared_ptr<const cullhull::Hull> hull, const cullhull::PointView& points);
+  Solid(std::shared_ptr<const cullhull::Hull> hull, std::vector<double> vertex_rows);
 
-  const cullhull::Hull& hull() const noexcept { return hull_; }
+  const cullhull::Hull& hull() const noexcept { return shared_ ? *shared_ : own_; }
   const std::vector<double>& vertex_rows() const noexcept { return vertex_rows_; }
 
   /// Prepared at the first query; callable from any thread, with or without the GIL.
@@ -46,11 +49,12 @@ class Solid {
   cullhull::Hull by_place() const;
   std::vector<double> rows_by_place() const;
   /// For a hull computed over the vertices of `whole` by position: restores their ids. To be called
-  /// before any other member.
+  /// before any other member, and not if it is shared.
   void renumber(const Solid& whole);
 
  private:
-  cullhull::Hull hull_;
+  cullhull::Hull own_;
+  std::shared_ptr<const cullhull::Hull> shared_;  ///< in place of own_, if any
   std::vector<double> vertex_rows_;
   mutable std::once_flag sorted_, prepared_;
   mutable std::vector<std::uint64_t> ids_;  // sorted when first needed

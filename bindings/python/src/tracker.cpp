@@ -37,14 +37,14 @@ class Tracker {
   std::unique_ptr<Solid> update(nb::handle array, const Settings* settings) {
     const Points points(array);
     return next(settings, length_of(points.view()), [&] {
-      return std::make_unique<Solid>(tracker_->update(points.view()), points.view());
+      tracker_->update(points.view());
+      return std::make_unique<Solid>(tracker_->shared_hull(), points.view());
     });
   }
   std::unique_ptr<Solid> update_on_device(const DevicePoints& points, const Settings* settings) {
     return next(settings, Length::long_, [&] {
-      cullhull::Hull hull = tracker_->update(points.view);
-      const auto rows = cullhull::fetch_points(points.view, hull.vertices);
-      return std::make_unique<Solid>(std::move(hull),
+      const auto rows = cullhull::fetch_points(points.view, tracker_->update(points.view).vertices);
+      return std::make_unique<Solid>(tracker_->shared_hull(),
                                      std::vector<double>(rows.begin(), rows.end()));
     });
   }

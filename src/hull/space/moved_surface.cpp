@@ -140,6 +140,34 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
 
 }  // namespace
 
+namespace {
+
+/// False if one of some hundred ridges, from all parts of the last hull, is certainly concave at
+/// the points' positions: a surface that changed is seen so in a hundredth of the time that it
+/// takes to store it and to prove its ridges convex.
+bool may_hold(const Hull& last, const Positions& positions, const LocalPoints& points) {
+  const std::uint64_t count = last.simplex_count(), step = count / 256 + 1;
+  const auto row = [&](std::uint64_t f, std::size_t j) {
+    return points.row(positions.of(last.simplices[3 * f + j]));
+  };
+  for (std::uint64_t f = 0; f < count; f += step)
+    for (std::size_t j = 0; j < 3; ++j) {
+      const std::uint64_t beyond = last.simplex_neighbours[3 * f + j];
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (last.simplex_neighbours[3 * beyond + k] != f) continue;
+        const double *const origin = row(f, 0), *const ends[3] = {row(f, 1), row(f, 2),
+                                                                  row(beyond, k)};
+        double edges[3][3];
+        for (unsigned i = 0; i < 3; ++i)
+          for (unsigned c = 0; c < 3; ++c) edges[i][c] = ends[i][c] - origin[c];
+        if (certain_sign(edges[0], edges[1], edges[2]) > 0) return false;
+      }
+    }
+  return true;
+}
+
+}  // namespace
+
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run) {
@@ -147,13 +175,14 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
       last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
       points.exact != points.coordinates)
     return {};
+  const Positions positions(last.vertices);
+  if (!may_hold(last, positions, points)) return {};
   const std::uint64_t live = last.simplex_count();
   if (numbers != nullptr)
     return star_shaped(
         live, [&](std::size_t v) { return numbers->order[v]; },
         [&](std::size_t i) { return numbers->vertices[i]; },
         [&](std::size_t i) { return numbers->neighbours[i]; }, points, simplex, run);
-  const Positions positions(last.vertices);
   return star_shaped(
       live, [](std::size_t v) { return static_cast<Id>(v); },
       [&](std::size_t i) { return positions.of(last.simplices[i]); },
