@@ -65,6 +65,8 @@ def __getattr__(name: str) -> Any:
         from ._errors import qhull_error
 
         return qhull_error()
+    if name in ("geo", "scipy", "show"):
+        return import_module(f".{name}", __name__)
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     found = globals()[name] = getattr(import_module(_MODULES[name], __name__), name)

@@ -1,5 +1,6 @@
 """What the package consists of: types, documentation, examples, lazy imports."""
 
+import ast
 import doctest
 import importlib.util
 import inspect
@@ -152,6 +153,31 @@ def test_import_is_light():
         "import sys, cullhull; print([m for m in ('scipy', 'matplotlib', 'tqdm') if m in sys.modules])",
     )
     assert loaded.strip() == "[]"
+
+
+def test_modules_come_with_their_names():
+    """The native module alone at first; then whatever is asked for, as if it had been there."""
+    code = (
+        "import sys, numpy, cullhull\n"
+        "print(sorted(m for m in sys.modules if m.startswith('cullhull.')))\n"
+        "print(cullhull.geo.__name__, cullhull.show.__name__, cullhull.scipy.__name__)\n"
+        "print(set(cullhull.__all__) - set(dir(cullhull)), hasattr(cullhull, 'nothing'))\n"
+        "from cullhull import *\n"
+        "print(convex_hull is cullhull.convex_hull)"
+    )
+    assert run("-c", code).splitlines() == [
+        "['cullhull._core']",
+        "cullhull.geo cullhull.show cullhull.scipy",
+        "set() False",
+        "True",
+    ]
+
+
+def test_type_checkers_see_the_same_names():
+    tree = ast.parse(Path(cullhull.__file__).with_suffix(".pyi").read_text("utf-8"))
+    names = [a.asname for n in tree.body if isinstance(n, ast.ImportFrom) for a in n.names]
+    names += [n.name for n in tree.body if isinstance(n, ast.ClassDef)]
+    assert sorted(filter(None, names)) == cullhull.__all__
 
 
 def test_without_scipy_the_error_is_still_there():
