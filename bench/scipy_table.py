@@ -5,7 +5,8 @@
         [--dimensions 2 3] [--shapes gauss ball] [--threads N] [--seconds 1] [--limit 30] [--once]
 
 A call is the whole of what programs do. hull: make the hull and read vertices, simplices,
-equations, neighbors, area, volume and bounds. delaunay: the triangulation, its simplices and neighbors.
+equations, neighbors, area, volume and bounds. delaunay: the triangulation, its simplices and
+neighbors.
 voronoi: the diagram, its vertices, ridges and regions. find_simplex: as many questions as points to
 a triangulation that is made. linear, nearest: interpolation at as many points, likewise; build_nearest
 makes the interpolator too. find_one, linear_one, nearest_one: one point at a time.
@@ -42,10 +43,8 @@ def number(text: str) -> int:
 
 
 def complete(hull: Any) -> Any:
-    return (
-        *(hull.vertices, hull.simplices, hull.equations, hull.neighbors, hull.area, hull.volume),
-        *(hull.min_bound, hull.max_bound),
-    )
+    lists = (hull.vertices, hull.simplices, hull.equations, hull.neighbors)
+    return (*lists, hull.min_bound, hull.max_bound, hull.area, hull.volume)
 
 
 def timed(call: Callable[[], Any]) -> tuple[float, Any]:

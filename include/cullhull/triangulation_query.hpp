@@ -23,11 +23,10 @@ namespace cullhull {
 ///
 /// A query is a visibility walk: from a near cell it crosses facets that separate the cell from the
 /// point; it terminates because the triangulation is regular. Batches are sorted along a
-/// space-filling curve and walk from one answer to the next, a few cells each. In 2D to 4D the first
-/// batch that asks for cells makes maps to barycentric coordinates if those of all cells take no
-/// more than 16 MB (160,000 cells in the plane, 87,000 in space, 52,000 in 4D): answers then take 10
-/// to 40 ns.
-/// Source: docs/exactness.md, "Points in cells".
+/// space-filling curve and walk from one answer to the next, a few cells each. In 2D to 4D maps
+/// from coordinates to barycentric ones are made when so much has been asked that they pay, if
+/// those of all cells take no more than 16 MB (160,000 cells in the plane, 87,000 in space, 52,000
+/// in 4D): a question then takes 10 to 40 ns. Source: docs/exactness.md, "Points in cells".
 class TriangulationQuery {
  public:
   /// `points` and `weights`: those of the triangulation; nearest() needs the weights.

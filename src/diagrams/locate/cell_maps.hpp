@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@
 
 #include "diagrams/dual.hpp"
 #include "diagrams/locate/walk_mesh.hpp"
+#include "exact/determinants/cofactors.hpp"
 #include "exact/determinants/minors.hpp"
 
 namespace cullhull::internal {
@@ -151,32 +153,26 @@ class CellMaps {
     const std::uint32_t *v = mesh.corners_of(c), *across = mesh.neighbours_of(c);
     std::copy_n(across, K + 1, cell.next);
     std::copy_n(mesh.row(v[0]), K, cell.origin);
-    double edges[K][K], work[K][K], inverse[K][K] = {};
+    double edges[K][K], inverse[K][K], reach = 0;
     for (unsigned i = 0; i < K; ++i) {
       std::copy_n(mesh.row(v[i + 1]), K, cell.corners[i]);
-      for (unsigned j = 0; j < K; ++j)
-        work[j][i] = edges[j][i] = cell.corners[i][j] - cell.origin[j];
-      inverse[i][i] = 1;
-    }
-    for (unsigned k = 0; k < K; ++k) {
-      unsigned pivot = k;
-      for (unsigned r = k + 1; r < K; ++r)
-        if (std::abs(work[r][k]) > std::abs(work[pivot][k])) pivot = r;
-      std::swap(work[k], work[pivot]);
-      std::swap(inverse[k], inverse[pivot]);
-      const double factor = 1 / work[k][k];
       for (unsigned j = 0; j < K; ++j) {
-        work[k][j] *= factor;
-        inverse[k][j] *= factor;
+        edges[i][j] = cell.corners[i][j] - cell.origin[j];
+        reach = std::max(reach, std::abs(edges[i][j]));
       }
-      for (unsigned r = 0; r < K; ++r) {
-        if (r == k) continue;
-        const double times = work[r][k];
-        for (unsigned j = 0; j < K; ++j) {
-          work[r][j] -= times * work[k][j];
-          inverse[r][j] -= times * inverse[k][j];
-        }
-      }
+    }
+    // Times a power of two that brings the largest entry to [1/4, 1/2): products do not overflow.
+    const std::uint64_t exponent = std::bit_cast<std::uint64_t>(reach) & std::uint64_t{0x7FF} << 52;
+    const auto factor = std::bit_cast<double>((std::uint64_t{0x7FC} << 52) - exponent);
+    double scaled[K][K];
+    for (unsigned i = 0; i < K; ++i)
+      for (unsigned j = 0; j < K; ++j) scaled[i][j] = edges[i][j] * factor;
+    for (unsigned i = 0; i < K; ++i) {
+      double others[K - 1][K], normal[K], along = 0;
+      for (unsigned m = 0; m + 1 < K; ++m) std::copy_n(scaled[m < i ? m : m + 1], K, others[m]);
+      cofactors<K>(others, normal);
+      for (unsigned j = 0; j < K; ++j) along += normal[j] * scaled[i][j];
+      for (unsigned j = 0; j < K; ++j) inverse[i][j] = normal[j] * (factor / along);
     }
     double wrong = 0, size = 0, largest = 0;
     for (unsigned i = 0; i < K; ++i) {
@@ -184,8 +180,8 @@ class CellMaps {
       for (unsigned j = 0; j < K; ++j) {
         double entry = i == j ? 1 : 0;
         for (unsigned l = 0; l < K; ++l) {
-          entry -= inverse[i][l] * edges[l][j];
-          size_row += std::abs(inverse[i][l] * edges[l][j]);
+          entry -= inverse[i][l] * edges[j][l];
+          size_row += std::abs(inverse[i][l] * edges[j][l]);
         }
         wrong_row += std::abs(entry);
         cell.columns[j][i] = inverse[i][j];
