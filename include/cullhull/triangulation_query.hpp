@@ -78,7 +78,8 @@ class TriangulationQuery {
 
   /// Linear interpolation: for each point the sum of `values` (`components` numbers for each point
   /// of the triangulation) of the corners of its cell, in the order of its ids, times barycentric
-  /// coordinates as barycentric() has them; a value times zero has no effect, even if it is a NaN.
+  /// coordinates: the nearest doubles, or as barycentric() has them (which of the two may depend on
+  /// the questions before); a value times zero has no effect, even if it is a NaN.
   /// The cell is that of find() with this tolerance. Points in no cell get `outside`: its numbers
   /// again and again, at least one. `out`: points x components.
   void interpolate(const PointView& points, const double* values, std::uint32_t components,

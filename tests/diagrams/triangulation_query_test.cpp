@@ -203,6 +203,53 @@ TEST(TriangulationQuery, AToleranceTakesPointsNearBy) {
   }
 }
 
+/// By walks, as the first question has them, and by maps, which many questions pay for; far from
+/// the origin, where a step towards the middle is a rounding or two.
+TEST(TriangulationQuery, AnswersDoNotDependOnQuestionsBefore) {
+  std::mt19937_64 random(3);
+  const auto unit = [&] { return static_cast<double>(random() % 1048577) / 1048576; };
+  for (const double far : {0.0, 0x1p20, 0x1p32}) {
+    LiftedSet s{"far", 2, {}, {}};
+    for (int i = 0; i < 900; ++i) {
+      s.rows.push_back(far + (i % 8 == 0 ? 1 : unit()));
+      s.rows.push_back(unit());
+    }
+    const Triangulation t = triangulate(s);
+    ASSERT_GT(t.size(), 1024U);
+    std::vector<double> rows = questions(s, 5, 500), values(s.count());
+    for (int i = 0; i < 500; ++i) {
+      rows.push_back(far + 1 + (i % 3) * std::max(far * 0x1p-52, 0x1p-40));
+      rows.push_back(unit());
+    }
+    for (double& value : values) value = unit();
+    const std::size_t n = rows.size() / 2;
+    for (const double tolerance : {0.0, 1e-14, 0x1p-24, 1e-4}) {
+      std::vector<std::uint32_t> first(n), later(n);
+      std::vector<double> between(n), again(n);
+      const std::vector<double> outside{-7};
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i % 8 == 0 || i + 500 >= n) {
+          const TriangulationQuery query(view_of(s), t);
+          const PointView one = PointView::row_major(rows.data() + 2 * i, 1, 2);
+          query.find(one, &first[i], {}, tolerance);
+          query.interpolate(one, values.data(), 1, outside, &between[i], {}, tolerance);
+        }
+      }
+      const TriangulationQuery query(view_of(s), t);
+      const PointView all = PointView::row_major(rows.data(), n, 2);
+      for (int turn = 0; turn < 3; ++turn) {
+        query.find(all, later.data(), {}, tolerance);
+        query.interpolate(all, values.data(), 1, outside, again.data(), {}, tolerance);
+      }
+      for (std::size_t i = 0; i < n; ++i)
+        if (i % 8 == 0 || i + 500 >= n) {
+          ASSERT_EQ(first[i], later[i]) << far << ", " << tolerance << ", question " << i;
+          ASSERT_EQ(between[i], again[i]) << far << ", " << tolerance << ", question " << i;
+        }
+    }
+  }
+}
+
 /// Shares are the doubles nearest to the exact ones, whatever the cells' shapes and scales are.
 TEST(TriangulationQuery, CellsOfManyScales) {
   for (unsigned d = 2; d <= 4; ++d)

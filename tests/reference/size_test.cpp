@@ -19,11 +19,11 @@ namespace fs = std::filesystem;
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
     {"include", 3670},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
-    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6880}, {"src/distributed", 250},
+    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
     {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5530},
     {"src/io", 16580},   {"src/parallel", 2720}, {"src/query", 3490},    {"src/result", 7220},
-    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28160},
+    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28180},
     {"tests", 51020},    {"docs", 9470},         {"apps", 9510},         {"bench", 7390},
     {"viewer", 3430},    {"scripts", 3560},
 };

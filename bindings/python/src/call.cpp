@@ -263,7 +263,6 @@ void run(const Settings* given, Length length, const std::function<void(const Op
 Length length_of(const cullhull::PointView& points) noexcept {
   const std::uint32_t d = points.dimension;
   const std::uint64_t n = points.count;
-  if (d == 2 ? n <= 100 : d == 3 && n <= 20) return Length::tiny;
   if (d <= 3 ? n <= 500 : d == 4 && n <= 50) return Length::brief;
   const std::uint64_t bound = d <= 3   ? 200'000
                               : d == 4 ? 20'000
@@ -271,6 +270,11 @@ Length length_of(const cullhull::PointView& points) noexcept {
                               : d <= 8 ? 50
                                        : 16;
   return n <= bound ? Length::moderate : Length::long_;
+}
+
+Length length_of_hull(const cullhull::PointView& points) noexcept {
+  const std::uint64_t few = points.dimension == 2 ? 100 : points.dimension == 3 ? 20 : 0;
+  return points.count <= few ? Length::tiny : length_of(points);
 }
 
 Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noexcept {

@@ -36,8 +36,10 @@ enum class Length {
   long_,     ///< perhaps seconds
 };
 
-/// For a hull of these points, or a pass over them.
+/// For work whose time these points decide, as that of a hull or of a pass over them.
 Length length_of(const cullhull::PointView& points) noexcept;
+/// For a hull of these points and nothing else.
+Length length_of_hull(const cullhull::PointView& points) noexcept;
 /// For so many queries to a hull of so many simplices.
 Length length_of(const cullhull::PointView& points, std::uint64_t simplices) noexcept;
 

@@ -99,8 +99,8 @@ Array<std::int32_t> nearest(const Cells& cells, nb::handle array, const Settings
   require_same_dimension(cells, view);
   Output<std::uint32_t> out(view.count);
   bool answered = false;
-  run(settings,
-      cells.has_tree() ? length_of_questions(view.count) : length_of(cells.points().view()),
+  const Length asking = length_of_questions(view.count);
+  run(settings, cells.has_tree() ? asking : std::max(asking, length_of(cells.points().view())),
       [&](const Options& options) {
     const NearestPoint* const tree = cells.tree(options);
     if (tree != nullptr) tree->nearest(view, out.data(), options);

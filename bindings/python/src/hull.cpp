@@ -28,7 +28,7 @@ namespace {
 
 std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings* settings) {
   const Points points(array);
-  return computed(settings, length_of(points.view()), [&](const Options& options) {
+  return computed(settings, length_of_hull(points.view()), [&](const Options& options) {
     return std::make_unique<Solid>(cullhull::convex_hull(points.view(), options), points.view());
   });
 }
@@ -36,7 +36,7 @@ std::unique_ptr<Solid> convex_hull(nb::handle array, const Settings* settings) {
 Array<std::int64_t> cull(nb::handle array, const Settings* settings) {
   const Points points(array);
   return computed(
-             settings, length_of(points.view()),
+             settings, length_of_hull(points.view()),
              [&](const Options& options) {
     return kept_ids(cullhull::cull(points.view(), options), points.view().count);
              })

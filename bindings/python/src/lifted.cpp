@@ -36,8 +36,9 @@ class Rows {
  public:
   explicit Rows(const PointView& points) : dimension_(points.dimension) {
     const auto row = static_cast<std::ptrdiff_t>(sizeof(double) * dimension_);
-    if (points.scalar == cullhull::ScalarType::f64 && points.point_stride == row &&
-        points.coordinate_stride == sizeof(double)) {
+    const auto address = reinterpret_cast<std::uintptr_t>(points.data);
+    if (address % alignof(double) == 0 && points.scalar == cullhull::ScalarType::f64 &&
+        points.point_stride == row && points.coordinate_stride == sizeof(double)) {
       rows_ = reinterpret_cast<const double*>(points.data);
     } else {
       copies_ = rows_of_view(points);
@@ -62,6 +63,9 @@ struct Chosen {
         count(corners == 0 ? 0 : rows.size() / corners) {
     if (!rows.is_contiguous() || rows.size() != count * corners)
       throw nb::value_error("rows of cells are expected");
+    const std::uint64_t points = cells.triangulation().point_count;
+    if (std::any_of(ids, ids + rows.size(), [&](std::uint32_t id) { return id >= points; }))
+      throw nb::index_error();
   }
   std::span<const std::uint32_t> operator[](std::size_t i) const {
     return {ids + i * corners, corners};

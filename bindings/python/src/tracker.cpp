@@ -36,7 +36,7 @@ class Tracker {
 
   std::unique_ptr<Solid> update(nb::handle array, const Settings* settings) {
     const Points points(array);
-    return next(settings, length_of(points.view()), [&] {
+    return next(settings, length_of_hull(points.view()), [&] {
       tracker_->update(points.view());
       return std::make_unique<Solid>(tracker_->shared_hull(), points.view());
     });

@@ -135,7 +135,7 @@ IntegerLists simplices_at(Array<std::int32_t> simplices,
   if (!simplices.is_contiguous() || corners == 0 || size % corners != 0 ||
       (neighbours && (!neighbours->is_contiguous() || neighbours->size() != size || corners != 3)))
     throw nb::value_error("simplices with a neighbour across each corner");
-  const std::span points(simplices.data(), size);
+  const std::vector<std::int32_t> points(simplices.data(), simplices.data() + size);
   std::vector<std::size_t> ends(count + 1), at(size);
   for (const std::int32_t p : points) {
     if (p < 0 || static_cast<std::size_t>(p) >= count) throw nb::index_error();

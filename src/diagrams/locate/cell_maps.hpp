@@ -8,7 +8,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -104,12 +103,9 @@ class CellMaps {
 
   /// The mesh's points must span all K dimensions.
   CellMaps(const WalkMesh& mesh, const Extent& extent, const Run& run)
-      : cells_(mesh.numbers.size()), middle_(mesh.numbers.size()) {
+      : cells_(mesh.numbers.size()) {
     run.each(cells_.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t c = begin; c < end; ++c) {
-        lay(mesh, static_cast<std::uint32_t>(c));
-        map_to_shares(cells_[c], extent.middle.data(), middle_[c].data());
-      }
+      for (std::uint64_t c = begin; c < end; ++c) lay(mesh, static_cast<std::uint32_t>(c));
     });
     lay_grid(mesh, extent);
   }
@@ -122,11 +118,15 @@ class CellMaps {
     return grid_[bin_of(q, margin, far)];
   }
 
-  /// Whether the point a share `pull` of the way from q, which is beyond the facet that `answer`
-  /// names, to the middle of all points is certainly beyond it, too.
-  bool stays_beyond(const MappedAnswer<K>& answer, double pull) const {
-    return (1 - pull) * answer.shares[answer.facet] + pull * middle_[answer.place][answer.facet] <
-           -cells_[answer.place].doubt;
+  /// Whether the point is certainly outside, by its shares of the cell at `place`: beyond a facet
+  /// of the hull and farther beyond it than beyond any other.
+  bool is_outside(std::uint32_t place, const double* q) const {
+    double shares[K + 1];
+    map_to_shares(cells_[place], q, shares);
+    const auto least = std::min_element(shares, shares + K + 1) - shares;
+    // After an overflow the first share, and so the lowest, is infinite or NaN.
+    return shares[least] < -cells_[place].doubt && shares[least] > -0x1p1000 &&
+           cells_[place].next[least] == no_index && shares[0] == shares[0];
   }
 
  private:
@@ -174,7 +174,7 @@ class CellMaps {
       for (unsigned j = 0; j < K; ++j) along += normal[j] * scaled[i][j];
       for (unsigned j = 0; j < K; ++j) inverse[i][j] = normal[j] * (factor / along);
     }
-    double wrong = 0, size = 0, largest = 0;
+    double wrong = 0, size = 0, largest = 0, finite = 0;
     for (unsigned i = 0; i < K; ++i) {
       double wrong_row = 0, size_row = 0;
       for (unsigned j = 0; j < K; ++j) {
@@ -186,6 +186,7 @@ class CellMaps {
         wrong_row += std::abs(entry);
         cell.columns[j][i] = inverse[i][j];
         largest = std::max(largest, std::abs(inverse[i][j]));
+        finite += 0 * inverse[i][j];  // else a NaN, which std::max leaves out
       }
       wrong = std::max(wrong, wrong_row);
       size = std::max(size, size_row);
@@ -193,7 +194,7 @@ class CellMaps {
     cell.doubt =
         4 * (K + 1) * (wrong + (2 * K + 6) * unit_roundoff * size + (K + 2) * unit_roundoff);
     // Below 2^900 underflows amount to less than 2^-170.
-    if (!(cell.doubt < 0x1p-20 && largest < 0x1p900))
+    if (!(cell.doubt < 0x1p-20 && largest < 0x1p900 && finite == 0))
       cell.doubt = std::numeric_limits<double>::infinity();
   }
 
@@ -235,8 +236,7 @@ class CellMaps {
   }
 
   std::vector<MappedCell<K>> cells_;
-  std::vector<std::array<double, K + 1>> middle_;  ///< shares of the middle of all points
-  std::vector<std::uint32_t> grid_;                ///< bins_^K places
+  std::vector<std::uint32_t> grid_;  ///< bins_^K places
   std::size_t bins_ = 1;
   double low_[K], scale_[K];
 };

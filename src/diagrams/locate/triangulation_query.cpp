@@ -125,6 +125,12 @@ void barycentric(unsigned k, const double* const* p, const double* q, double* ou
 /// for the cell that a tolerance puts it into; also a quarter of it.
 double longest_pull(double tolerance) { return std::min(4 * tolerance, 0x1p-20); }
 
+/// Where such a step leads.
+void pull_to_middle(const Extent& extent, const double* q, double pull, double* to) {
+  for (std::size_t j = 0; j < extent.middle.size(); ++j)
+    to[j] = q[j] + pull * (extent.middle[j] - q[j]);
+}
+
 /// A cell that a step from q towards the middle leads to, if no barycentric coordinate of q in it
 /// is below -tolerance; q is outside. Walks begin at `place`.
 template <unsigned K>
@@ -135,7 +141,7 @@ std::uint32_t near_cell(const WalkMesh& mesh, const Extent& extent, Walk<K>& wal
   std::vector<const double*> corners(d + 1);
   const double longest = longest_pull(tolerance);
   for (const double pull : {longest, 0.25 * longest}) {
-    for (unsigned j = 0; j < d; ++j) pulled[j] = q[j] + pull * (extent.middle[j] - q[j]);
+    pull_to_middle(extent, q, pull, pulled.data());
     const std::uint32_t at = walk.find_from(place, pulled.data());
     if (at == no_index) continue;
     for (unsigned i = 0; i <= d; ++i) corners[i] = mesh.row(mesh.corners_of(at)[i]);
@@ -178,8 +184,7 @@ class FewCells {
   std::uint32_t place_of(const double* q, const MappedAnswer<K>& answer) {
     if (answer.found == Found::inside) return answer.place;
     if (answer.found == Found::far) return no_index;
-    if (answer.found == Found::outside &&
-        (tolerance_ == 0 || maps_.stays_beyond(answer, longest_pull(tolerance_))))
+    if (answer.found == Found::outside && (tolerance_ == 0 || stays_outside(answer.place, q)))
       return no_index;
     if (!walk_) walk_.emplace(mesh_);
     if (answer.found == Found::doubtful) {
@@ -187,6 +192,16 @@ class FewCells {
       if (exact != no_index || tolerance_ == 0) return exact;
     }
     return near_cell(mesh_, extent_, *walk_, q, answer.place, tolerance_);
+  }
+  /// Whether near_cell() would find none.
+  bool stays_outside(std::uint32_t place, const double* q) const {
+    double pulled[K];
+    const double longest = longest_pull(tolerance_);
+    for (const double pull : {longest, 0.25 * longest}) {
+      pull_to_middle(extent_, q, pull, pulled);
+      if (!maps_.is_outside(place, pulled)) return false;
+    }
+    return true;
   }
   void exact_shares(const double* q, std::uint32_t place, double* shares) const {
     const double* corners[K + 1];
