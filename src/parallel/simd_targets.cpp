@@ -14,8 +14,9 @@
 
 #include <atomic>
 #include <cstdint>
-#if defined(__GLIBC__) && __has_include(<sys/platform/x86.h>)
-#include <sys/platform/x86.h>
+#if defined(__GLIBC__) && !defined(__clang__) && __has_include(<sys/platform/x86.h>)
+#include <sys/platform/x86.h>  // of C, but for GCC
+#define CULLHULL_GLIBC_CPUID
 #endif
 
 namespace hwy {
@@ -40,7 +41,7 @@ struct Cpuid {
 /// takes microseconds, a tenth of a process's first call, hence glibc's copy where there is one.
 Cpuid cpuid(std::uint32_t leaf) {
   Cpuid found;
-#if defined(__GLIBC__) && __has_include(<sys/platform/x86.h>)
+#ifdef CULLHULL_GLIBC_CPUID
   const auto& kept = __x86_get_cpuid_feature_leaf(leaf == 1   ? CPUID_INDEX_1
                                                   : leaf == 7 ? CPUID_INDEX_7
                                                               : CPUID_INDEX_80000001)

@@ -124,9 +124,10 @@ class CellMaps {
     double shares[K + 1];
     map_to_shares(cells_[place], q, shares);
     const auto least = std::min_element(shares, shares + K + 1) - shares;
-    // After an overflow the first share, and so the lowest, is infinite or NaN.
+    // After an overflow the first share, and so the lowest, is infinite or NaN: nothing is below a
+    // NaN.
     return shares[least] < -cells_[place].doubt && shares[least] > -0x1p1000 &&
-           cells_[place].next[least] == no_index && shares[0] == shares[0];
+           cells_[place].next[least] == no_index;
   }
 
  private:
