@@ -138,10 +138,6 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
   return surface;
 }
 
-}  // namespace
-
-namespace {
-
 /// False if one of some hundred ridges, from all parts of the last hull, is certainly concave at
 /// the points' positions: a surface that changed is seen so in a hundredth of the time that it
 /// takes to store it and to prove its ridges convex.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,20 @@ DEFAULT_TOLERANCE = 100 * np.finfo(np.float64).eps
 #: The tolerance up to which the native search looks near enough: as a share of its way to the
 #: middle, a point outside is moved that far.
 LARGEST_PULL = 2.0**-20
+
+
+def of_finite(
+    ask: Callable[..., npt.NDArray[Any]],
+    rows: npt.NDArray[np.float64],
+    more: tuple[Any, ...],
+    otherwise: list[Any],
+) -> npt.NDArray[Any]:
+    """``ask(rows, *more)`` for finite rows and `otherwise` for others, end to end."""
+    finite = np.isfinite(rows).all(axis=1)
+    answers = ask(rows[finite], *more)
+    found = np.tile(np.array(otherwise, dtype=answers.dtype), (len(rows), 1))
+    found[finite] = answers.reshape(np.count_nonzero(finite), len(otherwise))
+    return found.ravel()
 
 
 @takes(Budgeted)
@@ -264,12 +279,11 @@ class Delaunay(ShownCells, Lifted):
 
     def _find_rows(self, rows: npt.NDArray[np.float64], tolerance: float) -> npt.NDArray[np.int32]:
         """The cells of rows in the exact triangulation."""
+        ask = self.triangulation._cells.find
         try:
-            cells = self.triangulation._cells.find(rows, tolerance, None)
+            cells = ask(rows, tolerance, None)
         except NotFinite:
-            cells = np.full(len(rows), -1, dtype=np.int32)
-            finite = np.flatnonzero(np.isfinite(rows).all(axis=1))
-            cells[finite] = self.triangulation._cells.find(rows[finite], tolerance, None)
+            cells = of_finite(ask, rows, (tolerance, None), [-1])
         if tolerance > LARGEST_PULL:
             low, high = self.min_bound, self.max_bound
             margin = (self.ndim + 1) * tolerance * (high - low)

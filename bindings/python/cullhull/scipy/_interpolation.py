@@ -15,7 +15,7 @@ from .._functions import convex_hull
 from .._hull import Hull
 from .._options import documented, settings
 from .._triangulation import as_triangulation
-from ._delaunay import DEFAULT_TOLERANCE, LARGEST_PULL, Delaunay
+from ._delaunay import DEFAULT_TOLERANCE, LARGEST_PULL, Delaunay, of_finite
 from ._incremental import Lazy
 from ._original import of_scipy
 
@@ -233,13 +233,10 @@ class LinearNDInterpolator(_OnCells):
                 numbers = np.ascontiguousarray(numbers, dtype=np.float64)
         native, width = self.tri.triangulation._cells, numbers.shape[1]
         more = (numbers, width, outside, tolerance, self._settings())
-        found: npt.NDArray[Any]
         try:
             found = native.linear(rows, *more)
         except NotFinite:
-            finite = np.isfinite(rows).all(axis=1)
-            found = np.tile(outside, len(rows) * (width // len(outside)))
-            found.reshape(-1, width)[finite] = native.linear(rows[finite], *more).reshape(-1, width)
+            found = of_finite(native.linear, rows, more, outside * (width // len(outside)))
         if tolerance > LARGEST_PULL:
             self._add_far(rows, found.reshape(-1, width), numbers, tolerance)
         if len(outside) == 2:
@@ -258,7 +255,9 @@ class LinearNDInterpolator(_OnCells):
         far = np.flatnonzero(cells >= 0)
         shares = self.tri.triangulation.barycentric(rows[far], cells[far])
         corners = numbers[self.tri.triangulation.cells[cells[far]]]
-        found[far] = np.einsum("ij,ijc->ic", shares, corners)
+        products = shares[:, :, np.newaxis] * corners
+        products[shares == 0] = 0  # of a NaN, too
+        found[far] = products.sum(axis=1)
 
 
 class NaturalNDInterpolator(_OnCells):
