@@ -130,7 +130,8 @@ class InsertTogether {
       while (stretches[t].take(true, begin, end))
         for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
       // Steal from the back of the other lanes' ranges, which their owners reach last.
-      for (std::size_t other = 1; other < lanes; ++other)
+      const std::size_t reach = spans::counting() ? 1 : lanes;
+      for (std::size_t other = 1; other < reach; ++other)
         while (stretches[(t + other) % lanes].take(false, begin, end))
           for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);
     });

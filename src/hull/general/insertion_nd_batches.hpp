@@ -24,7 +24,8 @@ void InsertionNd<D>::in_parallel(const Body& body) {
     shares_[k].end = count * (k + 1) / lanes;
   }
   crew_.run(static_cast<std::uint32_t>(lanes), [&](std::uint32_t, unsigned lane) {
-    for (std::size_t k = 0; k < lanes; ++k) {
+    const std::size_t reach = spans::counting() ? 1 : lanes;
+    for (std::size_t k = 0; k < reach; ++k) {
       WorkShare& share = shares_[(lane + k) % lanes];
       for (;;) {
         const std::size_t i = share.next.fetch_add(1, std::memory_order_relaxed);

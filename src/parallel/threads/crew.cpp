@@ -100,7 +100,17 @@ void Crew::session(const std::function<void()>& main) {
   main();
 }
 
-void Crew::run(std::uint32_t count, const Body& body) {
+void Crew::run(std::uint32_t count, const Body& body, [[maybe_unused]] spans::Where where) {
+#ifdef CULLHULL_SPAN_ACCOUNT
+  if (spans::counting()) {
+    const auto one = [&](std::uint64_t i) {
+      body(static_cast<std::uint32_t>(i), static_cast<unsigned>(i % lanes_));
+    };
+    if (spans::counts() && count > 1) return spans::run_counted(count, lanes_, where, one);
+    for (std::uint32_t i = 0; i < count; ++i) one(i);
+    return;
+  }
+#endif
   if (count > 0) phases_->run(count, body);
 }
 

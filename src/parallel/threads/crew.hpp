@@ -7,6 +7,8 @@
 #include <functional>
 #include <memory>
 
+#include "parallel/threads/span_account.hpp"
+
 namespace cullhull::internal {
 
 /// The calling thread and the helpers that join it for a session, a sequence of parallel phases.
@@ -31,7 +33,8 @@ class Crew {
   /// twice at the same time with the same lane, and returns when all calls have returned. May be
   /// called only from main() of a session. If calls throw, rethrows one of their exceptions after
   /// all items are done.
-  void run(std::uint32_t count, const std::function<void(std::uint32_t, unsigned)>& body);
+  void run(std::uint32_t count, const std::function<void(std::uint32_t, unsigned)>& body,
+           spans::Where where = spans::Where::current());
 
  private:
   class Phases;

@@ -13,7 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-using Body = std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>;
+using Body = std::function<void(const Chunk&)>;
 using Clock = std::chrono::steady_clock;
 
 /// A loop that several threads run. Each thread begins with a contiguous part of the chunks, so
@@ -43,7 +43,7 @@ class Loop : public SharedWork {
       for (std::uint64_t c = part.next++; c < part.end; c = part.next++) {
         std::uint64_t over = 1;
         try {
-          (*body_)(c, c * size_, std::min(items_, (c + 1) * size_));
+          (*body_)({c, c * size_, std::min(items_, (c + 1) * size_), k});
         } catch (...) {
           if (!failed_.exchange(true)) error_ = std::current_exception();
           over += give_up();
@@ -97,16 +97,28 @@ unsigned resolve_threads(unsigned requested) {
   return requested > 0 ? std::min(requested, 1024U) : machine_threads();
 }
 
-void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-                    const Body& body) {
+void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads, const Body& body,
+                [[maybe_unused]] spans::Where where) {
   const std::uint64_t chunks = chunk_count(count, chunk_size);
+  const auto chunk = [&](std::uint64_t c, unsigned lane) {
+    body({c, c * chunk_size, std::min(count, (c + 1) * chunk_size), lane});
+  };
   if (threads <= 1 || chunks <= 1) {
-    for (std::uint64_t c = 0; c < chunks; ++c)
-      body(c, c * chunk_size, std::min(count, (c + 1) * chunk_size));
+    for (std::uint64_t c = 0; c < chunks; ++c) chunk(c, 0);
     return;
   }
-  const Clock::time_point begin = Clock::now();
   const auto parts = static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks));
+#ifdef CULLHULL_SPAN_ACCOUNT
+  if (spans::counting()) {
+    const auto one = [&](std::uint64_t c) {
+      chunk(c, static_cast<unsigned>((c * parts + parts - 1) / chunks));
+    };
+    if (spans::counts()) return spans::run_counted(chunks, parts, where, one);
+    for (std::uint64_t c = 0; c < chunks; ++c) one(c);
+    return;
+  }
+#endif
+  const Clock::time_point begin = Clock::now();
   const auto loop = std::make_shared<Loop>(count, chunk_size, parts, body);
   std::uint64_t done = 0;
   {

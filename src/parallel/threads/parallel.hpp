@@ -10,6 +10,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/options.hpp"
+#include "parallel/threads/span_account.hpp"
 
 namespace cullhull::internal {
 
@@ -17,19 +18,33 @@ namespace cullhull::internal {
 /// each hardware thread of the machine.
 unsigned resolve_threads(unsigned requested);
 
-/// Cuts [0, count) into chunks of `chunk_size` items and runs body(chunk, begin, end) for each, on
-/// at most `threads` threads. The caller works too, and runs all chunks if no helper is free
-/// (helpers.hpp). With one thread the chunks run in order. Returns when every chunk that has begun
-/// is done. After an exception of body no further chunk begins, and the first exception is
-/// rethrown.
+/// A piece of a loop.
+struct Chunk {
+  std::uint64_t number, begin, end;
+  unsigned lane;  ///< of the thread that runs it, below the number of threads
+};
+
+/// Cuts [0, count) into chunks of `chunk_size` items and runs body(chunk) for each, on at most
+/// `threads` threads. The caller works too, and runs all chunks if no helper is free (helpers.hpp).
+/// Two chunks that run at the same time have different lanes; with one thread all have lane 0 and
+/// run in order. Returns when every chunk that has begun is done. After an exception of body no
+/// further chunk begins, and the first exception is rethrown.
 ///
 /// Requesting helpers takes a few microseconds; taking a chunk 3 ns on one thread and 14 to 100 ns
 /// on two (measured with empty bodies). So chunks of ten to a hundred microseconds cost nothing
 /// that can be measured, share the work evenly from a millisecond on, and let a call stop at once:
 /// any size in between serves, and none is tuned further.
-void for_each_chunk(
-    std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-    const std::function<void(std::uint64_t chunk, std::uint64_t begin, std::uint64_t end)>& body);
+void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+                const std::function<void(const Chunk&)>& body, spans::Where where);
+
+/// The same with body(number, begin, end).
+template <class Body>
+void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
+                    const Body& body, spans::Where where = spans::Where::current()) {
+  run_chunks(
+      count, chunk_size, threads,
+      [&](const Chunk& chunk) { body(chunk.number, chunk.begin, chunk.end); }, where);
+}
 
 /// The number of chunks of `chunk_size` items that hold `count` items; the last may be shorter.
 inline std::uint64_t chunk_count(std::uint64_t count, std::uint64_t chunk_size) {

@@ -45,36 +45,54 @@ struct Run {
   void check() const { control.check(); }
   void report(const char* phase, double share) const { control.report(phase, share); }
 
-  /// Runs body(begin, end) for each chunk of `grain` items of [0, count), as for_each_chunk does,
-  /// and checks for cancellation before each chunk.
+  /// Runs body(begin, end) for each chunk of `grain` items of [0, count), as run_chunks does, and
+  /// checks for cancellation before each chunk.
   template <class Body>
-  void each(std::uint64_t count, std::uint64_t grain, const Body& body) const {
-    for_each_chunk(count, grain, threads,
-                   [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
-      control.check();
-      body(begin, end);
-    });
+  void each(std::uint64_t count, std::uint64_t grain, const Body& body,
+            spans::Where where = spans::Where::current()) const {
+    each_piece(
+        count, grain, [&](const Chunk& c) { body(c.begin, c.end); }, where);
   }
   /// The same with the chunk's number, body(chunk, begin, end), for results that are combined in
   /// the order of chunks.
   template <class Body>
-  void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body) const {
-    for_each_chunk(count, grain, threads,
-                   [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
-      control.check();
-      body(chunk, begin, end);
-    });
+  void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body,
+                  spans::Where where = spans::Where::current()) const {
+    each_piece(
+        count, grain, [&](const Chunk& c) { body(c.number, c.begin, c.end); }, where);
+  }
+  /// The same with the thread's lane, body(lane, begin, end), for scratch memory of threads.
+  template <class Body>
+  void each_in_lane(std::uint64_t count, std::uint64_t grain, const Body& body,
+                    spans::Where where = spans::Where::current()) const {
+    each_piece(
+        count, grain, [&](const Chunk& c) { body(c.lane, c.begin, c.end); }, where);
   }
   /// Runs body(i) for every i below `count`, each as a chunk of its own.
   template <class Body>
-  void each_item(std::uint64_t count, const Body& body) const {
-    each(count, 1, [&](std::uint64_t i, std::uint64_t) { body(i); });
+  void each_item(std::uint64_t count, const Body& body,
+                 spans::Where where = spans::Where::current()) const {
+    each_piece(
+        count, 1, [&](const Chunk& c) { body(c.begin); }, where);
   }
 
   const Options& options;
   Control control;
   unsigned threads;
   std::uint64_t budget;  ///< bytes
+
+ private:
+  template <class Body>
+  void each_piece(std::uint64_t count, std::uint64_t grain, const Body& body,
+                  spans::Where where) const {
+    run_chunks(
+        count, grain, threads,
+        [&](const Chunk& chunk) {
+      control.check();
+      body(chunk);
+        },
+        where);
+  }
 };
 
 /// One call of a public function: its Run, the registration with the helpers (CallScope) and the

@@ -1,0 +1,87 @@
+// The account of spans: predicts what a call takes on P workers, on a machine that has fewer.
+// Compiled with the build option CULLHULL_SPAN_ACCOUNT alone; without it nothing of it is left.
+//
+// While an account is kept, a parallel loop runs its chunks one after the other on the calling
+// thread and times each. From these times it works out when P workers would be done that begin with
+// contiguous parts and then steal, as the real ones do: the loop's span. What lies between the
+// loops is one thread's, whatever P. The sum of both is the prediction.
+//
+// Example: 10 ms before a loop of 32 chunks of 1 ms each. One thread takes 42 ms, 16 workers 12 ms,
+// and no number of workers less than 11 ms.
+//
+// The account knows nothing of memory bandwidth, nor of caches that workers share or do not share.
+// Of locks it knows those that a Locked names: a loop's span is at least the time that one of them
+// is held in all.
+#pragma once
+
+#ifdef CULLHULL_SPAN_ACCOUNT
+#include <cstdint>
+#include <functional>
+#include <source_location>
+#include <string>
+#include <vector>
+#endif
+
+namespace cullhull::internal::spans {
+
+#ifdef CULLHULL_SPAN_ACCOUNT
+
+/// The place in the text that starts a loop.
+using Where = std::source_location;
+
+/// A loop of the text, or the stretch of one thread from one loop to the next.
+struct Stretch {
+  std::string name;  ///< file:line, or "file:line to file:line" from loop to loop
+  bool serial = false;
+  std::uint64_t calls = 0, chunks = 0;
+  double work = 0;     ///< seconds of one thread
+  double span = 0;     ///< seconds until P workers are done
+  double longest = 0;  ///< seconds of the longest chunk
+};
+
+struct Account {
+  double work = 0;                 ///< seconds of one thread that does all that P workers would do
+  double predicted = 0;            ///< seconds of P workers
+  double serial = 0;               ///< of these, outside of loops
+  std::vector<Stretch> stretches;  ///< longest span first
+};
+
+/// Calls work(), whose loops on this thread are counted for `workers`. Time is processor time.
+Account account_of(unsigned workers, const std::function<void()>& work);
+
+/// Whether an account is kept on this thread.
+bool counting();
+/// Whether this loop must be run by run_counted(): an account is kept, and no counted loop runs.
+bool counts();
+/// Runs item(k) for each k below `count`, in order, as a loop of `workers`.
+void run_counted(std::uint64_t count, unsigned workers, const Where& where,
+                 const std::function<void(std::uint64_t)>& item);
+
+/// Counts the time until its destruction as time in which `lock` is held.
+class Locked {
+ public:
+  explicit Locked(const void* lock);
+  ~Locked();
+  Locked(const Locked&) = delete;
+  Locked& operator=(const Locked&) = delete;
+
+ private:
+  const void* lock_;
+  double begin_;
+};
+
+#else
+
+struct Where {
+  static constexpr Where current() { return {}; }
+};
+
+inline constexpr bool counting() { return false; }
+
+struct Locked {
+  explicit constexpr Locked(const void*) {}
+};
+
+#endif
+
+}  // namespace cullhull::internal::spans
