@@ -22,11 +22,11 @@ struct Costs {
 };
 
 constexpr Costs costs_by_dimension[] = {
-    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},          // 2D
-    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000},        // 3D
-    {1500, 500, 500, 7, 6e6, 1.15, 500, 40000},       // 4D
-    {6000, 1500, 1000, 12, 14e6, 1.35, 1000, 30000},  // 5D
-    {3e4, 4000, 2000, 15, 23e6, 1.35, 500, 10000},    // 6D
+    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},      // 2D
+    {20, 100, 40, 5, 7e5, 1.05, 1000, 1e6},       // 3D
+    {25, 500, 200, 7, 4e6, 1.15, 500, 1e6},       // 4D
+    {60, 1500, 500, 12, 8e6, 1.35, 1000, 1e6},    // 5D
+    {100, 4000, 1000, 15, 15e6, 1.35, 500, 1e6},  // 6D
 };
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
@@ -149,6 +149,39 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
   const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
   const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
   return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
+}
+
+// A cell of k points has its leader some 1 / k of the shell's thickness below the surface, and
+// chords over cells lie below it by a share that goes with the square of their length: L leaders of
+// n points lose a L / n + b L^(-2 / (d - 1)), least where L goes with n^((d - 1) / (d + 1)). In the
+// last map more nodes are worthwhile, since each point that it leaves costs the engine's time.
+LeaderCounts leader_counts(double outside, std::uint64_t tested, unsigned d) {
+  struct Rule {
+    double factor, exponent, most, last_count, last_most;
+  };
+  static constexpr Rule rules[] = {{3, 0.63, 6144, 12, 12288},
+                                   {6, 0.6, 17576, 5, 131072},
+                                   {3, 0.67, 20000, 8, 65536},
+                                   {3, 0.71, 31250, 8, 65536}};
+  const Rule& rule = rules[std::clamp(d, 3U, 6U) - 3];
+  if (static_cast<double>(tested) <= outside) {
+    const double leaders = std::min(outside / rule.last_count, rule.last_most);
+    return {leaders, leaders};
+  }
+  const double leaders = std::min(rule.factor * std::pow(outside, rule.exponent), rule.most);
+  // The long creases of bodies with few facets are worth more nodes: a node takes as long as
+  // testing some 40 points.
+  const double nodes = d == 3 ? std::min(static_cast<double>(tested) / 1024, rule.most) : 0;
+  return {leaders, std::max(leaders, nodes)};
+}
+
+unsigned cells_for(double nodes, unsigned d) {
+  unsigned cells =
+      std::max(2U, static_cast<unsigned>(std::pow(nodes / (2 * d), 1.0 / (d - 1)) + 0.5) - 1);
+  // An even number, so that planes of symmetry through the centre, where bodies often have
+  // creases, fall on grid lines.
+  if (d == 3) cells += cells % 2;
+  return cells;
 }
 
 bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme) {

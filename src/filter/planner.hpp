@@ -30,6 +30,15 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
                               std::uint64_t extreme);
 
+/// The number of leaders and of nodes of a map that tests `tested` points, from a sample of which
+/// about `outside` points lie outside a rough hull; from all points if outside >= tested.
+struct LeaderCounts {
+  double leaders, nodes;
+};
+LeaderCounts leader_counts(double outside, std::uint64_t tested, unsigned d);
+/// Cells along an edge of a cube that has about this many cells or nodes.
+unsigned cells_for(double nodes, unsigned d);
+
 /// The same question after the map's own sample has been hulled: only building the map and the pass
 /// still cost time. `extreme` of its `sample` points are vertices.
 bool map_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);

@@ -85,7 +85,7 @@ inline constexpr WayRow ways[] = {
     {Way::outermost, "outermost", 3, 3, 1025, 1 << 16, 0, true, 0,
      "a map of the outermost points, if they are few"},
     {Way::gauge, "gauge map", 2, 6, 4, any_number, 0, false, 0,
-     "a map of a sample's hull, if the sample shows a gain"},
+     "a map of a sample, if the sample shows a gain"},
     {Way::lattice, "lattice", 3, ~0U, 256, most_of_engine, most_of_engine, false, 0,
      "discards what lies between neighbours on a lattice"},
     {Way::ends_of_line, "ends of a line", 1, 1, 1, most_of_engine, most_of_engine, false, 0,

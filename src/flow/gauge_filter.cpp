@@ -27,7 +27,7 @@ void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& poi
   // for survivors; where more points survive, gathering them afterwards is as fast.
   gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
   pass.cull(*map, result.survivors, &gathered);
-  map.reset();
+  result.map = std::move(map);
   if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
     // The points are too close together for single precision to separate them. The 2D engine
     // discards inner points in double precision, reading the caller's memory.
@@ -72,15 +72,24 @@ Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& r
   return result;
 }
 
-// Survivors lie near the boundary, so a sample of them gives a much finer polytope.
+// All survivors of the first map lie near the boundary, so that they give a much finer one.
 void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return;
-  const SampledMap sampled = map_of_sample(host_points(left, run), Insist::late, 0, run);
-  result.survivors.reason += "; a second map: " + sampled.reason;
-  if (sampled.map == nullptr) return;
+  SampledMap finer;
+  if (d == 2 || result.map == nullptr) {
+    finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
+  } else {
+    finer.map = GaugeMap::of_leaders(
+        result.rows, *result.map,
+        cells_of_leaders(static_cast<double>(left.count), left.count, d, 0), run);
+    finer.reason = "of all " + std::to_string(left.count) + " points left";
+  }
+  result.map.reset();
+  result.survivors.reason += "; a second map: " + finer.reason;
+  if (finer.map == nullptr) return;
   SurvivorRows gathered;
-  const std::vector<std::uint64_t> kept = sampled.map->survivors(left, run, &gathered);
+  const std::vector<std::uint64_t> kept = finer.map->survivors(left, run, &gathered);
   keep_of_survivors(result, d, kept, std::move(gathered.rows));
   result.survivors.filter = UsedFilter::gauge_twice;
 }

@@ -25,9 +25,10 @@ namespace cullhull::internal {
 /// The survivors of an input, with their coordinates if those have been gathered.
 struct Filtered {
   Survivors survivors;
-  Array<double> rows;                ///< packed rows of the survivors; empty: not gathered yet
-  std::uint64_t pass_survivors = 0;  ///< number of survivors of the pass over the whole input
-  StarTriangles triangles;           ///< a surface of the survivors that may be their hull, or none
+  Array<double> rows;                   ///< packed rows of the survivors; empty: not gathered yet
+  std::uint64_t pass_survivors = 0;     ///< number of survivors of the pass over the whole input
+  std::shared_ptr<const GaugeMap> map;  ///< that left them, or none
+  StarTriangles triangles;  ///< a surface of the survivors that may be their hull, or none
 };
 
 /// Runs the filter that the options ask for. Points with a NaN or an infinity always survive, so

@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "cullhull/error.hpp"
+#include "filter/gauge/gauge_build.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "filter/planner.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
@@ -59,6 +61,18 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
 
 namespace {
 
+/// As sample_ids(), but in runs of neighbours, which take fewer reads.
+std::vector<std::uint64_t> sample_blocks(std::uint64_t count, std::uint64_t size) {
+  constexpr std::uint64_t block = 256;
+  const std::uint64_t runs = size / block;
+  if (runs < 64 || count < 2 * size) return sample_ids(count, size);
+  std::vector<std::uint64_t> ids;
+  ids.reserve(runs * block);
+  for (const std::uint64_t first : sample_ids(count / block, runs))
+    for (std::uint64_t k = 0; k < block; ++k) ids.push_back(first * block + k);
+  return ids;
+}
+
 struct Sampled {
   InnerPolytope polytope;
   std::uint64_t size = 0;
@@ -101,27 +115,68 @@ std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t 
   return GaugeMap::build(std::move(polytope), settings);
 }
 
+LeaderCells cells_of_leaders(double outside, std::uint64_t tested, unsigned d,
+                             std::uint32_t most_nodes) {
+  const LeaderCounts counts = leader_counts(outside, tested, d);
+  const double most = most_nodes > 0 ? most_nodes : counts.nodes;
+  return {cells_for(counts.leaders, d), cells_for(std::min(counts.nodes, most), d),
+          static_cast<double>(tested) > outside && tested >= worth_a_core};
+}
+
+namespace {
+
+/// Replaces the map of a probe's hull by that of the leaders of a sample; keeps it if there is
+/// none. Returns how many of the sample's points the map keeps, estimated from an eighth of them.
+std::uint64_t lead(std::unique_ptr<GaugeMap>& map, const Array<double>& sample,
+                   const LeaderCells& cells, const Run& run) {
+  const unsigned d = map->table().dimension;
+  auto rows = PointView::row_major(sample.data(), sample.size() / d, d);
+  if (auto led = GaugeMap::of_leaders(sample, *map, cells, run)) map = std::move(led);
+  rows.count /= 8;
+  rows.point_stride *= 8;
+  return 8 * map->survivors(rows, run).size();
+}
+
+}  // namespace
+
+// A probe of some hundred points tells whether a filter pays. From 3D on its hull's map tells
+// which points of a larger sample are outermost, and these leaders make the map: only the probe's
+// hull is one thread's. In the plane the larger sample's hull takes as long as sorting it, and its
+// map leaves fewer points: of a disc of 10^7 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {
   const unsigned d = points.dimension;
   const char* const none = "a sample lies in a flat or its hull is too large";
   Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), run);
   if (sample.polytope.dimension == 0) return {nullptr, none};
-  if (insist == Insist::no && !cull_pays(points.count, d, sample.size, sample.extreme()))
-    return {nullptr, sample_finding(sample.size, sample.extreme()) + ", so a filter does not pay"};
-  std::uint64_t size = map_sample_size(points.count, d, sample.size, sample.extreme());
-  if (size / most_probes >= sample.size) size = most_probes * sample.size;
-  if (size > sample.size) sample = hull_of_sample(points, size, run);
-  if (sample.polytope.dimension == 0) return {nullptr, none};
-  const std::string found = sample_finding(sample.size, sample.extreme());
-  if (insist != Insist::yes && !map_pays(points.count, d, sample.size, sample.extreme()))
+  std::uint64_t kept = sample.extreme(), size = sample.size;
+  if (insist == Insist::no && !cull_pays(points.count, d, size, kept))
+    return {nullptr, sample_finding(size, kept) + ", so a filter does not pay"};
+  std::uint64_t wanted = map_sample_size(points.count, d, size, kept);
+  if (wanted / most_probes >= size) wanted = most_probes * size;
+  std::string found = sample_finding(size, kept);
+  if (wanted > size && d == 2) {
+    sample = hull_of_sample(points, wanted, run);
+    if (sample.polytope.dimension == 0) return {nullptr, none};
+    kept = sample.extreme();
+    wanted = size = sample.size;
+    found = sample_finding(size, kept);
+  }
+  auto map = map_of_polytope(std::move(sample.polytope), wanted > size ? wanted : points.count,
+                             insist, most_nodes, run);
+  if (map == nullptr) return {nullptr, found + ", but the centre is not safely inside their hull"};
+  if (wanted > size) {
+    const Array<double> rows = points.gather(sample_blocks(points.count, wanted));
+    const double outside = static_cast<double>(kept) / static_cast<double>(size) *
+                           static_cast<double>(rows.size() / d);
+    size = rows.size() / d;
+    kept = lead(map, rows, cells_of_leaders(outside, points.count, d, most_nodes), run);
+    found += ", a map of " + std::to_string(size) + " keeps " + std::to_string(kept);
+  }
+  if (insist != Insist::yes && !map_pays(points.count, d, size, kept))
     return {nullptr, found + ", so a map does not pay"};
-  SampledMap result{
-      map_of_polytope(std::move(sample.polytope), points.count, insist, most_nodes, run), found};
-  result.reason += result.map == nullptr   ? ", but the centre is not safely inside their hull"
-                   : insist == Insist::yes ? ", filter as asked"
-                                           : ", so the filter pays";
-  return result;
+  return {std::move(map),
+          found + (insist == Insist::yes ? ", filter as asked" : ", so the filter pays")};
 }
 
 }  // namespace cullhull::internal

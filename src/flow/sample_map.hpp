@@ -47,6 +47,10 @@ enum class Insist {
 std::unique_ptr<GaugeMap> map_of_polytope(InnerPolytope polytope, std::uint64_t count,
                                           Insist insist, std::uint32_t most_nodes, const Run& run);
 
+/// The cells of a map of leaders (leader_counts), with at most so many nodes; 0: any number.
+LeaderCells cells_of_leaders(double outside, std::uint64_t tested, unsigned d,
+                             std::uint32_t most_nodes);
+
 /// `most_nodes`: as in GaugeSettings. A sample whose hull would exceed run.budget gives no map. The
 /// map's sample is at most `most_probes` times as large as the first.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,

@@ -17,8 +17,9 @@ struct BoxOfRows {
 /// The box of the first `axes` numbers of n > 0 rows: row(i) is the address of row i.
 template <class Row>
 BoxOfRows box_of_rows(std::uint64_t n, unsigned axes, const Row& row, const Run& run) {
-  std::vector<BoxOfRows> boxes(chunk_count(n, light_grain));
-  run.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  constexpr std::uint64_t grain = 4096;
+  std::vector<BoxOfRows> boxes(chunk_count(n, grain));
+  run.each_chunk(n, grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     const double* const first = row(begin);
     boxes[c].low.assign(first, first + axes);
     boxes[c].high = boxes[c].low;

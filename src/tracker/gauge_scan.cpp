@@ -86,6 +86,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
     keep_of_survivors(
         result, d,
         map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders), run));
+  result.map = std::move(map);
   refine_survivors(result, d, run);
   return true;
 }

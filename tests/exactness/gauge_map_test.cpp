@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -10,6 +11,7 @@
 
 #include "call_options.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/run.hpp"
 #include "tests/made_sets.hpp"
 #include "tests/reference/slow_hull.hpp"
@@ -244,6 +246,92 @@ TEST(GaugeMap, ADentedSurfaceProvesNothingFalse) {
   }
   EXPECT_GE(maps, 3U);
   EXPECT_GE(dropped, 3U);
+}
+
+/// The map of the leaders of a hull's vertices, among points that are no leaders.
+std::unique_ptr<GaugeMap> led(const SlowHull& hull, const GaugeMap& before,
+                              const LeaderCells& cells, unsigned threads = 1) {
+  Array<double> rows(hull.rows().begin(), hull.rows().end());
+  const unsigned d = hull.dimension();
+  for (std::size_t e = 0; e + 2 * d <= hull.rows().size(); ++e)
+    rows.push_back(hull.rows()[e] / 2 + hull.rows()[e + d] / 2);
+  rows.resize(rows.size() / d * d);
+  const Options options;
+  return GaugeMap::of_leaders(rows, before, cells, internal::Run(options).with_threads(threads));
+}
+
+/// Tests the rows that are values of T, as T.
+template <class T>
+void expect_sound_as(const SlowHull& hull, const GaugeMap& map, const std::vector<double>& rows,
+                     const std::string& what) {
+  const unsigned d = hull.dimension();
+  std::vector<T> values;
+  std::vector<double> exact;
+  for (std::size_t i = 0; i < rows.size(); i += d) {
+    const double* x = &rows[i];
+    if (!std::all_of(x, x + d, [](double v) { return std::abs(v) < 0x1p30; })) continue;
+    for (unsigned j = 0; j < d; ++j) {
+      values.push_back(static_cast<T>(x[j]));
+      exact.push_back(static_cast<double>(values.back()));
+    }
+  }
+  const Options options;
+  const auto kept = map.survivors(PointView::row_major(values.data(), values.size() / d, d),
+                                  internal::Run(options).with_threads(1));
+  expect_sound(hull, exact, kept, what);
+}
+
+// A point is dropped only if it is strictly inside, whatever the leaders are, as numbers of every
+// kind.
+TEST(GaugeMap, LeadersDropOnlyWhatIsStrictlyInside) {
+  std::mt19937_64 random(17);
+  unsigned maps = 0, dropping = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed)
+    for (const Shape& shape : shapes(seed)) {
+      if (shape.d < 3) continue;
+      for (const double size : {1.0, 4096.0}) {
+        const std::vector<double> scale(6, size), shift(6, size / 8);
+        const SlowHull hull(affine(shape.vertices, shape.d, scale.data(), shift.data()), shape.d);
+        const auto before = GaugeMap::build(polytope_of(hull), 3);
+        ASSERT_TRUE(before) << shape.name;
+        const auto rows = adversarial(hull, random, shape.d <= 3 ? 60 : 15);
+        for (const LeaderCells& cells :
+             {LeaderCells{2, 2, false}, LeaderCells{5, 8, true}, LeaderCells{9, 4, false}}) {
+          const auto map = led(hull, *before, cells);
+          if (map == nullptr) continue;
+          ++maps;
+          const std::string what = shape.name + ", leaders of " + std::to_string(cells.leaders);
+          const auto kept = survivors(*map, rows, shape.d);
+          dropping += kept.size() < rows.size() / shape.d;
+          expect_sound(hull, rows, kept, what);
+          expect_sound_as<float>(hull, *map, rows, what + ", f32");
+          expect_sound_as<std::int32_t>(hull, *map, rows, what + ", i32");
+          if (HasFatalFailure()) return;
+        }
+      }
+    }
+  EXPECT_GE(maps, 60U);
+  EXPECT_GE(dropping, 20U);
+}
+
+TEST(GaugeMap, LeadersAreTheSameForEveryNumberOfThreads) {
+  for (unsigned d = 3; d <= 6; ++d) {
+    std::mt19937_64 random(d);
+    const unsigned n[] = {0, 0, 0, 3000, 5000, 8000, 20000};
+    const std::vector<double> points = gaussian(d, n[d], random, true);
+    const auto before = GaugeMap::build(polytope_of(SlowHull(cross_polytope(d), d)), 4);
+    ASSERT_TRUE(before);
+    const Array<double> rows(points.begin(), points.end());
+    const Options options;
+    std::vector<float> nodes;
+    for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
+      const auto map = GaugeMap::of_leaders(rows, *before, {d == 3 ? 6U : 2U, 5, true},
+                                            internal::Run(options).with_threads(threads));
+      ASSERT_TRUE(map) << d;
+      if (nodes.empty()) nodes = map->table().nodes;
+      EXPECT_EQ(map->table().nodes, nodes) << d << "D, " << threads << " threads";
+    }
+  }
 }
 
 class GaugeMapSeeds : public ::testing::TestWithParam<std::uint64_t> {};

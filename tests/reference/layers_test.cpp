@@ -199,7 +199,7 @@ const std::map<std::string, std::string> bounds_elsewhere = {
     {"src/extreme/hull_membership.cpp", "signs of one direction, else rationals"},
     {"src/extreme/inside_exact.cpp", "columns in doubt are priced in rationals"},
     {"src/filter/gauge/gauge_planes.cpp", "an upper bound of the gauge; points in doubt survive"},
-    {"src/filter/gauge/gauge_walk.hpp", "an upper bound of the gauge; points in doubt survive"},
+    {"src/filter/gauge/gauge_frame.hpp", "an upper bound of the gauge; points in doubt survive"},
     {"src/filter/pseudo_hull/pseudo_hull_math.hpp", "points in doubt survive"},
     {"src/filter/star_hull/star_math.hpp", "points and edges in doubt are left to the CPU's hull"},
     {"src/flow/sample_map.cpp", "random numbers"},

@@ -124,20 +124,15 @@ HWY_INLINE Direction<D> direction_of(const VF (&y)[D]) {
 // the combination of upper bounds is one. Example: f = 0.7, f' = 0.2 and G = 1.00, 1.02, 1.01: 0.3
 // * 1.00 + 0.5 * 1.02 + 0.2 * 1.01 = 1.012, times |y|_inf.
 
-/// Returns an upper bound of g(y) from the map; NaN or infinity if a coordinate is NaN or infinite.
+/// The cell of a direction: its lowest corner's node, and the fractions of its edges. For a point
+/// with a NaN the corner is arbitrary, but in the table.
 template <unsigned D>
-HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+HWY_INLINE VU corner_of(const GaugeTable& t, const Direction<D>& direction, VF (&fraction)[D - 1]) {
   const F f;
-  const I i;
   const U u;
-  const Direction<D> direction = direction_of<D>(y);
-
-  // Cell and fractions. half_cells is a little below cells / 2, so that 0 <= place < cells for
-  // every finite point.
+  // half_cells is a little below cells / 2, so that 0 <= place < cells for every finite point.
   const VF half_cells = hn::Set(f, t.half_cells);
   const VF middle = hn::Set(f, t.middle);
-  VF fraction[D - 1];
-  VI step[D - 1];
   VF corner = hn::MulAdd(direction.face, hn::Set(f, t.face_stride), hn::Set(f, integer_shift));
   for (unsigned k = 0; k < D - 1; ++k) {
     const VF place =
@@ -145,11 +140,21 @@ HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, 
     const VF cell = hn::Floor(place);
     fraction[k] = hn::Sub(place, cell);
     corner = hn::MulAdd(cell, hn::Set(f, t.stride[k]), corner);  // integers: exact
-    step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
   }
-  // For a point with a NaN the corner is arbitrary: the unsigned minimum keeps it in the table.
-  const VU corner_node = hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
-                                 hn::Set(u, t.last_corner));
+  return hn::Min(hn::Sub(hn::BitCast(u, corner), hn::Set(u, integer_shift_bits)),
+                 hn::Set(u, t.last_corner));
+}
+
+/// Returns an upper bound of g(y) from the map; NaN or infinity if a coordinate is NaN or infinite.
+template <unsigned D>
+HWY_INLINE VF gauge_bound(const GaugeTable& t, const float* HWY_RESTRICT nodes, const VF (&y)[D]) {
+  const F f;
+  const I i;
+  const Direction<D> direction = direction_of<D>(y);
+  VF fraction[D - 1];
+  VI step[D - 1];
+  const VU corner_node = corner_of<D>(t, direction, fraction);
+  for (unsigned k = 0; k < D - 1; ++k) step[k] = hn::Set(i, static_cast<std::int32_t>(t.stride[k]));
 
   // Kuhn's simplex: from the lowest corner one step per axis, in the order of falling fractions.
   sort_descending(fraction, step);

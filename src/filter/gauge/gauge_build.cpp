@@ -33,24 +33,19 @@ class Builder final : public GaugeCones {
     t.dimension = D;
     t.cells = settings.resolution != 0 ? settings.resolution : automatic_cells(settings);
     cells_ = t.cells;
+    if (!walk_.frame().fill(t)) return false;
     face_ = power(t.cells + 1, D - 1);
-    if (2 * D * face_ >= (std::uint64_t{1} << 23)) return false;  // the kernel's indices are floats
     t.nodes.resize(2 * D * face_);
-    double centre[D], scale[D];
-    for (unsigned j = 0; j < D; ++j) {
-      centre[j] = walk_.centre(j);
-      scale[j] = walk_.scale(j);
-    }
-    fill_gauge_constants(t, centre, scale, face_);
     // Inverting all facets is worthwhile when each is visited many times.
     if ((settings.cones || walk_.facet_count() < t.nodes.size() / (2 * D)) &&
         !walk_.invert_facets(settings.threads) && !settings.convex)
       return false;
     if (settings.cones) hints_.resize(t.nodes.size());
-    // Faces are filled independently, so that no value depends on the thread.
-    for_each_chunk(2 * D, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,
-                   [&](std::uint64_t side, std::uint64_t, std::uint64_t) {
-      fill_face(t, static_cast<unsigned>(side));
+    // Parts of faces are filled independently, so that no value depends on the thread.
+    const unsigned parts = std::min(8U, t.cells + 1);
+    for_each_chunk(2 * D * parts, 1, t.nodes.size() < least_parallel ? 1 : settings.threads,
+                   [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
+      fill_part(t, static_cast<unsigned>(i / parts), static_cast<unsigned>(i % parts), parts);
     });
     return true;
   }
@@ -60,7 +55,7 @@ class Builder final : public GaugeCones {
     double y[D], norm = 0;
     unsigned axis = 0;
     for (unsigned j = 0; j < D; ++j) {
-      y[j] = (x[j] - walk_.centre(j)) * walk_.scale(j);
+      y[j] = (x[j] - walk_.frame().centre(j)) * walk_.frame().scale(j);
       if (std::abs(y[j]) > norm) {
         norm = std::abs(y[j]);
         axis = j;
@@ -131,15 +126,17 @@ class Builder final : public GaugeCones {
     return cells;
   }
 
-  /// Fills the nodes of a face. A node is (+-cells on the face's axis, 2 i - cells on the others) /
-  /// cells; the walk works on the integers.
-  void fill_face(GaugeTable& t, unsigned side) {
+  /// Fills the nodes of one of `parts` parts of a face. A node is (+-cells on the face's axis, 2 i
+  /// - cells on the others) / cells; the walk works on the integers.
+  void fill_part(GaugeTable& t, unsigned side, unsigned part, unsigned parts) {
     double v[D];
     v[side / 2] = side % 2 ? -1.0 : 1.0;
     v[side / 2] *= t.cells;
     Filler filler{t, ConeWalk<D>::random_seed, {}};
     std::copy_n(v, D, filler.v);
-    fill_axis(filler, side * face_, face_, side / 2, D - 1, 0);
+    const unsigned lines = t.cells + 1;
+    fill_axis(filler, side * face_, face_, side / 2, D - 1, walk_.axis_facet(side),
+              lines * part / parts, lines * (part + 1) / parts);
   }
 
   struct Filler {
@@ -148,18 +145,18 @@ class Builder final : public GaugeCones {
     double v[D];
   };
 
-  /// Fills the sub-grid of the lowest `axes` grid axes; the walk to a node starts at the facet of a
-  /// neighbouring node. Returns the facet of the first node.
+  /// Fills the sub-grid of the lowest `axes` grid axes, lines [begin, end) of the last; the walk to
+  /// a node starts at the facet of a neighbouring node. Returns the facet of the first node.
   std::uint32_t fill_axis(Filler& filler, std::uint64_t node, std::uint64_t size, unsigned skip,
-                          unsigned axes, std::uint32_t from) {
+                          unsigned axes, std::uint32_t from, unsigned begin, unsigned end) {
     if (axes == 0) return fill_node(filler, node, from);
     const unsigned axis = axes - 1 < skip ? axes - 1 : axes;
     const std::uint64_t part = size / (cells_ + 1);
     std::uint32_t first = 0;
-    for (unsigned i = 0; i <= cells_; ++i) {
+    for (unsigned i = begin; i < end; ++i) {
       filler.v[axis] = 2.0 * i - cells_;
-      from = fill_axis(filler, node + i * part, part, skip, axes - 1, from);
-      if (i == 0) first = from;
+      from = fill_axis(filler, node + i * part, part, skip, axes - 1, from, 0, cells_ + 1);
+      if (i == begin) first = from;
     }
     return first;
   }

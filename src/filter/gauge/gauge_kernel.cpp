@@ -195,7 +195,41 @@ std::size_t survivors_in(const GaugeTable& t, const GaugeCore* core, const Point
   return survivors_any<D>(t, core, v, begin, count, ids);
 }
 
+/// Calls take(k, y) for the vectors of `count` packed rows.
+template <unsigned D, class Take>
+HWY_INLINE void each_vector(const GaugeTable& t, const double* data, std::uint32_t count,
+                            const Take& take) {
+  const RowPattern<D, double> pattern(t.scale, t.offset);
+  HWY_ALIGN float rows[(many + hn::MaxLanes(F())) * D];
+  for (std::uint32_t b = 0; b < count; b += many) {
+    const std::uint32_t n = std::min(many, count - b);
+    convert_rows<D, double>(pattern, data + std::size_t{b} * D, n, rows);
+    for (std::uint32_t k = 0; k < n; k += static_cast<std::uint32_t>(hn::Lanes(F()))) {
+      VF y[D];
+      load_rows<D>(rows + std::size_t{k} * D, y);
+      take(b + k, y);
+    }
+  }
+}
+
 }  // namespace
+
+void bounds(const GaugeTable& t, const double* rows, std::uint32_t count, float* out) {
+  with_dimension<2, 5, 6>(t.dimension, [&](auto d) {
+    each_vector<d>(t, rows, count, [&](std::uint32_t k, const VF(&y)[d]) HWY_ATTR {
+      hn::StoreU(gauge_bound<d>(t, t.nodes.data(), y), F(), out + k);
+    });
+  });
+}
+
+void corners(const GaugeTable& t, const double* rows, std::uint32_t count, std::uint32_t* out) {
+  with_dimension<2, 5, 6>(t.dimension, [&](auto d) {
+    each_vector<d>(t, rows, count, [&](std::uint32_t k, const VF(&y)[d]) HWY_ATTR {
+      VF fraction[d - 1];
+      hn::StoreU(corner_of<d>(t, direction_of<d>(y), fraction), U(), out + k);
+    });
+  });
+}
 
 std::size_t survivors(const GaugeTable& t, const GaugeCore* core, const PointView& v,
                       std::uint64_t begin, std::uint64_t end, std::uint32_t* ids) {
@@ -211,6 +245,17 @@ HWY_AFTER_NAMESPACE();
 namespace cullhull::internal {
 
 HWY_EXPORT(survivors);
+HWY_EXPORT(bounds);
+HWY_EXPORT(corners);
+
+void gauge_corners(const GaugeTable& table, const double* rows, std::uint32_t count,
+                   std::uint32_t* corners) {
+  HWY_DYNAMIC_DISPATCH(corners)(table, rows, count, corners);
+}
+
+void gauge_bounds(const GaugeTable& table, const double* rows, std::uint32_t count, float* out) {
+  HWY_DYNAMIC_DISPATCH(bounds)(table, rows, count, out);
+}
 
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
                             std::uint64_t end, std::uint32_t* ids, const GaugeCore* core) {

@@ -39,6 +39,14 @@ std::unique_ptr<GaugeMap> GaugeMap::of_few_facets(const InnerPolytope& polytope,
   return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
 }
 
+std::unique_ptr<GaugeMap> GaugeMap::of_leaders(const Array<double>& rows, const GaugeMap& before,
+                                               const LeaderCells& cells, const Run& run) {
+  if (before.table().dimension < 3) return nullptr;
+  auto table = std::make_unique<Table>();
+  if (!build_gauge_of_leaders(rows, before.table(), cells, run, *table)) return nullptr;
+  return std::unique_ptr<GaugeMap>(new GaugeMap(std::move(table)));
+}
+
 bool GaugeMap::inside_cones(const double* row) const { return table_->cones->inside(row); }
 
 std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
@@ -143,10 +151,7 @@ std::vector<float> probe(const GaugeTable& t, const PointView& points) {
 
 std::optional<GaugeCore> core_for_pass(const GaugeTable& t, const PointView& points,
                                        std::uint64_t count, unsigned threads) {
-  // Building a core takes a fraction of a millisecond, and it saves up to a nanosecond per point:
-  // with 2 million points it is worthwhile even if it saves half of that.
-  constexpr std::uint64_t worthwhile = std::uint64_t{1} << 21;
-  if (count < worthwhile) return std::nullopt;
+  if (count < worth_a_core) return std::nullopt;
   return make_core(t, probe(t, points), probe_count, threads);
 }
 

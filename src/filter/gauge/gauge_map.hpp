@@ -41,6 +41,13 @@ struct GaugeSettings {
   unsigned threads = 1;
 };
 
+/// Along an edge of the cube of directions.
+struct LeaderCells {
+  unsigned leaders = 0;   ///< cells with a leader each
+  unsigned nodes = 0;     ///< cells of the map
+  bool recentre = false;  ///< the centre of the map before is that of a rough hull
+};
+
 /// Rows of survivors, gathered by the pass that finds them while they are in its cache.
 struct SurvivorRows {
   std::uint64_t most = ~std::uint64_t{0};  ///< no rows for more survivors than this
@@ -67,6 +74,14 @@ class GaugeMap {
   /// against all of them is then faster than walks. Returns null where build() would.
   static std::unique_ptr<GaugeMap> of_few_facets(const InnerPolytope& polytope,
                                                  unsigned resolution);
+
+  /// Builds the map of the hull of `rows` (packed, finite, in any order) without that hull: from
+  /// the leaders, in each cell of directions the point that a map `before`, of fewer points, finds
+  /// outermost. The bound at a node is that of the best simplex of leaders nearby. Returns null
+  /// where build() would. Time O(rows + nodes), shared by all threads; the map does not depend on
+  /// their number. From 3D on. Source: docs/exactness.md, G1, G2 and "Leaders".
+  static std::unique_ptr<GaugeMap> of_leaders(const Array<double>& rows, const GaugeMap& before,
+                                              const LeaderCells& cells, const Run& run);
 
   /// Returns the ids (ascending, indices into `points`) of all points that are not provably
   /// strictly inside the polytope, which include every point with a NaN or an infinity. `rows`, if

@@ -65,4 +65,16 @@ inline constexpr std::uint32_t gauge_chunk = 16384;
 std::size_t gauge_survivors(const GaugeTable& table, const PointView& points, std::uint64_t begin,
                             std::uint64_t end, std::uint32_t* ids, const GaugeCore* core = nullptr);
 
+/// `bounds` and `corners` need room for 16 more.
+inline constexpr std::uint32_t gauge_room = 16;
+
+/// Writes what the test compares with the threshold for `count` packed rows: upper bounds of their
+/// gauges, up to rounding; NaN or infinite for points that are not finite.
+void gauge_bounds(const GaugeTable& table, const double* rows, std::uint32_t count, float* bounds);
+
+/// Writes the lowest corner's node of the cell of each row's direction; any node for rows that are
+/// not finite. Reads no node.
+void gauge_corners(const GaugeTable& table, const double* rows, std::uint32_t count,
+                   std::uint32_t* corners);
+
 }  // namespace cullhull::internal

@@ -9,18 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "filter/gauge/gauge_frame.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
-
-/// What a combination of vertices q (relative to the centre) with weights mu >= 0 proves about a
-/// direction v.
-struct GaugeBound {
-  double weight;    ///< at least the sum of the mu
-  double residual;  ///< at least |v - sum mu q|_1
-};
 
 // Example in the plane: the centre is 0 and the polytope the square with corners (+-1, +-1). For v
 // = (1, 0.5) the facet x = 1 gives v = 0.75 (1, 1) + 0.25 (1, -1): Sum mu = 1, so g(v) <= 1, and v
@@ -51,10 +45,10 @@ class ConeWalk {
   }
 
   std::uint32_t facet_count() const { return facet_count_; }
-  double centre(unsigned j) const { return centre_[j]; }
-  double scale(unsigned j) const { return scale_[j]; }
-  /// Returns L: no point of the unit 1-norm ball has a larger gauge.
-  double lipschitz() const { return lipschitz_; }
+  const GaugeFrame<D>& frame() const { return frame_; }
+  double lipschitz() const { return frame_.lipschitz(); }
+  /// The facet that the ray along an axis meets; side: 2 * axis + (1 if negative).
+  std::uint32_t axis_facet(unsigned side) const { return axis_facets_[side]; }
 
   /// Inverts the matrix of every facet; worthwhile if each facet is visited many times. Returns
   /// false unless all cones have the same orientation, as those of a convex polytope have:
@@ -82,24 +76,7 @@ class ConeWalk {
   /// Makes the weights non-negative and bounds the rest of v that they do not reach (exactness.md,
   /// G2).
   GaugeBound bound(std::uint32_t f, const double* v, const double (&mu)[D]) const {
-    double weight = 0;
-    double rest[D];
-    double size[D];
-    for (unsigned j = 0; j < D; ++j) rest[j] = v[j], size[j] = std::abs(v[j]);
-    const std::uint32_t* ids = facet(f);
-    for (unsigned i = 0; i < D; ++i) {
-      const double m = mu[i] > 0 ? mu[i] : 0;
-      const double* q = point(ids[i]);
-      weight += m;
-      for (unsigned j = 0; j < D; ++j) {
-        rest[j] -= m * q[j];
-        size[j] += m * std::abs(q[j]);
-      }
-    }
-    double residual = 0;
-    for (unsigned j = 0; j < D; ++j)
-      residual += std::abs(rest[j]) + (2 * D + 8) * 0x1p-53 * size[j];
-    return {weight * (1 + 0x1p-49), residual + (1 + weight) * 0x1p-1000};
+    return frame_.bound(facet(f), v, mu);
   }
 
   // A negative weight mu_i says that v is on the other side of the ridge opposite to vertex i, so
@@ -189,26 +166,16 @@ class ConeWalk {
   }
 
   const std::uint32_t* facet(std::uint32_t f) const { return &p_.facets[std::size_t{f} * D]; }
-  const double* point(std::uint32_t v) const { return &q_[std::size_t{v} * D]; }
+  const double* point(std::uint32_t v) const { return frame_.point(v); }
 
-  /// Chooses the scale from the vertices' bounding box around `centre_`; fills q_.
-  bool apply_centre() {
-    for (unsigned j = 0; j < D; ++j) {
-      double reach = 0;
-      for (std::size_t v = 0; v < vertex_count_; ++v)
-        reach = std::max(reach, std::abs(p_.vertices[v * D + j] - centre_[j]));
-      if (!(reach > 0) || !std::isfinite(reach)) return false;
-      int exponent = 0;
-      std::frexp(reach, &exponent);  // reach < 2^exponent
-      scale_[j] = std::ldexp(1.0, std::clamp(-exponent, -1020, 1020));
-      const double offset = centre_[j] * scale_[j];
-      // An inexact product would shift the centre; only subnormal numbers can do that.
-      if (!std::isfinite(offset) || offset / scale_[j] != centre_[j]) return false;
-    }
-    q_.resize(vertex_count_ * D);
+  /// Sets the frame around a centre.
+  bool set_frame(const double* centre) {
+    double reach[D] = {};
     for (std::size_t v = 0; v < vertex_count_; ++v)
       for (unsigned j = 0; j < D; ++j)
-        q_[v * D + j] = (p_.vertices[v * D + j] - centre_[j]) * scale_[j];
+        reach[j] = std::max(reach[j], std::abs(p_.vertices[v * D + j] - centre[j]));
+    if (!frame_.set(centre, reach)) return false;
+    frame_.take(std::vector<double>(p_.vertices));
     return true;
   }
 
@@ -221,13 +188,11 @@ class ConeWalk {
   /// which is deep inside even where vertices crowd; it is rounded to f32 if that moves it by at
   /// most 2^-7 of the extent.
   bool choose_frame() {
-    for (unsigned j = 0; j < D; ++j) {
-      double mean = 0;
-      for (std::size_t v = 0; v < vertex_count_; ++v)
-        mean += p_.vertices[v * D + j] / static_cast<double>(vertex_count_);
-      centre_[j] = mean;
-    }
-    if (!apply_centre()) return false;
+    double centre[D] = {};
+    for (std::size_t v = 0; v < vertex_count_; ++v)
+      for (unsigned j = 0; j < D; ++j)
+        centre[j] += p_.vertices[v * D + j] / static_cast<double>(vertex_count_);
+    if (!set_frame(centre)) return false;
     double shift[D] = {};
     double volume = 0;
     const std::uint32_t stride = 1 + facet_count_ / 8192;
@@ -240,12 +205,10 @@ class ConeWalk {
         shift[j] += w * sum / (D + 1);
       }
     }
-    for (unsigned j = 0; j < D; ++j) {
-      if (volume > 0) centre_[j] += shift[j] / volume / scale_[j];
-      const double single = static_cast<float>(centre_[j]);
-      if (std::abs(single - centre_[j]) * scale_[j] <= 0x1p-7) centre_[j] = single;
-    }
-    return apply_centre();
+    if (volume > 0)
+      for (unsigned j = 0; j < D; ++j) shift[j] /= volume;
+    frame_.moved(shift, centre);
+    return set_frame(centre);
   }
 
   double determinant(std::uint32_t f) const {
@@ -253,36 +216,7 @@ class ConeWalk {
     for (unsigned i = 0; i < D; ++i)
       for (unsigned j = 0; j < D; ++j) a[j][i] = point(facet(f)[i])[j];
     double b[D] = {};
-    return eliminate(a, b);
-  }
-
-  /// Gaussian elimination with partial pivoting: solves a x = b into b, returns det a.
-  static double eliminate(double (&a)[D][D], double (&b)[D]) {
-    double det = 1;
-    for (unsigned k = 0; k < D; ++k) {
-      unsigned pivot = k;
-      for (unsigned r = k + 1; r < D; ++r)
-        if (std::abs(a[r][k]) > std::abs(a[pivot][k])) pivot = r;
-      if (pivot != k) {
-        std::swap(a[pivot], a[k]);
-        std::swap(b[pivot], b[k]);
-        det = -det;
-      }
-      det *= a[k][k];
-      // A flat cone: a huge solution makes the walk leave it.
-      const double inverse = 1 / (a[k][k] != 0 ? a[k][k] : 0x1p-80);
-      a[k][k] = inverse;
-      for (unsigned r = k + 1; r < D; ++r) {
-        const double factor = a[r][k] * inverse;
-        for (unsigned c = k + 1; c < D; ++c) a[r][c] -= factor * a[k][c];
-        b[r] -= factor * b[k];
-      }
-    }
-    for (unsigned k = D; k-- > 0;) {
-      for (unsigned c = k + 1; c < D; ++c) b[k] -= a[k][c] * b[c];
-      b[k] *= a[k][k];
-    }
-    return det;
+    return GaugeFrame<D>::eliminate(a, b);
   }
 
   /// Solves for the weights of v on the vertices of facet f, positive or not.
@@ -328,52 +262,27 @@ class ConeWalk {
   }
 
   double solve(std::uint32_t f, const double* v, double (&mu)[D]) const {
-    double a[D][D];
-    const std::uint32_t* ids = facet(f);
-    for (unsigned i = 0; i < D; ++i) {
-      const double* q = point(ids[i]);
-      for (unsigned j = 0; j < D; ++j) a[j][i] = q[j];
-      mu[i] = v[i];
-    }
-    return eliminate(a, mu);
+    return frame_.weights(facet(f), v, mu);
   }
 
-  // Why L holds without any facet: for each +-e_j weights with e = Sum mu q + r, Sum mu <= s and
-  // |r|_1 <= rho <= 1/2 were found. For any u take the e with u . e = |u|_inf. With the support
-  // function h of the hull, |u|_inf <= s h(u) + rho |u|_inf, so h(u) >= |u|_inf (1 - rho) / s: the
-  // hull contains the 1-norm ball of radius (1 - rho) / s, and L = s / (1 - rho). It also proves
-  // that the centre is strictly inside.
-
-  /// Computes L: no point of the unit 1-norm ball has a larger gauge (exactness.md, G1).
   bool bound_axes() {
-    double weight = 0;
-    double residual = 0;
     std::uint32_t f = 0;
     std::uint64_t random = random_seed;
-    for (unsigned j = 0; j < 2 * D; ++j) {
-      double v[D] = {};
-      v[j / 2] = j % 2 ? -1 : 1;
-      double mu[D] = {};
+    return frame_.bound_axes([&](const double* v, std::uint32_t* ids, double(&mu)[D]) {
       f = walk(f, v, mu, random);
-      const GaugeBound b = bound(f, v, mu);
-      if (!(b.residual < 0.5) || !(b.weight < 0x1p20)) return false;
-      weight = std::max(weight, b.weight);
-      residual = std::max(residual, b.residual);
-    }
-    lipschitz_ = weight / (1 - residual) * (1 + 0x1p-49);
-    return true;
+      axis_facets_.push_back(f);
+      std::copy_n(facet(f), D, ids);
+    });
   }
 
   const InnerPolytope& p_;
   std::size_t vertex_count_;
   std::uint32_t facet_count_;
   unsigned step_limit_;
-  double centre_[D] = {};
-  double scale_[D] = {};
-  std::vector<double> q_;         ///< vertices in the frame
+  GaugeFrame<D> frame_;
+  std::vector<std::uint32_t> axis_facets_;
   std::vector<double> inverses_;  ///< empty, or for each facet the inverse of its vertices' matrix
   std::vector<Cone> cones_;       ///< empty, or the cones of all facets
-  double lipschitz_ = 0;
 };
 
 }  // namespace cullhull::internal
