@@ -154,6 +154,7 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
     return {nullptr, sample_finding(size, kept) + ", so a filter does not pay"};
   std::uint64_t wanted = map_sample_size(points.count, d, size, kept);
   if (wanted / most_probes >= size) wanted = most_probes * size;
+  wanted = std::max(size, std::min(wanted, run.budget / (32 * d * sizeof(double))));
   std::string found = sample_finding(size, kept);
   if (wanted > size && d == 2) {
     sample = hull_of_sample(points, wanted, run);

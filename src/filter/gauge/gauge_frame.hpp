@@ -70,12 +70,10 @@ class GaugeFrame {
     return true;
   }
 
-  /// Takes packed rows of points.
-  void take(std::vector<double>&& points) {
-    q_ = std::move(points);
-    const std::size_t count = size();
-    for (std::size_t v = 0; v < count; ++v)
-      for (unsigned j = 0; j < D; ++j) q_[v * D + j] = (q_[v * D + j] - centre_[j]) * scale_[j];
+  void make_room(std::size_t points) { q_.resize(points * D); }
+  /// Takes a point, as number v; different ones at the same time.
+  void place(std::size_t v, const double* row) {
+    for (unsigned j = 0; j < D; ++j) q_[v * D + j] = (row[j] - centre_[j]) * scale_[j];
   }
 
   GaugeBound bound(const std::uint32_t* ids, const double* v, const double (&mu)[D]) const {

@@ -354,19 +354,17 @@ class LeaderGrid {
       }
     });
     number_.assign(best.size(), no_leader);
-    std::vector<double> leaders;
     pack(
-        best.size(), light_grain, run_, [&](std::uint64_t c) { return best[c] != 0; },
+        best.size(), 8192, run_, [&](std::uint64_t c) { return best[c] != 0; },
         [&](std::uint64_t all) {
-      leaders.resize(all * D);
+      frame_.make_room(all);
       return true;
         },
         [&](std::uint64_t c, std::uint64_t k) {
       number_[c] = static_cast<std::uint32_t>(k);
       const std::uint64_t i = no_leader - static_cast<std::uint32_t>(best[c]);
-      std::copy_n(rows_.data() + i * D, D, leaders.data() + k * D);
+      frame_.place(k, rows_.data() + i * D);
     });
-    frame_.take(std::move(leaders));
     return frame_.size() > D;
   }
 
