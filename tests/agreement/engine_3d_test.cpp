@@ -80,12 +80,20 @@ void expect_certified_for_any_threads(const PointSet& set, std::initializer_list
 
 // Large enough for several pieces and for the order by normals.
 TEST(Engine3D, SameForAnyThreadsAndCertified) {
-  for (const PointSet& set : sets(20000)) expect_certified_for_any_threads(set, {2, 3, 4, 8});
+  for (const PointSet& set : sets(20000))
+    expect_certified_for_any_threads(set, {2, 3, 4, 8, 16, 64});
 }
 
 // A round in pieces, then one where all threads look for the few points that see the surface.
 TEST(Engine3D, ScreeningAfterPieces) {
   expect_certified_for_any_threads(generated("cube-surface", 200000, 3), {2, 8});
+}
+
+// The points at the borders are cut again several times: on a sphere by turned curves, on a cylinder,
+// where its caps meet the lateral surface, by planes too.
+TEST(Engine3D, BordersAreCutAgain) {
+  for (const char* shape : {"sphere", "cylinder"})
+    expect_certified_for_any_threads(generated(shape, 200000, 3), {2, 16, 64});
 }
 
 // So many points in few cells of the curve that these are ordered once more.

@@ -41,25 +41,80 @@ std::uint32_t place(const std::vector<T>& borders, T v) {
                                     borders.begin());
 }
 
+/// Borders between `count` parts of about the same size: the middles of the widest gaps between the
+/// values in reach of a quarter of a part.
+template <class T>
+std::vector<T> in_gaps(std::vector<T>& values, std::size_t count) {
+  std::sort(values.begin(), values.end());
+  const auto at = [&](std::size_t quarters) {
+    return std::clamp<std::size_t>(values.size() * quarters / (4 * count), 1, values.size() - 1);
+  };
+  std::vector<T> borders;
+  for (std::size_t t = 1; t < count; ++t) {
+    std::size_t best = at(4 * t - 1);
+    for (std::size_t i = best; i <= at(4 * t + 1); ++i)
+      if (values[i] - values[i - 1] > values[best] - values[best - 1]) best = i;
+    borders.push_back(values[best] - (values[best] - values[best - 1]) / 2);
+  }
+  std::sort(borders.begin(), borders.end());
+  return borders;
+}
+
+/// Keys of up to `room` facets.
+template <std::uint32_t room, class At>
+void facet_keys(const Cut3D& cut, const Shared3D& shared, std::uint32_t count, const At& at,
+                std::uint32_t* out) {
+  double x[3][room] = {};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    double m[3];
+    if (cut.by_normals)
+      std::copy_n(at(i).normal, 3, m);
+    else
+      shared.middle(at(i), m);
+    for (unsigned j = 0; j < 3; ++j) x[j][i] = m[j];
+  }
+  cut.key.keys(x[0], x[1], x[2], cut.bits, out, count);
+}
+
 }  // namespace
 
 std::uint32_t Cut3D::piece_of(const double* p) const {
   return place(levels, axis[0] * p[0] + axis[1] * p[1] + axis[2] * p[2]);
 }
 
-void Engine3D::middle(const Facet3D& f, double* out) const {
-  for (unsigned j = 0; j < 3; ++j)
-    out[j] = (shared_.row(f.vertices[0])[j] + shared_.row(f.vertices[1])[j] +
-              shared_.row(f.vertices[2])[j]) /
-             3;
+std::uint32_t Cut3D::piece_of_key(std::uint32_t k) const { return place(keys, k); }
+
+std::uint32_t Cut3D::piece_of(const Shared3D& shared, const Facet3D& facet) const {
+  if (planes()) {
+    double m[3];
+    shared.middle(facet, m);
+    return piece_of(m);
+  }
+  std::uint32_t out[16];
+  facet_keys<16>(
+      *this, shared, 1, [&](std::uint32_t) -> const Facet3D& { return facet; }, out);
+  return place(keys, out[0]);
+}
+
+void Cut3D::keys_of(const Shared3D& shared, const Waiting3D* waiting, std::uint32_t count,
+                    std::uint32_t* out) const {
+  std::uint32_t padded[DirectionKey::block];
+  facet_keys<DirectionKey::block>(
+      *this, shared, count,
+      [&](std::uint32_t i) -> const Facet3D& { return shared.facets[waiting[i].facet]; }, padded);
+  std::copy_n(padded, count, out);
 }
 
 /// Cuts along the curve of directions or of normals: a piece begins at the key of its first point.
 Cut3D Engine3D::cut_along_curve(const std::vector<Work>& work) const {
   Cut3D cut;
+  cut.key = by_normals_ ? normal_key_ : key_;
+  cut.bits = order_.key_bits;
+  cut.by_normals = by_normals_;
   for (std::size_t t = 1; t < work.size(); ++t) {
     const double* p = shared_.row(work[t].begin);
-    cut.keys.push_back(by_normals_ ? rank_[climb(shared_, live_facet(), p)] : key_of(p));
+    cut.keys.push_back(by_normals_ ? rank_[climb(shared_, live_facet(), live_facet(), p)]
+                                   : key_of(p));
   }
   return cut;
 }
@@ -86,11 +141,12 @@ double Engine3D::share_cut(const Cut3D& cut, const std::vector<Id>& sample) cons
       const Facet3D& facet = facets_[sample[first + i]];
       for (unsigned k = 0; k < 4; ++k) {
         double m[3];
-        if (k == 3) middle(facet, m);
+        if (k == 3) shared_.middle(facet, m);
         const double* p = k < 3 ? shared_.row(facet.vertices[k]) : m;
         for (unsigned j = 0; j < 3; ++j) x[j][4 * i + k] = p[j];
-        if (cut.planes()) piece[4 * i + k] = cut.piece_of(p);
-        if (by_normals_)
+        if (cut.planes())
+          piece[4 * i + k] = cut.piece_of(p);
+        else if (by_normals_)
           piece[4 * i + k] =
               place(cut.keys, rank_[k < 3 ? facet.neighbours[k] : sample[first + i]]);
       }
@@ -144,20 +200,12 @@ Cut3D Engine3D::cut_by_planes(const double* axis, Id begin, Id end, std::size_t 
   return cut;
 }
 
-/// Chooses the cut that divides the fewest facets. Facets as long as the body, as on cylinders or
-/// between two polygons, should lie along the cut, not across it. So, besides the curve, tries
-/// planes orthogonal to the main axes of the facets' edges (after the map that makes the points
-/// round) and to the coordinate axes.
-Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
-  Cut3D best = cut_along_curve(work);
-  const std::vector<Id> sample = sample_facets();
-  double least = share_cut(best, sample);
-  // A round piece has about 6 sqrt(F / pieces) of all F facets at its border: where the curve
-  // divides no more, planes would not do better, and trying them takes two milliseconds.
-  const double round =
-      6 * std::sqrt(static_cast<double>(work.size()) / static_cast<double>(slots_));
-  if (least <= std::max(1.0 / 32, round)) return best;
-
+/// Replaces `best` by planes(axis) where share(planes) is the least, and below `least`: orthogonal
+/// to the main axes of the facets' edges (after the map that makes the points round) and to the
+/// coordinate axes.
+template <class Planes, class Share>
+void Engine3D::try_planes(const std::vector<Id>& sample, double least, const Planes& planes,
+                          const Share& share, Cut3D& best) const {
   const auto& linear = key_.map().linear;
   double moments[3][3] = {}, main_axes[3][3];
   for (const Id f : sample)
@@ -175,20 +223,88 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
         for (unsigned j = 0; j < 3; ++j) moments[i][j] += e[i] * e[j] / std::sqrt(square);
     }
   eigenvectors(moments, main_axes);
-  least /= 2;  // halved, because planes require reordering the points
   for (unsigned k = 0; k < 6; ++k) {
     double axis[3] = {};
     for (unsigned j = 0; j < 3; ++j)
       for (unsigned i = 0; i < 3; ++i)
         axis[j] += k < 3 ? main_axes[k][i] * linear[i][j] : (i == k - 3 && i == j ? 1 : 0);
-    Cut3D cut = cut_by_planes(axis, work.front().begin, work.back().end, work.size());
+    Cut3D cut = planes(axis);
     if (!cut.planes()) continue;
-    const double share = share_cut(cut, sample);
-    if (!(share < least)) continue;
-    least = share;
-    best = std::move(cut);
+    const double s = share(cut);
+    if (!(s < least)) continue;
+    least = s;
+    best.levels = std::move(cut.levels);
+    std::copy_n(axis, 3, best.axis);
   }
+}
+
+/// Chooses the cut that divides the fewest facets. Facets as long as the body, as on cylinders or
+/// between two polygons, should lie along the cut, not across it. So, besides the curve, tries
+/// planes orthogonal to the main axes of the facets' edges (after the map that makes the points
+/// round) and to the coordinate axes.
+Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
+  Cut3D best = cut_along_curve(work);
+  const std::vector<Id> sample = sample_facets();
+  double least = share_cut(best, sample);
+  // A round piece has about 6 sqrt(F / pieces) of all F facets at its border: where the curve
+  // divides no more, planes would not do better, and trying them takes two milliseconds.
+  const double round =
+      6 * std::sqrt(static_cast<double>(work.size()) / static_cast<double>(slots_));
+  if (least <= std::max(1.0 / 32, round)) return best;
+
+  // Halved, because planes require reordering the points.
+  try_planes(
+      sample, least / 2,
+      [&](const double* axis) {
+    return cut_by_planes(axis, work.front().begin, work.back().end, work.size());
+      },
+      [&](const Cut3D& cut) { return share_cut(cut, sample); }, best);
   return best;
+}
+
+/// Chooses borders for points that wait at others: along the turned curve or, where these would be
+/// beside many of the points' facets, by planes. Borders lie in gaps between the points, which are
+/// wide where facets are slivers and points wait in as many stripes as there were borders.
+void Engine3D::choose_next_cut(const std::vector<Waiting3D>& left, const Id* keys,
+                               std::size_t count) {
+  const std::size_t step = 1 + left.size() / (64 * count), few = 1 + left.size() / 256;
+  std::vector<Id> along, sample;
+  for (std::size_t i = 0; i < left.size(); i += step) along.push_back(keys[i]);
+  for (std::size_t i = 0; i < left.size(); i += few) sample.push_back(left[i].facet);
+  cut_.keys = in_gaps(along, count);
+  if (!by_normals_) return;
+  const auto share = [&](const Cut3D& cut) {
+    std::size_t beside = 0;
+    for (const Id f : sample) {
+      const Id piece = cut.piece_of(shared_, facets_[f]);
+      const auto other = [&](Id g) { return cut.piece_of(shared_, facets_[g]) != piece; };
+      const Id* n = facets_[f].neighbours;
+      beside += std::any_of(n, n + 3, [&](Id g) {
+        const Id* m = facets_[g].neighbours;
+        return other(g) || std::any_of(m, m + 3, other);
+      });
+    }
+    return static_cast<double>(beside) / static_cast<double>(sample.size());
+  };
+  // Where normals order the points, a border along the rim of a cylinder would be one after every
+  // turn: cap and lateral surface are far apart by their normals.
+  const double least = share(cut_);
+  if (least <= 0.25) return;
+  try_planes(
+      sample, least,
+      [&](const double* axis) {
+    Cut3D cut;
+    std::copy_n(axis, 3, cut.axis);
+    std::vector<double> places;
+    for (std::size_t i = 0; i < left.size(); i += step) {
+      double m[3];
+      shared_.middle(facets_[left[i].facet], m);
+      places.push_back(axis[0] * m[0] + axis[1] * m[1] + axis[2] * m[2]);
+    }
+    cut.levels = in_gaps(places, count);
+    return cut;
+      },
+      share, cut_);
 }
 
 }  // namespace cullhull::internal

@@ -19,7 +19,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Face of the cube and cell on it, for a block of positions.
 void cells(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
-           double cells_per_axis, std::int32_t* face, std::int32_t* u, std::int32_t* v) {
+           std::uint32_t count, double cells_per_axis, std::int32_t* face, std::int32_t* u,
+           std::int32_t* v) {
   using D = hn::ScalableTag<double>;
   using V = hn::Vec<D>;
   const D d;
@@ -29,8 +30,7 @@ void cells(const DirectionKey::Map& map, const double* x, const double* y, const
     return hn::MulAdd(hn::Set(d, row[0]), a,
                       hn::MulAdd(hn::Set(d, row[1]), b, hn::Mul(hn::Set(d, row[2]), c)));
   };
-  for (std::uint32_t i = 0; i < DirectionKey::block;
-       i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+  for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
     const V a = hn::Sub(hn::LoadU(d, x + i), hn::Set(d, map.centre[0]));
     const V b = hn::Sub(hn::LoadU(d, y + i), hn::Set(d, map.centre[1]));
     const V c = hn::Sub(hn::LoadU(d, z + i), hn::Set(d, map.centre[2]));
@@ -68,13 +68,12 @@ HWY_INLINE hn::Vec<hn::ScalableTag<std::uint64_t>> load(hn::ScalableTag<std::uin
 
 /// Position on the Hilbert curve of a face's cells; branchless, as branches would be unpredictable.
 template <class Key>
-void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* v, unsigned bits,
-           Key* keys) {
+void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* v,
+           std::uint32_t count, unsigned bits, Key* keys) {
   const hn::ScalableTag<Key> d;
   using V = hn::Vec<decltype(d)>;
   const V one = hn::Set(d, Key{1});
-  for (std::uint32_t i = 0; i < DirectionKey::block;
-       i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+  for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
     V key = load(d, face + i), x = load(d, u + i), y = load(d, v + i);
     for (unsigned digit = bits; digit-- > 0;) {
       const V rx = hn::And(hn::ShiftRightSame(x, static_cast<int>(digit)), one);
@@ -95,20 +94,20 @@ void curve(const std::int32_t* face, const std::int32_t* u, const std::int32_t* 
 
 template <class Key>
 void keys_of(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
-             unsigned bits, Key* keys) {
+             std::uint32_t count, unsigned bits, Key* keys) {
   HWY_ALIGN std::int32_t face[DirectionKey::block], u[DirectionKey::block], v[DirectionKey::block];
-  cells(map, x, y, z, static_cast<double>(1U << bits), face, u, v);
-  curve(face, u, v, bits, keys);
+  cells(map, x, y, z, count, static_cast<double>(1U << bits), face, u, v);
+  curve(face, u, v, count, bits, keys);
 }
 
 void direction_keys(const DirectionKey::Map& map, const double* x, const double* y, const double* z,
-                    unsigned bits, std::uint32_t* keys) {
-  keys_of(map, x, y, z, bits, keys);
+                    std::uint32_t count, unsigned bits, std::uint32_t* keys) {
+  keys_of(map, x, y, z, count, bits, keys);
 }
 
 void fine_direction_keys(const DirectionKey::Map& map, const double* x, const double* y,
                          const double* z, std::uint64_t* keys) {
-  keys_of(map, x, y, z, 24, keys);
+  keys_of(map, x, y, z, DirectionKey::block, 24, keys);
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -121,8 +120,8 @@ HWY_EXPORT(direction_keys);
 HWY_EXPORT(fine_direction_keys);
 
 void DirectionKey::keys(const double* x, const double* y, const double* z, unsigned bits,
-                        std::uint32_t* keys) const {
-  HWY_DYNAMIC_DISPATCH(direction_keys)(map_, x, y, z, bits, keys);
+                        std::uint32_t* keys, std::uint32_t count) const {
+  HWY_DYNAMIC_DISPATCH(direction_keys)(map_, x, y, z, count, bits, keys);
 }
 
 void DirectionKey::fine_keys(const double* x, const double* y, const double* z,
@@ -205,6 +204,19 @@ DirectionKey DirectionKey::for_normals() const {
   double inverse[3][3];  // of the transpose, as rows are passed as columns
   if (invert(map_.linear, inverse))
     std::copy(&inverse[0][0], &inverse[0][0] + 9, &key.map_.linear[0][0]);
+  return key;
+}
+
+DirectionKey DirectionKey::turned() const {
+  // The rotation of the quaternion (4, 1, 2, 3): no power of it maps the cube to itself.
+  constexpr double rotation[3][3] = {{4, -20, 22}, {28, 10, 4}, {-10, 20, 20}};
+  DirectionKey key(*this);
+  for (unsigned i = 0; i < 3; ++i)
+    for (unsigned j = 0; j < 3; ++j) {
+      key.map_.linear[i][j] = 0;
+      for (unsigned k = 0; k < 3; ++k)
+        key.map_.linear[i][j] += rotation[i][k] / 30 * map_.linear[k][j];
+    }
   return key;
 }
 

@@ -14,14 +14,24 @@
 
 namespace cullhull::internal {
 
-/// Borders between the pieces of a surface: parallel planes, or keys along the insertion order.
+/// Borders between the pieces of a surface: parallel planes, or keys along a curve of directions or
+/// of normals.
 struct Cut3D {
   double axis[3] = {0, 0, 0};
-  std::vector<double> levels;       // of the planes, ascending
-  std::vector<std::uint32_t> keys;  // of the first point of every piece except the first
+  std::vector<double> levels;  // of the planes, ascending
+  DirectionKey key;
+  unsigned bits = 12;
+  bool by_normals = false;
+  std::vector<std::uint32_t> keys;  // the first of every piece except the first
   bool planes() const { return !levels.empty(); }
   /// For planes: the piece that contains p.
   std::uint32_t piece_of(const double* p) const;
+  /// The piece of a facet: that of its middle or its normal. Not for ranks.
+  std::uint32_t piece_of(const Shared3D& shared, const Facet3D& facet) const;
+  /// Keys of the facets of up to DirectionKey::block waiting points.
+  void keys_of(const Shared3D& shared, const Waiting3D* waiting, std::uint32_t count,
+               std::uint32_t* out) const;
+  std::uint32_t piece_of_key(std::uint32_t key) const;
 };
 
 class Engine3D {
@@ -51,27 +61,33 @@ class Engine3D {
   TriangleMesh surface();
 
   // pieces_3d.cpp
-  struct Work {  // the points of a piece: positions, or a range of them
-    std::vector<Id> positions;
+  struct Work {  // the points of a piece: a range of positions, or of waiting_
     Id begin = 0, end = 0;
   };
   void insert_in_pieces(Id begin, Id end);
   void screen_and_insert(Id begin, Id end);
+  void insert_waiting(std::vector<Waiting3D> left);
   void cut(std::vector<Work>& work);
-  void divide(std::vector<Work>& work, const Cut3D& cut) const;
-  void own_facets(const Cut3D& cut);
+  std::vector<Work> cut_again(std::vector<Waiting3D>& left, Id count);
+  template <class At, class PieceOf>
+  std::vector<Work> deal(std::uint64_t points, Id count, const At& at, const PieceOf& piece_of);
+  void make_pieces(const std::vector<Work>& work);
+  void own_facets();
   void find_entries(Id begin, Id end);
-  void run_pieces(const std::vector<Work>& work, Id begin, Id end);
-  std::vector<Work> join_pieces();
+  void run_pieces(const std::vector<Work>& work, bool waiting);
+  std::vector<Waiting3D> join_pieces();
 
   // cut_3d.cpp
   Cut3D choose_cut(const std::vector<Work>& work) const;
   Cut3D cut_along_curve(const std::vector<Work>& work) const;
+  void choose_next_cut(const std::vector<Waiting3D>& left, const Id* keys, std::size_t count);
+  template <class Planes, class Share>
+  void try_planes(const std::vector<Id>& sample, double least, const Planes& planes,
+                  const Share& share, Cut3D& best) const;
   Cut3D cut_by_planes(const double* axis, Id begin, Id end, std::size_t count) const;
   double share_cut(const Cut3D& cut, const std::vector<Id>& sample) const;
   std::vector<Id> sample_facets() const;
   std::uint32_t key_of(const double* p) const;
-  void middle(const Facet3D& f, double* out) const;
 
   // normals_3d.cpp
   void sort_by_normals(std::size_t round);
@@ -94,6 +110,9 @@ class Engine3D {
   bool normals_help_ = true;  // false once they did not shorten walks
   bool few_seen_ = false;     // few of the last round's points were outside
   std::vector<Piece3D> pieces_;
+  Cut3D cut_;                    // the last one
+  Id owners_ = 1;                // all facets' owners are below it
+  BigArray<Waiting3D> waiting_;  // piece by piece
   std::vector<Entries3D::Entry> entries_;
 };
 

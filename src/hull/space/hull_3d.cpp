@@ -68,6 +68,8 @@ Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, const Run& run)
   shared_.control = &run_.control;
   shared_.order = order_.ids.get();
   shared_.rows = rows_.get();
+  cut_.key = key_;
+  cut_.bits = order_.key_bits;
 }
 
 void Engine3D::copy_rows() {
@@ -145,10 +147,8 @@ void Engine3D::insert_round(Id begin, Id end) {
     return;
   }
   // An insertion adds two facets, but temporarily uses up to two more.
-  const std::uint64_t bound =
-      slots_ + 2 * std::uint64_t{end - begin} + 64 * std::uint64_t{run_.threads};
+  const std::uint64_t bound = slots_ + 2 * std::uint64_t{end - begin} + 64;
   if (large && bound <= std::min<std::uint64_t>(run_.budget / bytes_per_facet, none - 1)) {
-    reserve(bound);
     insert_in_pieces(begin, end);
     return;
   }

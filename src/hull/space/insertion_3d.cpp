@@ -18,6 +18,7 @@
 #include <limits>
 
 #include "cullhull/error.hpp"
+#include "hull/space/engine_3d.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace cullhull::internal::HWY_NAMESPACE {
@@ -79,7 +80,7 @@ class Inserter {
     use_scratch();
   }
 
-  void insert_all(const Id* positions, Id begin, Id end,
+  void insert_all(const Waiting3D* waiting, Id begin, Id end,
                   const std::function<void(double)>* progress) {
     for (Id k = begin; k < end; ++k) {
       if ((k - begin) % 256 == 255) {
@@ -87,13 +88,15 @@ class Inserter {
         if (progress != nullptr && (k - begin) % 65536 == 65535)
           (*progress)(static_cast<double>(k - begin) / (end - begin));
       }
-      const Id p = positions != nullptr ? positions[k] : k;
-      const Id next = k + 1 == end ? p : positions != nullptr ? positions[k + 1] : k + 1;
-      // Listed points may be far apart: a new block of them starts at its own entry.
-      if (positions != nullptr &&
-          (k == begin || p / Entries3D::block != positions[k - 1] / Entries3D::block))
-        enter(p);
-      if (!insert(p, next)) piece_.deferred.push_back(p);
+      const Id p = waiting != nullptr ? waiting[k].point : k;
+      const Id next = k + 1 == end ? p : waiting != nullptr ? waiting[k + 1].point : k + 1;
+      offset(s_.row(p), y_);
+      // Waiting points may be far apart: the walk begins at the better of two facets.
+      if (waiting != nullptr && usable(waiting[k].facet) &&
+          gauge(waiting[k].facet, y_) > gauge(piece_.hint, y_))
+        piece_.hint = waiting[k].facet;
+      if (!insert(p, next, waiting != nullptr ? waiting + k : nullptr))
+        piece_.deferred.push_back({p, piece_.hint});
     }
   }
 
@@ -104,7 +107,7 @@ class Inserter {
       offset(s_.row(p), y_);
       const Id seen = locate(p);
       if (seen == inside) continue;
-      piece_.deferred.push_back(p);
+      piece_.deferred.push_back({p, seen});
       piece_.hint = seen;
     }
   }
@@ -120,6 +123,15 @@ class Inserter {
     const Id* v = facets_[f].vertices;
     return predicates_.side(point(v[0]), point(v[1]), point(v[2]), point(p), piece_.rungs);
   }
+
+  HWY_INLINE bool owns(const Facet3D& f) const {
+    return HWY_LIKELY(piece_.owns(f)) || (f.owner < piece_.old_owners && claims(f));
+  }
+  HWY_NOINLINE bool claims(const Facet3D& f) const {
+    return piece_.old_owners + piece_.cut->piece_of(s_, f) == piece_.first_owner;
+  }
+  /// Whether f is a facet of this piece. Called for facets that were so when the surface was cut.
+  bool usable(Id f) const { return f != Facet3D::none && owns(facets_[f]); }
 
   HWY_INLINE bool sees(Id f, Id p) {
     const double g = gauge(f, y_), e = facets_[f].error;
@@ -169,7 +181,7 @@ class Inserter {
         best_gauge = std::max(h, best_gauge);
       }
       if (best == f) return judge(f, g, p);
-      if (HWY_UNLIKELY(!piece_.owns(facets_[best]))) {
+      if (HWY_UNLIKELY(!owns(facets_[best]))) {
         piece_.hint = f;
         return foreign;
       }
@@ -207,7 +219,7 @@ class Inserter {
         if (cone_side(f, j, p) == Sign::negative) next = facets_[f].neighbours[j];
       }
       if (next == inside) break;
-      if (!piece_.owns(facets_[next])) return foreign;
+      if (!owns(facets_[next])) return foreign;
       f = next;
       if (gauge(f, y_) > 1 + facets_[f].error) return f;
     }
@@ -218,36 +230,35 @@ class Inserter {
     return inside;
   }
 
-  /// Starts the walk to p at the entry of its block; false where that facet no longer certainly
-  /// belongs to this piece.
-  bool enter(Id p) {
-    if (piece_.entries.entries == nullptr) return false;
+  /// The facet where the walk to p can begin; `none` where that facet is not certainly this
+  /// piece's, as the slot of another piece's facet must not be read.
+  Id entry_of(Id p) const {
+    if (piece_.entries.entries == nullptr) return Facet3D::none;
     const Entries3D::Entry& e =
         piece_.entries.entries[p / Entries3D::block - piece_.entries.first_block];
-    // The slot of another piece's facet must not be read.
-    if (!piece_.owns(e.owner) || !piece_.owns(facets_[e.facet])) return false;
-    piece_.hint = e.facet;
-    return true;
+    return piece_.owns(e.owner) ? e.facet : Facet3D::none;
   }
 
-  /// Inserts p. Returns false, having changed nothing, if p involves facets of other pieces.
-  /// `next`: the point after p, whose walk starts at the new facet that is best for it.
-  bool insert(Id p, Id next) {
-    offset(s_.row(p), y_);
+  /// Inserts p, which is y_ + O. Returns false, having changed nothing, if p involves facets of
+  /// other pieces. `next`: the point after p, whose walk starts at the new facet that is best for
+  /// it.
+  bool insert(Id p, Id next, const Waiting3D* waiting) {
     Id seed = locate(p);
     if (HWY_UNLIKELY(seed == foreign)) {
       // The walk met another piece, but its goal may belong to this one: retry from p's entry.
-      if (!enter(p)) return false;
+      const Id entry = waiting != nullptr ? waiting->facet : entry_of(p);
+      if (!usable(entry)) return false;
+      piece_.hint = entry;
       seed = locate(p);
       if (seed == foreign) return false;
     }
     if (seed == inside) return true;
     piece_.rungs.count(Rung::plane);
-    ++piece_.inserted;
     if (!find_cavity(p, seed)) {
       piece_.hint = seed;
       return false;
     }
+    ++piece_.inserted;
     replace_cavity(p, next);
     return true;
   }
@@ -302,7 +313,7 @@ class Inserter {
       const Id g = facets_[f].neighbours[edge];
       Facet3D& other = facets_[g];
       // The mark of another piece's facet must not be read.
-      if (HWY_UNLIKELY(other.owner - first_owner >= owners)) return false;
+      if (HWY_UNLIKELY(other.owner - first_owner >= owners && !owns(other))) return false;
       if (other.mark != epoch) {
         const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
                               2 * static_cast<unsigned>(other.neighbours[2] == f);
@@ -415,10 +426,10 @@ class Inserter {
 
 }  // namespace
 
-void insert_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+void insert_points_in(const Shared3D& shared, Piece3D& piece, const Waiting3D* waiting,
                       std::uint32_t begin, std::uint32_t end,
                       const std::function<void(double)>* progress) {
-  Inserter(shared, piece).insert_all(positions, begin, end, progress);
+  Inserter(shared, piece).insert_all(waiting, begin, end, progress);
 }
 
 void screen_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
@@ -426,12 +437,17 @@ void screen_points_in(const Shared3D& shared, Piece3D& piece, const std::uint32_
   Inserter(shared, piece).screen_all(positions, begin, end);
 }
 
-std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, const double* p) {
+std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, std::uint32_t other,
+                       const double* p) {
   const double* centre = shared.predicates->centre();
   const double y[3] = {p[0] - centre[0], p[1] - centre[1], p[2] - centre[2]};
   const Facet3D* facets = shared.facets;
   Id f = start;
   double g = gauge_of(facets[f], y);
+  if (const double h = gauge_of(facets[other], y); h > g) {
+    f = other;
+    g = h;
+  }
   while (g <= 1 + facets[f].error) {
     Id best = f;
     for (const Id n : facets[f].neighbours) {
@@ -474,10 +490,10 @@ HWY_EXPORT(screen_points_in);
 HWY_EXPORT(climb_in);
 HWY_EXPORT(compute_plane_in);
 
-void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+void insert_points(const Shared3D& shared, Piece3D& piece, const Waiting3D* waiting,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress) {
-  HWY_DYNAMIC_DISPATCH(insert_points_in)(shared, piece, positions, begin, end, progress);
+  HWY_DYNAMIC_DISPATCH(insert_points_in)(shared, piece, waiting, begin, end, progress);
 }
 
 void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
@@ -485,8 +501,9 @@ void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
   HWY_DYNAMIC_DISPATCH(screen_points_in)(shared, piece, positions, begin, end);
 }
 
-std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p) {
-  return HWY_DYNAMIC_DISPATCH(climb_in)(shared, start, p);
+std::uint32_t climb(const Shared3D& shared, std::uint32_t start, std::uint32_t other,
+                    const double* p) {
+  return HWY_DYNAMIC_DISPATCH(climb_in)(shared, start, other, p);
 }
 
 void compute_plane(const Shared3D& shared, Facet3D& facet) {

@@ -47,6 +47,18 @@ struct Shared3D {
   Facet3D* facets = nullptr;
 
   const double* row(std::uint32_t p) const { return rows + std::size_t{p} * row_stride; }
+  /// The mean of a facet's vertices.
+  void middle(const Facet3D& f, double* out) const {
+    for (unsigned j = 0; j < 3; ++j)
+      out[j] = (row(f.vertices[0])[j] + row(f.vertices[1])[j] + row(f.vertices[2])[j]) / 3;
+  }
+};
+
+struct Cut3D;
+
+/// A point that is not inserted yet, and the facet where the walk to it begins, or `none`.
+struct Waiting3D {
+  std::uint32_t point, facet;
 };
 
 /// Facets where walks begin, one for every block of points, found when the surface was cut.
@@ -59,21 +71,33 @@ struct Entries3D {
   std::uint32_t first_block = 0;
 };
 
-/// The state of one thread. Aligned so that no two threads write to the same cache line.
+/// A piece of the surface, and the state of the thread that inserts into it. Aligned so that no two
+/// threads write to the same cache line.
 struct alignas(256) Piece3D {
   std::uint32_t first_owner = 0, owner_count = 1;  // the facets it owns
+  // Facets with owners below this belong to the piece where `cut` puts them: piece 0 has this
+  // owner, piece 1 the next. So a surface is cut again without visiting its facets.
+  std::uint32_t old_owners = 0;
+  const Cut3D* cut = nullptr;
   std::uint32_t epoch = 0;
   std::uint32_t hint = 0;
   XorShift random;
   std::uint32_t next_slot = 0, end_slot = 0;                   // slots never used
   std::vector<std::uint32_t> free;                             // slots used before
   std::vector<std::pair<std::uint32_t, std::uint32_t>> spare;  // ranges of unused slots
-  std::vector<std::uint32_t> deferred;  // points that involve other pieces' facets, ascending
+  std::vector<Waiting3D> deferred;  // points that involve other pieces' facets
   std::vector<std::pair<std::uint32_t, std::uint32_t>> duplicates;
   RungCounts rungs;
   std::uint64_t steps = 0, inserted = 0;
   Entries3D entries;
 
+  /// Adds what another has counted and found.
+  void add_counts(const Piece3D& o) {
+    duplicates.insert(duplicates.end(), o.duplicates.begin(), o.duplicates.end());
+    rungs += o.rungs;
+    steps += o.steps;
+    inserted += o.inserted;
+  }
   bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
   bool owns(const Facet3D& f) const { return owns(f.owner); }
 
@@ -88,22 +112,23 @@ struct alignas(256) Piece3D {
   std::vector<double> ring_x, ring_y, ring_z, planes, gauges;
 };
 
-/// Inserts the points at the given ascending positions, or [begin, end) where `positions` is null.
-/// Appends points that involve facets of other pieces to `deferred`. `progress`: called every
-/// 65,536 points with the share done; may be null.
-void insert_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
+/// Inserts waiting[begin, end), whose facets the piece owns, or the points [begin, end) where
+/// `waiting` is null. Appends points that involve facets of other pieces to `deferred`. `progress`:
+/// called every 65,536 points with the share done; may be null.
+void insert_points(const Shared3D& shared, Piece3D& piece, const Waiting3D* waiting,
                    std::uint32_t begin, std::uint32_t end,
                    const std::function<void(double)>* progress);
 
-/// Appends those of the points (as for insert_points) that are outside of the surface to
-/// piece.deferred; as surfaces only grow, the others never matter again. Only reads the surface,
-/// all of which the piece must own.
+/// Appends those of the points at the given positions, or of [begin, end) where `positions` is
+/// null, that are outside of the surface to piece.deferred; as surfaces only grow, the others never
+/// matter again. Only reads the surface, all of which the piece must own.
 void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* positions,
                    std::uint32_t begin, std::uint32_t end);
 
 /// The facet through which the ray from O through p leaves, up to rounding, or a facet visible from
-/// p. Climbs from `start`; only reads.
-std::uint32_t climb(const Shared3D& shared, std::uint32_t start, const double* p);
+/// p. Climbs from the better of two facets; only reads.
+std::uint32_t climb(const Shared3D& shared, std::uint32_t start, std::uint32_t other,
+                    const double* p);
 
 /// Fills normal and error of a facet from its vertices.
 void compute_plane(const Shared3D& shared, Facet3D& facet);

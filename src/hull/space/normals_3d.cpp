@@ -78,7 +78,7 @@ void Engine3D::sort_by_normals(std::size_t round) {
     for (std::uint64_t i = first; i < last; ++i) {
       const auto position = static_cast<Id>(begin + i);
       const double* p = shared_.row(position);
-      f = climb(shared_, f, p);
+      f = climb(shared_, f, f, p);
       const double way = way_across(f, p);
       keyed[i] = {(rank_[f] << way_bits) | static_cast<Id>(way * (1U << way_bits)), position};
     }

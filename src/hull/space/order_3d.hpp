@@ -18,14 +18,18 @@ class DirectionKey {
  public:
   static constexpr std::uint32_t block = 64;
 
+  DirectionKey() = default;
   DirectionKey(const LocalPoints& points, const double* centre, const std::uint32_t* simplex);
 
   /// The same for normals of planes, which the map transforms by its inverse transpose.
   DirectionKey for_normals() const;
+  /// The same curve, turned about an axis by an angle that is no fraction of a full turn.
+  DirectionKey turned() const;
 
-  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < block; bits <= 14.
-  void keys(const double* x, const double* y, const double* z, unsigned bits,
-            std::uint32_t* keys) const;
+  /// keys[i] in [0, 6 * 4^bits) of the positions (x[i], y[i], z[i]), i < count <= block; bits
+  /// <= 14. All arrays have room for a multiple of 16.
+  void keys(const double* x, const double* y, const double* z, unsigned bits, std::uint32_t* keys,
+            std::uint32_t count = block) const;
   /// The same with 24 bits per axis.
   static constexpr unsigned fine_bits = 2 * 24 + 3;
   void fine_keys(const double* x, const double* y, const double* z, std::uint64_t* keys) const;
@@ -37,8 +41,7 @@ class DirectionKey {
   const Map& map() const { return map_; }
 
  private:
-  DirectionKey() = default;
-  Map map_;
+  Map map_{};
 };
 
 /// Biased randomised insertion order (Amenta, Choi, Rote 2003): rounds of geometrically growing

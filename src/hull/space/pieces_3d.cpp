@@ -1,13 +1,15 @@
-// The 3D engine on several threads: the surface is cut into pieces, which are joined pairwise.
+// The 3D engine on several threads: the surface is cut into pieces, and where their borders were it
+// is cut again along others.
 #include <algorithm>
 #include <thread>
 
 #include "hull/space/engine_3d.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 
-/// For rounds with few points outside: all threads search for these, one inserts them.
+/// For rounds with few points outside: all threads search for these.
 void Engine3D::screen_and_insert(Id begin, Id end) {
   constexpr std::uint64_t chunk = 1 << 13;
   std::vector<Piece3D> readers(chunk_count(end - begin, chunk));
@@ -19,21 +21,17 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
     screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
                   static_cast<Id>(begin + last));
   });
-  Piece3D& all = pieces_[0];
-  std::vector<Id> seen;
-  for (Piece3D& r : readers) {
+  std::vector<Waiting3D> seen;
+  for (const Piece3D& r : readers) {
     seen.insert(seen.end(), r.deferred.begin(), r.deferred.end());
-    all.duplicates.insert(all.duplicates.end(), r.duplicates.begin(), r.duplicates.end());
-    all.rungs += r.rungs;
-    all.steps += r.steps;
+    pieces_[0].add_counts(r);
   }
   give_slots(static_cast<Id>(seen.size()));
-  insert_points(shared_, all, seen.data(), 0, static_cast<Id>(seen.size()), nullptr);
-  take_back_slots();
+  insert_waiting(std::move(seen));
 }
 
 /// Cuts the surface into pieces with about equally many new points, inserts into them in parallel,
-/// and joins neighbouring pieces pairwise until the points at the last border are inserted.
+/// and then the points at the borders.
 void Engine3D::insert_in_pieces(Id begin, Id end) {
   const Id count = std::min<Id>(run_.threads, (end - begin) / (smallest_parallel_round / 4));
   std::vector<Work> work(count);
@@ -42,85 +40,144 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
     work[t].begin = begin + static_cast<Id>(points * t / count);
     work[t].end = begin + static_cast<Id>(points * (t + 1) / count);
   }
-  cut(work);
-  run_pieces(work, begin, end);
-  while (pieces_.size() > 1) {
-    work = join_pieces();
-    run_pieces(work, begin, end);
+  cut_ = choose_cut(work);
+  own_facets();
+  find_entries(begin, end);
+  if (cut_.planes())
+    work = deal(
+        end - begin, count,
+        [&](std::uint64_t i) {
+      const Entries3D::Entry& e =
+          entries_[(begin + i) / Entries3D::block - begin / Entries3D::block];
+      const auto p = static_cast<Id>(begin + i);
+      return Waiting3D{p, e.owner == cut_.piece_of(shared_.row(p)) ? e.facet : none};
+        },
+        [&](std::uint64_t i) { return cut_.piece_of(shared_.row(static_cast<Id>(begin + i))); });
+  give_slots(end - begin);
+  make_pieces(work);
+  for (std::size_t b = entries_.size(); b-- > 0;)  // the first of each piece stays
+    pieces_[entries_[b].owner].hint = entries_[b].facet;
+  for (Piece3D& piece : pieces_) piece.entries = {entries_.data(), begin / Entries3D::block};
+  run_pieces(work, cut_.planes());
+  owners_ = count;
+  insert_waiting(join_pieces());
+}
+
+/// Inserts points between pieces: again in pieces, with other borders, for as long as these suit
+/// most points and are worth it; the last points into the whole surface.
+void Engine3D::insert_waiting(std::vector<Waiting3D> left) {
+  constexpr std::size_t least = 2048, share = 512;
+  std::uint64_t slots = 0;
+  for (const auto& [begin, end] : pieces_[0].spare) slots += end - begin;
+  for (std::size_t before = none; run_.threads > 1 && left.size() >= least &&
+                                  left.size() <= 3 * (before / 4) && 2 * left.size() <= slots;) {
+    before = left.size();
+    const std::vector<Work> work =
+        cut_again(left, static_cast<Id>(std::min<std::size_t>(run_.threads, before / share)));
+    make_pieces(work);
+    for (std::size_t t = 0; t < work.size(); ++t) {
+      pieces_[t].old_owners = owners_;
+      pieces_[t].first_owner += owners_;
+      pieces_[t].cut = &cut_;
+      if (work[t].begin < work[t].end) pieces_[t].hint = waiting_[work[t].begin].facet;
+    }
+    run_pieces(work, true);
+    owners_ += static_cast<Id>(work.size());
+    left = join_pieces();
+    slots -= 2 * (before - left.size());
   }
-  pieces_[0].entries = {};  // valid for this round's points only
+  insert_points(shared_, pieces_[0], left.data(), 0, static_cast<Id>(left.size()), nullptr);
   take_back_slots();
 }
 
-void Engine3D::cut(std::vector<Work>& work) {
-  const auto count = static_cast<Id>(work.size());
-  const Id begin = work.front().begin, end = work.back().end;
-  const Cut3D cut = choose_cut(work);
-  own_facets(cut);
-  find_entries(begin, end);
-  if (cut.planes()) divide(work, cut);
+/// Chooses other borders for points that wait at the present ones, and deals the points to the
+/// pieces that their facets belong to.
+std::vector<Engine3D::Work> Engine3D::cut_again(std::vector<Waiting3D>& left, Id count) {
+  constexpr std::uint32_t block = DirectionKey::block;
+  cut_.key = cut_.key.turned();
+  cut_.levels.clear();
+  const Id start = live_facet();
+  BigArray<Id> keys(left.size());
+  run_.each(left.size(), 8 * block, [&](std::uint64_t begin, std::uint64_t end) {
+    Id f = start;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      Waiting3D& w = left[i];
+      const bool live = w.facet != none && facets_[w.facet].live();
+      w.facet = f = climb(shared_, f, live ? w.facet : f, shared_.row(w.point));
+    }
+    for (std::uint64_t i = begin; i < end; i += block)
+      cut_.keys_of(shared_, &left[i], static_cast<Id>(std::min<std::uint64_t>(block, end - i)),
+                   keys.get() + i);
+  });
+  choose_next_cut(left, keys.get(), count);
+  return deal(
+      left.size(), count, [&](std::uint64_t i) { return left[i]; },
+      [&](std::uint64_t i) {
+    return cut_.planes() ? cut_.piece_of(shared_, facets_[left[i].facet])
+                         : cut_.piece_of_key(keys[i]);
+      });
+}
 
-  pieces_.resize(count);
-  const Id first_block = begin / Entries3D::block;
-  for (Id t = 0; t < count; ++t) {
+/// Writes the waiting points at(i) to waiting_, piece by piece, in each in order. Returns the
+/// pieces' shares.
+template <class At, class PieceOf>
+std::vector<Engine3D::Work> Engine3D::deal(std::uint64_t points, Id count, const At& at,
+                                           const PieceOf& piece_of) {
+  constexpr std::uint64_t chunk = 1 << 12;
+  std::vector<Id> places(chunk_count(points, chunk) * count, 0), starts;
+  run_.each_chunk(points, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) ++places[c * count + piece_of(i)];
+  });
+  scan_buckets(places, count, &starts);
+  waiting_ = BigArray<Waiting3D>(points);
+  run_.each_chunk(points, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) waiting_[places[c * count + piece_of(i)]++] = at(i);
+  });
+  std::vector<Work> work(count);
+  for (Id t = 0; t < count; ++t) work[t] = {starts[t], starts[t + 1]};
+  return work;
+}
+
+/// Makes a piece for each share of the points, with as many slots as these can use; the first piece
+/// keeps the rest.
+void Engine3D::make_pieces(const std::vector<Work>& work) {
+  pieces_.resize(work.size());
+  auto& spare = pieces_[0].spare;
+  for (auto t = static_cast<Id>(work.size()); t-- > 0;) {
     Piece3D& piece = pieces_[t];
     piece.first_owner = t;
     piece.owner_count = 1;
     piece.epoch = pieces_[0].epoch;
-    piece.entries = {entries_.data(), first_block};
-    const Id points = work[t].end - work[t].begin + static_cast<Id>(work[t].positions.size());
-    const Id slots = 2 * points + 64;
-    piece.spare.emplace_back(slots_, slots_ + slots);
-    slots_ += slots;
     piece.hint = none;
-    for (const Entries3D::Entry& e : entries_)
-      if (e.owner == t) {
-        piece.hint = e.facet;
-        break;
-      }
-  }
-}
-
-/// Redistributes points from ranges of the order to the pieces between planes.
-void Engine3D::divide(std::vector<Work>& work, const Cut3D& cut) const {
-  const Id begin = work.front().begin, end = work.back().end;
-  constexpr std::uint64_t chunk = 1 << 14;
-  std::vector<std::vector<Id>> found(chunk_count(end - begin, chunk) * work.size());
-  run_.each_chunk(end - begin, chunk,
-                  [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-    for (std::uint64_t i = begin + first; i < begin + last; ++i) {
-      const auto p = static_cast<Id>(i);
-      found[c * work.size() + cut.piece_of(shared_.row(p))].push_back(p);
+    for (Id need = t > 0 ? 2 * (work[t].end - work[t].begin) : 0; need > 0 && !spare.empty();) {
+      auto& [begin, end] = spare.back();
+      const Id some = std::min(need, end - begin);
+      need -= some;
+      end -= some;
+      piece.spare.emplace_back(end, end + some);
+      if (begin == end) spare.pop_back();
     }
-  });
-  for (std::size_t t = 0; t < work.size(); ++t) {
-    work[t].begin = work[t].end = 0;
-    for (std::size_t k = t; k < found.size(); k += work.size())
-      work[t].positions.insert(work[t].positions.end(), found[k].begin(), found[k].end());
   }
 }
 
-void Engine3D::own_facets(const Cut3D& cut) {
+/// Writes to each facet which piece it belongs to.
+void Engine3D::own_facets() {
   const auto runs = used_slots(1 << 13);
   run_.each_item(runs.size(), [&](std::uint64_t c) {
     constexpr std::uint32_t block = DirectionKey::block;
-    double middles[3][block] = {};
+    Waiting3D facets[block];
     std::uint32_t keys[block];
-    for (Id at = runs[c].first; at < runs[c].second; at += block) {
-      const Id size = std::min(block, runs[c].second - at);
+    for (Id at = runs[c].first; at < runs[c].second;) {
+      Id size = 0;
+      for (; at < runs[c].second && size < block; ++at)
+        if (facets_[at].live()) facets[size++].facet = at;
+      if (!cut_.planes() && !cut_.by_normals) cut_.keys_of(shared_, facets, size, keys);
       for (Id i = 0; i < size; ++i) {
-        double m[3] = {0, 0, 0};
-        if (facets_[at + i].live()) middle(facets_[at + i], m);
-        for (unsigned j = 0; j < 3; ++j) middles[j][i] = m[j];
-        if (cut.planes() && facets_[at + i].live()) facets_[at + i].owner = cut.piece_of(m);
+        Facet3D& f = facets_[facets[i].facet];
+        f.owner = cut_.planes()     ? cut_.piece_of(shared_, f)
+                  : cut_.by_normals ? cut_.piece_of_key(rank_[facets[i].facet])
+                                    : cut_.piece_of_key(keys[i]);
       }
-      if (cut.planes()) continue;
-      key_.keys(middles[0], middles[1], middles[2], order_.key_bits, keys);
-      if (by_normals_) std::copy_n(rank_.get() + at, size, keys);
-      for (Id i = 0; i < size; ++i)
-        if (facets_[at + i].live())
-          facets_[at + i].owner = static_cast<Id>(
-              std::upper_bound(cut.keys.begin(), cut.keys.end(), keys[i]) - cut.keys.begin());
     }
   });
 }
@@ -143,53 +200,48 @@ void Engine3D::find_entries(Id begin, Id end) {
   });
 }
 
-void Engine3D::run_pieces(const std::vector<Work>& work, Id begin, Id end) {
+/// Inserts each piece's share, of waiting_ or of the positions.
+void Engine3D::run_pieces(const std::vector<Work>& work, bool waiting) {
   const auto caller = std::this_thread::get_id();
   run_.each_item(pieces_.size(), [&](std::uint64_t t) {
     Piece3D& piece = pieces_[t];
-    const Work& w = work[t];
+    const auto& [begin, end] = work[t];
     const std::function<void(double)> progress = [&](double share) {
       if (std::this_thread::get_id() == caller)
-        run_.report("hull", (begin + share * (end - begin)) / points_.count);
+        run_.report("hull", (work.front().begin + share * (work.back().end - work.front().begin)) /
+                                points_.count);
     };
-    if (piece.hint == none) {  // it owns no facet
-      piece.deferred = w.positions;
-      for (Id p = w.begin; p < w.end; ++p) piece.deferred.push_back(p);
-    } else if (w.positions.empty()) {
-      insert_points(shared_, piece, nullptr, w.begin, w.end, &progress);
-    } else {
-      insert_points(shared_, piece, w.positions.data(), 0, static_cast<Id>(w.positions.size()),
-                    nullptr);
+    if (piece.hint != none) {
+      insert_points(shared_, piece, waiting ? waiting_.get() : nullptr, begin, end,
+                    waiting ? nullptr : &progress);
+    } else {  // it owns no facet
+      for (Id i = begin; i < end; ++i)
+        piece.deferred.push_back(waiting ? waiting_[i] : Waiting3D{i, none});
     }
   });
 }
 
-/// Joins pieces 2 k and 2 k + 1, whose common border vanishes; returns their deferred points, to be
-/// tried again.
-std::vector<Engine3D::Work> Engine3D::join_pieces() {
-  const std::size_t count = (pieces_.size() + 1) / 2;
-  std::vector<Work> work(count);
-  for (std::size_t k = 0; k < count; ++k) {
-    Piece3D& a = pieces_[2 * k];
-    if (2 * k + 1 < pieces_.size()) {
-      Piece3D& b = pieces_[2 * k + 1];
-      a.owner_count += b.owner_count;
-      a.epoch = std::max(a.epoch, b.epoch);
-      if (a.hint == none) a.hint = b.hint;
-      a.free.insert(a.free.end(), b.free.begin(), b.free.end());
-      if (b.next_slot < b.end_slot) a.spare.emplace_back(b.next_slot, b.end_slot);
-      a.spare.insert(a.spare.end(), b.spare.begin(), b.spare.end());
-      a.deferred.insert(a.deferred.end(), b.deferred.begin(), b.deferred.end());
-      a.duplicates.insert(a.duplicates.end(), b.duplicates.begin(), b.duplicates.end());
-      a.rungs += b.rungs;
-      a.steps += b.steps;
-      a.inserted += b.inserted;
-    }
-    work[k].positions.swap(a.deferred);
-    if (k > 0) pieces_[k] = std::move(a);
+/// Joins all pieces to one; returns the points that they deferred.
+std::vector<Waiting3D> Engine3D::join_pieces() {
+  std::vector<Waiting3D> left;
+  Piece3D& all = pieces_[0];
+  for (Piece3D& piece : pieces_) {
+    left.insert(left.end(), piece.deferred.begin(), piece.deferred.end());
+    if (piece.next_slot < piece.end_slot) piece.spare.emplace_back(piece.next_slot, piece.end_slot);
+    piece.next_slot = piece.end_slot = 0;
+    if (&piece == &all) continue;
+    all.epoch = std::max(all.epoch, piece.epoch);
+    all.free.insert(all.free.end(), piece.free.begin(), piece.free.end());
+    all.spare.insert(all.spare.end(), piece.spare.begin(), piece.spare.end());
+    all.add_counts(piece);
   }
-  pieces_.resize(count);
-  return work;
+  pieces_.resize(1);
+  all.deferred.clear();
+  all.first_owner = all.old_owners = 0;
+  all.owner_count = none;  // all facets
+  all.entries = {};        // valid for this round's points only
+  all.hint = live_facet();
+  return left;
 }
 
 }  // namespace cullhull::internal
