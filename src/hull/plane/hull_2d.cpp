@@ -319,8 +319,8 @@ Array<std::uint32_t> cycle(const JoinedChain& lower, const JoinedChain& upper, c
 }
 
 /// Consecutive buckets are grouped until they have at least this many points (the last group may
-/// have fewer): their entries take 400 KB, which fit L2.
-constexpr std::uint64_t run_size = std::uint64_t{1} << 14;
+/// have fewer): their entries take 200 KB, which fit L2.
+constexpr std::uint64_t run_size = std::uint64_t{1} << 13;
 
 std::vector<std::size_t> cut_into_runs(const Buckets& buckets) {
   std::vector<std::size_t> ends{0};

@@ -15,11 +15,18 @@ void Engine3D::rank_facets() {
   };
   const auto runs = used_slots(1 << 13);
   rank_ = BigArray<Id>(slots_);
-  std::vector<Ranked> order;
-  for (const auto& run : runs)
-    for (Id f = run.first; f < run.second; ++f)
-      if (facets_[f].live()) order.push_back({0, f});
-  run_.each(order.size(), 1 << 13, [&](std::uint64_t first, std::uint64_t last) {
+  const auto live = sum_chunks<Id>(runs.size(), 1, run_, [&](std::uint64_t c, std::uint64_t) {
+    Id count = 0;
+    for (Id f = runs[c].first; f < runs[c].second; ++f) count += static_cast<Id>(facets_[f].live());
+    return count;
+  });
+  BigArray<Ranked> order(2 * std::size_t{live.total});
+  run_.each_item(runs.size(), [&](std::uint64_t c) {
+    Id at = live.before[c];
+    for (Id f = runs[c].first; f < runs[c].second; ++f)
+      if (facets_[f].live()) order[at++] = {0, f};
+  });
+  run_.each(live.total, 1 << 13, [&](std::uint64_t first, std::uint64_t last) {
     constexpr std::uint32_t block = DirectionKey::block;
     double normals[3][block] = {};
     std::uint64_t keys[block];
@@ -31,11 +38,12 @@ void Engine3D::rank_facets() {
       for (Id i = 0; i < size; ++i) order[at + i].key = keys[i];
     }
   });
-  BigArray<Ranked> memory(order.size());
-  Ranked *ranked = order.data(), *scratch = memory.get();
-  radix_sort(ranked, scratch, static_cast<Id>(order.size()), DirectionKey::fine_bits, run_,
+  Ranked *ranked = order.get(), *scratch = ranked + live.total;
+  radix_sort(ranked, scratch, live.total, DirectionKey::fine_bits, run_,
              [](const Ranked& r) { return r.key; });
-  for (std::size_t k = 0; k < order.size(); ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
+  run_.each(live.total, light_grain, [&](std::uint64_t first, std::uint64_t last) {
+    for (std::uint64_t k = first; k < last; ++k) rank_[ranked[k].facet] = static_cast<Id>(k);
+  });
 }
 
 /// The relative position of a point on facet f between the neighbours of lowest and of highest
@@ -88,7 +96,10 @@ void Engine3D::sort_by_normals(std::size_t round) {
     const Id offset = ends[r] - begin;
     KeyedId *items = keyed + offset, *other = scratch + offset;
     radix_sort(items, other, ends[r + 1] - ends[r], rank_bits + way_bits, run_);
-    if (items != keyed + offset) std::copy_n(items, ends[r + 1] - ends[r], keyed + offset);
+    if (items == keyed + offset) continue;
+    run_.each(ends[r + 1] - ends[r], light_grain, [&](std::uint64_t first, std::uint64_t last) {
+      std::copy(items + first, items + last, keyed + offset + first);
+    });
   }
   if (!shorter_walks(begin, ends[round + 1], keyed)) {
     by_normals_ = false;
@@ -106,23 +117,24 @@ bool Engine3D::shorter_walks(Id begin, Id end, const KeyedId* order) const {
   // differ severalfold.
   constexpr Id stretches = 16, length = 32;
   if (end - begin < stretches * length) return false;
-  std::uint64_t steps[2] = {0, 0};
-  for (unsigned way = 0; way < 2; ++way) {
+  std::uint64_t steps[2 * stretches];
+  const Id start = live_facet();
+  run_.each_item(2 * stretches, [&](std::uint64_t k) {
     Piece3D reader;
     reader.owner_count = none;  // all
-    reader.hint = live_facet();
-    for (Id k = 0; k < stretches; ++k) {
-      const Id first = static_cast<Id>(std::uint64_t{end - begin - length} * k / stretches);
-      Id positions[length];
-      for (Id i = 0; i < length; ++i)
-        positions[i] = way == 0 ? begin + first + i : order[first + i].id;
-      screen_points(shared_, reader, positions, 0, 1);  // this walk starts far away: not counted
-      const std::uint64_t before = reader.steps;
-      screen_points(shared_, reader, positions, 1, length);
-      steps[way] += reader.steps - before;
-    }
-  }
-  return steps[1] < steps[0];
+    reader.hint = start;
+    const auto first = static_cast<Id>(std::uint64_t{end - begin - length} * (k / 2) / stretches);
+    Id positions[length];
+    for (Id i = 0; i < length; ++i)
+      positions[i] = k % 2 == 0 ? begin + first + i : order[first + i].id;
+    screen_points(shared_, reader, positions, 0, 1);  // this walk starts far away: not counted
+    const std::uint64_t before = reader.steps;
+    screen_points(shared_, reader, positions, 1, length);
+    steps[k] = reader.steps - before;
+  });
+  std::uint64_t sums[2] = {0, 0};
+  for (Id k = 0; k < 2 * stretches; ++k) sums[k % 2] += steps[k];
+  return sums[1] < sums[0];
 }
 
 /// Permutes the points from position `begin` on into the given order of positions.
@@ -130,7 +142,7 @@ void Engine3D::permute(Id begin, const KeyedId* order) {
   const Id n = points_.count;
   BigArray<Id> ids(n);
   BigArray<double> rows(std::size_t{n} * Shared3D::row_stride);
-  run_.each(n, 1 << 16, [&](std::uint64_t first, std::uint64_t last) {
+  run_.each(n, 1 << 14, [&](std::uint64_t first, std::uint64_t last) {
     for (std::uint64_t i = first; i < last; ++i) {
       const Id from = i < begin ? static_cast<Id>(i) : order[i - begin].id;
       ids[i] = order_.ids[from];

@@ -109,10 +109,14 @@ class PolygonWriter {
     link();
     sums_.assign(chunk_count(count_, measure_chunk), {});
     std::atomic<bool> ordinary{true};
-    // One job writes the list of vertices, whose memory one thread must clear; it begins first. The
-    // other jobs write a chunk of edges each.
+    // One job makes room for the list of vertices, whose memory one thread must clear; it begins
+    // first. The other jobs write a chunk of edges each.
+    std::uint64_t* vertices = nullptr;
     const auto job = [&](std::uint64_t i) {
-      if (i == 0) return write_vertices();
+      if (i == 0) {
+        vertices = lists_.vertices();
+        return;
+      }
       const std::uint64_t begin = (i - 1) * measure_chunk;
       if (!write(begin, std::min(count_, begin + measure_chunk), sums_[i - 1])) ordinary = false;
     };
@@ -123,6 +127,7 @@ class PolygonWriter {
       run_.each_item(sums_.size() + 1, job);
     }
     if (!ordinary) return false;
+    write_vertices(vertices);
     Share<2, DoubleDouble> all;
     for (const auto& s : sums_) all.add(s);
     Measures measures;
@@ -221,6 +226,7 @@ class PolygonWriter {
       std::uint32_t at = rank(cycle_[begin]);
       for (std::uint64_t i = begin; i < end; ++i) {
         const std::uint32_t after = rank(cycle_[i + 1 < count_ ? i + 1 : 0]);
+        if (at == 0) first_ = i;  // of one thread alone
         std::uint32_t* const to = lists_.simplex_neighbours + std::uint64_t{2} * at;
         to[0] = before;
         to[1] = after;
@@ -259,20 +265,20 @@ class PolygonWriter {
   }
 
   /// Writes the vertices counter-clockwise from the lowest id.
-  void write_vertices() {
-    const auto first =
-        static_cast<std::uint64_t>(std::min_element(cycle_.begin(), cycle_.end()) - cycle_.begin());
-    std::uint64_t* const vertices = lists_.vertices();
-    for (std::uint64_t i = 0; i < count_; ++i) {
-      const std::uint64_t at = first + i;
-      vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
-    }
+  void write_vertices(std::uint64_t* vertices) const {
+    each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const std::uint64_t at = first_ + i;
+        vertices[i] = id(cycle_[at < count_ ? at : at - count_]);
+      }
+    });
   }
 
   const PointView& points_;
   const PolygonOfRows<Id>& polygon_;
   const std::span<const std::uint32_t> cycle_;
   const std::uint64_t count_, words_;
+  std::uint64_t first_ = 0;  ///< where the cycle has the corner of the lowest id
   const int exponent_;
   const double scale_, unscale_;  ///< 2^-exponent_ and 2^exponent_
   const Run& run_;
