@@ -168,7 +168,7 @@ Call stream_call(const char* shape, std::uint64_t count, unsigned dimension) {
   return [rows = rows_of(shape, count, dimension), dimension](unsigned threads) {
     constexpr std::uint64_t block = std::uint64_t{1} << 16;
     const auto points = PointView::row_major(*rows, dimension);
-    HullStream stream(cpu_options(1));
+    HullStream stream(cpu_options(threads));
     const auto push = [&](std::uint64_t first) {
       PointView part = points;
       part.data = points.address(first, 0);

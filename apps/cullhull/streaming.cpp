@@ -208,8 +208,7 @@ Streamed stream_state(const InputArguments& input, const std::vector<std::string
   cullhull::Options options = run.options();
   cullhull::BlockOptions blocks = block_options(input, run, options);
   const bool keep_ids = stream.global_ids || are_numbered_parts(files);
-  // The reading threads do the work. With a checkpoint, each block must be completed.
-  options.threads = 1;
+  // With a checkpoint, each block must be completed.
   if (!stream.checkpoint.empty()) options.stop = {};
   cullhull::HullStream hull(options);
   if (from) {

@@ -114,21 +114,22 @@ struct StreamReport {
   std::uint64_t extreme = 0;      ///< extreme points among the points reduced exactly so far
   std::uint64_t waiting = 0;      ///< further points held, not known to be inside
   std::uint64_t reductions = 0;   ///< number of exact computations of the extreme points
-  std::uint64_t maps = 0;         ///< number of filters built
+  std::uint64_t maps = 0;         ///< number of filters built, by push() alone
 };
 
 /// The hull of points that are pushed block by block, in any order of blocks, from one thread or
 /// many. A filter built from the hull of earlier blocks tests a block in the caller's memory;
-/// survivors are collected, and when there are as many as the hull has vertices, their extreme
-/// points are computed exactly and a finer filter is built. One pass over the points; memory
-/// O(extreme points + a block).
-/// push(), state(), hull() and report() may be called from any threads at once.
+/// survivors are collected, and when there are several times as many as the hull has vertices,
+/// their extreme points are computed exactly and a finer filter is built. One pass over the points;
+/// memory O(extreme points + a block). push(), state(), hull() and report() may be called from any
+/// threads at once.
 ///
 /// Points beyond 6D are not filtered; their extreme points are found without facets.
 class HullStream {
  public:
-  /// `options` apply to every call. `threads`: of each push(); 1 is best if there are as many
-  /// pushing threads as processors. `memory_budget`: limit for all memory of the stream.
+  /// `options` apply to every call. `threads`: of each push(), which takes no more than are idle
+  /// while other threads push, and of each state(). `memory_budget`: limit for all memory of the
+  /// stream.
   /// `progress`: called by one thread at a time, the one that computes extreme points; `poll`: by
   /// every pushing thread.
   explicit HullStream(Options options = {});

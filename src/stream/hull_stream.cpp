@@ -4,6 +4,7 @@
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "cullhull/cull.hpp"
 #include "cullhull/error.hpp"
@@ -13,6 +14,7 @@
 #include "parallel/memory/pages.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/run.hpp"
+#include "parallel/threads/span_account.hpp"
 #include "stream/numbered_points.hpp"
 #include "stream/stream_map.hpp"
 
@@ -26,10 +28,14 @@ struct HullStream::Impl {
 
   mutable std::mutex mutex;  ///< guards the members below; held briefly
   NumberedPoints extreme;    ///< of the points reduced so far; others, too, after a failure
-  NumberedPoints waiting;    ///< survivors since the last reduction
-  std::uint64_t known = 0;   ///< number of extreme points that the last reduction found
-  std::uint64_t away = 0;    ///< points that a running reduction has taken
+  /// Survivors since the last reduction, of the dimension and scalar type of `extreme`: in parts,
+  /// so that none is copied while `mutex` is held.
+  std::vector<NumberedPoints> waiting;
+  std::uint64_t waiting_count = 0;
+  std::uint64_t known = 0;  ///< number of extreme points that the last reduction found
+  std::uint64_t away = 0;   ///< points that a running reduction has taken
   std::shared_ptr<const StreamMap> map;
+  bool map_is_late = false;  ///< a reduction has built none, because no block was there to filter
   std::uint64_t seen = 0, next_id = 0;
   std::uint64_t left_out = 0;  ///< by skip(); not in `seen`
   std::uint64_t reduced = 0;   ///< number of points seen that `extreme` represents
@@ -37,69 +43,93 @@ struct HullStream::Impl {
 
   std::mutex reducing;  ///< held by the reducing thread; locked before `mutex`
 
+  /// Locks `mutex`.
+  class Guard {
+   public:
+    explicit Guard(const Impl& impl) : lock_(impl.mutex), held_(&impl.mutex) {}
+
+   private:
+    const std::lock_guard<std::mutex> lock_;
+    const spans::Locked held_;
+  };
+
   // --------------------------------------------------------------------------- the exact step
 
-  /// The number of points that may wait for a reduction. Reducing them and building a map costs as
-  /// much as keeping about `worth` points. Later it is the number of extreme points, if larger, so
-  /// that all reductions together cost little more than the last one. At most a sixteenth of the
-  /// budget, because twice as many may wait during a reduction (reduce_if_worth), and growing
-  /// vectors may have twice that capacity.
-  std::size_t enough() const {
-    const std::size_t worth = smallest_worth_refining(waiting.dimension);
-    const std::size_t wanted = std::max<std::size_t>(reductions == 0 ? worth / 8 : worth, known);
-    return std::min<std::size_t>(wanted, budget / 16 / waiting.point_bytes());
+  /// The number of points that may wait for a reduction. The first one reduces about one block:
+  /// every block until then is filtered by a map of its own. (In the plane blocks keep less, and
+  /// such a map costs little.) A later one costs as much as keeping `worth` points to the end, and
+  /// threads that share the last reduction cannot share one in the midst of a push; so 6 `worth`
+  /// are kept: of 2 to 96 million points of a 3D ball, 0.69 to 0.99 of the time with `worth`, on
+  /// one thread. Then 4 times the number of extreme points, if larger, so that all reductions
+  /// together cost little more than the last one: a vertex costs a map about as much as keeping 4
+  /// points. At most a sixteenth of the budget, because twice as many may wait during a reduction
+  /// (reduce_if_worth), and growing vectors may have twice that capacity.
+  std::size_t enough(bool first) const {
+    const unsigned d = extreme.dimension;
+    const std::size_t worth = smallest_worth_refining(d);
+    const std::size_t wanted =
+        first ? worth / (d == 2 ? 8 : 32) : std::max<std::size_t>(6 * worth, 4 * known);
+    return std::min<std::size_t>(wanted, budget / 16 / extreme.point_bytes());
   }
-  std::uint64_t most_waiting_bytes() const { return 4 * enough() * waiting.point_bytes(); }
+  std::size_t enough() const { return enough(reductions == 0); }
+  std::uint64_t most_waiting_bytes() const { return 4 * enough(false) * extreme.point_bytes(); }
   /// Number of points not yet reduced, without those that a running reduction has taken.
-  std::size_t unreduced() const { return waiting.size() + (away > 0 ? 0 : extreme.size() - known); }
+  std::size_t unreduced() const { return waiting_count + (away > 0 ? 0 : extreme.size() - known); }
+  NumberedPoints no_points() const { return {extreme.dimension, extreme.scalar, {}, {}}; }
 
-  void reduce_if_worth() {
+  /// `block`: the one that will be filtered next.
+  void reduce_if_worth(const PointView& block) {
     std::size_t count, limit;
     {
-      const std::lock_guard lock(mutex);
+      const Guard lock(*this);
       count = unreduced();
-      if (count == 0) return;
-      limit = enough();
+      if (!map_is_late && (count == 0 || count <= enough())) return;
+      limit = enough(false);
     }
-    if (count <= limit) return;
     std::unique_lock alone(reducing, std::defer_lock);
     // While another thread reduces, more points may wait, up to twice the limit.
     if (count < 2 * limit ? !alone.try_lock() : (alone.lock(), false)) return;
     {
-      const std::lock_guard lock(mutex);
-      if (unreduced() <= enough()) return;
+      const Guard lock(*this);
+      if (!map_is_late && unreduced() <= enough()) return;
     }
-    reduce();
+    reduce(&block);
   }
 
-  /// Replaces all points held by their extreme points; keeps the points if that fails. Requires
-  /// `reducing` locked.
-  void reduce() {
-    NumberedPoints all, taken;
+  /// Replaces all points held by their extreme points; keeps the points if that fails. Builds a map
+  /// for blocks like `block`; null: none, as maybe no block follows. Requires `reducing` locked.
+  void reduce(const PointView* block) {
+    const spans::Locked held(&reducing);
+    NumberedPoints all;
+    std::vector<NumberedPoints> taken;
     std::uint64_t seen_now, others;
+    bool exact_already;
     {
-      const std::lock_guard lock(mutex);
-      if (unreduced() == 0) {
+      const Guard lock(*this);
+      exact_already = unreduced() == 0;
+      if (exact_already && (block == nullptr || !map_is_late)) {
         reduced = seen;
         return;
       }
       others = most_waiting_bytes();
-      away = extreme.size() + waiting.size();
-      all = std::exchange(extreme, {waiting.dimension, waiting.scalar, {}, {}});
-      taken = std::exchange(waiting, {waiting.dimension, waiting.scalar, {}, {}});
+      away = extreme.size() + waiting_count;
+      all = std::exchange(extreme, no_points());
+      taken = std::exchange(waiting, {});
+      waiting_count = 0;
       seen_now = seen;
     }
     std::shared_ptr<const StreamMap> next;
     try {
-      all.take(taken);
       Options exact = options;
+      all.take(taken, Run(exact));
       exact.memory_budget = left_beside(all, others);
-      keep_extreme(all, exact);
+      if (!exact_already) keep_extreme(all, exact);
       // Pages freed by the reduction are still resident; return them, as the points held need
       // memory, too.
       trim_pages(budget / 8);
       // If most points are extreme, a filter is not worthwhile.
-      if (all.size() < seen_now / 2) next = StreamMap::lay(all, Run(exact));
+      if (block != nullptr && all.size() < seen_now / 2)
+        next = StreamMap::lay(all, *block, Run(exact));
     } catch (const Error& e) {
       put_back(std::move(all), std::move(taken));
       if (e.code() == ErrorCode::out_of_budget) refuse(e.what());
@@ -108,14 +138,16 @@ struct HullStream::Impl {
       put_back(std::move(all), std::move(taken));
       throw;
     }
-    const std::lock_guard lock(mutex);
-    if (all.scalar != waiting.scalar) all.widen();
+    const Guard lock(*this);
+    if (all.scalar != extreme.scalar) all.widen();
     extreme = std::move(all);
     known = extreme.size();
     away = 0;
-    map = std::move(next);
     reduced = seen_now;
-    ++reductions;
+    reductions += exact_already ? 0 : 1;
+    map_is_late = block == nullptr;
+    if (block == nullptr) return;
+    map = std::move(next);
     if (map != nullptr) ++maps;
   }
 
@@ -128,21 +160,31 @@ struct HullStream::Impl {
     return budget - held;
   }
 
-  void put_back(NumberedPoints&& all, NumberedPoints&& taken) {
+  void put_back(NumberedPoints&& all, std::vector<NumberedPoints>&& taken) {
     trim_pages(budget / 8);
-    const std::lock_guard lock(mutex);
-    if (all.scalar != waiting.scalar) all.widen();
+    const Guard lock(*this);
+    if (all.scalar != extreme.scalar) all.widen();
     extreme = std::move(all);
     away = 0;
-    if (taken.ids.empty()) return;
-    if (taken.scalar != waiting.scalar) taken.widen();
-    taken.append(waiting);
-    waiting = std::move(taken);
+    for (NumberedPoints& part : taken) wait(std::move(part));
+  }
+
+  /// Adds points to the waiting ones. Few are copied behind others: a part takes memory beside its
+  /// points. Requires `mutex`.
+  void wait(NumberedPoints&& part) {
+    constexpr std::size_t few = 1024;
+    if (part.scalar != extreme.scalar) part.widen();
+    const std::size_t count = part.size();
+    if (!waiting.empty() && waiting.back().size() < few)
+      waiting.back().append(part);
+    else
+      waiting.push_back(std::move(part));
+    waiting_count += count;
   }
 
   [[noreturn]] void refuse(const std::string& why) const {
-    const std::lock_guard lock(mutex);
-    throw Error(ErrorCode::out_of_budget, "the stream holds ", extreme.size() + waiting.size(),
+    const Guard lock(*this);
+    throw Error(ErrorCode::out_of_budget, "the stream holds ", extreme.size() + waiting_count,
                 " points that may be extreme, of ", seen, " so far, and cannot go on: ", why);
   }
 
@@ -153,7 +195,7 @@ struct HullStream::Impl {
   NumberedPoints survivors(const PointView& block, std::uint64_t first_id, const Run& run) const {
     std::shared_ptr<const StreamMap> filter;
     {
-      const std::lock_guard lock(mutex);
+      const Guard lock(*this);
       filter = map;
     }
     NumberedPoints kept{block.dimension, block.scalar, {}, {}};
@@ -185,15 +227,12 @@ struct HullStream::Impl {
         if (e.code() != ErrorCode::not_finite) throw;  // push() throws the error with the global id
       }
     if (found.all) return kept.append(block, 0, nullptr, block.count, first_id);
-    for (const std::uint64_t i : found.ids) kept.append(block, i, nullptr, 1, first_id);
+    kept.append(block, found.ids, first_id);
   }
 
   void push(const PointView& block, std::uint64_t first_id) {
-    reduce_if_worth();
-    {
-      const std::lock_guard lock(mutex);
-      check_block(block, first_id, waiting.dimension);
-    }
+    check_block(block, first_id, dimension());
+    reduce_if_worth(block);
     const Run run(options);
     run.check();
     NumberedPoints kept{block.dimension, block.scalar, {}, {}};
@@ -204,31 +243,32 @@ struct HullStream::Impl {
     take(std::move(kept), block.count, block.count > 0 ? first_id + block.count : 0);
   }
 
+  std::uint32_t dimension() const {
+    const Guard lock(*this);
+    return extreme.dimension;
+  }
+
   /// Adds survivors to the waiting points; next_id becomes at least `end`.
   void take(NumberedPoints&& kept, std::uint64_t count, std::uint64_t end) {
-    const std::lock_guard lock(mutex);
-    if (waiting.dimension == 0) {
-      extreme = {kept.dimension, kept.scalar, {}, {}};
-      waiting = extreme;
-    }
-    check_block(kept.view(), 0, waiting.dimension);  // another push may have set it
-    const ScalarType scalar = common_scalar(waiting.scalar, seen, kept.scalar, count);
+    const Guard lock(*this);
+    if (extreme.dimension == 0) extreme = {kept.dimension, kept.scalar, {}, {}};
+    check_block(kept.view(), 0, extreme.dimension);  // another push may have set it
+    const ScalarType scalar = common_scalar(extreme.scalar, seen, kept.scalar, count);
     if (seen == 0) {
-      waiting.scalar = extreme.scalar = scalar;
-    } else if (scalar != waiting.scalar) {
-      waiting.widen();
+      extreme.scalar = scalar;
+    } else if (scalar != extreme.scalar) {
+      for (NumberedPoints& part : waiting) part.widen();
       extreme.widen();
     }
-    if (kept.scalar != scalar && count > 0) kept.widen();
-    waiting.append(kept);
+    if (kept.size() > 0) wait(std::move(kept));
     seen += count;
     next_id = std::max(next_id, end);
   }
 
   HullState state() {
     const std::lock_guard alone(reducing);
-    reduce();
-    const std::lock_guard lock(mutex);
+    reduce(nullptr);
+    const Guard lock(*this);
     return StateParts::state(extreme, reduced + (extreme.size() > 0 ? left_out : 0));
   }
 };
@@ -253,15 +293,15 @@ void HullStream::push(const PointView& block) {
   std::uint64_t first_id;
   {
     // Reserves the ids at once, so that concurrent pushes get other ids.
-    const std::lock_guard lock(impl_->mutex);
-    check_block(block, impl_->next_id, impl_->waiting.dimension);
+    const Impl::Guard lock(*impl_);
+    check_block(block, impl_->next_id, impl_->extreme.dimension);
     first_id = impl_->next_id;
     impl_->next_id += block.count;
   }
   try {
     impl_->push(block, first_id);
   } catch (...) {
-    const std::lock_guard lock(impl_->mutex);
+    const Impl::Guard lock(*impl_);
     if (impl_->next_id == first_id + block.count) impl_->next_id = first_id;
     throw;
   }
@@ -273,7 +313,7 @@ void HullStream::push(const HullState& state) {
     throw Error(ErrorCode::invalid_argument,
                 "a stream compares the rounded coordinates of a state ", "of numbers with ",
                 int{state.decimals_}, " decimals; merge() compares such states on their grid");
-  impl_->reduce_if_worth();
+  impl_->reduce_if_worth({});
   NumberedPoints points = StateParts::points(state);
   const std::uint64_t end = state.ids_.empty() ? 0 : std::max(state.ids_.back() + 1, state.seen_);
   impl_->take(std::move(points), state.seen_, end);
@@ -282,7 +322,7 @@ void HullStream::push(const HullState& state) {
 void HullStream::skip(std::uint64_t first_id, std::uint64_t count) {
   if (first_id + count < first_id)
     throw Error(ErrorCode::invalid_argument, "ids of the points exceed 2^64");
-  const std::lock_guard lock(impl_->mutex);
+  const Impl::Guard lock(*impl_);
   impl_->left_out += count;
   impl_->next_id = std::max(impl_->next_id, first_id + count);
 }
@@ -301,8 +341,8 @@ Hull HullStream::hull() {
 }
 
 StreamReport HullStream::report() const {
-  const std::lock_guard lock(impl_->mutex);
-  const std::uint64_t held = impl_->extreme.size() + impl_->waiting.size() + impl_->away;
+  const Impl::Guard lock(*impl_);
+  const std::uint64_t held = impl_->extreme.size() + impl_->waiting_count + impl_->away;
   return {impl_->seen, impl_->known, held - impl_->known, impl_->reductions, impl_->maps};
 }
 

@@ -1,11 +1,15 @@
 #include "stream/numbered_points.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <numeric>
+#include <span>
 
 #include "cullhull/error.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/radix_sort.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 
@@ -90,6 +94,16 @@ void NumberedPoints::append(const PointView& from, std::uint64_t first,
     ids[before + i] = first_id + first + (positions != nullptr ? positions[i] : i);
 }
 
+void NumberedPoints::append(const PointView& from, const std::vector<std::uint64_t>& positions,
+                            std::uint64_t first_id) {
+  const std::size_t before = ids.size();
+  grow(positions.size());
+  copy_rows_of(
+      from, [&](std::size_t i) { return positions[i]; }, positions.size(),
+      rows.data() + before * row_bytes());
+  for (std::size_t i = 0; i < positions.size(); ++i) ids[before + i] = first_id + positions[i];
+}
+
 void NumberedPoints::append(const NumberedPoints& other) {
   const std::size_t before = ids.size();
   grow(other.size());
@@ -98,11 +112,19 @@ void NumberedPoints::append(const NumberedPoints& other) {
             rows.begin() + static_cast<std::ptrdiff_t>(before * row_bytes()));
 }
 
-void NumberedPoints::take(NumberedPoints& other) {
-  ids.reserve(size() + other.size());
-  rows.reserve((size() + other.size()) * row_bytes());
-  append(other);
-  other = {other.dimension, other.scalar, {}, {}};
+void NumberedPoints::take(std::vector<NumberedPoints>& parts, const Run& run) {
+  std::vector<std::size_t> places{size()};
+  for (const NumberedPoints& part : parts) places.push_back(places.back() + part.size());
+  NumberedPoints all{dimension, scalar, {}, {}};
+  all.grow(places.back());
+  run.each_item(places.size(), [&](std::uint64_t p) {
+    const NumberedPoints& part = p == 0 ? *this : parts[p - 1];
+    const std::size_t at = p == 0 ? 0 : places[p - 1];
+    std::copy(part.ids.begin(), part.ids.end(), all.ids.data() + at);
+    std::copy(part.rows.begin(), part.rows.end(), all.rows.data() + at * row_bytes());
+  });
+  *this = std::move(all);
+  parts.clear();
 }
 
 void NumberedPoints::widen() {
@@ -119,35 +141,43 @@ void NumberedPoints::widen() {
   scalar = ScalarType::f64;
 }
 
-void NumberedPoints::sort() {
+void NumberedPoints::sort(const Run& run) {
   const auto descends = [](std::uint64_t a, std::uint64_t b) { return a >= b; };
   if (std::adjacent_find(ids.begin(), ids.end(), descends) == ids.end()) return;
-  std::vector<std::uint64_t> order(ids.size());
-  std::iota(order.begin(), order.end(), std::uint64_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::uint64_t a, std::uint64_t b) { return ids[a] < ids[b]; });
-  const auto same = [&](std::uint64_t a, std::uint64_t b) {
+  if (size() > ~std::uint32_t{0})
+    throw Error(ErrorCode::out_of_budget, "more than 2^32 points may be extreme");
+  const auto [least, greatest] = std::minmax_element(ids.begin(), ids.end());
+  const std::uint64_t low = *least;
+  const auto bits = static_cast<unsigned>(std::bit_width(*greatest - low));
+  std::vector<std::uint32_t> order(size()), scratch(size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::uint32_t *sorted = order.data(), *other = scratch.data();
+  radix_sort(sorted, other, static_cast<std::uint32_t>(size()), bits, run,
+             [&](std::uint32_t i) { return ids[i] - low; });
+  const auto same = [&](std::uint32_t a, std::uint32_t b) {
     if (ids[a] != ids[b]) return false;
     if (std::memcmp(rows.data() + a * row_bytes(), rows.data() + b * row_bytes(), row_bytes()) == 0)
       return true;
     throw Error(ErrorCode::invalid_argument, "two different points have the id ", ids[a],
                 ": parts that are merged need ids of their own");
   };
-  order.erase(std::unique(order.begin(), order.end(), same), order.end());
-  keep(order);
+  keep(std::span<const std::uint32_t>(sorted, std::unique(sorted, sorted + size(), same)), run);
 }
 
-void NumberedPoints::keep(const std::vector<std::uint64_t>& places) {
+template <class Places>
+void NumberedPoints::keep(const Places& places, const Run& run) {
+  constexpr std::uint64_t grain = std::uint64_t{1} << 12;  // tens of us of work
   NumberedPoints kept{dimension, scalar, {}, {}};
-  kept.ids.reserve(places.size());
-  kept.rows.resize(places.size() * row_bytes());
-  std::byte* out = kept.rows.data();
-  for (const std::uint64_t place : places) {
-    kept.ids.push_back(ids[place]);
-    std::memcpy(out, rows.data() + place * row_bytes(), row_bytes());
-    out += row_bytes();
-  }
+  kept.grow(places.size());
+  const PointView from = view();
+  run.each(places.size(), grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) kept.ids[i] = ids[places[i]];
+    copy_rows_of(
+        from, [&](std::size_t i) { return places[begin + i]; }, end - begin,
+        kept.rows.data() + begin * row_bytes());
+  });
   *this = std::move(kept);
 }
+template void NumberedPoints::keep(const std::vector<std::uint64_t>&, const Run&);
 
 }  // namespace cullhull::internal

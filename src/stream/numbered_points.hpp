@@ -16,6 +16,8 @@
 
 namespace cullhull::internal {
 
+struct Run;
+
 struct NumberedPoints {
   std::uint32_t dimension = 0;
   ScalarType scalar = ScalarType::f64;
@@ -32,18 +34,22 @@ struct NumberedPoints {
   /// count (positions null: first + i). Their ids are `first_id` plus their index in the view.
   void append(const PointView& from, std::uint64_t first, const std::uint32_t* positions,
               std::size_t count, std::uint64_t first_id);
+  /// Appends the points `positions` of a view of the same dimension and scalar type.
+  void append(const PointView& from, const std::vector<std::uint64_t>& positions,
+              std::uint64_t first_id);
   /// Appends points of the same dimension and scalar type.
   void append(const NumberedPoints& other);
-  /// The same, and frees `other`; allocates no more than the points need. If that throws, both are
+  /// The same, and frees `parts`; allocates no more than the points need. If that throws, all are
   /// unchanged.
-  void take(NumberedPoints& other);
+  void take(std::vector<NumberedPoints>& parts, const Run& run);
   /// Converts the coordinates to doubles.
   void widen();
   /// Sorts by id and removes repeated points. Throws Error{invalid_argument} if two points with the
   /// same id differ, and leaves the points unchanged.
-  void sort();
+  void sort(const Run& run);
   /// Keeps the points at these positions, in that order.
-  void keep(const std::vector<std::uint64_t>& places);
+  template <class Places>
+  void keep(const Places& places, const Run& run);
 
  private:
   void grow(std::size_t more);  ///< reserves for `more` points; strong exception guarantee

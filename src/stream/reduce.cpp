@@ -28,10 +28,11 @@ ExtremePoints find_extreme(const PointView& points, const Options& options) {
 }  // namespace
 
 void keep_extreme(NumberedPoints& points, const Options& options) {
-  points.sort();
+  const Call call(options);
+  points.sort(call.run);
   if (points.size() < 2) return;
   const std::vector<std::uint64_t> places = find_extreme(points.view(), options).ids;
-  if (places.size() < points.size()) points.keep(places);
+  if (places.size() < points.size()) points.keep(places, call.run);
 }
 
 ScalarType common_scalar(ScalarType a, std::uint64_t count_a, ScalarType b, std::uint64_t count_b) {

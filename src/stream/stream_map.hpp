@@ -3,9 +3,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <vector>
+#include <utility>
 
 #include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_map.hpp"
@@ -13,12 +12,14 @@
 
 namespace cullhull::internal {
 
-/// A gauge map with exact tests behind it. Thread safe once built.
+/// A gauge map with exact tests behind it. Thread safe: it does not change.
 class StreamMap {
  public:
   /// Builds the map from extreme points; null if there is no useful map: in a flat, beyond 6D, for
-  /// too few points, or if the hull exceeds the budget.
-  static std::unique_ptr<StreamMap> lay(const NumberedPoints& extreme, const Run& run);
+  /// too few points, or if the hull exceeds the budget. `block`: points such as those that it will
+  /// be applied to, which choose the test before the map's own; too few give none.
+  static std::shared_ptr<const StreamMap> lay(const NumberedPoints& extreme, const PointView& block,
+                                              const Run& run);
 
   /// Appends to `kept` the points of a block that are not provably strictly inside; points that are
   /// not finite are kept. `kept` must have the block's dimension and scalar type.
@@ -26,15 +27,13 @@ class StreamMap {
             NumberedPoints& kept) const;
 
  private:
-  explicit StreamMap(std::unique_ptr<GaugeMap> map) : map_(std::move(map)) {}
-  const GaugeCore* core(const PointView& block, unsigned threads) const;
+  StreamMap(std::unique_ptr<GaugeMap> map, std::optional<GaugeCore> core)
+      : map_(std::move(map)), core_(core) {}
   std::size_t cull_chunk(const PointView& block, std::uint64_t begin, std::uint64_t end,
-                         const GaugeCore* core, std::uint32_t* positions) const;
+                         std::uint32_t* positions) const;
 
-  std::unique_ptr<GaugeMap> map_;
-  mutable std::mutex mutex_;
-  mutable bool core_sought_ = false;
-  mutable std::optional<GaugeCore> core_;
+  const std::unique_ptr<GaugeMap> map_;
+  const std::optional<GaugeCore> core_;
 };
 
 }  // namespace cullhull::internal

@@ -314,11 +314,11 @@ TEST(CliStream, AFileLargerThanTheAddressSpace) {
 
 // ------------------------------------------------------------------------------- checkpoints
 
-/// Tiles of points that are all extreme: the checkpoint after each is larger than the one before,
-/// so that a run takes long enough to be cut off at any moment.
+/// Many tiles of points that are all extreme: opening them takes longer than several looks at the
+/// clock, so that a run can be cut off at any moment.
 void write_slow_input(const Folder& f) {
-  for (int tile = 100; tile < 180; ++tile)
-    write_npy(f / ("tile-" + std::to_string(tile) + ".npy"), generate("sphere", 2000, 3, tile), 3);
+  for (int tile = 1000; tile < 4000; ++tile)
+    write_npy(f / ("tile-" + std::to_string(tile) + ".npy"), generate("sphere", 50, 3, tile), 3);
 }
 
 std::vector<std::string> checkpointed(const Folder& f) {
@@ -411,7 +411,7 @@ TEST(CliStream, AFullDiskLeavesTheCheckpointBefore) {
   const Folder f;
   write_slow_input(f);
   // What is still to be read takes several looks at the clock.
-  write_npy(f / "tile-999.npy", generate("ball", 3000000, 3, 9), 3);
+  write_npy(f / "tile-9999.npy", generate("ball", 3000000, 3, 9), 3);
   ASSERT_NO_FATAL_FAILURE(leave_a_checkpoint(f));
   const std::string before = read_file(f / "run.checkpoint");
   const Ran ran = run_limited(checkpointed(f), [] {
@@ -428,7 +428,7 @@ TEST(CliStream, ACheckpointOfOtherInputsOrEditedIsRefused) {
   const Folder f;
   write_slow_input(f);
   ASSERT_NO_FATAL_FAILURE(leave_a_checkpoint(f));
-  expect_error({"hull", f / "tile-100.npy", "--checkpoint", f / "run.checkpoint"}, 2,
+  expect_error({"hull", f / "tile-1000.npy", "--checkpoint", f / "run.checkpoint"}, 2,
                "is of other inputs");
   const std::string text = read_file(f / "run.checkpoint");
   const std::size_t place = text.find("\"file_points\":");
@@ -442,7 +442,7 @@ TEST(CliStream, ACheckpointOfOtherInputsOrEditedIsRefused) {
     expect_error(checkpointed(f), 1, why);
   }
   write_file(f / "broken", "something else");
-  const Ran broken = run_app({"hull", f / "tile-100.npy", "--checkpoint", f / "broken"});
+  const Ran broken = run_app({"hull", f / "tile-1000.npy", "--checkpoint", f / "broken"});
   EXPECT_EQ(broken.status, 1);
   EXPECT_TRUE(one_line(broken.err));
   EXPECT_EQ(read_file(f / "broken"), "something else");

@@ -178,6 +178,36 @@ TEST(Stream, LaysMapsAndHoldsFewPoints) {
   }
 }
 
+// More threads than the machine has, too, and blocks that end up in the lists out of order.
+TEST(Stream, AnyNumberOfThreadsGivesTheSameState) {
+  const PointSet s = generated("ball", 300000, 3, 11);
+  std::vector<Block> blocks;
+  for (std::uint64_t at = 0; at < s.count(); at += 10000) blocks.push_back({at, at + 10000});
+  const HullState one = pushed(view_of(s), blocks, 1, options_of(1));
+  EXPECT_EQ(one.ids(), sorted_vertices(convex_hull(view_of(s))));
+  std::reverse(blocks.begin(), blocks.end());
+  for (const unsigned pushing : {1U, 3U, 16U})
+    for (const unsigned threads : {1U, 2U, 3U, 16U, 64U})
+      EXPECT_EQ(pushed(view_of(s), blocks, pushing, options_of(threads)), one)
+          << pushing << " threads push, " << threads << " each";
+}
+
+// A state is often the last thing that is asked for: the map waits for the next block.
+TEST(Stream, APushBuildsTheMapThatAStateLeftOut) {
+  const PointSet s = generated("ball", 60000, 3, 12);
+  HullStream stream;
+  stream.push(part_of(view_of(s), 0, 20000));
+  EXPECT_EQ(stream.state().point_count(), 20000U);
+  EXPECT_EQ(stream.report().maps, 0U);
+  stream.push(part_of(view_of(s), 20000, 40000));
+  EXPECT_EQ(stream.report().maps, 1U);
+  EXPECT_EQ(stream.report().reductions, 1U);
+  EXPECT_LT(stream.report().waiting, 5000U);
+  stream.push(part_of(view_of(s), 40000, 60000));
+  EXPECT_EQ(stream.report().maps, 1U);
+  EXPECT_EQ(stream.state().ids(), sorted_vertices(convex_hull(view_of(s))));
+}
+
 TEST(Stream, NothingAndNextToNothing) {
   EXPECT_EQ(HullStream().state(), HullState());
   EXPECT_THROW(HullState().hull(), Error);

@@ -304,7 +304,7 @@ class HullStream:
 
     Blocks may come in any order and from several threads at once. Memory holds the extreme points
     found so far and one block. The GIL is released while a block is processed. The options hold for
-    every call. If several threads push, ``threads=1`` is fastest.
+    every call. While several threads push, each takes no more of ``threads`` than are idle.
 
     Raises
     ------
