@@ -51,13 +51,14 @@ struct Subject {
   const std::vector<double>* claimed = nullptr;
 
   std::vector<std::uint64_t> ids;    ///< the hull's vertices, ascending
-  std::vector<double> full;          ///< coordinates of the vertices
+  Array<double> full;                ///< coordinates of the vertices
+  std::vector<double> low, high;     ///< the vertices' box
   std::vector<unsigned> axes;        ///< the projection of the flat onto these axes is one to one
-  std::vector<double> rows;          ///< vertex coordinates on the axes
-  std::vector<std::uint32_t> index;  ///< simplices x k: positions in `ids`
+  std::vector<double> projected;     ///< vertex coordinates on the axes, in a flat
+  Array<std::uint32_t> index;        ///< simplices x k: positions in `ids`
   std::vector<std::uint32_t> basis;  ///< k + 1 affinely independent vertices
   std::vector<double> centre;        ///< the interior point in doubles; empty if none was found
-  FacetSimplices members;            ///< set once simplex_facets has been checked
+  FacetSimplices members;  ///< set once simplex_facets has been checked; empty: all_simple
   mutable std::atomic<std::uint64_t> exact_decisions{0};
   mutable std::atomic<std::uint64_t> vertices_met{0};  ///< vertices found among the points so far
   IdPlaces position;  ///< index in `ids`; ids.size() if not a vertex
@@ -66,7 +67,13 @@ struct Subject {
 
   std::uint32_t simplex_count() const { return static_cast<std::uint32_t>(index.size() / k); }
   const std::uint32_t* simplex(std::uint32_t f) const { return index.data() + std::size_t{f} * k; }
-  const double* row(std::uint32_t v) const { return rows.data() + std::size_t{v} * k; }
+  const double* row(std::uint32_t v) const {
+    return (k == hull.dimension ? full.data() : projected.data()) + std::size_t{v} * k;
+  }
+  /// The axis of the points that coordinate j of a row is of.
+  unsigned axis(unsigned j) const { return k == hull.dimension ? j : axes[j]; }
+  /// Whether facet i is simplex i alone, if simplex_facets is right.
+  bool all_simple() const { return hull.facets.size() == simplex_count(); }
   std::uint32_t neighbour(std::uint32_t f, unsigned j) const {
     return hull.simplex_neighbours[std::size_t{f} * k + j];
   }
@@ -82,7 +89,8 @@ struct Subject {
 
 /// As Run::each_chunk, but throws the fault of the first faulty chunk after all chunks have run.
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
-                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body);
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body,
+                  spans::Where where = spans::Where::current());
 
 void check_shape(Subject& s);  // sizes, ranges, order; sets ids, full, index
 void check_flat(Subject& s);   // sets basis, axes, rows

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "parallel/threads/run.hpp"
+
 namespace cullhull::internal {
 
 /// Finds an id's place in an ascending list, which must stay as it is, in constant time where the
@@ -14,12 +16,17 @@ namespace cullhull::internal {
 class IdPlaces {
  public:
   IdPlaces() = default;
-  explicit IdPlaces(const std::vector<std::uint64_t>& ids)
-      : ids_(&ids), shift_(static_cast<unsigned>(std::bit_width(ids.back() / ids.size()))) {
-    first_.reserve((ids.back() >> shift_) + 2);
-    for (std::size_t i = 0; i < ids.size(); ++i)
-      first_.resize((ids[i] >> shift_) + 1, static_cast<std::uint32_t>(i));
-    first_.push_back(static_cast<std::uint32_t>(ids.size()));
+  IdPlaces(const std::vector<std::uint64_t>& ids, const Run& run)
+      : ids_(&ids),
+        shift_(static_cast<unsigned>(std::bit_width(ids.back() / ids.size()))),
+        first_((ids.back() >> shift_) + 2) {
+    // The buckets behind that of the id before, up to the id's own, begin with it.
+    run.each(ids.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      std::uint64_t bucket = begin == 0 ? 0 : (ids[begin - 1] >> shift_) + 1;
+      for (std::uint64_t i = begin; i < end; ++i)
+        for (; bucket <= ids[i] >> shift_; ++bucket) first_[bucket] = static_cast<std::uint32_t>(i);
+    });
+    first_.back() = static_cast<std::uint32_t>(ids.size());
   }
   /// The length of the list if it does not have the id.
   std::uint32_t operator()(std::uint64_t id) const {

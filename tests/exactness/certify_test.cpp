@@ -60,6 +60,28 @@ void expect_fault(const Case& c, const Hull& good, const std::function<void(Hull
       << "expected '" << why << "', got '" << found << "'";
 }
 
+// Surfaces of several chunks, all whose facets are simplices (sphere) or not (cube): the same for
+// any number of threads, sums over all vertices included.
+TEST(Certify, AnyNumberOfThreadsSaysTheSame) {
+  for (const char* shape : {"sphere", "cube"}) {
+    const Case c{generate(shape, 20000, 3, 5), 3};
+    const Hull good = convex_hull(c.view());
+    Hull bad = good;
+    std::swap(bad.simplex_facets.edit()[good.simplex_count() - 1], bad.simplex_facets.edit()[0]);
+    const Certificate one = certify(c.view(), good, testing_support::options_of(1));
+    const Certificate fault = certify(c.view(), bad, testing_support::options_of(1));
+    EXPECT_TRUE(one.valid) << one.reason;
+    EXPECT_FALSE(fault.valid) << shape;
+    for (const unsigned threads : {2U, 3U, 16U, 64U}) {
+      const Certificate many = certify(c.view(), good, testing_support::options_of(threads));
+      EXPECT_TRUE(many.valid) << many.reason;
+      EXPECT_EQ(many.ridges_checked, one.ridges_checked);
+      EXPECT_EQ(many.exact_decisions, one.exact_decisions) << threads;
+      EXPECT_EQ(certify(c.view(), bad, testing_support::options_of(threads)).reason, fault.reason);
+    }
+  }
+}
+
 TEST(Certify, AcceptsHulls) {
   for (unsigned d = 2; d <= 6; ++d) {
     for (const Case& c : {cube(d), random_points(d, 40, d)}) {

@@ -19,16 +19,19 @@ void require_certifiable(const PointView& points) {
 }
 
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
-                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body) {
+                  const std::function<void(std::uint64_t begin, std::uint64_t end)>& body,
+                  spans::Where where) {
   std::vector<std::string> faults(chunk_count(count, chunk_size));
-  run.each_chunk(count, chunk_size,
-                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+  run.each_chunk(
+      count, chunk_size,
+      [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     try {
       body(begin, end);
     } catch (const Fault& f) {
       faults[chunk] = f.reason;
     }
-  });
+      },
+      where);
   for (std::string& f : faults)
     if (!f.empty()) throw Fault{std::move(f)};
 }
@@ -122,7 +125,7 @@ void check_single(Subject& s) {
   s.full.resize(s.points.dimension);
   for (unsigned j = 0; j < s.points.dimension; ++j)
     s.full[j] = s.claimed != nullptr ? (*s.claimed)[j] : s.points.at(0, j);
-  if (h.centroid != s.full) fault("the centroid is not the only point");
+  if (!std::ranges::equal(h.centroid, s.full)) fault("the centroid is not the only point");
 }
 
 /// k = 0: checks that each point of the block equals the only vertex.
@@ -200,9 +203,9 @@ namespace cullhull {
 
 Certificate certify(const PointView& points, const Hull& hull, const Options& options) {
   using namespace internal::certify;
-  const internal::Run run(options);
+  const internal::Call call(options);
   Certificate out;
-  Subject subject(points, hull, run);
+  Subject subject(points, hull, call.run);
   try {
     check_all(subject, out);
     out.valid = true;

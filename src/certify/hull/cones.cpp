@@ -37,9 +37,9 @@ bool Cones::choose_units() {
   scale_.clear();
   reach_.clear();
   for (unsigned j = 0; j < k_; ++j) {
-    double extent = 0;
-    for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
-      extent = std::max(extent, std::fabs(s_.row(v)[j] - centre_[j]));
+    // Of all vertices, since rounding keeps the order of differences.
+    const double extent =
+        std::max(s_.high[s_.axis(j)] - centre_[j], centre_[j] - s_.low[s_.axis(j)]);
     if (!(extent > 0x1p-500 && extent < 0x1p500)) return false;
     scale_.push_back(std::exp2(-std::ilogb(extent) - 1));
     reach_.push_back(extent * scale_.back());

@@ -86,7 +86,7 @@ class Cones {
   const unsigned k_;
   std::vector<double> centre_, scale_, reach_;
   double ball_ = 0;
-  std::vector<double> planes_;  ///< k + 1 per simplex: n, then the bound (infinite: unusable)
+  Array<double> planes_;  ///< k + 1 per simplex: n, then the bound (infinite: unusable)
 };
 
 }  // namespace cullhull::internal::certify

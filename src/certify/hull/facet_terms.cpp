@@ -172,7 +172,8 @@ constexpr double least_edge = 0x1p-80;
 
 CheckedFacets::CheckedFacets(const Subject& s)
     : s_(s), d_(s.hull.dimension), k_(s.k), rows_(s.full.data()) {
-  for (const double v : s.full) largest_ = std::max(largest_, std::fabs(v));
+  for (unsigned c = 0; c < d_; ++c)
+    largest_ = std::max({largest_, std::fabs(s.low[c]), std::fabs(s.high[c])});
   if (largest_ > 0 && !(largest_ > 0x1p-20 && largest_ < 0x1p20)) {
     exponent_ = std::ilogb(largest_) + 1;
     scaled_.resize(s.full.size());
@@ -180,18 +181,11 @@ CheckedFacets::CheckedFacets(const Subject& s)
     rows_ = scaled_.data();
   }
   for (unsigned c = 0; c < d_; ++c) {
-    double low = s.full[c], high = low;
-    for (std::size_t i = c; i < s.full.size(); i += d_) {
-      low = std::min(low, s.full[i]);
-      high = std::max(high, s.full[i]);
-    }
+    const double low = s.low[c], high = s.high[c];
     wild_ = wild_ || (low != high && !(high / 2 - low / 2 > std::ldexp(largest_, -399)));
   }
   if (k_ < d_) {
-    constant_.assign(d_, 1);
-    for (std::uint32_t v = 1; v < s.ids.size(); ++v)
-      for (unsigned c = 0; c < d_; ++c)
-        if (s.full[std::size_t{v} * d_ + c] != s.full[c]) constant_[c] = 0;
+    for (unsigned c = 0; c < d_; ++c) constant_.push_back(s.low[c] == s.high[c]);
   }
   // docs/exactness.md, "Numbers": four times the error that the library's arithmetic may have.
   const double k = k_, terms = 4 * (minor_roundings(k_ > 1 ? k_ - 1 : 1) + 3);

@@ -183,7 +183,7 @@ class MeasureCheck {
   /// Beyond eight dimensions volume and area are bounded by what is lost in facets as thin as these
   /// are.
   bool many() const { return k_ > 8; }
-  bool single() const { return h_.facets.size() == s_.simplex_count(); }
+  bool single() const { return s_.all_simple(); }
 
   /// Error bounds of the measure of a simplex's parallelotope and of its product with the height;
   /// `reach` is the vector to the apex. The product of the edges' lengths and the measure are
@@ -374,11 +374,7 @@ class MeasureCheck {
   void check_centroid(unsigned c, const mpf_class& shift, const mpf_class& relative) const {
     const double origin = s_.full[c];
     mpf_class extent(0, 256);
-    double low = origin, high = origin;
-    for (std::uint32_t v = 0; v < s_.ids.size(); ++v) {
-      low = std::min(low, s_.full[std::size_t{v} * d_ + c]);
-      high = std::max(high, s_.full[std::size_t{v} * d_ + c]);
-    }
+    const double low = s_.low[c], high = s_.high[c];
     extent = mpf_class(high, 256) - mpf_class(low, 256);
     const double given = h_.centroid[c];
     if (given < low || given > high)

@@ -108,16 +108,22 @@ class InnerFilter {
 
   /// Finds a box around the centre whose corners are all in P.
   bool find_box() {
-    for (unsigned j = 0; j < k_; ++j)
-      for (std::uint32_t v = 0; v < s_.ids.size(); ++v)
-        magnitude_ = std::max(magnitude_, std::fabs(s_.row(v)[j]) * scale_[j]);
+    for (unsigned j = 0; j < k_; ++j) {
+      const unsigned c = s_.axis(j);
+      magnitude_ = std::max(
+          {magnitude_, std::fabs(s_.low[c]) * scale_[j], std::fabs(s_.high[c]) * scale_[j]});
+    }
     const double* scratch[7];
     for (double r = 0.5; r >= 0x1p-12; r /= 2) {
       bool all = true;
       std::uint32_t f = 0;
       for (unsigned corner = 0; corner < (1U << k_) && all; ++corner) {
-        double direction[6];
-        for (unsigned j = 0; j < k_; ++j) direction[j] = (corner >> j & 1U) ? 1 : -1;
+        double direction[6], near[6];
+        for (unsigned j = 0; j < k_; ++j) {
+          direction[j] = (corner >> j & 1U) ? 1 : -1;
+          near[j] = 0x1p-10 * direction[j];  // within the planes' reach
+        }
+        cones_.strictly_inside(near, f);  // a walk in doubles, so that the exact one is short
         all = inside(direction, r, f, scratch);
       }
       if (!all) continue;
@@ -175,21 +181,23 @@ class InnerFilter {
     });
     hints_.resize(2 * k_ * face_cells);
     std::vector<float> limits(hints_.size());
-    for (std::uint64_t c = 0; c < limits.size(); ++c) {
-      double least = 2;
-      for (unsigned corner = 0; corner < (1U << per_face_dims); ++corner) {
-        std::uint64_t rest = c % face_cells, stride = 1, node = 0;
-        for (unsigned j = 0; j < per_face_dims; ++j) {  // last coordinate varies fastest
-          node += (rest % resolution_ + (corner >> j & 1U)) * stride;
-          rest /= resolution_;
-          stride *= resolution_ + 1;
+    check_chunks(s_.run, limits.size(), 4096, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t c = begin; c < end; ++c) {
+        double least = 2;
+        for (unsigned corner = 0; corner < (1U << per_face_dims); ++corner) {
+          std::uint64_t rest = c % face_cells, stride = 1, node = 0;
+          for (unsigned j = 0; j < per_face_dims; ++j) {  // last coordinate varies fastest
+            node += (rest % resolution_ + (corner >> j & 1U)) * stride;
+            rest /= resolution_;
+            stride *= resolution_ + 1;
+          }
+          node += c / face_cells * face_nodes;
+          least = std::min(least, radius[node]);
+          hints_[c] = simplex[node];
         }
-        node += c / face_cells * face_nodes;
-        least = std::min(least, radius[node]);
-        hints_[c] = simplex[node];
+        limits[c] = static_cast<float>(least * (1 - slack_) * (1 - 0x1p-22));  // rounded down
       }
-      limits[c] = static_cast<float>(least * (1 - slack_) * (1 - 0x1p-22));  // rounded down
-    }
+    });
     limits_ = std::move(limits);
   }
 
@@ -287,6 +295,7 @@ class PointCheck::Scan {
     std::vector<const double*> scratch(s_.k + 1);
     auto vertex = std::lower_bound(s_.ids.begin(), s_.ids.end(), first + begin);
     std::uint32_t f = 0;
+    std::uint64_t met = 0;
     VertexCache cache(s_);
     for (std::uint64_t b = begin; b < end; b += InnerBall::block) {
       const auto count =
@@ -302,20 +311,20 @@ class PointCheck::Scan {
         while (vertex != s_.ids.end() && *vertex < i) ++vertex;
         const bool is_vertex = vertex != s_.ids.end() && *vertex == i;
         const auto v = static_cast<std::uint32_t>(vertex - s_.ids.begin());
-        if (is_vertex) meet_vertex(v, x);
+        if (is_vertex) compare_vertex(v, x);
+        met += is_vertex;
         check_flat<K>(i, x, is_vertex ? v : none);
         if (!is_vertex) check_point<K>(i, x, on_axes.data(), f, scratch.data(), cache);
       }
     }
+    s_.vertices_met.fetch_add(met, std::memory_order_relaxed);
   }
 
-  /// Called for a point that is the hull's vertex v: compares its coordinates with the claimed
-  /// ones.
-  void meet_vertex(std::size_t v, const double* x) const {
+  /// Compares the coordinates of a point that is the hull's vertex v with the claimed ones.
+  void compare_vertex(std::size_t v, const double* x) const {
     const unsigned d = s_.hull.dimension;
     if (s_.claimed != nullptr && !std::equal(x, x + d, s_.full.data() + v * d))
       fault("vertex ", s_.ids[v], " has other coordinates than that point");
-    s_.vertices_met.fetch_add(1, std::memory_order_relaxed);
   }
 
   /// `vertex`: of the hull, or none.

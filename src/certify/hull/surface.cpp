@@ -2,7 +2,9 @@
 #include <gmpxx.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "certify/certificate.hpp"
@@ -14,7 +16,7 @@
 namespace cullhull::internal::certify {
 namespace {
 
-constexpr std::uint64_t chunk = std::uint64_t{1} << 14;  // tens of us of work
+constexpr std::uint64_t chunk = std::uint64_t{1} << 12;  // up to a millisecond of work
 
 template <class T, class Items>
 void check_lists(const Lists<T, Items>& lists, const char* name) {
@@ -49,21 +51,36 @@ void read_vertices(Subject& s) {
     std::sort(s.ids.begin(), s.ids.end());
     if (h.vertices[0] != s.ids[0]) fault("vertices do not begin with the lowest id");
   }
-  for (std::size_t i = 0; i < s.ids.size(); ++i) {
-    if (s.ids[i] >= s.points.count) fault("vertex ", s.ids[i], " is out of range");
-    if (i > 0 && s.ids[i - 1] >= s.ids[i]) fault("vertices are not in ascending order");
-  }
-  s.position = IdPlaces(s.ids);
+  check_chunks(s.run, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      if (s.ids[i] >= s.points.count) fault("vertex ", s.ids[i], " is out of range");
+      if (i > 0 && s.ids[i - 1] >= s.ids[i]) fault("vertices are not in ascending order");
+    }
+  });
+  s.position = IdPlaces(s.ids, s.run);
   const unsigned d = h.dimension;
   s.full.resize(s.ids.size() * d);
+  const double infinity = std::numeric_limits<double>::infinity();
+  std::vector<double> lows(chunk_count(s.ids.size(), chunk) * d, infinity),
+      highs(lows.size(), -infinity);
   check_chunks(s.run, s.ids.size(), chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    double* const low = lows.data() + begin / chunk * d;
+    double* const high = highs.data() + begin / chunk * d;
     for (std::uint64_t i = begin; i < end; ++i)
       for (unsigned j = 0; j < d; ++j) {
-        s.full[i * d + j] =
-            s.claimed != nullptr ? (*s.claimed)[i * d + j] : s.points.at(s.ids[i], j);
-        if (!std::isfinite(s.full[i * d + j])) fault("point ", s.ids[i], " is not finite");
+        const double x = s.claimed != nullptr ? (*s.claimed)[i * d + j] : s.points.at(s.ids[i], j);
+        if (!std::isfinite(x)) fault("point ", s.ids[i], " is not finite");
+        s.full[i * d + j] = x;
+        low[j] = std::min(low[j], x);
+        high[j] = std::max(high[j], x);
       }
   });
+  s.low.assign(d, infinity);
+  s.high.assign(d, -infinity);
+  for (std::size_t i = 0; i < lows.size(); ++i) {
+    s.low[i % d] = std::min(s.low[i % d], lows[i]);
+    s.high[i % d] = std::max(s.high[i % d], highs[i]);
+  }
 }
 
 void read_simplices(Subject& s) {
@@ -71,6 +88,7 @@ void read_simplices(Subject& s) {
   const unsigned k = s.k;
   const std::uint64_t count = h.simplex_facets.size();
   s.index.resize(count * k);
+  std::vector<std::uint8_t> used(s.ids.size(), 0);
   check_chunks(s.run, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       const std::uint64_t* row = h.simplices.data() + i * k;
@@ -78,6 +96,8 @@ void read_simplices(Subject& s) {
         const std::uint32_t at = s.position(row[j]);
         if (at == s.ids.size()) fault("simplex ", i, " uses point ", row[j], ", not a vertex");
         s.index[i * k + j] = at;
+        const std::atomic_ref<std::uint8_t> mark(used[at]);  // threads may share a vertex
+        if (mark.load(std::memory_order_relaxed) == 0) mark.store(1, std::memory_order_relaxed);
         // Ascending; the last two may be swapped.
         if (j > 0 && (j + 1 < k ? row[j - 1] >= row[j] : row[j - 1] == row[j]))
           fault("the ids of simplex ", i, " are not in order");
@@ -92,8 +112,6 @@ void read_simplices(Subject& s) {
         fault("the facet of simplex ", i, " is out of range");
     }
   });
-  std::vector<std::uint8_t> used(s.ids.size(), 0);
-  for (const std::uint32_t v : s.index) used[v] = 1;
   for (std::size_t v = 0; v < used.size(); ++v)
     if (!used[v]) fault("vertex ", s.ids[v], " is on no simplex");
 }
@@ -232,20 +250,26 @@ bool beneath_all(const Subject& s, const Cones& cones) {
   return true;
 }
 
-std::vector<double> mean(const Subject& s, const std::vector<std::uint32_t>& vertices) {
-  std::vector<double> m(s.k, 0);
-  const auto n = static_cast<double>(vertices.size());
-  for (const std::uint32_t v : vertices)
-    for (unsigned j = 0; j < s.k; ++j) m[j] += s.row(v)[j] / n;  // cannot overflow
-  return m;
+/// The mean of `count` vertices, rounded; null: of the first ones.
+std::vector<double> mean(const Subject& s, const std::uint32_t* vertices, std::uint64_t count) {
+  const unsigned k = s.k;
+  const auto n = static_cast<double>(count);
+  std::vector<double> sums(chunk_count(count, chunk) * k, 0), all(k, 0);
+  check_chunks(s.run, count, chunk, [&](std::uint64_t begin, std::uint64_t end) {
+    double* const sum = sums.data() + begin / chunk * k;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const double* row = s.row(vertices != nullptr ? vertices[i] : static_cast<std::uint32_t>(i));
+      for (unsigned j = 0; j < k; ++j) sum[j] += row[j] / n;  // cannot overflow
+    }
+  });
+  for (std::size_t i = 0; i < sums.size(); ++i) all[i % k] += sums[i];
+  return all;
 }
 
 /// Tries the rounded means of all vertices and of the basis as interior point.
 void choose_centre(Subject& s, Cones& cones) {
-  std::vector<std::uint32_t> all(s.ids.size());
-  std::iota(all.begin(), all.end(), 0U);
-  for (const std::vector<std::uint32_t>* vertices : {&all, &s.basis}) {
-    s.centre = mean(s, *vertices);
+  for (const bool all : {true, false}) {
+    s.centre = all ? mean(s, nullptr, s.ids.size()) : mean(s, s.basis.data(), s.basis.size());
     cones.place();
     if (beneath_all(s, cones)) return;
   }
@@ -368,12 +392,9 @@ void check_flat(Subject& s) {
   }
   if (s.basis.empty()) fault("the vertices span fewer than ", k, " dimensions");
   s.axes.resize(k);
-  if (k == d) {
-    s.rows = s.full;
-    return;
-  }
+  if (k == d) return;
   for (std::uint32_t v = 0; v < s.ids.size(); ++v)
-    for (const unsigned a : s.axes) s.rows.push_back(full(v)[a]);
+    for (const unsigned a : s.axes) s.projected.push_back(full(v)[a]);
 }
 
 void check_interior(Subject& s, Cones& cones) {
@@ -400,7 +421,7 @@ void check_covering(Subject& s, Cones& cones) {
   std::uint32_t target = 0;
   for (; target < s.simplex_count(); ++target) {
     const std::uint32_t* v = s.simplex(target);
-    x = mean(s, {v, v + s.k});
+    x = mean(s, v, s.k);
     bool inside = true;
     for (unsigned j = 0; j < s.k && inside; ++j) {
       for (unsigned i = 0; i < s.k; ++i) scratch[i] = i == j ? x.data() : s.row(v[i]);
