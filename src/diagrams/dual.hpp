@@ -14,6 +14,8 @@
 #include "cullhull/voronoi.hpp"
 #include "exact/insphere/circumcentres.hpp"
 #include "parallel/adjacency.hpp"
+#include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -61,35 +63,48 @@ void load_block(const DualPoints& p, unsigned k, std::uint64_t first, std::uint6
   }
 }
 
+/// Joins the items that chunks of a loop have collected, in the order of the chunks; they are
+/// moved.
+template <class Part, class T>
+Array<T> join_items(std::vector<Part>& parts, std::vector<T> Part::*items, const Run& run) {
+  std::vector<std::uint64_t> before;
+  for (const Part& part : parts) before.push_back((part.*items).size());
+  Array<T> all(exclusive_scan(before));
+  run.each_item(parts.size(), [&](std::uint64_t p) {
+    const std::vector<T> own = std::move(parts[p].*items);
+    std::copy(own.begin(), own.end(), all.begin() + static_cast<std::ptrdiff_t>(before[p]));
+  });
+  return all;
+}
+/// The same for lists. `ends`: where each list ends in its chunk's items; of the first chunk there
+/// is a zero before these.
+template <class Part>
+Lists<std::uint32_t> join_lists(std::vector<Part>& parts, std::vector<std::uint32_t> Part::*items,
+                                std::vector<std::uint64_t> Part::*ends, const Run& run) {
+  std::vector<std::uint64_t> before;
+  for (const Part& part : parts) before.push_back((part.*items).size());
+  exclusive_scan(before);
+  run.each_item(parts.size(), [&](std::uint64_t p) {
+    for (std::uint64_t& end : parts[p].*ends) end += before[p];
+  });
+  return {join_items(parts, ends, run), join_items(parts, items, run)};
+}
+
 /// Collects lists from the chunks of a parallel loop and joins them in the order of the chunks.
 class ChunkedListBuilder {
  public:
   explicit ChunkedListBuilder(std::uint64_t count)
-      : grain(light_grain / 16), parts_(chunk_count(count, grain)) {}
+      : grain(light_grain / 16), parts_(std::max<std::uint64_t>(1, chunk_count(count, grain))) {
+    parts_[0].ends.push_back(0);
+  }
 
-  void add(std::uint64_t chunk, const std::vector<std::uint32_t>& list) {
+  void add(std::uint64_t chunk, std::span<const std::uint32_t> list) {
     Part& part = parts_[chunk];
     part.items.insert(part.items.end(), list.begin(), list.end());
     part.ends.push_back(part.items.size());
   }
-  Lists<std::uint32_t> join() {
-    std::uint64_t lists = 0, all = 0;
-    for (const Part& part : parts_) {
-      lists += part.ends.size();
-      all += part.items.size();
-    }
-    Array<std::uint64_t> offsets;
-    Array<std::uint32_t> items;
-    offsets.reserve(lists + 1);
-    offsets.push_back(0);
-    items.reserve(all);
-    for (Part& part : parts_) {
-      const std::uint64_t before = items.size();
-      items.insert(items.end(), part.items.begin(), part.items.end());
-      for (const std::uint64_t end : part.ends) offsets.push_back(before + end);
-      part = {};
-    }
-    return {std::move(offsets), std::move(items)};
+  Lists<std::uint32_t> join(const Run& run) {
+    return join_lists(parts_, &Part::items, &Part::ends, run);
   }
   const std::uint64_t grain;
 
@@ -107,14 +122,20 @@ struct Edge {
   friend auto operator<=>(const Edge&, const Edge&) = default;
 };
 
+/// The cells around each point, ascending.
+inline Adjacency<std::uint32_t> stars_of(const Triangulation& t, const Run& run) {
+  return rows_by_id(t.cells, t.corners(), t.point_count, run);
+}
+
 /// For each point the edges to higher points, each with the cells around it.
 class EdgeCells {
  public:
-  EdgeCells(const Triangulation& t, const Run& run);
+  /// Refers to the triangulation and its stars.
+  EdgeCells(const Triangulation& t, const Adjacency<std::uint32_t>& stars) : t_(t), stars_(stars) {}
 
   /// A cell at an edge, and the edge's higher point.
   struct Item {
-    std::uint32_t high, cell;
+    std::uint32_t cell, high;
   };
   /// An edge and the cells around it, ascending.
   struct Star : Edge {
@@ -123,8 +144,21 @@ class EdgeCells {
   /// Calls body(star) for each edge whose lower point is in [begin, end), in lexicographic order.
   template <class Body>
   void each_edge(std::uint64_t begin, std::uint64_t end, const Body& body) const {
+    std::vector<Item> room;
     for (std::uint64_t v = begin; v < end; ++v) {
-      const std::span<const Item> around = items_[v];
+      for (const std::uint32_t c : stars_[std::min(v + 1, end - 1)])
+        prefetch_line(t_.cell(c).data());
+      room.resize(stars_[v].size() * t_.corners());
+      std::size_t count = 0;
+      for (const std::uint32_t c : stars_[v])
+        for (const std::uint32_t w : t_.cell(c)) {  // branch-free, as it is unpredictable
+          room[count] = {c, w};
+          count += w > v ? 1 : 0;
+        }
+      const std::span<Item> around(room.data(), count);
+      std::sort(around.begin(), around.end(), [](const Item& a, const Item& b) {
+        return (std::uint64_t{a.high} << 32 | a.cell) < (std::uint64_t{b.high} << 32 | b.cell);
+      });
       for (std::size_t i = 0; i < around.size();) {
         std::size_t next = i + 1;
         while (next < around.size() && around[next].high == around[i].high) ++next;
@@ -133,21 +167,18 @@ class EdgeCells {
       }
     }
   }
-  /// The number of points.
-  std::uint64_t size() const { return items_.size(); }
 
  private:
-  Adjacency<Item> items_;  ///< for each lower point; sorted by higher point, then by cell
+  const Triangulation& t_;
+  const Adjacency<std::uint32_t>& stars_;
 };
-
-/// The points that share an edge with each point, ascending.
-Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges);
 
 /// The first cell of each group; empty if every cell is a group of its own.
 Array<std::uint32_t> first_cells(const Triangulation& t);
 /// Writes the vertices of `out`. Requires k >= 1.
 void write_vertices(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
-/// Writes the ridges of `out`; for k = 2 also the regions.
-void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run);
+/// Writes the ridges of `out`; for k = 2 also the regions. `stars`: stars_of(), for k != 2.
+void write_ridges(const DualPoints& p, const Triangulation& t,
+                  const Adjacency<std::uint32_t>& stars, Voronoi& out, const Run& run);
 
 }  // namespace cullhull::internal

@@ -33,7 +33,7 @@ class VertexLinks {
   VertexLinks(const Hull& hull, std::size_t count)
       : corners_(hull.simplices),
         width_(static_cast<std::size_t>(hull.affine_dimension)),
-        simplices_(rows_by_id(corners_, width_, count)) {}
+        simplices_(rows_by_id(corners_, width_, count, short_run())) {}
 
   std::span<const std::uint32_t> simplices(std::uint32_t v) const { return simplices_[v]; }
 

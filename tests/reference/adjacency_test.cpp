@@ -53,12 +53,33 @@ TEST(Adjacency, SortedWithoutRepetitions) {
 
 TEST(Adjacency, RowsOfATable) {
   const std::vector<std::uint64_t> table{0, 2, 1, 3, 2, 1};  // two triangles
-  const auto rows = rows_by_id(table, 3, 5);
+  const auto rows = rows_by_id(table, 3, 5, short_run());
   EXPECT_EQ(list(rows, 0), List{0});
   EXPECT_EQ(list(rows, 1), (List{0, 1}));
   EXPECT_EQ(list(rows, 2), (List{0, 1}));
   EXPECT_EQ(list(rows, 3), List{1});
   EXPECT_EQ(list(rows, 4), List{});
+}
+
+TEST(Adjacency, RowsOfALongTableInBuckets) {
+  for (const std::uint64_t ids : {5000ULL, 1ULL << 16, 300000ULL}) {
+    std::vector<std::uint32_t> table;  // rows of three distinct ids; 17 and the last id have none
+    for (std::uint32_t row = 0; row < 50000; ++row)
+      for (std::uint32_t j = 0; j < 3; ++j) {
+        const std::uint64_t id = (row * 7919ULL + j * (ids / 3)) % (ids - 1);
+        table.push_back(static_cast<std::uint32_t>(id == 17 ? 18 : id));
+      }
+    const Adjacency<std::uint32_t> expected(ids, [&](const auto& add) {
+      for (std::uint32_t i = 0; i < table.size(); ++i) add(table[i], i / 3);
+    });
+    for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
+      const Options options{.threads = threads};
+      const auto rows = rows_by_id(table, 3, ids, internal::Run(options));
+      ASSERT_EQ(rows.size(), ids);
+      for (std::uint64_t id = 0; id < ids; ++id)
+        ASSERT_EQ(list(rows, id), list(expected, id)) << id << " of " << ids;
+    }
+  }
 }
 
 }  // namespace cullhull::internal::adjacency_test

@@ -102,8 +102,9 @@ bool ball_is_empty(const DualPoints& p, const Triangulation& t, const EdgeCells:
   return true;
 }
 
-std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, const EdgeCells& edges,
-                                const Run& run) {
+std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t,
+                                const Adjacency<std::uint32_t>& stars, const Run& run) {
+  const EdgeCells edges(t, stars);
   std::vector<Edge> all;
   constexpr std::uint64_t grain = light_grain / 16;
   std::vector<std::vector<Edge>> parts(chunk_count(t.point_count, grain));
@@ -117,10 +118,30 @@ std::vector<Edge> gabriel_edges(const DualPoints& p, const Triangulation& t, con
   return all;
 }
 
+/// The points that share an edge with each point, ascending.
+Lists<std::uint32_t> point_neighbours(const Triangulation& t, const Adjacency<std::uint32_t>& stars,
+                                      const Run& run) {
+  ChunkedListBuilder lists(t.point_count);
+  run.each_chunk(t.point_count, lists.grain,
+                 [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
+    std::vector<std::uint32_t> list;
+    for (std::uint64_t v = begin; v < end; ++v) {
+      list.clear();
+      for (const std::uint32_t c : stars[v])
+        for (const std::uint32_t w : t.cell(c))
+          if (w != v) list.push_back(w);
+      std::sort(list.begin(), list.end());
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+      lists.add(chunk, list);
+    }
+  });
+  return lists.join(run);
+}
+
 /// Searches the lune of an edge: the points nearer to both ends than these are to each other.
 class LuneSearch {
  public:
-  LuneSearch(const DualPoints& p, const Adjacency<std::uint32_t>& graph, unsigned d)
+  LuneSearch(const DualPoints& p, const Lists<std::uint32_t>& graph, unsigned d)
       : p_(p), graph_(graph), d_(d) {}
 
   /// Whether the lune is empty. Searches from both ends in turn: the points that are nearer to an
@@ -178,7 +199,7 @@ class LuneSearch {
   }
 
   const DualPoints& p_;
-  const Adjacency<std::uint32_t>& graph_;  ///< point_neighbours()
+  const Lists<std::uint32_t>& graph_;  ///< point_neighbours()
   unsigned d_;
   Edge edge_{};
   Side sides_[2];
@@ -189,7 +210,8 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
   std::vector<MeasuredEdge> edges;
   CheckedSteps steps(run);
   if (t.corners() > 1) {
-    EdgeCells(t, run).each_edge(0, t.point_count, [&](const EdgeCells::Star& e) {
+    const Adjacency<std::uint32_t> stars = stars_of(t, run);
+    EdgeCells(t, stars).each_edge(0, t.point_count, [&](const EdgeCells::Star& e) {
       steps.next();
       edges.push_back(order.measure(e));
     });
@@ -216,13 +238,13 @@ std::vector<Edge> spanning_edges(const DualPoints& p, const Triangulation& t, co
 
 std::vector<Edge> lune_edges(const DualPoints& p, const Triangulation& t, const Run& run) {
   std::vector<Edge> edges, candidates;
-  Adjacency<std::uint32_t> graph;
+  Lists<std::uint32_t> graph;
   {
-    const EdgeCells around(t, run);
-    candidates = gabriel_edges(p, t, around, run);
+    const Adjacency<std::uint32_t> stars = stars_of(t, run);
+    candidates = gabriel_edges(p, t, stars, run);
     if (candidates.empty()) return edges;
     run.report("lunes", 0.5);
-    graph = point_neighbours(around);
+    graph = point_neighbours(t, stars, run);
   }
   Array<std::uint8_t> kept(candidates.size());
   run.each(candidates.size(), 256, [&](std::uint64_t begin, std::uint64_t end) {
@@ -265,7 +287,7 @@ Array<std::uint32_t> gabriel_graph(const PointView& points, const Triangulation&
                                    const RunOptions& options) {
   return graph_of(points, triangulation, options,
                   [](const DualPoints& p, const Triangulation& t, const Run& run) {
-    return gabriel_edges(p, t, EdgeCells(t, run), run);
+    return gabriel_edges(p, t, stars_of(t, run), run);
   });
 }
 

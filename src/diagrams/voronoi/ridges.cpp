@@ -156,6 +156,7 @@ void write_plane(const Triangulation& t, Voronoi& out, const Run& run) {
   const Array<std::uint32_t> lowest = lowest_cells(t);
   const std::uint64_t grain = light_grain / 16;
   std::vector<PlaneLists> parts(chunk_count(t.point_count, grain));
+  parts[0].region_ends.push_back(0);
   run.each_chunk(t.point_count, grain,
                  [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
     PlaneLists& own = parts[chunk];
@@ -167,32 +168,10 @@ void write_plane(const Triangulation& t, Voronoi& out, const Run& run) {
     PlaneWalk walk(t, own);
     for (std::uint64_t v = begin; v < end; ++v) walk.add(static_cast<std::uint32_t>(v), lowest[v]);
   });
-  std::uint64_t ridges = 0, corners = 0;
-  for (const PlaneLists& part : parts) {
-    ridges += part.ridges.size();
-    corners += part.regions.size();
-  }
-  Array<std::uint32_t> ridge_items, region_items;
-  Array<std::uint64_t> region_offsets;
-  out.ridge_points.reserve(ridges);
-  ridge_items.reserve(ridges);
-  region_items.reserve(corners);
-  region_offsets.reserve(t.point_count + 1);
-  region_offsets.push_back(0);
-  const auto append = [](auto& list, const auto& more) {
-    list.insert(list.end(), more.begin(), more.end());
-  };
-  for (PlaneLists& part : parts) {
-    const std::uint64_t before = region_items.size();
-    for (const std::uint64_t end : part.region_ends) region_offsets.push_back(before + end);
-    append(out.ridge_points, part.ridge_points);
-    append(ridge_items, part.ridges);
-    append(region_items, part.regions);
-    part = {};
-  }
-  out.ridges = {EvenArray<std::uint64_t>::of_step(ridge_items.size() / 2 + 1, 2),
-                std::move(ridge_items)};
-  out.regions = {std::move(region_offsets), std::move(region_items)};
+  out.ridge_points = join_items(parts, &PlaneLists::ridge_points, run);
+  Array<std::uint32_t> ridges = join_items(parts, &PlaneLists::ridges, run);
+  out.ridges = Lists<std::uint32_t>::of_length(2, std::move(ridges));
+  out.regions = join_lists(parts, &PlaneLists::regions, &PlaneLists::region_ends, run);
 }
 
 // ------------------------------------------------------------------------ in other dimensions
@@ -364,41 +343,13 @@ class RidgeWriter {
 
 }  // namespace
 
-EdgeCells::EdgeCells(const Triangulation& t, const Run& run)
-    : items_(t.point_count, [&](const auto& add) {
-        const unsigned m = t.corners();
-        for (std::uint32_t c = 0; c < t.size(); ++c) {
-          if (c % light_grain == 0) run.check();
-          const auto v = t.cell(c);
-          for (unsigned i = 0; i < m; ++i)
-            for (unsigned j = i + 1; j < m; ++j)
-              add(std::min(v[i], v[j]), Item{std::max(v[i], v[j]), c});
-        }
-      }) {
-  run.each(t.point_count, light_grain / 8, [&](std::uint64_t begin, std::uint64_t end) {
-    for (std::uint64_t v = begin; v < end; ++v) {
-      const std::span<Item> around = items_.list(v);
-      std::sort(around.begin(), around.end(), [](const Item& a, const Item& b) {
-        return a.high != b.high ? a.high < b.high : a.cell < b.cell;
-      });
-    }
-  });
-}
-
-Adjacency<std::uint32_t> point_neighbours(const EdgeCells& edges) {
-  return {edges.size(), [&](const auto& add) {
-            // A point's lower neighbours come first, ascending because the edges are sorted.
-            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.high, e.low); });
-            edges.each_edge(0, edges.size(), [&](const auto& e) { add(e.low, e.high); });
-          }};
-}
-
-void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, const Run& run) {
+void write_ridges(const DualPoints& p, const Triangulation& t,
+                  const Adjacency<std::uint32_t>& stars, Voronoi& out, const Run& run) {
   if (t.corners() == 3) {
     write_plane(t, out, run);
     return;
   }
-  const EdgeCells edges(t, run);
+  const EdgeCells edges(t, stars);
   const GroupVertices groups(t, run);
   ChunkedListBuilder vertices(t.point_count), points(t.point_count);
   run.each_chunk(t.point_count, vertices.grain,
@@ -408,11 +359,12 @@ void write_ridges(const DualPoints& p, const Triangulation& t, Voronoi& out, con
     edges.each_edge(begin, end, [&](const EdgeCells::Star& e) {
       if (!writer.write(e, ridge)) return;
       vertices.add(chunk, ridge);
-      points.add(chunk, {e.low, e.high});
+      const std::uint32_t ends[2] = {e.low, e.high};
+      points.add(chunk, ends);
     });
   });
-  out.ridges = vertices.join();
-  out.ridge_points = points.join().items;
+  out.ridges = vertices.join(run);
+  out.ridge_points = points.join(run).items;
 }
 
 }  // namespace cullhull::internal

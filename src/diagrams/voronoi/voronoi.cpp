@@ -42,8 +42,8 @@ void write_rays(const DualPoints& p, const Triangulation& t, Voronoi& out, const
 }
 
 /// For k != 2.
-void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
-  const Adjacency<std::uint32_t> stars = rows_by_id(t.cells, t.corners(), t.point_count);
+void write_regions(const Triangulation& t, const Adjacency<std::uint32_t>& stars, Voronoi& out,
+                   const Run& run) {
   std::vector<bool> unbounded(t.point_count);
   for (const std::uint32_t v : t.hull_facets) unbounded[v] = true;
   if (t.corners() == 1) unbounded[t.cells[0]] = true;
@@ -62,7 +62,7 @@ void write_regions(const Triangulation& t, Voronoi& out, const Run& run) {
       lists.add(chunk, list);
     }
   });
-  out.regions = lists.join();
+  out.regions = lists.join(run);
 }
 
 void require_list(bool holds, const char* what) {
@@ -214,9 +214,10 @@ Voronoi voronoi(const PointView& points, const Triangulation& triangulation,
   write_vertices(p, t, out, run);
   if (k > 0) write_rays(p, t, out, run);
   run.report("ridges", 0.4);
-  write_ridges(p, t, out, run);
+  const Adjacency<std::uint32_t> stars = k == 2 ? Adjacency<std::uint32_t>() : stars_of(t, run);
+  write_ridges(p, t, stars, out, run);
   run.report("regions", 0.8);
-  if (k != 2) write_regions(t, out, run);
+  if (k != 2) write_regions(t, stars, out, run);
   run.report("done", 1);
   return out;
 }

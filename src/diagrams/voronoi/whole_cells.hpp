@@ -53,7 +53,8 @@ class DiagramCells {
     if (known == nullptr && t.corners() > 1) {
       own_.dimension = t.dimension;
       write_vertices(points, t, own_, run);
-      write_ridges(points, t, own_, run);
+      write_ridges(points, t, t.corners() == 3 ? Adjacency<std::uint32_t>() : stars_of(t, run),
+                   own_, run);
     }
     ridges_ = Adjacency<Item>(t.point_count, [&](const auto& add) {
       if (t.corners() < 2) return;

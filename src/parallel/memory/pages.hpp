@@ -61,7 +61,7 @@ void clear_pages_early(void* block, std::size_t bytes, unsigned threads, const C
   constexpr std::size_t page = std::size_t{2} << 20;
   if (bytes <= page) return;
   auto* const start = static_cast<volatile std::uint8_t*>(block);
-  for_each_chunk(chunk_count(bytes, page), 8, threads,
+  for_each_chunk(chunk_count(bytes, page), 1, threads,
                  [&](std::uint64_t, std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       check();
