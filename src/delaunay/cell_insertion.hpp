@@ -54,14 +54,18 @@ struct GrowingCells {
   /// false if no unused cell remains.
   bool take(std::uint32_t cells, std::vector<std::uint32_t>& to) {
     const std::uint64_t first = next.fetch_add(cells, std::memory_order_relaxed);
-    const std::uint64_t end = std::min<std::uint64_t>(first + cells, store.capacity());
-    for (std::uint64_t c = end; c > first; --c) to.push_back(static_cast<std::uint32_t>(c - 1));
-    return first < end;
+    const std::uint64_t last = std::min<std::uint64_t>(first + cells, end);
+    for (std::uint64_t c = last; c > first; --c) {
+      to.push_back(static_cast<std::uint32_t>(c - 1));
+      store.mark(to.back()) = CellStore<K>::dead_mark;
+    }
+    return first < last;
   }
 
   CellStore<K> store;
   PlaneArray<K> planes;
   std::atomic<std::uint64_t> next{0};  ///< the first cell that no thread has reserved
+  std::uint64_t end = 0;               ///< of the cells that threads may reserve
 };
 
 enum class Inserted : std::uint8_t {
@@ -149,15 +153,18 @@ class CellInsertion {
     return Inserted::done;
   }
 
-  /// Lets other threads insert into these cells until unshare(). Reserves unused cells: twice the
-  /// number of live cells, plus `spare`, as far as the budget allows.
-  void share(std::uint64_t spare) {
+  /// Lets other threads insert `more` points into these cells, which have `done` points, until
+  /// unshare(). Reserves unused cells, as far as the budget allows: half as many again as the
+  /// points need if they have as many cells each, plus `spare`.
+  void share(std::uint64_t more, std::uint64_t done, std::uint64_t spare) {
     const std::uint64_t live = cells_.store.living();
-    cells_.store.share(cells_.store.count() + 2 * live + spare);
+    const double part = 1.25 * double(more) / double(std::max<std::uint64_t>(done, 1));
+    const auto needed = static_cast<std::uint64_t>(double(live) * std::min(2.0, part));
+    cells_.end = cells_.store.reserve_up_to(cells_.store.count() + needed + spare);
     if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());
     cells_.next = cells_.store.count();
   }
-  void unshare() { cells_.store.unshare(cells_.next); }
+  void unshare() { cells_.store.unshare(std::min<std::uint64_t>(cells_.next, cells_.end)); }
   /// Call after other threads have inserted: the walks' start cell may have been deleted.
   void restart() {
     last_ = 0;
@@ -179,7 +186,7 @@ class CellInsertion {
 
   void make_tables() {
     if constexpr (K == 3) {
-      labels_.resize(s_.count + 1, 0);
+      labels_.resize(label_places);
       edges_.reserve(std::size_t{most_labels} * most_labels);
       labelled_.resize(most_labels);
     }
@@ -519,35 +526,40 @@ class CellInsertion {
   /// Forgets all labels: vertices of the next boundary are labelled from 0.
   void clear_labels() {
     if (label_base_ > ~std::uint32_t{0} - 4 * most_labels) {
-      std::fill(labels_.begin(), labels_.end(), 0U);
+      std::fill(labels_.begin(), labels_.end(), Label{});
       label_base_ = 0;
     }
     label_base_ += most_labels;
   }
+  /// A vertex and its label plus label_base_; with a lower base it is of an earlier boundary.
+  struct Label {
+    std::uint32_t vertex = 0, label = 0;
+  };
   /// Gives the vertices of the boundary small numbers, in the order in which they are first seen.
-  /// Branch-free, because whether a vertex has been seen is unpredictable.
+  /// A hash table that stays in the first cache. Branch-free but for the few vertices that meet
+  /// another one's place, because whether a vertex has been seen is unpredictable.
   class Labels {
    public:
     explicit Labels(CellInsertion& all)
-        : by_vertex_(all.labels_.data()),
-          vertices_(all.labelled_.data()),
-          infinity_(all.s_.count),
-          base_(all.label_base_) {}
+        : table_(all.labels_.data()), vertices_(all.labelled_.data()), base_(all.label_base_) {}
     std::uint32_t operator()(std::uint32_t v) {
-      std::uint32_t& known = by_vertex_[std::min(v, infinity_)];
-      const std::uint32_t old = known - base_;
-      const bool fresh = old >= most_labels;
-      const std::uint32_t label = fresh ? count_ : old;
-      known = base_ + label;
-      vertices_[label] = v;
-      count_ += fresh ? 1 : 0;
-      return label;
+      for (std::uint32_t at = v * 0x9e3779b9U >> (32 - label_bits);; at = (at + 1) % label_places) {
+        Label& known = table_[at];
+        const std::uint32_t old = known.label - base_;
+        const bool fresh = old >= most_labels;
+        if (static_cast<unsigned>(fresh) + static_cast<unsigned>(known.vertex == v) == 0) continue;
+        const std::uint32_t label = fresh ? count_ : old;
+        known = {v, base_ + label};
+        vertices_[label] = v;
+        count_ += fresh ? 1 : 0;
+        return label;
+      }
     }
     std::uint32_t count() const { return count_; }
 
    private:
-    std::uint32_t *by_vertex_, *vertices_;
-    std::uint32_t infinity_, base_, count_ = 0;
+    Label* table_;
+    std::uint32_t *vertices_, base_, count_ = 0;
   };
 
   // Why a table of pairs is enough: a closed surface of triangles has each of its edges in two
@@ -688,7 +700,7 @@ class CellInsertion {
     }
   }
 
-  static constexpr std::uint32_t most_labels = 64;
+  static constexpr std::uint32_t most_labels = 64, label_bits = 10, label_places = 1U << label_bits;
   static constexpr bool with_planes = K >= 3 && K <= 6;
 
   const LiftedPoints& s_;
@@ -703,10 +715,11 @@ class CellInsertion {
   std::vector<Facet> room_of_facets_;
   std::span<const std::uint32_t> cavity_;
   std::span<Facet> facets_;
-  // labels_: for each vertex, label_base_ plus its label; the last entry is that of infinity.
-  // edges_: for the two labels of a directed edge, the code of the new cell's facet there.
-  // labelled_: for each label, the vertex. corners_: for each facet, its labels.
-  std::vector<std::uint32_t> labels_, labelled_;
+  // labels_: the vertices that have labels, by hash. edges_: for the two labels of a directed edge,
+  // the code of the new cell's facet there. labelled_: for each label, the vertex. corners_: for
+  // each facet, its labels.
+  std::vector<Label> labels_;
+  std::vector<std::uint32_t> labelled_;
   RawArray<std::uint32_t> edges_;
   std::vector<std::array<std::uint32_t, 3>> corners_;
   std::vector<std::uint64_t> sums_;

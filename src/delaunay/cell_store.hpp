@@ -113,22 +113,23 @@ class CellStore {
   }
 
   // Why all memory is allocated before threads start: growing the arrays would move cells that
-  // others read. A round inserts at most as many points as there are, which needs about as many new
-  // cells as there are live ones; threads that run out put their points off until the next round.
+  // others read. Threads that run out of cells put their points off until the next round.
 
-  /// Prepares for several threads, which take unused cells from count() on. Allocates `capacity`
-  /// cells, or as many as the budget and limit() allow. Marks live cells 0 and unused cells dead.
-  void share(std::uint64_t capacity) {
-    const std::uint64_t most = std::min({capacity, limit(), affordable()});
+  /// Allocates cells for several threads, which take unused ones from count() on: `cells` of them
+  /// in all, or as many as the budget and limit() allow. Returns how many.
+  std::uint64_t reserve_up_to(std::uint64_t cells) {
+    const std::uint64_t most =
+        std::max<std::uint64_t>(std::min({cells, limit(), affordable()}), count_);
     if (most > capacity_) reserve(most);
+    return most;
+  }
+  /// Marks live cells 0.
+  void clear_marks() {
     for (std::uint32_t c = 0; c < count_; ++c)
       if (!dead(c)) marks_[c] = 0;
-    std::fill(marks_.data() + count_, marks_.data() + capacity_, dead_mark);
   }
-  /// Ends share(): cells [0, count) have been taken.
-  void unshare(std::uint64_t count) {
-    count_ = static_cast<std::uint32_t>(std::min(count, capacity_));
-  }
+  /// Cells [0, count) have been taken.
+  void unshare(std::uint64_t count) { count_ = static_cast<std::uint32_t>(count); }
   /// Returns a thread's dead cells to the store and counts the cells that the thread created.
   void give_back(const std::vector<std::uint32_t>& cells, std::uint64_t created) {
     free_.insert(free_.end(), cells.begin(), cells.end());
@@ -151,8 +152,7 @@ class CellStore {
   /// Returns a stamp such that no cell is marked with it or with stamp + 1.
   std::uint32_t next_stamp() {
     if (stamp_ > dead_mark - 8) {
-      for (std::uint32_t c = 0; c < count_; ++c)
-        if (!dead(c)) marks_[c] = 0;
+      clear_marks();
       stamp_ = 0;
     }
     return stamp_ += 2;

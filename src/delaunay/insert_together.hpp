@@ -7,7 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
+#include <span>
 #include <vector>
 
 #include "delaunay/cell_insertion.hpp"
@@ -51,19 +51,17 @@ class InsertTogether {
   /// last of them. Calls after_round(the number of points inserted), which may throw.
   template <class AfterRound = void (*)(std::uint32_t)>
   void insert(
-      std::vector<std::uint32_t> places, std::uint32_t done,
+      std::span<const std::uint32_t> places, std::uint32_t done,
       const AfterRound& after_round = [](std::uint32_t) {}) {
+    alone_.store().clear_marks();
     std::vector<std::uint32_t> left;
-    std::size_t next = 0;
-    while (next < places.size() || left.size() > few) {
-      const std::size_t end = std::min<std::size_t>(places.size(), next + std::max(done, few));
-      const std::size_t begin = next - std::min(next, left.size());
-      std::copy(left.begin(), left.end(), places.begin() + static_cast<std::ptrdiff_t>(begin));
+    while (!places.empty() || left.size() > few) {
+      const auto fresh = places.first(std::min<std::size_t>(places.size(), std::max(done, few)));
+      places = places.subspan(fresh.size());
       const std::size_t before = left.size();
-      left = round(places.data() + begin, end - begin);
-      if (next == end && left.size() == before) break;  // no progress: finish serially
-      done += static_cast<std::uint32_t>(end - begin - left.size());
-      next = end;
+      left = round(left, fresh, done);
+      if (fresh.empty() && left.size() == before) break;  // no progress: finish serially
+      done += static_cast<std::uint32_t>(before + fresh.size() - left.size());
       after_round(done);
       run_.report("triangulate", double(done) / s_.count);
     }
@@ -86,58 +84,27 @@ class InsertTogether {
   /// that the other lanes wait at the end of a round.
   static constexpr std::uint32_t chunk = K == 2 || K == 3 ? 32 : K == 4 ? 4 : 1;
 
-  // Both ends are one 64-bit word, so taking from either end is one compare-and-swap, and no point
-  // can be taken twice. Example: [10, 100): the lane takes 32 and leaves [42, 100); a thief takes
-  // the last 32 and leaves [42, 68). Points are in the order of a curve, so the lane keeps its
-  // neighbourhood in the cache and a thief takes what is farthest from it.
-
-  /// A lane's range of points. The lane takes from the front; other lanes steal from the back.
-  struct Stretch {
-    std::mutex mutex;
-    std::uint32_t begin = 0, end = 0;
-
-    /// Takes the points [first, last), at most a chunk; false if none are left.
-    bool take(bool front, std::uint32_t& first, std::uint32_t& last) {
-      const std::lock_guard lock(mutex);
-      const std::uint32_t count = std::min(chunk, end - begin);
-      first = front ? begin : end - count;
-      last = first + count;
-      (front ? begin : end) = front ? last : first;
-      return count > 0;
-    }
-  };
-
-  /// Inserts places[0, count) with all lanes; returns those that were not inserted.
-  std::vector<std::uint32_t> round(const std::uint32_t* places, std::size_t count) {
-    alone_.share(spare_);
-    const std::size_t lanes = lanes_.size();
-    std::vector<Stretch> stretches(lanes);
-    for (std::size_t t = 0; t < lanes; ++t) {
-      stretches[t].begin = static_cast<std::uint32_t>(count * t / lanes);
-      stretches[t].end = static_cast<std::uint32_t>(count * (t + 1) / lanes);
-    }
+  /// Inserts these points with all lanes, `done` having been inserted before; returns those that
+  /// were not inserted. Points are in the order of a curve, and a lane's chunks follow each other.
+  std::vector<std::uint32_t> round(std::span<const std::uint32_t> again,
+                                   std::span<const std::uint32_t> fresh, std::uint32_t done) {
+    const std::size_t count = again.size() + fresh.size();
+    alone_.share(count, done, spare_);
     std::atomic<bool> full{false};
-    std::vector<std::vector<std::uint32_t>> left(lanes);
+    std::vector<std::vector<std::uint32_t>> left(lanes_.size());
     for (const auto& lane : lanes_) lane->restart();
-    run_.each_item(lanes, [&](std::uint64_t t) {
-      const auto take = [&](std::uint32_t place) {
+    run_.each_in_lane(count, chunk, [&](unsigned t, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        const std::uint32_t place = i < again.size() ? again[i] : fresh[i - again.size()];
         Inserted how = Inserted::full;
         if (!full.load(std::memory_order_relaxed)) how = lanes_[t]->insert(place);
         if (how == Inserted::busy || how == Inserted::full) left[t].push_back(place);
         if (how == Inserted::full) full = true;
-      };
-      std::uint32_t begin = 0, end = 0;
-      while (stretches[t].take(true, begin, end))
-        for (std::uint32_t i = begin; i < end; ++i) take(places[i]);
-      // Steal from the back of the other lanes' ranges, which their owners reach last.
-      const std::size_t reach = spans::counting() ? 1 : lanes;
-      for (std::size_t other = 1; other < reach; ++other)
-        while (stretches[(t + other) % lanes].take(false, begin, end))
-          for (std::uint32_t i = end; i > begin; --i) take(places[i - 1]);
+      }
     });
     alone_.unshare();
     std::vector<std::uint32_t> all;
-    for (std::size_t t = 0; t < lanes; ++t) {
+    for (std::size_t t = 0; t < lanes_.size(); ++t) {
       lanes_[t]->give_cells_back();
       all.insert(all.end(), left[t].begin(), left[t].end());
     }

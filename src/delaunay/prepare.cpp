@@ -1,9 +1,11 @@
 #include "delaunay/prepare.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include "cullhull/error.hpp"
 #include "delaunay/common_sphere.hpp"
@@ -13,10 +15,10 @@
 #include "geometry/gather.hpp"
 #include "geometry/insertion_rounds.hpp"
 #include "geometry/local_frame.hpp"
-#include "parallel/adjacency.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/scan.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -39,21 +41,34 @@ class Sorter {
   /// their own box.
   void sort(KeyedId* items, KeyedId* scratch, std::uint32_t n) {
     if (n < 2) return;
-    if (!place(items, n)) return sort_by_coordinates(items, n);
+    if (!place(items, n)) return sort_by_coordinates({items, n});
     KeyedId *from = items, *to = scratch;
     radix_sort(from, to, n, frame_.key_bits(), run_);
-    if (from != items) std::copy(from, from + n, items);
-    for (std::uint32_t begin = 0; begin < n;) {
-      std::uint32_t end = begin + 1;
-      while (end < n && items[end].key == items[begin].key) ++end;
-      if (end - begin > few && end - begin < n) {
-        run_.check();
-        sort(items + begin, scratch, end - begin);
-      } else if (end - begin > 1) {
-        sort_by_coordinates(items + begin, end - begin);
+    if (from != items)
+      run_.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+        std::copy(from + begin, from + end, items + begin);
+      });
+    // Items with equal keys are found before any of them moves, as others look at them meanwhile.
+    std::vector<std::vector<Items>> found(chunk_count(n, light_grain));
+    run_.each_chunk(n, light_grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      const auto same = [&](std::uint64_t i) { return items[i].key == items[i - 1].key; };
+      while (begin > 0 && begin < end && same(begin)) ++begin;
+      for (std::uint64_t last = begin; begin < end; begin = last) {
+        for (++last; last < n && same(last);) ++last;
+        if (last - begin > 1)
+          found[c].push_back({items + begin, static_cast<std::uint32_t>(last - begin)});
       }
-      begin = end;
-    }
+    });
+    run_.each_item(found.size(), [&](std::uint64_t c) {
+      for (const Items& list : found[c])
+        if (list.size() <= few || list.size() == n) sort_by_coordinates(list);
+    });
+    for (const auto& lists : found)
+      for (const Items& list : lists)
+        if (list.size() > few && list.size() < n) {
+          run_.check();
+          sort(list.data(), scratch, static_cast<std::uint32_t>(list.size()));
+        }
   }
 
   bool equal(std::uint32_t a, std::uint32_t b) const {
@@ -64,6 +79,7 @@ class Sorter {
   /// Up to this many points with the same key are sorted by coordinates; radix_sort() counts digits
   /// only from 48 items on.
   static constexpr std::uint32_t few = 48;
+  using Items = std::span<KeyedId>;
 
   const double* row(std::uint32_t i) const { return rows_ + std::size_t{i} * d_; }
   bool less(std::uint32_t a, std::uint32_t b) const {
@@ -72,8 +88,8 @@ class Sorter {
     return a < b;
   }
 
-  void sort_by_coordinates(KeyedId* items, std::uint32_t n) const {
-    std::sort(items, items + n,
+  void sort_by_coordinates(Items items) const {
+    std::sort(items.begin(), items.end(),
               [&](const KeyedId& a, const KeyedId& b) { return less(a.id, b.id); });
   }
 
@@ -105,19 +121,22 @@ class Sorter {
 
 /// Distributes ids to rounds; within a round they keep their order. Each round is expected to hold
 /// 8 times as many points as the one before. The choice is pseudorandom, the same in every run.
-void sort_into_rounds(Array<std::uint32_t>& ids) {
+/// `items`, `scratch`: room for as many items.
+void sort_into_rounds(Array<std::uint32_t>& ids, KeyedId* items, KeyedId* scratch, const Run& run) {
   const InsertionRounds rounds(ids.size(), 1U << 10, 3);
   if (rounds.count == 1) return;
-  Array<std::uint8_t> round(ids.size());
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    XorShift random((i + 1) * XorShift::golden);
-    random.next();
-    round[i] = static_cast<std::uint8_t>(rounds.round_of(random.next()));
-  }
-  Adjacency<std::uint32_t> sorted(rounds.count, [&](const auto& add) {
-    for (std::size_t i = 0; i < ids.size(); ++i) add(round[i], ids[i]);
+  run.each(ids.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      XorShift random((i + 1) * XorShift::golden);
+      random.next();
+      items[i] = {rounds.round_of(random.next()), ids[i]};
+    }
   });
-  ids = std::move(sorted).take_items();
+  radix_sort(items, scratch, static_cast<std::uint32_t>(ids.size()),
+             static_cast<unsigned>(std::bit_width(rounds.count - 1)), run);
+  run.each(ids.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) ids[i] = items[i].id;
+  });
 }
 
 /// Sets the ids of n points of d finite coordinates each in the order of insertion, and duplicates:
@@ -130,29 +149,46 @@ void find_order(const double* rows, std::uint32_t n, unsigned d, const double* w
                 bool furthest, Prepared& out, const Run& run) {
   Array<std::uint32_t>& ids = out.points.ids;
   Array<KeyedId> items(n), scratch(n);
-  for (std::uint32_t i = 0; i < n; ++i) items[i] = {0, i};
+  run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) items[i] = {0, static_cast<std::uint32_t>(i)};
+  });
   Sorter sorter(rows, d, run);
   sorter.sort(items.data(), scratch.data(), n);
-  ids.reserve(n);
-  for (std::uint32_t begin = 0; begin < n;) {
-    std::uint32_t end = begin + 1;
-    while (end < n && items[begin].key == items[end].key &&
-           sorter.equal(items[begin].id, items[end].id))
-      ++end;
+  const auto same = [&](std::uint64_t i) {
+    return i > 0 && i < n && items[i].key == items[i - 1].key &&
+           sorter.equal(items[i].id, items[i - 1].id);
+  };
+  // Each chunk writes the representatives of the equal points that begin in it.
+  pack(
+      n, light_grain, run, [&](std::uint64_t i) { return !same(i); },
+      [&](std::uint64_t total) {
+    ids.resize(total);
+    return true;
+      },
+      [&](std::uint64_t begin, std::uint64_t place) {
     std::uint32_t best = items[begin].id;
-    for (std::uint32_t i = begin + 1; i < end; ++i) {
-      const std::uint32_t id = items[i].id;
+    std::uint64_t end = begin + 1;
+    for (; same(end); ++end) {
+      const std::uint32_t id = items[end].id;
       const double more = weights == nullptr ? 0 : weights[id] - weights[best];
       if (more == 0 ? id < best : (more > 0) != furthest) best = id;
     }
-    for (std::uint32_t i = begin; i < end; ++i)
-      if (items[i].id != best) out.duplicates.push_back({items[i].id, best});
-    ids.push_back(best);
-    begin = end;
-  }
+    for (std::uint64_t i = begin; i < end; ++i) scratch[i].id = best;
+    ids[place] = best;
+  });
+  if (ids.size() < n)
+    pack(
+        n, light_grain, run, [&](std::uint64_t i) { return items[i].id != scratch[i].id; },
+        [&](std::uint64_t total) {
+      out.duplicates.resize(total);
+      return true;
+        },
+        [&](std::uint64_t i, std::uint64_t place) {
+      out.duplicates[place] = {items[i].id, scratch[i].id};
+    });
   std::sort(out.duplicates.begin(), out.duplicates.end(),
             [](const DuplicatePoint& a, const DuplicatePoint& b) { return a.id < b.id; });
-  sort_into_rounds(ids);
+  sort_into_rounds(ids, items.data(), scratch.data(), run);
 }
 
 // ----------------------------------------------------------------------- flat and scale

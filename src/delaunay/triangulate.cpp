@@ -85,13 +85,22 @@ template <unsigned K, class Insertion>
 std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals& totals,
                                              const Run& run) {
   Insertion engine(p.points, run);
-  engine.start(p.simplex.data(), p.points.count);
-  std::vector<std::uint32_t> places;
-  places.reserve(p.points.count);
-  for (std::uint32_t i = 0; i < p.points.count; ++i)
-    if (std::find(p.simplex.begin(), p.simplex.end(), i) == p.simplex.end()) places.push_back(i);
-  std::size_t next = 0;
   const std::size_t alone = alone_first<K, Insertion>(p.points, run);
+  // With room for the cells that lanes reserve and do not use, the store need not grow.
+  const std::uint32_t unused = alone < p.points.count ? p.points.count / 8 : 0;
+  engine.start(p.simplex.data(), p.points.count + unused);
+  std::vector<std::uint32_t> first(p.simplex);
+  std::sort(first.begin(), first.end());
+  Array<std::uint32_t> places(p.points.count - first.size());
+  run.each(p.points.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    auto before = std::lower_bound(first.begin(), first.end(), begin) - first.begin();
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const bool skip = std::size_t(before) < first.size() && first[before] == i;
+      if (!skip) places[i - before] = static_cast<std::uint32_t>(i);
+      before += skip ? 1 : 0;
+    }
+  });
+  std::size_t next = 0;
   CellEstimate estimate(p.points, run);
   for (; next < std::min(alone, places.size()); ++next) {
     engine.insert(places[next]);
@@ -101,8 +110,7 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
   if constexpr (!std::is_same_v<Insertion, PlaneInsertion>) {
     if (next < places.size()) {
       InsertTogether<K> together(p.points, run, engine);
-      places.erase(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(next));
-      together.insert(std::move(places), static_cast<std::uint32_t>(next),
+      together.insert(std::span(places).subspan(next), static_cast<std::uint32_t>(next),
                       [&](std::uint32_t done) { estimate.update(engine.store(), done); });
       totals.counts.add(together.counts());
     }

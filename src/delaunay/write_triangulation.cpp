@@ -14,6 +14,7 @@
 #include "parallel/dispatch.hpp"
 #include "parallel/index.hpp"
 #include "parallel/prefetch.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -71,6 +72,8 @@ class CellWriter {
     count_cells();
     out_.cells.resize(cells_.size() * corners());
     out_.neighbours.resize(cells_.size() * corners());
+    clear_pages_early(out_.neighbours.data(), out_.neighbours.size() * 4, run_.threads,
+                      [&] { run_.check(); });
     fill_buckets();
     run_.each_item(buckets_, [&](std::uint64_t b) { sort_bucket(b); });
     write_neighbours();
@@ -115,15 +118,8 @@ class CellWriter {
         ++counts[v[0] >> shift_];
       }
     });
-    std::uint32_t all = 0;
-    bucket_begins_.resize(buckets_ + 1);
-    for (std::uint64_t b = 0; b < buckets_; ++b) {
-      bucket_begins_[b] = all;
-      for (std::uint64_t at = b; at < begins_.size(); at += buckets_)
-        all += std::exchange(begins_[at], all);
-    }
-    bucket_begins_[buckets_] = all;
-    cells_.resize(all);
+    scan_buckets(begins_, buckets_, &bucket_begins_);
+    cells_.resize(bucket_begins_.back());
   }
 
   /// Copies the cells' vertices to their buckets, where the neighbours are written later.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -55,8 +56,7 @@ void check(const LiftedSet& s, std::size_t alone, std::uint64_t spare) {
     const std::size_t first = std::min(alone, p.places.size());
     for (std::size_t i = 0; i < first; ++i) engine.insert(p.places[i]);
     InsertTogether<K> together(p.points.points, run, engine, spare);
-    together.insert({p.places.begin() + static_cast<std::ptrdiff_t>(first), p.places.end()},
-                    static_cast<std::uint32_t>(first));
+    together.insert(std::span(p.places).subspan(first), static_cast<std::uint32_t>(first));
     EXPECT_TRUE(cells_of(engine.store()) == cells) << s.name << ", " << threads << " threads";
     EXPECT_EQ(engine.store().living(), expected.store().living()) << s.name;
   }
