@@ -77,18 +77,25 @@ class CellStore {
     count_ = stamp_ = 0;
     created_ = 0;
     free_.clear();
-    for (unsigned c = 0; c <= corners(); ++c) {
-      new_cell();
-      std::copy_n(v, corners(), vertices(c));
-      if (c > 0) vertices(c)[c - 1] = infinite;
-    }
+    for (unsigned c = 0; c <= corners(); ++c) new_cell();
+    make_simplex(v, 0);
+  }
+  /// Makes the cells [first, first + corners()] one positively oriented cell and its ghosts.
+  void make_simplex(const std::uint32_t* v, std::uint32_t first) {
     // Replacing v_j by a point beyond facet j reverses the orientation of the cell. Swapping the
     // first two corners of each ghost restores it. `at`: the slot of corner j after that swap.
     const auto at = [](unsigned j) { return j < 2 ? 1 - j : j; };
-    for (unsigned c = 1; c <= corners(); ++c) std::swap(vertices(c)[0], vertices(c)[1]);
+    const auto ghost = [&](unsigned j) { return first + 1 + j; };
+    marks_[first] = 0;
+    std::copy_n(v, corners(), vertices(first));
     for (unsigned j = 0; j < corners(); ++j) {
-      link(0, j, code(1 + j, at(j)));
-      for (unsigned i = 0; i < j; ++i) link(1 + j, at(i), code(1 + i, at(j)));
+      marks_[ghost(j)] = 0;
+      std::uint32_t* const own = vertices(ghost(j));
+      std::copy_n(v, corners(), own);
+      own[j] = infinite;
+      std::swap(own[0], own[1]);
+      link(first, j, code(ghost(j), at(j)));
+      for (unsigned i = 0; i < j; ++i) link(ghost(j), at(i), code(ghost(i), at(j)));
     }
   }
 
@@ -105,8 +112,6 @@ class CellStore {
     marks_[count_] = 0;
     return count_++;
   }
-  /// Counts cells that a caller overwrote in place as created.
-  void count_reused(std::uint64_t cells) { created_ += cells; }
   void free_cell(std::uint32_t c) {
     marks_[c] = dead_mark;
     free_.push_back(c);
@@ -141,12 +146,11 @@ class CellStore {
   static constexpr std::uint32_t dead_mark = 0xffffffff;
 
   /// Sets the number of cells to `count`, all of them live. New cells are uninitialised.
-  void resize(std::uint32_t count) {
-    expected_ = 0;
+  void resize(std::uint64_t count) {
     require_cells(count);
-    data_.reserve(std::size_t{count} * 2 * corners());
-    marks_.reserve(count);
-    capacity_ = count_ = count;
+    if (count > limit()) too_many();
+    if (count > capacity_) reserve(count);
+    count_ = static_cast<std::uint32_t>(count);
   }
 
   /// Returns a stamp such that no cell is marked with it or with stamp + 1.
@@ -168,13 +172,15 @@ class CellStore {
                    "the cells of the triangulation");
   }
 
+  [[noreturn]] static void too_many() {
+    throw Error(ErrorCode::out_of_budget, "the triangulation has too many cells for their numbers");
+  }
+
   void grow() {
     const unsigned cells_a_point = corners() == 2 ? 1 : corners() == 3 ? 2 : 7;
     const std::uint64_t wanted =
         capacity_ == 0 ? std::uint64_t{expected_} * cells_a_point + 16 : capacity_ + capacity_ / 2;
-    if (capacity_ == limit())
-      throw Error(ErrorCode::out_of_budget,
-                  "the triangulation has too many cells for their numbers");
+    if (capacity_ == limit()) too_many();
     // Unused cells take no memory, but more cells than the budget allows must not be used.
     const std::uint64_t most = std::min({wanted, limit(), affordable()});
     if (most <= capacity_) require_cells(capacity_ + 1);

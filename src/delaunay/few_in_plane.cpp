@@ -196,7 +196,8 @@ class FewInPlane {
     std::uint32_t simplex[3];
     if (!find_triangle(points_, places_, places_.size(), simplex)) return false;
     before_ = engine_.counts();
-    engine_.start(simplex, n_);
+    cells_.resize(2 * places_.size() - 2);
+    engine_.start(simplex, 0);
     for (const std::uint32_t i : places_)
       if (i != simplex[0] && i != simplex[1] && i != simplex[2]) engine_.insert(i);
     return true;
@@ -251,12 +252,12 @@ class FewInPlane {
   /// Writes the finite cells in their order. No branch depends on ids or on which cells are
   /// finite: an item is written at the end of its list in any case, and counts if it belongs there.
   void write(Triangulation& out) {
-    CellStore<2>& store = engine_.store();
+    CellStore<2>& store = cells_;
     const LiftCounts& counts = engine_.counts();
     for (unsigned r = 0; r < 3; ++r)
       out.statistics.rung_counts[r] = counts.rungs[r] - before_.rungs[r];
     out.statistics.ties = counts.ties - before_.ties;
-    out.statistics.cells_created = store.created();
+    out.statistics.cells_created = engine_.created();
     std::optional<DisjointSets> spheres;
     if (out.statistics.ties > 0) spheres = cells_of_spheres(points_, store, short_run());
     const std::uint32_t* const ids = points_.ids.data();
@@ -331,7 +332,8 @@ class FewInPlane {
   int up_ = 0;  ///< coordinates are at most 2^up_
   double low_[2] = {}, high_[2] = {}, widest_ = 0;
   LiftedPoints points_;
-  PlaneInsertion engine_{points_, short_run()};
+  CellStore<2> cells_{2, short_run().budget};
+  PlaneInsertion engine_{points_, short_run(), cells_};
   LiftCounts before_;
   std::vector<double> loaded_;
   std::vector<std::uint16_t> keys_;

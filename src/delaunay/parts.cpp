@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <span>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -11,12 +12,11 @@
 #include "cullhull/error.hpp"
 #include "delaunay/final_cells.hpp"
 #include "delaunay/plane_insertion.hpp"
+#include "delaunay/prepare.hpp"
+#include "parallel/radix_sort.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// Places of points in the order of insertion, ascending.
-using Places = std::vector<std::uint32_t>;
 
 // Parts of the plane, in one example. Points left of x = 0 are part A, the others part B, each
 // triangulated alone. A triangle of A whose circle stays left of B's box is final: no point of B is
@@ -25,43 +25,47 @@ using Places = std::vector<std::uint32_t>;
 // more: every triangle of the whole set that is not final has all of its corners in S
 // (docs/exactness.md, "Parts"). S grows with the square root of the number of points where these
 // fill an area.
+//
+// Why a join touches the strip alone: n points have 2 n - 2 triangles, those at infinity included.
+// So all parts have their triangles in one store, each 2 n places for its n points; and those of
+// the seam take the places of the triangles that are not final and two that were unused.
 class Parts {
  public:
-  Parts(const LiftedPoints& s, const Run& run) : s_(s), run_(run) {}
+  Parts(const Prepared& p, const Run& run)
+      : s_(p.points), simplex_(p.simplex), run_(run), store_(2, run.budget), order_(s_.count) {
+    store_.resize(2 * std::uint64_t{s_.count});
+  }
 
   std::unique_ptr<CellStore<2>> triangulate(unsigned levels, InsertionTotals& totals) {
-    std::vector<Part> parts(1);
-    parts[0].places.resize(s_.count);
-    for (std::uint32_t i = 0; i < s_.count; ++i) parts[0].places[i] = i;
-    if (!sample_fits()) return nullptr;
-    for (unsigned l = 0; l < levels; ++l) split(parts);
-    fit_ = true;
-    run_.each_item(parts.size(), [&](std::uint64_t i) { fill(parts[i]); });
-    needed_.assign(s_.count, 0);
+    if (levels > 0) needed_.resize(s_.count);
+    if (levels > 0 && !sample_fits()) return nullptr;
+    std::vector<Part> parts = cut(s_.count, levels);
+    run_.each_item(parts.size(), [&](std::uint64_t i) { fill(parts[i], levels == 0); });
     while (parts.size() > 1 && fit_) {
       run_.report("join", 0);
+      run_.each_item(parts.size(), [&](std::uint64_t i) { find_open(parts[i], parts[i ^ 1].box); });
       std::vector<Part> joined(parts.size() / 2);
-      run_.each_item(joined.size(), [&](std::uint64_t i) {
-        const bool last = joined.size() == 1;
-        const Run inner = last ? run_ : run_.with_threads(1);
-        join(parts[2 * i], parts[2 * i + 1], joined[i], inner);
-      });
+      run_.each_item(joined.size(),
+                     [&](std::uint64_t i) { join(parts[2 * i], parts[2 * i + 1], joined[i]); });
       parts = std::move(joined);
     }
-    for (const Part& p : parts) totals.add(p.totals.counts, p.totals.created);
     if (!fit_) return nullptr;
-    return std::move(parts[0].cells);
+    totals = parts[0].totals;
+    store_.resize(2 * std::uint64_t{s_.count} - 2);
+    return std::make_unique<CellStore<2>>(std::move(store_));
   }
 
  private:
   struct Part {
-    Places places;
-    PartBox box;
-    std::unique_ptr<CellStore<2>> cells;
+    std::span<const std::uint32_t> places;  ///< in the order of insertion; empty if joined
+    std::uint32_t first = 0, points = 0;    ///< its 2 points - 2 cells begin at `first`
+    std::uint32_t ghost = 0;                ///< one of its cells at infinity
+    PartBox box{};
+    std::vector<std::uint32_t> open, corners;  ///< its cells that are not final; their vertices
     InsertionTotals totals;
   };
   /// The facets of final cells whose neighbours are not final: for each, by its edge as seen from
-  /// the neighbour, its code in the joined numbering.
+  /// the neighbour, its code.
   using Borders = std::unordered_map<std::uint64_t, std::uint32_t>;
 
   // Why a sample decides: parts help if few points belong to the seam. Points of an area have a
@@ -75,121 +79,166 @@ class Parts {
   bool sample_fits() {
     constexpr std::uint32_t sample = 1024;
     if (s_.count < 8 * sample) return true;
-    std::vector<Part> parts(1);
-    parts[0].places.resize(sample);
-    std::iota(parts[0].places.begin(), parts[0].places.end(), 0U);
-    split(parts);
-    fit_ = true;
-    for (Part& p : parts) fill(p);
+    std::vector<Part> parts = cut(sample, 1);
+    for (Part& p : parts) fill(p, false);
     if (!fit_) return false;
-    needed_.assign(sample, 0);
-    mark_final(parts[0], parts[1].box);
-    mark_final(parts[1], parts[0].box);
-    return std::count(needed_.begin(), needed_.end(), 1) < sample / 2;
+    for (unsigned i = 0; i < 2; ++i) find_open(parts[i], parts[1 - i].box);
+    return parts[0].corners.size() + parts[1].corners.size() < sample / 2;
   }
 
-  void measure(Part& p) const {
-    const double* first = s_.row(p.places[0]);
-    std::copy_n(first, 2, p.box.low.begin());
-    std::copy_n(first, 2, p.box.high.begin());
-    for (const std::uint32_t i : p.places)
+  PartBox box_of(std::span<const std::uint32_t> places) const {
+    PartBox box{{s_.row(places[0])[0], s_.row(places[0])[1]}, {}};
+    box.high = box.low;
+    for (const std::uint32_t i : places)
       for (unsigned a = 0; a < 2; ++a) {
-        p.box.low[a] = std::min(p.box.low[a], s_.row(i)[a]);
-        p.box.high[a] = std::max(p.box.high[a], s_.row(i)[a]);
+        box.low[a] = std::min(box.low[a], s_.row(i)[a]);
+        box.high[a] = std::max(box.high[a], s_.row(i)[a]);
       }
+    return box;
   }
 
-  // Points at the pivot's coordinate all go to the high part, so a part's box holds all points of a
+  // Points at the cut's coordinate all go to the high part, so a part's box holds all points of a
   // coordinate, and the two boxes are disjoint. The box is compared with circles; were the boxes to
   // overlap, circles would hardly ever miss.
 
-  /// Splits each part across its widest axis at the median of a sample of its points.
-  void split(std::vector<Part>& parts) {
-    std::vector<Part> halves(2 * parts.size());
-    run_.each_item(parts.size(), [&](std::uint64_t i) {
-      Part &whole = parts[i], &low = halves[2 * i], &high = halves[2 * i + 1];
-      if (whole.places.empty()) return;
-      measure(whole);
-      const auto &low_of = whole.box.low, &high_of = whole.box.high;
-      const unsigned axis = high_of[1] - low_of[1] > high_of[0] - low_of[0] ? 1 : 0;
-      std::vector<double> sample;
-      const std::size_t step = std::max<std::size_t>(1, whole.places.size() / 1021);
-      for (std::size_t j = 0; j < whole.places.size(); j += step)
-        sample.push_back(s_.row(whole.places[j])[axis]);
-      std::nth_element(sample.begin(), sample.begin() + sample.size() / 2, sample.end());
-      const double pivot = sample[sample.size() / 2];
-      low.places.reserve(whole.places.size() / 2 + whole.places.size() / 8);
-      high.places.reserve(whole.places.size() / 2 + whole.places.size() / 8);
-      for (const std::uint32_t p : whole.places)
-        (s_.row(p)[axis] < pivot ? low : high).places.push_back(p);
+  /// Cuts the first `count` points into 2^levels parts, each time across the widest axis at the
+  /// median of a sample.
+  std::vector<Part> cut(std::uint32_t count, unsigned levels) {
+    std::vector<Part> parts(std::size_t{1} << levels);
+    struct Cut {
+      unsigned axis = 0;
+      double at = 0;
+    };
+    std::vector<Cut> cuts(parts.size());  // the first is 1; below cut i are 2 i and 2 i + 1
+    std::vector<std::uint32_t> sample(std::min<std::size_t>(count, parts.size() << 10));
+    for (std::size_t i = 0; i < sample.size(); ++i)
+      sample[i] = static_cast<std::uint32_t>(i * count / sample.size());
+    for (std::size_t nodes = 1; nodes < parts.size(); nodes *= 2)
+      run_.each_item(nodes, [&](std::uint64_t i) {
+        const std::size_t begin = sample.size() * i / nodes, end = sample.size() * (i + 1) / nodes;
+        const std::span<std::uint32_t> own(sample.data() + begin, end - begin);
+        const PartBox box = box_of(own);
+        const unsigned axis = box.high[1] - box.low[1] > box.high[0] - box.low[0] ? 1 : 0;
+        const auto middle = own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2);
+        std::nth_element(own.begin(), middle, own.end(), [&](std::uint32_t a, std::uint32_t b) {
+          return s_.row(a)[axis] < s_.row(b)[axis];
+        });
+        cuts[nodes + i] = {axis, s_.row(*middle)[axis]};
+      });
+    Array<KeyedId> items(count), scratch(levels > 0 ? count : 0);
+    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+        std::size_t node = 1;
+        for (unsigned l = 0; l < levels; ++l)
+          node = 2 * node + (s_.row(i)[cuts[node].axis] < cuts[node].at ? 0 : 1);
+        items[i] = {static_cast<std::uint32_t>(node - parts.size()), i};
+      }
     });
-    parts = std::move(halves);
+    KeyedId *sorted = items.data(), *other = scratch.data();
+    radix_sort(sorted, other, count, levels, run_);
+    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) order_[i] = sorted[i].id;
+    });
+    std::uint32_t begin = 0;
+    for (std::uint32_t part = 0; part < parts.size(); ++part) {
+      const auto* const end = std::partition_point(
+          sorted + begin, sorted + count, [&](const KeyedId& item) { return item.key <= part; });
+      parts[part].first = 2 * begin;
+      parts[part].points = static_cast<std::uint32_t>(end - sorted) - begin;
+      parts[part].places = {order_.data() + begin, parts[part].points};
+      begin += parts[part].points;
+    }
+    return parts;
   }
 
-  void fill(Part& p) {
+  /// Triangulates the part's points. `all`: they are all points.
+  void fill(Part& p, bool all) {
     std::uint32_t simplex[3];
     constexpr std::size_t few = 512;
-    if (!find_triangle(s_, p.places, few, simplex)) {
+    if (all)
+      std::copy_n(simplex_.begin(), 3, simplex);
+    else if (!find_triangle(s_, p.places, few, simplex))
       fit_ = false;
-      return;
-    }
-    measure(p);
-    PlaneInsertion engine(s_, run_);
-    engine.start(simplex, static_cast<std::uint32_t>(p.places.size()));
-    for (const std::uint32_t i : p.places) {
+    if (!fit_.load(std::memory_order_relaxed)) return;
+    p.box = box_of(p.places);
+    insert(p.places, simplex, store_, p.first, p.totals);
+    for (p.ghost = p.first; store_.ghost_slot(p.ghost) == 3;) ++p.ghost;
+  }
+  /// Triangulates points in the cells of a store from `first` on, unless the points do not fit.
+  void insert(std::span<const std::uint32_t> places, const std::uint32_t* simplex,
+              CellStore<2>& store, std::uint32_t first, InsertionTotals& totals) {
+    PlaneInsertion engine(s_, run_, store);
+    engine.start(simplex, first);
+    for (const std::uint32_t i : places) {
       if (std::find(simplex, simplex + 3, i) != simplex + 3) continue;
       if (!fit_.load(std::memory_order_relaxed)) return;
       engine.insert(i);
     }
-    p.totals.add(engine.counts(), engine.store().created());
-    p.cells = std::make_unique<CellStore<2>>(std::move(engine.store()));
+    totals.add(engine.counts(), engine.created());
   }
 
-  static constexpr std::uint32_t final_mark = 1, open_mark = 0;
+  static constexpr std::uint32_t final_mark = 0, open_mark = 1;
 
-  /// Marks a part's cells as final or open, and the vertices of open cells as needed by the seam.
-  void mark_final(Part& p, const PartBox& other) {
-    CellStore<2>& cells = *p.cells;
-    for (std::uint32_t c = 0; c < cells.count(); ++c) {
-      if ((c & 0xffff) == 0) run_.check();
-      if (cells.dead(c)) continue;
-      const std::uint32_t* v = cells.vertices(c);
-      const unsigned g = cells.ghost_slot(c);
-      const bool stays = g <= 2 ? other.within(s_, v, g) : surely_misses(s_, v, other);
-      cells.mark(c) = stays ? final_mark : open_mark;
-      if (stays) continue;
+  // Why a search from infinity finds all: let q be a point of the other part's box that is in the
+  // closed ball of a cell. q is outside of this part's hull, as the boxes are disjoint. The cells
+  // whose balls contain q are what one sees of the lifted part from a point just below the lifted
+  // q. That is connected across facets, and cells at infinity are among it.
+
+  /// Finds and marks the part's open cells, and their vertices. `other`: the other part's box.
+  void find_open(Part& p, const PartBox& other) {
+    if (!fit_) return;
+    const auto add = [&](std::uint32_t c) {
+      if (store_.mark(c) == open_mark) return;
+      const std::uint32_t* v = store_.vertices(c);
+      const unsigned g = store_.ghost_slot(c);
+      if (g <= 2 ? other.within(s_, v, g) : surely_misses(s_, v, other)) return;
+      store_.mark(c) = open_mark;
+      p.open.push_back(c);
       for (unsigned i = 0; i <= 2; ++i)
-        if (v[i] != infinite) needed_[v[i]] = 1;
+        if (v[i] != infinite && std::exchange(needed_[v[i]], 1) == 0) p.corners.push_back(v[i]);
+    };
+    std::uint32_t ghost = p.ghost;
+    do {
+      add(ghost);
+      const unsigned next = (store_.ghost_slot(ghost) + 1) % 3;
+      ghost = store_.cell_of(store_.neighbours(ghost)[next]);
+    } while (ghost != p.ghost);
+    for (std::size_t i = 0; i < p.open.size(); ++i) {
+      if (i % 4096 == 0) run_.check();
+      for (unsigned j = 0; j <= 2; ++j) add(store_.cell_of(store_.neighbours(p.open[i])[j]));
     }
+    for (const std::uint32_t v : p.corners) needed_[v] = 0;
   }
 
-  void join(Part& a, Part& b, Part& out, const Run& run) {
+  void join(Part& a, Part& b, Part& out) {
     if (!fit_) return;
-    for (Part* p : {&a, &b}) out.totals.add(p->totals.counts, p->totals.created);
-    out.places.resize(a.places.size() + b.places.size());
-    std::merge(a.places.begin(), a.places.end(), b.places.begin(), b.places.end(),
-               out.places.begin());
-    run.each_item(2, [&](std::uint64_t i) {
-      if (i == 0)
-        mark_final(a, b.box);
-      else
-        mark_final(b, a.box);
-    });
-    Part seam;
-    for (const std::uint32_t i : out.places)
-      if (std::exchange(needed_[i], 0) != 0) seam.places.push_back(i);
-    if (seam.places.size() > out.places.size() * 2 / 5) fit_ = false;
-    if (!fit_) return;
-    fill(seam);
-    if (!fit_) return;
-    out.totals.add(seam.totals.counts, seam.totals.created);
-    if (std::uint64_t{a.cells->count()} + b.cells->count() + seam.cells->count() >
-        seam.cells->limit())
+    out.first = a.first;
+    out.points = a.points + b.points;
+    for (unsigned i = 0; i < 2; ++i) {
+      out.box.low[i] = std::min(a.box.low[i], b.box.low[i]);
+      out.box.high[i] = std::max(a.box.high[i], b.box.high[i]);
+    }
+    out.totals = a.totals;
+    out.totals.add(b.totals.counts, b.totals.created);
+    std::vector<std::uint32_t> places = std::move(a.corners);
+    places.insert(places.end(), b.corners.begin(), b.corners.end());
+    std::sort(places.begin(), places.end());
+    std::uint32_t simplex[3];
+    if (places.size() > std::size_t{out.points} * 2 / 5 ||
+        !find_triangle(s_, places, places.size(), simplex))
       fit_ = false;
     if (!fit_) return;
-    measure(out);
-    out.cells = std::make_unique<CellStore<2>>(2, run.budget);
-    assemble(*a.cells, *b.cells, *seam.cells, *out.cells, run);
+    CellStore<2> seam(2, run_.budget);
+    seam.resize(2 * places.size() - 2);
+    insert(places, simplex, seam, 0, out.totals);
+    if (!fit_) return;
+    std::vector<std::uint32_t> room = std::move(a.open);
+    room.insert(room.end(), b.open.begin(), b.open.end());
+    Borders borders;
+    find_borders(room, borders);
+    const bool all = room.size() == 2 * std::size_t{out.points} - 4;
+    for (const std::uint32_t c : {0U, 1U}) room.push_back(a.first + 2 * a.points - 2 + c);
+    out.ghost = replace(room, seam, borders, all);
   }
 
   /// The edge opposite to a slot of a cell, counterclockwise or as seen from the other side.
@@ -198,100 +247,79 @@ class Parts {
     return from_outside ? std::uint64_t{to} << 32 | from : std::uint64_t{from} << 32 | to;
   }
 
-  /// Numbers the final cells of a part from `next` on: sets their marks to first_number + number.
-  static std::uint32_t number_final(CellStore<2>& cells, std::uint32_t next) {
-    for (std::uint32_t c = 0; c < cells.count(); ++c)
-      if (!cells.dead(c) && cells.mark(c) == final_mark) cells.mark(c) = first_number + next++;
-    return next;
-  }
-  static constexpr std::uint32_t first_number = 2;
-
-  static void find_borders(CellStore<2>& cells, Borders& borders) {
-    for (std::uint32_t c = 0; c < cells.count(); ++c) {
-      if (cells.dead(c) || cells.mark(c) == open_mark) continue;
-      for (unsigned j = 0; j <= 2; ++j)
-        if (cells.mark(cells.cell_of(cells.neighbours(c)[j])) == open_mark)
-          borders.emplace(edge_of(cells.vertices(c), j, true),
-                          cells.code(cells.mark(c) - first_number, j));
-    }
+  void find_borders(const std::vector<std::uint32_t>& open, Borders& borders) {
+    for (const std::uint32_t c : open)
+      for (unsigned j = 0; j <= 2; ++j) {
+        const std::uint32_t code = store_.neighbours(c)[j], o = store_.cell_of(code);
+        if (store_.mark(o) != open_mark)
+          borders.emplace(edge_of(store_.vertices(o), store_.slot_of(code), true), code);
+      }
   }
 
-  /// Flood fill that stops at borders: marks the seam's cells that are reached from the borders as
-  /// final; all of them if no cell of a part is. Returns the border at facet j of the seam's cell
-  /// c, as item 3 c + j.
-  static std::vector<std::uint32_t> flood(CellStore<2>& seam, const Borders& borders, bool all) {
-    std::vector<std::uint32_t> found, beyond(std::size_t{seam.count()} * 3, no_index);
-    // beyond[3 c + j]: the border at facet j of the seam's cell c.
+  /// Replaces the cells `room` by those of the seam that are reached from the borders; by all of
+  /// them if no cell of a part is final. Returns one of the new cells at infinity: the hull's edges
+  /// from one part to the other are the seam's.
+  std::uint32_t replace(const std::vector<std::uint32_t>& room, CellStore<2>& seam,
+                        const Borders& borders, bool all) {
+    // Of the seam's cells: those that are reached, the number of each in the store, and at each
+    // facet the code of the final cell beyond a border.
+    std::vector<std::uint32_t> found, number(seam.count(), no_index),
+        beyond(std::size_t{seam.count()} * 3, no_index);
+    const auto find = [&](std::uint32_t c) {
+      if (number[c] != no_index) return;
+      number[c] = found.size() < room.size() ? room[found.size()] : 0;
+      found.push_back(c);
+    };
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
-      if (seam.dead(c)) continue;
-      seam.mark(c) = all ? final_mark : open_mark;
+      if (all) find(c);
       for (unsigned j = 0; j <= 2; ++j) {
         const auto border = borders.find(edge_of(seam.vertices(c), j, false));
         if (border == borders.end()) continue;
         beyond[std::size_t{c} * 3 + j] = border->second;
-        if (std::exchange(seam.mark(c), final_mark) == open_mark) found.push_back(c);
+        find(c);
       }
     }
     for (std::size_t i = 0; i < found.size(); ++i)
-      for (unsigned j = 0; j <= 2; ++j) {
-        const std::uint32_t o = seam.cell_of(seam.neighbours(found[i])[j]);
-        if (beyond[std::size_t{found[i]} * 3 + j] != no_index || seam.mark(o) != open_mark)
-          continue;
-        seam.mark(o) = final_mark;
-        found.push_back(o);
-      }
-    return beyond;
-  }
-
-  /// Copies final cells to the places that their marks give. Links across borders are set later.
-  static void copy_cells(CellStore<2>& from, CellStore<2>& to, const Run& run) {
-    run.each(from.count(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      for (std::uint64_t i = begin; i < end; ++i) {
-        const auto c = static_cast<std::uint32_t>(i);
-        if (from.dead(c) || from.mark(c) == open_mark) continue;
-        const std::uint32_t at = from.mark(c) - first_number;
-        to.mark(at) = 0;
-        std::copy_n(from.vertices(c), 3, to.vertices(at));
-        for (unsigned j = 0; j <= 2; ++j) {
-          const std::uint32_t code = from.neighbours(c)[j], mark = from.mark(from.cell_of(code));
-          to.neighbours(at)[j] =
-              mark == open_mark ? no_index : from.code(mark - first_number, from.slot_of(code));
-        }
-      }
-    });
-  }
-
-  static void assemble(CellStore<2>& a, CellStore<2>& b, CellStore<2>& seam, CellStore<2>& out,
-                       const Run& run) {
-    const std::uint32_t count = number_final(b, number_final(a, 0));
-    Borders borders;
-    find_borders(a, borders);
-    find_borders(b, borders);
-    const std::vector<std::uint32_t> beyond = flood(seam, borders, count == 0);
-    out.resize(number_final(seam, count));
-    for (CellStore<2>* from : {&a, &b, &seam}) copy_cells(*from, out, run);
-    std::size_t linked = 0;
-    for (std::uint32_t c = 0; c < seam.count(); ++c)
       for (unsigned j = 0; j <= 2; ++j)
-        if (const std::uint32_t code = beyond[std::size_t{c} * 3 + j]; code != no_index) {
-          out.link(out.cell_of(code), out.slot_of(code), out.code(seam.mark(c) - first_number, j));
+        if (beyond[std::size_t{found[i]} * 3 + j] == no_index)
+          find(seam.cell_of(seam.neighbours(found[i])[j]));
+    std::size_t linked = 0;
+    std::uint32_t ghost = no_index;
+    for (std::size_t i = 0; i < std::min(found.size(), room.size()); ++i) {
+      const std::uint32_t c = room[i];
+      store_.mark(c) = final_mark;
+      std::copy_n(seam.vertices(found[i]), 3, store_.vertices(c));
+      if (seam.ghost_slot(found[i]) < 3) ghost = c;
+      for (unsigned j = 0; j <= 2; ++j) {
+        const std::uint32_t code = seam.neighbours(found[i])[j],
+                            border = beyond[std::size_t{found[i]} * 3 + j];
+        if (border == no_index) {
+          store_.neighbours(c)[j] = seam.code(number[seam.cell_of(code)], seam.slot_of(code));
+        } else {
+          store_.link(c, j, border);
           ++linked;
         }
-    if (linked != borders.size())
+      }
+    }
+    if (found.size() != room.size() || linked != borders.size() || ghost == no_index)
       throw Error(ErrorCode::internal, "parts of a triangulation do not fit together");
+    return ghost;
   }
 
   const LiftedPoints& s_;
+  const std::vector<std::uint32_t>& simplex_;
   const Run& run_;
+  CellStore<2> store_;
+  Array<std::uint32_t> order_;  ///< places of the points, part after part
   std::atomic<bool> fit_{true};
-  std::vector<std::uint8_t> needed_;
+  std::vector<std::uint8_t> needed_;  ///< by place: the vertex is among a part's corners
 };
 
 }  // namespace
 
-std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
+std::unique_ptr<CellStore<2>> triangulate_in_parts(const Prepared& p, unsigned levels,
                                                    InsertionTotals& totals, const Run& run) {
-  return Parts(points, run).triangulate(levels, totals);
+  return Parts(p, run).triangulate(levels, totals);
 }
 
 }  // namespace cullhull::internal

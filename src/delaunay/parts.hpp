@@ -9,10 +9,10 @@
 
 #include "delaunay/cell_store.hpp"
 #include "exact/insphere/lift_side.hpp"
-#include "exact/points/local_points.hpp"
 
 namespace cullhull::internal {
 
+struct Prepared;
 struct Run;
 /// Statistics summed over several insertion engines.
 struct InsertionTotals {
@@ -24,10 +24,10 @@ struct InsertionTotals {
   }
 };
 
-/// Triangulates 2D points in 2^levels parts. Returns null if the points are unsuitable: a join
-/// would insert more than two fifths of them twice (half, in the sample), the first points of a
-/// part are collinear, or there are too many cells.
-std::unique_ptr<CellStore<2>> triangulate_in_parts(const LiftedPoints& points, unsigned levels,
+/// Triangulates points of the plane without weights in 2^levels parts; in one part any. Returns
+/// null if the points are unsuitable for more: a join would insert more than two fifths of them
+/// twice (half, in the sample), or the first points of a part are collinear.
+std::unique_ptr<CellStore<2>> triangulate_in_parts(const Prepared& p, unsigned levels,
                                                    InsertionTotals& totals, const Run& run);
 
 }  // namespace cullhull::internal

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -40,24 +41,29 @@ namespace cullhull::internal {
 // edge, up to its sign, and with 1 in place of its squared length the same bound holds.
 class PlaneInsertion {
  public:
-  PlaneInsertion(const LiftedPoints& points, const Run& run)
-      : s_(points), run_(run), store_(2, run.budget), signs_(points) {}
+  /// Writes cells into `store`.
+  PlaneInsertion(const LiftedPoints& points, const Run& run, CellStore<2>& store)
+      : s_(points), run_(run), store_(store), signs_(points) {}
 
-  CellStore<2>& store() { return store_; }
+  /// The number of cells made since start(), overwritten ones among them.
+  std::uint64_t created() const { return created_; }
   const LiftCounts& counts() {
     counts_ = signs_.counts();
     counts_.rungs[0] += filtered_;
     return counts_;
   }
 
-  /// Starts with three points that are not collinear. `expected`: the approximate number of points.
-  void start(const std::uint32_t* simplex, std::uint32_t expected) {
+  /// Starts with three points that are not collinear. n points take the store's cells
+  /// [first, first + 2 n - 2), all of them: no cell is deleted.
+  void start(const std::uint32_t* simplex, std::uint32_t first) {
     tiny_ = s_.filtered ? s_.tiny : std::numeric_limits<double>::infinity();
     rows_ = s_.row(0);
     std::uint32_t v[3] = {simplex[0], simplex[1], simplex[2]};
     if (signs_.orientation(v) == Sign::negative) std::swap(v[1], v[2]);
-    store_.start(v, expected);
-    last_ = 0;
+    store_.make_simplex(v, first);
+    last_ = first;
+    next_ = first + 4;
+    created_ = 4;
   }
 
   /// Inserts point p; always succeeds (true). May throw cancelled.
@@ -304,9 +310,11 @@ class PlaneInsertion {
   /// Creates a triangle p, from, to for each boundary edge. Its neighbours: slot 0 outside the
   /// cavity, slot 1 the next new triangle, slot 2 the previous one.
   void make_cells(std::uint32_t p, std::uint32_t count) {
-    store_.count_reused(count - 2);
-    cavity_[count - 2] = store_.new_cell();
-    cavity_[count - 1] = store_.new_cell();
+    created_ += count;
+    for (const std::uint32_t i : {count - 2, count - 1}) {
+      store_.mark(next_) = 0;
+      cavity_[i] = next_++;
+    }
     const Edge* const edges = edges_.data();
     const std::uint64_t* const made = cavity_.data();
     std::uint32_t* const cells = store_.vertices(0);
@@ -331,13 +339,13 @@ class PlaneInsertion {
 
   const LiftedPoints& s_;
   const Run& run_;
-  CellStore<2> store_;
+  CellStore<2>& store_;
   PointSigns<2> signs_;
   double tiny_ = 0;  ///< underflow term of the filters; infinite if no filter may decide
   const double* rows_ = nullptr;
   double px_ = 0, py_ = 0;
-  std::uint64_t steps_ = 0, inserted_ = 0, filtered_ = 0;
-  std::uint32_t last_ = 0;
+  std::uint64_t steps_ = 0, inserted_ = 0, filtered_ = 0, created_ = 0;
+  std::uint32_t last_ = 0, next_ = 0;  ///< where walks start; the next cell that is unused
   LiftCounts counts_;
   std::uint32_t room_ = 64;
   std::vector<Edge> edges_ = std::vector<Edge>(room_);
@@ -348,7 +356,7 @@ class PlaneInsertion {
 
 /// Finds three points, the last of them among the first `most` or the last one of all, that are
 /// not collinear; false if there are none. `places`: the points'.
-inline bool find_triangle(const LiftedPoints& s, const std::vector<std::uint32_t>& places,
+inline bool find_triangle(const LiftedPoints& s, std::span<const std::uint32_t> places,
                           std::size_t most, std::uint32_t* simplex) {
   const std::size_t n = places.size();
   const auto turn = [&](std::size_t a, std::size_t b, std::size_t c) {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <memory>
-#include <type_traits>
+#include <span>
 #include <utility>
 
 #include "cullhull/error.hpp"
@@ -72,20 +72,20 @@ class CellEstimate {
 /// The number of points that one thread inserts before others join; in a smaller triangulation the
 /// threads would contend for the same cells. A third to three times these numbers gain the same
 /// (3D: tested with 1,000 to 30,000 points; 4D and 5D: with as many as take the same time).
-template <unsigned K, class Insertion>
+template <unsigned K>
 std::size_t alone_first(const LiftedPoints& s, const Run& run) {
   constexpr std::size_t all = ~std::size_t{0};
-  if (std::is_same_v<Insertion, PlaneInsertion> || K == 1 || run.threads == 1) return all;
+  if (K == 1 || run.threads == 1) return all;
   const std::size_t alone = K == 2 ? 4096 : K == 3 ? 1024 : K == 4 ? 256 : K == 5 ? 128 : 512;
   // In 3D two threads take as long as one for 2,000 to 8,000 points, and a fifth less for 16,000.
   return s.count >= (K == 3 ? 8 : 2) * alone ? alone : all;
 }
 
-template <unsigned K, class Insertion>
+template <unsigned K>
 std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals& totals,
                                              const Run& run) {
-  Insertion engine(p.points, run);
-  const std::size_t alone = alone_first<K, Insertion>(p.points, run);
+  CellInsertion<K> engine(p.points, run);
+  const std::size_t alone = alone_first<K>(p.points, run);
   // With room for the cells that lanes reserve and do not use, the store need not grow.
   const std::uint32_t unused = alone < p.points.count ? p.points.count / 8 : 0;
   engine.start(p.simplex.data(), p.points.count + unused);
@@ -107,29 +107,27 @@ std::unique_ptr<CellStore<K>> insert_in_turn(const Prepared& p, InsertionTotals&
     estimate.update(engine.store(), next + 1);
     if (next % 65536 == 65535) run.report("triangulate", double(next) / p.points.count);
   }
-  if constexpr (!std::is_same_v<Insertion, PlaneInsertion>) {
-    if (next < places.size()) {
-      InsertTogether<K> together(p.points, run, engine);
-      together.insert(std::span(places).subspan(next), static_cast<std::uint32_t>(next),
-                      [&](std::uint32_t done) { estimate.update(engine.store(), done); });
-      totals.counts.add(together.counts());
-    }
+  if (next < places.size()) {
+    InsertTogether<K> together(p.points, run, engine);
+    together.insert(std::span(places).subspan(next), static_cast<std::uint32_t>(next),
+                    [&](std::uint32_t done) { estimate.update(engine.store(), done); });
+    totals.counts.add(together.counts());
   }
   totals.add(engine.counts(), engine.store().created());
   return std::make_unique<CellStore<K>>(std::move(engine.store()));
 }
 
-// Example: a million points on 4 threads are 2 levels, 4 parts of 250,000. 20,000 points stay
+// Example: a million points on 4 threads are 2 levels, 4 parts of 250,000. 10,000 points stay
 // whole, as half of them are fewer than `least`.
 
 /// log2 of the number of parts (triangulate_in_parts); 0: one part. A seam between two parts costs
-/// about the square root of the number of points; parts are worthwhile from about 10,000 points
+/// about the square root of the number of points; parts are worthwhile from about 8,000 points
 /// each.
 unsigned part_levels(const LiftedPoints& s, const Run& run) {
   if (s.may_hide || !s.filtered || s.tiny > 0x1p-1000 || s.stride != s.base) return 0;
-  constexpr std::uint32_t least = 1U << 14;
+  constexpr std::uint32_t least = 1U << 13;
   unsigned levels = 0;
-  while (levels < 6 && 2U << levels <= run.threads && s.count >> (levels + 1) >= least) ++levels;
+  while (levels < 6 && 1U << levels < run.threads && s.count >> (levels + 1) >= least) ++levels;
   return levels;
 }
 
@@ -143,11 +141,10 @@ void insert_and_write(const Prepared& p, Triangulation& out, const Run& run) {
   if constexpr (K == 2) {
     (void)CellEstimate(p.points, run);  // before the parts
     if (const unsigned levels = part_levels(p.points, run); levels > 0)
-      cells = triangulate_in_parts(p.points, levels, totals, run);
-    if (cells == nullptr && plain_plane(p.points))
-      cells = insert_in_turn<K, PlaneInsertion>(p, totals, run);
+      cells = triangulate_in_parts(p, levels, totals, run);
+    if (cells == nullptr && plain_plane(p.points)) cells = triangulate_in_parts(p, 0, totals, run);
   }
-  if (cells == nullptr) cells = insert_in_turn<K, CellInsertion<K>>(p, totals, run);
+  if (cells == nullptr) cells = insert_in_turn<K>(p, totals, run);
   for (unsigned r = 0; r < 3; ++r) statistics.rung_counts[r] += totals.counts.rungs[r];
   statistics.ties += totals.counts.ties;
   statistics.cells_created += totals.created;

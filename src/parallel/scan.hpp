@@ -51,6 +51,10 @@ ChunkSums<T> sum_chunks(std::uint64_t count, std::uint64_t grain, const Run& run
 template <class Count>
 void scan_buckets(std::vector<Count>& counts, std::size_t buckets,
                   std::vector<Count>* starts = nullptr) {
+  if (counts.size() == buckets && starts == nullptr) {
+    exclusive_scan(counts);
+    return;
+  }
   // Chunk by chunk, as the counts lie in memory: bucket by bucket nearly every one was a cache
   // miss, 0.6 of the 7 ms that the hull of 2M points on a circle takes on 16 threads.
   std::vector<Count> next(buckets + 1, 0);

@@ -21,7 +21,7 @@ using namespace testing_support;
 
 void check(const LiftedSet& s) {
   Options options;
-  for (const unsigned threads : {1U, 4U}) {
+  for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
     options.threads = threads;
     const Run run(options);
     const Prepared p =
@@ -33,9 +33,9 @@ void check(const LiftedSet& s) {
       if (std::count(p.simplex.begin(), p.simplex.end(), i) == 0) engine.insert(i);
     const auto expected = cells_of(engine.store());
     unsigned put_together = 0;
-    for (unsigned levels = 1; levels <= 3; ++levels) {
+    for (unsigned levels = 0; levels <= 4; ++levels) {
       InsertionTotals totals;
-      const auto store = triangulate_in_parts(p.points, levels, totals, run);
+      const auto store = triangulate_in_parts(p, levels, totals, run);
       if (store == nullptr) continue;
       ++put_together;
       EXPECT_TRUE(cells_of(*store) == expected) << s.name << ", " << levels << " levels";
