@@ -9,10 +9,17 @@
 
 namespace cullhull::internal {
 
-/// Hot: the plane as d + 1 floats. Cold: d vertices, then d neighbours, neighbour j across the
-/// ridge opposite to vertex j. In 4D and 5D both share one cache line; in 6D and 7D the hot part is
-/// half a line. D: the dimension, or 0 if it is known at run time only; then planes are stored in
-/// doubles as well.
+/// What several threads note at a facet's slot.
+struct FacetMark {
+  std::uint16_t holder;  ///< the number of the lane that holds the slot, or 0
+  std::uint8_t seen;     ///< set during a search alone: whether it has seen the facet
+};
+
+/// Hot: the plane as d + 1 floats, and the mark where that leaves room for it: two threads then
+/// share no line but that of a facet that both read. Cold: d vertices, then d neighbours, neighbour
+/// j across the ridge opposite to vertex j. In 4D and 5D both share one cache line; in 6D and 7D
+/// the hot part is half a line. D: the dimension, or 0 if it is known at run time only; then planes
+/// are stored in doubles as well.
 template <unsigned D>
 class FacetStore {
  public:
@@ -35,8 +42,8 @@ class FacetStore {
     return std::size_t{8} * dim();
   }
   std::size_t bytes_per_facet() const {
-    if constexpr (D == 0) return hot_stride() + cold_stride() + wide_stride() * sizeof(double);
-    return together ? hot_stride() : hot_stride() + cold_stride();
+    return 1 + hot_stride() + (together ? 0 : cold_stride()) + (marked ? 0 : sizeof(FacetMark)) +
+           (D == 0 ? wide_stride() * sizeof(double) : 0);
   }
 
   float* plane(Id f) { return reinterpret_cast<float*>(hot_.data() + f * hot_stride()); }
@@ -50,11 +57,29 @@ class FacetStore {
   /// For D = 0: the wide plane of facet_planes_any().
   double* wide(Id f) requires(D == 0) { return wide_.data() + f * wide_stride(); }
   const double* wide(Id f) const requires(D == 0) { return wide_.data() + f * wide_stride(); }
+  FacetMark& mark(Id f) {
+    if constexpr (marked) return reinterpret_cast<FacetMark*>(plane(f) + D + 1)[0];
+    return marks_[f];
+  }
+  /// Set during a search alone: whether it has seen the facet. One thread uses an array of its own,
+  /// which is dense, so that it writes to no records that it only reads.
+  template <bool shared>
+  std::uint8_t& seen(Id f) {
+    if constexpr (shared) return mark(f).seen;
+    return seen_[f];
+  }
+  void clear(Id f) {
+    vertices(f)[0] = dead;
+    mark(f) = {0, 0};
+    seen_[f] = 0;
+  }
   bool alive(Id f) const { return vertices(f)[0] != dead; }
 
+  template <bool shared>
   void prefetch(Id f) const {
     prefetch_line(plane(f));
     if constexpr (!together) prefetch_line(neighbours(f));
+    if constexpr (shared && !marked) prefetch_line(&marks_[f]);
   }
 
   void prefetch_to_write(Id f) const {
@@ -68,11 +93,15 @@ class FacetStore {
   void reserve(std::size_t facets) {
     hot_.reserve(facets * hot_stride());
     if constexpr (!together) cold_.reserve(facets * cold_stride());
+    if constexpr (!marked) marks_.reserve(facets);
+    seen_.reserve(facets);
     if constexpr (D == 0) wide_.reserve(facets * wide_stride());
   }
   void release_planes() {
     if constexpr (!together) hot_.release();
     wide_.release();
+    marks_.release();
+    seen_.release();
   }
 
  private:
@@ -89,9 +118,13 @@ class FacetStore {
 
   std::size_t wide_stride() const { return std::size_t{dim()} + 1; }
 
+  static constexpr bool marked = D == 4 || D == 6 || D == 8;
+
   unsigned dimension_;
   RawArray<std::byte> hot_, cold_;
   RawArray<double> wide_;  ///< for D = 0
+  RawArray<std::uint8_t> seen_;
+  RawArray<FacetMark> marks_;  ///< unless the hot parts have room
 };
 
 }  // namespace cullhull::internal

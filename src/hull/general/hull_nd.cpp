@@ -45,7 +45,12 @@ Boundary hull_nd(const LocalPoints& points, const std::uint32_t* simplex, const 
   // In few dimensions the insertion takes as long.
   if (d > 8 && points.count == d + 1) return boundary_of_simplex(points);
   return with_dimension<4, 8, 0>(points.dimension, [&](auto k) {
-    return InsertionNd<decltype(k)::value>(points, simplex, run, same_facets).run();
+    using Engine = InsertionNd<decltype(k)::value>;
+    try {
+      return Engine(points, simplex, run, same_facets).run();
+    } catch (typename Engine::Tied) {
+      return Engine(points, simplex, run.with_threads(1), same_facets).run();
+    }
   });
 }
 

@@ -5,10 +5,8 @@
 // polytope). Where the error bounds leave the climb's end undecided, an exact visibility walk
 // decides.
 //
-// Points are taken in batches from streams whose points are far apart: every stream finds the
-// cavity of its next point while the hull is only read; cavities that do not touch one another are
-// then replaced in parallel. A point whose cavity touches that of an earlier stream waits for the
-// next batch.
+// Several threads insert points together, each along its own part of the insertion order, and hold
+// the facets that they read (insertion_nd_rounds.hpp).
 //
 // The outermost points are inserted first; facet tests against their hull (insertion_nd_start.hpp)
 // discard the points strictly inside it before the rest are sorted into the insertion order.
@@ -36,8 +34,6 @@
 #include "hull/general/facet_store.hpp"
 #include "parallel/index.hpp"
 #include "parallel/random_stream.hpp"
-#include "parallel/threads/crew.hpp"
-#include "parallel/threads/crowding.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -47,7 +43,10 @@ class InsertionNd {
  public:
   InsertionNd(const LocalPoints& points, const std::uint32_t* simplex, const Run& run,
               bool same_facets);
+  /// Throws Tied if several threads have inserted points, some points are in the hyperplanes of
+  /// facets, and `same_facets` is set: the facets would depend on the threads.
   Boundary run();
+  struct Tied {};
 
  private:
   using Id = std::uint32_t;
@@ -55,6 +54,16 @@ class InsertionNd {
   /// Prefetch distance, in iterations, of loops over scattered records. Prefetching saves a tenth
   /// of the time of replace().
   static constexpr std::size_t ahead = 8;
+  /// Returned in place of a facet where another thread holds one.
+  static constexpr Id busy = no_index - 1;
+  enum class Inserted : std::uint8_t { done, busy, full };
+  static constexpr Id slab = 64;  ///< slots that a thread takes at once
+  /// Facets that a thread keeps while it goes on to the next point, which has many of the same. In
+  /// 4D taking each anew takes a tenth of the time, but who holds 1,024 is in the way of others.
+  static constexpr std::size_t most_held = 256;
+  /// Consecutive points that a thread takes at once: some 150 microseconds of work, a point beyond
+  /// 6D.
+  static constexpr std::size_t grain = D == 4 ? 64 : D == 5 ? 16 : D == 6 ? 2 : 1;
   /// Set in a visible facet's neighbour entry at a horizon ridge; the other bits then number the
   /// new facet at that ridge.
   static constexpr Id horizon_tag = 0x80000000;
@@ -84,7 +93,6 @@ class InsertionNd {
   void choose_centre();
   void measure_reach();
   bool centre_inside(const std::vector<double>& centre) const;
-  bool worth_sharing(std::size_t points) const;
   void build_simplex();
   void reserve(std::size_t facets);
 
@@ -99,18 +107,28 @@ class InsertionNd {
   void sieve(NormOrder& order, const std::vector<float>& planes) const;
 
   void insert_round();
-  void review_sharing();
-  void advance(Stream& s, Lane& lane);
-  void settle();
-  bool clear_of_others(const Stream& s) const;
-  void claim(Stream& s);
-  void adapt(std::size_t tried, std::size_t refused, std::size_t made);
-  template <class Body>
-  void in_parallel(const Body& body);
+  unsigned useful_lanes(std::size_t points) const;
+  std::vector<Id> insert_together(const std::vector<Id>& points, unsigned lanes);
+  void end_of_pass();
+  template <bool shared>
+  Inserted insert(Lane& lane, Id point);
+  template <bool shared>
+  bool start(Lane& lane);
+  bool hold(Lane& lane, Id f);
+  bool hold_all(Lane& lane, const Id* facets);
+  void let_go(Lane& lane);
+  template <bool shared>
+  bool find_slots(Lane& lane);
+  void clear_slots(Id begin, Id end, Lane& lane);
+  std::atomic_ref<Id> hint_near(Id point) {
+    return std::atomic_ref(hints_[std::uint64_t{point - first_} * hints_.size() / count_]);
+  }
 
   void aim(Lane& lane, Id point) const;
-  Id locate(Lane& lane, Id start, Id point, Id& end) const;
-  Id locate_exactly(Lane& lane, Id start, Id point, Id& end) const;
+  template <bool shared>
+  Id locate(Lane& lane, Id point);
+  template <bool shared>
+  Id locate_exactly(Lane& lane, Id point);
   template <class Entry>
   Sign lattice_sign(Lane& lane, const Entry& entry) const;
   Sign side(Lane& lane, Id f, Id point) const;
@@ -119,11 +137,13 @@ class InsertionNd {
   std::uint32_t seen_exactly(Lane& lane, const Id* facets, std::uint32_t which, Id point) const;
   Sign cone_side(Lane& lane, Id f, unsigned j, Id point) const;
   bool note_duplicate(Lane& lane, Id f, Id point) const;
-  void find_cavity(Stream& s, Lane& lane, Id seed) const;
+  template <bool shared>
+  bool find_cavity(Lane& lane, Id seed, Id point);
 
-  void replace(Stream& s, Lane& lane);
-  Id turn(const Stream& s, std::size_t k, unsigned i) const;
+  void replace(Lane& lane, Id point);
+  Id turn(const Lane& lane, std::size_t k, unsigned i) const;
   bool proved_convex(Id f) const requires(D == 0);
+  void number_canonically(RawArray<Id>& number);
   Boundary collect();
 
   const LocalPoints& points_;
@@ -142,24 +162,18 @@ class InsertionNd {
   std::size_t rounds_done_ = 0;
   RawArray<double> ordered_;
   std::size_t expected_ = 0;  ///< number of points to insert, as far as known
+  /// Slots up to the last pass, and those that have memory; facets.
   std::size_t facet_slots_ = 0, facet_capacity_ = 0, live_ = 0;
-  std::vector<Id> free_;
-  Id recent_ = 0;  ///< some live facet
-
-  Crew crew_;
-  bool shared_ = false;                         ///< whether helpers share the work
-  unsigned batches_shared_ = 0, absences_ = 0;  ///< since the last review; consecutive
+  std::size_t most_facets_ = 0;            ///< that fit the budget
+  std::atomic<std::size_t> next_slot_{0};  ///< the first one that no lane has taken
   std::deque<Lane> lanes_;
-  std::vector<WorkShare> shares_;
-  bool same_facets_;  ///< for every number of workers
-  std::vector<Stream> streams_;
-  std::vector<Id> batch_;  ///< streams with points left
-  /// For every facet slot: twice the number of the last batch that claimed it, plus 1 where the
-  /// facet was visible.
-  RawArray<std::uint32_t> claims_;
-  std::uint32_t batch_number_ = 0;
-  double width_;  ///< number of streams: see adapt()
-  std::uint64_t batch_facets_ = 0;
+  bool same_facets_;          ///< for every number of threads
+  Id first_ = 0, count_ = 0;  ///< points of the round
+  /// For equal parts of the round the facet near the last point that was inserted, in this round or
+  /// in the one before: rounds run along the same curve.
+  std::vector<Id> hints_;
+  unsigned most_lanes_;
+  std::size_t inserted_ = 0, made_ = 0;  ///< points, facets
   Boundary result_;
 };
 
@@ -174,11 +188,13 @@ InsertionNd<D>::InsertionNd(const LocalPoints& points, const std::uint32_t* simp
       centre_(dimension_),
       reach_(dimension_),
       store_(dimension_),
-      crew_(run.threads),
-      shares_(crew_.lanes()),
       same_facets_(same_facets),
-      width_(same_facets ? 2 : 1) {
-  for (unsigned k = 0; k < crew_.lanes(); ++k) lanes_.emplace_back(dimension_);
+      hints_(256, 0),
+      most_lanes_(run.threads) {
+  // The result takes about as much memory as the records.
+  const std::uint64_t per_facet = store_.bytes_per_facet();
+  most_facets_ = std::min<std::uint64_t>(run.budget / (2 * per_facet), horizon_tag - 1);
+  lanes_.emplace_back(dimension_, 1);
   order_.assign(simplex, simplex + dim() + 1);
   starts_ = {dim() + 1};
   ordered_.reserve(std::size_t{points.count} * dim());
@@ -258,38 +274,21 @@ Boundary InsertionNd<D>::run() {
     while (order.left() > 0) append_round(order);
     expected_ = order_.size();
   }
-  const auto rounds = [this] {
-    while (rounds_done_ + 1 < starts_.size()) insert_round();
-  };
-  if (worth_sharing(order_.size() - starts_[rounds_done_])) {
-    shared_ = true;
-    width_ = std::max(width_, 2.0);
-    crew_.session(rounds);
-  } else {
-    rounds();
-  }
+  while (rounds_done_ + 1 < starts_.size()) insert_round();
+  if (same_facets_ && lanes_.size() > 1)
+    for (const Lane& lane : lanes_)
+      if (lane.tied) throw Tied{};
   return collect();
-}
-
-/// Whether inserting this many points takes at least some ten milliseconds: in less time, the two
-/// synchronisations per batch cost more than threads save. `fewest`, for 4D to 8D: 10 ms divided by
-/// the estimated time per point (1 us in 4D, 10, 70, 200 and 500 us in 8D); the limits themselves
-/// are untested. Beyond 8D a facet takes about half a microsecond.
-template <unsigned D>
-bool InsertionNd<D>::worth_sharing(std::size_t points) const {
-  if (crew_.lanes() == 1 || points == 0) return false;
-  if constexpr (D == 0) {
-    return most_facets(order_.size(), dim()) >= 20000;
-  } else {
-    constexpr std::size_t fewest[] = {8000, 1000, 150, 50, 20};
-    return points >= fewest[D - 4];
-  }
 }
 
 template <unsigned D>
 void InsertionNd<D>::build_simplex() {
   const unsigned d = dim();
-  reserve(1024);
+  const Id slots = (d / slab + 1) * slab;
+  reserve(std::max<std::size_t>(1024, slots));
+  clear_slots(0, slots, lanes_[0]);
+  lanes_[0].unused.resize(slots - (d + 1));
+  next_slot_ = slots;
   for (Id i = 0; i <= d; ++i) {
     Id* v = store_.vertices(i);
     Id* n = store_.neighbours(i);
@@ -311,23 +310,20 @@ void InsertionNd<D>::build_simplex() {
       facet_planes(frame_, v[0], v, &first, 1, plane.data());
     std::copy(plane.begin(), plane.end(), store_.plane(i));
   }
-  facet_slots_ = live_ = d + 1;
+  live_ = d + 1;
+  facet_slots_ = slots;
 }
 
 template <unsigned D>
 void InsertionNd<D>::reserve(std::size_t facets) {
   if (facets <= facet_capacity_) return;
   const std::size_t capacity = std::max(facets, facet_capacity_ + facet_capacity_ / 2);
-  // The result takes about as much memory as the records and the claims.
-  const std::uint64_t per_facet = store_.bytes_per_facet() + sizeof(std::uint32_t);
-  if (capacity >= horizon_tag || 2 * capacity * per_facet > run_.budget) {
+  if (capacity > most_facets_) {
     throw Error(ErrorCode::out_of_budget, "the hull has more than ", live_, " facets in dimension ",
                 dim(), ", which exceeds the memory budget of ", run_.budget >> 20,
                 " MiB; raise the budget or use fewer dimensions");
   }
   store_.reserve(capacity);
-  claims_.reserve(capacity);
-  std::fill_n(claims_.data() + facet_capacity_, capacity - facet_capacity_, 0);
   facet_capacity_ = capacity;
 }
 
@@ -358,10 +354,13 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   const Id* v = store_.vertices(f);
   const double** p = lane.rows.data();
   if constexpr (D > 0 && D < elimination_pays) {
-    if (points_.small_lattice)
-      return lattice_sign(lane, [&](unsigned i, unsigned j) {
+    if (points_.small_lattice) {
+      const Sign s = lattice_sign(lane, [&](unsigned i, unsigned j) {
         return row(i + 1 < D ? v[i + 1] : point)[j] - row(v[0])[j];
       });
+      lane.tied |= s == Sign::zero;
+      return s;
+    }
   }
   for (unsigned i = 0; i < d; ++i) p[i] = exact_row(v[i]);
   p[d] = exact_row(point);
@@ -369,6 +368,7 @@ Sign InsertionNd<D>::side(Lane& lane, Id f, Id point) const {
   Rung rung = Rung::exact;
   const Sign s = orientation(d, p, &rung);
   lane.rung_counts.count(rung);
+  lane.tied |= s == Sign::zero;
   return s;
 }
 
@@ -441,6 +441,7 @@ bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
     const Id v = store_.vertices(f)[i];
     const double* q = exact_row(v);
     if (std::equal(p, p + dim(), q)) {
+      lane.tied = true;
       if (order_[point] < order_[v]) lane.duplicates.emplace_back(order_[point], order_[v]);
       return true;
     }
@@ -448,19 +449,21 @@ bool InsertionNd<D>::note_duplicate(Lane& lane, Id f, Id point) const {
   return false;
 }
 
-/// Finds a facet visible from the point; no_index where the point sees none. `end`: the facet where
-/// the search ended.
+/// Finds a facet visible from the point, beginning at lane.hint, which becomes the facet where the
+/// search ends; no_index where the point sees none.
 template <unsigned D>
-typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id point, Id& end) const {
-  Id f = start;
+template <bool shared>
+typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id point) {
+  Id f = lane.hint;
   float g = gauge(lane, f);
   for (;;) {
     if (g > 1 + error(f)) {
       lane.rung_counts.count(Rung::plane);
-      return f;
+      return lane.hint = f;
     }
     const Id* n = store_.neighbours(f);
-    for (unsigned j = 0; j < dim(); ++j) store_.prefetch(n[j]);
+    for (unsigned j = 0; j < dim(); ++j) store_.template prefetch<shared>(n[j]);
+    if (shared && !hold_all(lane, n)) return busy;
     Id best = f;
     float best_gauge = g, highest = -std::numeric_limits<float>::infinity();
     for (unsigned j = 0; j < dim(); ++j) {
@@ -470,7 +473,7 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
       best_gauge = std::max(best_gauge, h);
     }
     if (best == f) {
-      end = f;
+      lane.hint = f;
       const float e = error(f);
       // A maximum that is strict by more than the error bounds: the ray from O to the point leaves
       // through f, and the point is beneath f. 2^-20 covers the rounding of the sums here, less
@@ -479,20 +482,21 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate(Lane& lane, Id start, Id poin
         lane.rung_counts.count(Rung::plane);
         return no_index;
       }
-      return locate_exactly(lane, f, point, end);
+      return locate_exactly<shared>(lane, point);
     }
     f = best;
     g = best_gauge;
   }
 }
 
+/// Continues from lane.hint, whose neighbours are held.
 template <unsigned D>
-typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start, Id point,
-                                                           Id& end) const {
-  if (note_duplicate(lane, start, point)) return no_index;
-  if (side(lane, start, point) == Sign::positive) return start;
+template <bool shared>
+typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id point) {
   const unsigned d = dim();
-  Id f = start;
+  Id f = lane.hint;
+  if (note_duplicate(lane, f, point)) return no_index;
+  if (side(lane, f, point) == Sign::positive) return f;
   // A visibility walk on the projection of the hull from O. The projection is a regular subdivision
   // except for its coplanar pieces, so a walk that chooses the ridge at random ends with
   // probability 1 (Devillers, Pion, Teillaud 2002).
@@ -506,10 +510,10 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
       if (cone_side(lane, f, j, point) == Sign::negative) next = store_.neighbours(f)[j];
     }
     if (next == no_index) break;
-    f = next;
+    lane.hint = f = next;
     if (gauge(lane, f) > 1 + error(f)) return f;
+    if (shared && !hold_all(lane, store_.neighbours(f))) return busy;
   }
-  end = f;
   const Sign s = side(lane, f, point);
   if (s == Sign::positive) return f;
   if (s == Sign::zero) note_duplicate(lane, f, point);
@@ -518,6 +522,6 @@ typename InsertionNd<D>::Id InsertionNd<D>::locate_exactly(Lane& lane, Id start,
 
 }  // namespace cullhull::internal
 
-#include "hull/general/insertion_nd_batches.hpp"
 #include "hull/general/insertion_nd_cavity.hpp"
+#include "hull/general/insertion_nd_rounds.hpp"
 #include "hull/general/insertion_nd_start.hpp"
