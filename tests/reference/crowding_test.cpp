@@ -13,7 +13,6 @@
 #include "cullhull/certify.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
-#include "parallel/threads/crew.hpp"
 #include "parallel/threads/helpers.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -39,33 +38,18 @@ TEST_F(Crowding, LongWaitsInARowAreRememberedShortOnesAreNot) {
   EXPECT_TRUE(crowded());
   forget_crowding();
   EXPECT_FALSE(crowded());
-  note_absence();
-  EXPECT_TRUE(crowded());
-}
-
-TEST_F(Crowding, ShortWaitsCountTogether) {
-  WaitWatch balanced, uneven, waiting;
-  for (int i = 0; i < 1000; ++i) balanced.add(90us, 10us);
-  EXPECT_FALSE(crowded());
-  for (int i = 0; i < 1000; ++i) uneven.add(60us, 40us);  // two threads still gain
-  EXPECT_FALSE(crowded());
-  for (int i = 0; i < 1000; ++i) waiting.add(40us, 60us);
-  EXPECT_TRUE(crowded());
 }
 
 TEST_F(Crowding, NobodyIsAskedAndAllIsDone) {
-  note_absence();
+  note_wait(100us, 1s);
+  note_wait(100us, 1s);
   const std::thread::id caller = std::this_thread::get_id();
-  Crew crew(4);
   std::vector<int> hits(200, 0);
-  crew.session([&] {
-    for (int phase = 0; phase < 50 && crowded(); ++phase)
-      crew.run(200, [&](std::uint32_t i, unsigned lane) {
-        EXPECT_EQ(lane, 0U);
-        EXPECT_EQ(std::this_thread::get_id(), caller);
-        ++hits[i];
-      });
-  });
+  while (crowded())
+    for_each_chunk(200, 1, 4, [&](std::uint64_t i, std::uint64_t, std::uint64_t) {
+      EXPECT_TRUE(!crowded() || std::this_thread::get_id() == caller);
+      ++hits[i];
+    });
   for (const int h : hits) EXPECT_EQ(h, hits[0]);
   EXPECT_GT(hits[0], 0);
 }

@@ -11,7 +11,6 @@
 #include <thread>
 #include <vector>
 
-#include "parallel/threads/crew.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal::helpers_test {
@@ -40,10 +39,6 @@ TEST(Helpers, NobodyWaitsForThoseWhoDoNotCome) {
   while (machine_threads() > 1 && blocking->joined + 1 < machine_threads())
     std::this_thread::yield();
   EXPECT_EQ(sum_by_chunks(1000, 8), 499'500U);
-  Crew crew(8);
-  std::atomic<unsigned> items{0};
-  crew.session([&] { crew.run(100, [&](std::uint32_t, unsigned) { ++items; }); });
-  EXPECT_EQ(items, 100U);
   blocking->over = true;
 }
 

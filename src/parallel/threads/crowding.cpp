@@ -59,17 +59,6 @@ void note_wait(nanoseconds expected, nanoseconds waited) noexcept {
   if (again || after_rest) begin_rest();
 }
 
-void WaitWatch::add(nanoseconds worked, nanoseconds waited) noexcept {
-  constexpr nanoseconds window = 20ms;  // some of the scheduler's slices
-  worked_ += worked;
-  waited_ += waited;
-  if (worked_ + waited_ < window) return;
-  if (waited_ > worked_) begin_rest();
-  worked_ = waited_ = nanoseconds(0);
-}
-
-void note_absence() noexcept { begin_rest(); }
-
 void forget_crowding() noexcept {
   rest_until = 0;
   last_rest = 0;

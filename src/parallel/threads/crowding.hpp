@@ -18,21 +18,6 @@ bool crowded() noexcept;
 /// the helpers had no processor. Thread-safe.
 void note_wait(std::chrono::nanoseconds expected, std::chrono::nanoseconds waited) noexcept;
 
-/// The same for a caller's many consecutive short phases, none of which is a long wait alone.
-/// Begins a back-off if the caller waits for more than half of the time, since two threads are then
-/// no faster than one. (Waiting a third of the time is usual in 6D.)
-class WaitWatch {
- public:
-  /// Adds one phase: the caller worked for `worked`, then waited for `waited`.
-  void add(std::chrono::nanoseconds worked, std::chrono::nanoseconds waited) noexcept;
-
- private:
-  std::chrono::nanoseconds worked_{0}, waited_{0};
-};
-
-/// Reports that requested helpers did hardly any of the work; begins a back-off.
-void note_absence() noexcept;
-
 /// Ends the back-off and forgets all reports, as at the start of the process.
 void forget_crowding() noexcept;
 

@@ -45,13 +45,12 @@ class Helpers {
     return *helpers;
   }
 
-  /// Makes `work` joinable by `wanted` helpers. Returns false if no helper is available. Accepts
-  /// `lasting` work on a busy machine, too, since the machine may become idle while the work lasts.
-  bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work, bool lasting) {
+  /// Makes `work` joinable by `wanted` helpers. Returns false if no helper is available.
+  bool open(unsigned wanted, const std::shared_ptr<SharedWork>& work) {
     const unsigned calls = std::max(1U, calls_.load(std::memory_order_relaxed));
     const unsigned cores = machine_threads();
     wanted = std::min(wanted, cores > calls ? cores - calls : 0);
-    if (wanted == 0 || (!lasting && crowded())) return false;
+    if (wanted == 0 || crowded()) return false;
     unsigned wake = 0;
     {
       const std::lock_guard lock(mutex_);
@@ -179,8 +178,8 @@ unsigned machine_threads() {
   return count;
 }
 
-OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting) {
-  if (helpers > 0 && Helpers::of_process().open(helpers, work, lasting)) open_ = work.get();
+OpenWork::OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work) {
+  if (helpers > 0 && Helpers::of_process().open(helpers, work)) open_ = work.get();
 }
 OpenWork::~OpenWork() {
   if (open_ != nullptr) Helpers::of_process().close(open_);

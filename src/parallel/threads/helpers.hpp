@@ -22,9 +22,8 @@ class SharedWork {
 class OpenWork {
  public:
   /// Requests `helpers` helpers. Fewer or none join if other calls (CallScope) need the processors
-  /// or if helpers are at work for other callers. On a busy machine (crowded()) the request has no
-  /// effect, except for `lasting` work, which must check crowded() itself.
-  OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work, bool lasting = false);
+  /// or if helpers are at work for other callers. On a busy machine (crowded()) none does.
+  OpenWork(unsigned helpers, const std::shared_ptr<SharedWork>& work);
   /// Ends joining. Helpers that have joined may still be running.
   ~OpenWork();
   OpenWork(const OpenWork&) = delete;
