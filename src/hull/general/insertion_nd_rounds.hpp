@@ -18,7 +18,6 @@
 #include <numeric>
 
 #include "hull/general/insertion_nd.hpp"
-#include "parallel/threads/stretches.hpp"
 
 namespace cullhull::internal {
 
@@ -66,8 +65,8 @@ std::vector<typename InsertionNd<D>::Id> InsertionNd<D>::insert_together(
   const std::size_t fresh = live_ * points.size() / first_ * dim() / 2 + std::size_t{lanes} * slab;
   reserve(std::max(facet_capacity_, std::min(facet_slots_ + fresh, most_facets_)));
   std::atomic<bool> full{false};
-  Stretches stretches(points.size(), lanes, grain);
-  run_.each_item(lanes, [&](std::uint64_t k) {
+  run_.with_threads(lanes).each_in_lane(points.size(), grain,
+                                        [&](unsigned k, std::uint64_t begin, std::uint64_t end) {
     Lane& lane = lanes_[k];
     const auto insert_or_put_off = [&](Id point) {
       if (full.load(std::memory_order_relaxed)) return lane.put_off.push_back(point);
@@ -79,18 +78,15 @@ std::vector<typename InsertionNd<D>::Id> InsertionNd<D>::insert_together(
       lane.put_off.push_back(point);
       lane.hint = hint_near(point).load(std::memory_order_acquire);
     };
-    stretches.work(k, [&](std::uint32_t begin, std::uint32_t end) {
-      run_.check();
-      lane.hint = hint_near(points[begin]).load(std::memory_order_acquire);
-      const auto before = static_cast<std::ptrdiff_t>(lane.put_off.size());
-      for (std::uint32_t i = begin; i < end; ++i) insert_or_put_off(points[i]);
-      // Once more: who was in the way has left.
-      const std::vector<Id> again(lane.put_off.begin() + before, lane.put_off.end());
-      lane.put_off.erase(lane.put_off.begin() + before, lane.put_off.end());
-      for (const Id p : again) insert_or_put_off(p);
-      let_go(lane);
-      if (same_facets_ && lane.tied) throw Tied{};
-    });
+    lane.hint = hint_near(points[begin]).load(std::memory_order_acquire);
+    const auto before = static_cast<std::ptrdiff_t>(lane.put_off.size());
+    for (std::uint64_t i = begin; i < end; ++i) insert_or_put_off(points[i]);
+    // Once more: who was in the way has left.
+    const std::vector<Id> again(lane.put_off.begin() + before, lane.put_off.end());
+    lane.put_off.erase(lane.put_off.begin() + before, lane.put_off.end());
+    for (const Id p : again) insert_or_put_off(p);
+    let_go(lane);
+    if (same_facets_ && lane.tied) throw Tied{};
   });
   end_of_pass();
   std::vector<Id> left;

@@ -17,8 +17,9 @@ using Body = std::function<void(const Chunk&)>;
 using Clock = std::chrono::steady_clock;
 
 /// A loop that several threads run. Each thread begins with a contiguous part of the chunks, so
-/// that it touches few memory pages that others use, and then steals chunks of the other parts. The
-/// object may outlive the call, but uses `body` only for chunks that the caller waits for.
+/// that it touches few memory pages that others use, and then steals chunks from the back of other
+/// parts, which their owners reach last. The object may outlive the call, but uses `body` only for
+/// chunks that the caller waits for.
 class Loop : public SharedWork {
  public:
   Loop(std::uint64_t items, std::uint64_t chunk_size, unsigned parts, const Body& body)
@@ -27,10 +28,9 @@ class Loop : public SharedWork {
         count_(chunk_count(items, chunk_size)),
         body_(&body),
         parts_(parts) {
-    for (unsigned p = 0; p < parts; ++p) {
-      parts_[p].next.store(count_ * p / parts, std::memory_order_relaxed);
-      parts_[p].end = count_ * (p + 1) / parts;
-    }
+    for (unsigned p = 0; p < parts; ++p)
+      parts_[p].left.store(count_ * p / parts << 32 | count_ * (p + 1) / parts,
+                           std::memory_order_relaxed);
   }
 
   void join(unsigned k) noexcept override { work(k); }
@@ -40,7 +40,7 @@ class Loop : public SharedWork {
     std::uint64_t done = 0;
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[(k + p) % parts_.size()];
-      for (std::uint64_t c = part.next++; c < part.end; c = part.next++) {
+      for (std::uint64_t c = part.take(p == 0); c != none; c = part.take(p == 0)) {
         std::uint64_t over = 1;
         try {
           (*body_)({c, c * size_, std::min(items_, (c + 1) * size_), k});
@@ -68,17 +68,28 @@ class Loop : public SharedWork {
   }
 
  private:
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+
   struct alignas(64) Part {
-    std::atomic<std::uint64_t> next{0};
-    std::uint64_t end = 0;
+    /// The first chunk that has not begun, above the end of those: taking from either end is one
+    /// compare-and-exchange.
+    std::atomic<std::uint64_t> left{0};
+
+    std::uint64_t take(bool front) {
+      std::uint64_t l = left.load(std::memory_order_relaxed);
+      do {
+        if (l >> 32 >= (l & 0xFFFFFFFF)) return none;
+      } while (!left.compare_exchange_weak(l, front ? l + (std::uint64_t{1} << 32) : l - 1));
+      return front ? l >> 32 : (l & 0xFFFFFFFF) - 1;
+    }
   };
 
   /// Prevents every thread from beginning another chunk. Returns how many had not begun.
   std::uint64_t give_up() noexcept {
     std::uint64_t left = 0;
     for (Part& part : parts_) {
-      const std::uint64_t next = part.next.exchange(part.end);
-      left += next < part.end ? part.end - next : 0;
+      const std::uint64_t l = part.left.exchange(0);
+      left += (l & 0xFFFFFFFF) - (l >> 32);
     }
     return left;
   }
@@ -103,7 +114,7 @@ void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
   const auto chunk = [&](std::uint64_t c, unsigned lane) {
     body({c, c * chunk_size, std::min(count, (c + 1) * chunk_size), lane});
   };
-  if (threads <= 1 || chunks <= 1) {
+  if (threads <= 1 || chunks <= 1 || chunks >> 32 != 0) {  // a chunk's number has 32 bits
     for (std::uint64_t c = 0; c < chunks; ++c) chunk(c, 0);
     return;
   }
