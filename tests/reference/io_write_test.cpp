@@ -1,7 +1,12 @@
 // Meshes and Qhull's text.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
+#include "cullhull/generate.hpp"
+#include "io/json/json.hpp"
+#include "io/write/mesh.hpp"
 #include "tests/hull_fixtures.hpp"
 #include "tests/io_fixtures.hpp"
 #include "thrown.hpp"
@@ -38,6 +43,47 @@ TEST(Mesh, OffAndObjHoldTheHullsVerticesOnly) {
   EXPECT_EQ(written(square(), "a.off"),
             "OFF\n4 2 5\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
   EXPECT_EQ(written(square(), "a.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+}
+
+// Lists of several rounds of pieces that threads format, each with its own rest: in order, no row
+// twice, none left out, and of JSON the bytes that one thread writes.
+TEST(Mesh, LongListsAreWrittenInOrder) {
+  const TemporaryFolder folder;
+  const std::vector<double> rows = generate("sphere", 70000, 3, 1);
+  const PointView view = PointView::row_major(rows.data(), 70000, 3);
+  const Hull hull = convex_hull(view);
+  std::string json, obj, off;
+  internal::write_result_json(view, hull, [&](const std::string& piece) { json += piece; });
+  std::ostringstream count;
+  count << "OFF\n"
+        << hull.vertices.size() << ' ' << hull.simplex_count() << ' '
+        << hull.simplex_count() * 3 / 2 << '\n';
+  off = count.str();
+  for (const std::uint64_t v : hull.vertices) {
+    obj += 'v';
+    for (unsigned j = 0; j < 3; ++j) {
+      obj += ' ';
+      internal::append_number(obj, view.at(v, j));
+      internal::append_number(off, view.at(v, j));
+      off += j < 2 ? ' ' : '\n';
+    }
+    obj += '\n';
+  }
+  for (std::size_t i = 0; i < hull.simplices.size(); ++i) {
+    const auto at = static_cast<std::uint64_t>(
+        std::lower_bound(hull.vertices.begin(), hull.vertices.end(), hull.simplices[i]) -
+        hull.vertices.begin());
+    obj += i % 3 == 0 ? "f " : " ";
+    off += i % 3 == 0 ? "3 " : " ";
+    internal::append_number(obj, at + 1);
+    internal::append_number(off, at);
+    if (i % 3 == 2) obj += '\n', off += '\n';
+  }
+  for (const auto& [name, expected] :
+       {std::pair("a.json", &json), {"a.obj", &obj}, {"a.off", &off}}) {
+    write_hull(folder.file(name), view, hull);
+    EXPECT_TRUE(slurp(folder.file(name)) == *expected) << name;
+  }
 }
 
 TEST(Mesh, EveryFormatReadsBack) {

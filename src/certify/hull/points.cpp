@@ -118,12 +118,8 @@ class InnerFilter {
       bool all = true;
       std::uint32_t f = 0;
       for (unsigned corner = 0; corner < (1U << k_) && all; ++corner) {
-        double direction[6], near[6];
-        for (unsigned j = 0; j < k_; ++j) {
-          direction[j] = (corner >> j & 1U) ? 1 : -1;
-          near[j] = 0x1p-10 * direction[j];  // within the planes' reach
-        }
-        cones_.strictly_inside(near, f);  // a walk in doubles, so that the exact one is short
+        double direction[6];
+        for (unsigned j = 0; j < k_; ++j) direction[j] = (corner >> j & 1U) ? 1 : -1;
         all = inside(direction, r, f, scratch);
       }
       if (!all) continue;

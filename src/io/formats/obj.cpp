@@ -83,23 +83,28 @@ PointData read_obj(const Source& source, const ReadOptions& options) {
 }
 
 void write_obj(OutputFile& out, const HullMesh& mesh) {
-  std::string line;
-  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
-    line.assign(1, 'v');
-    for (unsigned j = 0; j < 3; ++j) {
-      line += ' ';
-      append_number(line, mesh.coordinates[3 * i + j]);
+  out.write_items(mesh.vertex_count(),
+                  [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin; i < end; ++i) {
+      text += 'v';
+      for (unsigned j = 0; j < 3; ++j) {
+        text += ' ';
+        append_number(text, mesh.coordinates[3 * i + j]);
+      }
+      text += '\n';
     }
-    out.write(line += '\n');
-  }
-  for (std::size_t f = 0; f < mesh.polygons.size(); ++f) {
-    line.assign(1, 'f');
-    for (std::uint64_t i = mesh.polygons.offsets[f]; i < mesh.polygons.offsets[f + 1]; ++i) {
-      line += ' ';
-      append_number(line, std::uint64_t{mesh.polygons.items[i]} + 1);
+  });
+  out.write_items(mesh.polygons.size(),
+                  [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      text += 'f';
+      for (std::uint64_t i = mesh.polygons.offsets[f]; i < mesh.polygons.offsets[f + 1]; ++i) {
+        text += ' ';
+        append_number(text, std::uint64_t{mesh.polygons.items[i]} + 1);
+      }
+      text += '\n';
     }
-    out.write(line += '\n');
-  }
+  });
 }
 
 }  // namespace cullhull::internal

@@ -139,23 +139,24 @@ void write_off(OutputFile& out, const HullMesh& mesh) {
   line += ' ';
   append_number(line, mesh.edges);
   out.write(line += '\n');
-  for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
-    line.clear();
-    for (unsigned j = 0; j < 3; ++j) {
-      append_number(line, mesh.coordinates[3 * i + j]);
-      line += j < 2 ? ' ' : '\n';
+  out.write_items(mesh.vertex_count(),
+                  [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = 3 * begin; i < 3 * end; ++i) {
+      append_number(text, mesh.coordinates[i]);
+      text += i % 3 < 2 ? ' ' : '\n';
     }
-    out.write(line);
-  }
-  for (std::size_t f = 0; f < mesh.polygons.size(); ++f) {
-    line.clear();
-    append_number(line, mesh.polygons.offsets[f + 1] - mesh.polygons.offsets[f]);
-    for (std::uint64_t i = mesh.polygons.offsets[f]; i < mesh.polygons.offsets[f + 1]; ++i) {
-      line += ' ';
-      append_number(line, std::uint64_t{mesh.polygons.items[i]});
+  });
+  out.write_items(mesh.polygons.size(),
+                  [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t f = begin; f < end; ++f) {
+      append_number(text, mesh.polygons.offsets[f + 1] - mesh.polygons.offsets[f]);
+      for (std::uint64_t i = mesh.polygons.offsets[f]; i < mesh.polygons.offsets[f + 1]; ++i) {
+        text += ' ';
+        append_number(text, std::uint64_t{mesh.polygons.items[i]});
+      }
+      text += '\n';
     }
-    out.write(line += '\n');
-  }
+  });
 }
 
 }  // namespace cullhull::internal

@@ -100,13 +100,13 @@ class VtpWriter {
   void array(const std::string& attributes, std::size_t count, std::size_t per_line,
              const Get& get) {
     out_.write("<DataArray " + attributes + " format=\"ascii\">\n");
-    std::string line;
-    for (std::size_t i = 0; i < count; ++i) {
-      append_number(line, get(i));
-      line += (i + 1) % per_line == 0 || i + 1 == count ? '\n' : ' ';
-      if (line.size() > 1 << 16) out_.write(line), line.clear();
-    }
-    out_.write(line + "</DataArray>\n");
+    out_.write_items(count, [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        append_number(text, get(i));
+        text += (i + 1) % per_line == 0 || i + 1 == count ? '\n' : ' ';
+      }
+    });
+    out_.write("</DataArray>\n");
   }
   /// Cells of one kind: the corners of all of them, and each one's end offset.
   void cells(const std::string& kind, const Lists<std::uint32_t>& cells) {

@@ -63,7 +63,7 @@ void write_lists(JsonWriter& json, const GroupOfShape& group) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   json.rows(
       "coordinates", ids.size(),
-      [&](std::uint64_t i) {
+      [&](JsonWriter&, std::uint64_t i) {
     std::vector<double> row;
     for (std::uint32_t j = 0; j < group.points.dimension; ++j)
       row.push_back(group.points.at(ids[i], j));
@@ -77,11 +77,12 @@ void write_lists(JsonWriter& json, const GroupOfShape& group) {
   };
   json.rows(
       "cells", group.shape.cells.size(),
-      [&](std::uint64_t i) { list(t.cell(group.shape.cells[i])); }, false);
+      [&](JsonWriter&, std::uint64_t i) { list(t.cell(group.shape.cells[i])); }, false);
   const std::size_t k = t.corners() > 1 ? t.corners() - 1 : 0;
   json.rows(
       "facets", group.shape.facet_cells.size(),
-      [&](std::uint64_t i) { list(std::span(group.shape.facets).subspan(i * k, k)); }, false);
+      [&](JsonWriter&, std::uint64_t i) { list(std::span(group.shape.facets).subspan(i * k, k)); },
+      false);
 }
 
 /// Lengths that are wanted, on the grid of the points.

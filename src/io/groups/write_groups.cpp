@@ -38,7 +38,7 @@ void add_hull(GroupFile& file, GroupRecord group, const HullBatch& batch, std::s
   group.lists = [&](JsonWriter& json) {
     json.rows(
         "vertex_coordinates", vertices.size(),
-        [&](std::uint64_t i) { json.list(rows, i * d, (i + 1) * d); }, false);
+        [&](JsonWriter&, std::uint64_t i) { json.list(rows, i * d, (i + 1) * d); }, false);
     // Each facet by the positions of its corners among the vertices.
     std::vector<std::pair<std::uint64_t, std::uint64_t>> places;
     for (const std::uint64_t v : vertices) places.emplace_back(v, places.size());
@@ -49,7 +49,7 @@ void add_hull(GroupFile& file, GroupRecord group, const HullBatch& batch, std::s
     };
     json.rows(
         "facets", facets,
-        [&](std::uint64_t i) {
+        [&](JsonWriter&, std::uint64_t i) {
       const auto corners_of = batch.facets[first + i];
       json.list_by(corners_of, 0, corners_of.size(), place_of);
         },

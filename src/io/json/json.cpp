@@ -2,6 +2,7 @@
 #include "io/json/json.hpp"
 
 #include <algorithm>
+#include <ranges>
 #include <vector>
 
 #include "cullhull/hull.hpp"
@@ -24,10 +25,10 @@ void write_measures(JsonWriter& w, const Hull& hull) {
 void write_lists(JsonWriter& w, const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
   w.flat("vertices", hull.vertices);
-  std::vector<double> row(hull.dimension);
-  w.rows("vertex_coordinates", hull.vertices.size(), [&](std::uint64_t i) {
-    for (std::uint32_t j = 0; j < hull.dimension; ++j) row[j] = points.at(hull.vertices[i], j);
-    w.list(row, 0, row.size());
+  const std::ranges::iota_view axes(std::uint32_t{0}, hull.dimension);
+  w.rows("vertex_coordinates", hull.vertices.size(), [&](JsonWriter& row, std::uint64_t i) {
+    row.list_by(axes, 0, axes.size(),
+                [&](std::uint32_t j) { row.value(points.at(hull.vertices[i], j)); });
   });
   w.nested("facets", hull.facets);
   w.nested("facet_neighbours", hull.facet_neighbours);
@@ -55,9 +56,10 @@ void write_run(JsonWriter& w, const Hull& hull, const JsonExtras& extras) {
 
 }  // namespace
 
-void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink) {
+void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink,
+                       const ItemSink& items) {
   std::string text;
-  JsonWriter w(text, sink);
+  JsonWriter w(text, sink, items);
   w.begin_document("hull", points_of(hull));
   write_measures(w, hull);
   write_lists(w, points, hull);

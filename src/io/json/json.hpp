@@ -14,7 +14,8 @@
 namespace cullhull::internal {
 
 /// The result alone: the same bytes for every thread count, filter and backend.
-void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink);
+void write_result_json(const Coordinates& points, const Hull& hull, const TextSink& sink,
+                       const ItemSink& items = {});
 
 struct JsonExtras {
   double read_seconds = 0;

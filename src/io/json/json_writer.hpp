@@ -21,6 +21,11 @@
 namespace cullhull::internal {
 
 using TextSink = std::function<void(const std::string&)>;
+/// Takes the text of the items [0, count), which text_of appends, part by part in any order
+/// (OutputFile::write_items).
+using ItemSink = std::function<void(
+    std::uint64_t count,
+    const std::function<void(std::string& text, std::uint64_t begin, std::uint64_t end)>& text_of)>;
 
 /// The points that a document is about.
 struct JsonPoints {
@@ -34,9 +39,9 @@ struct JsonPoints {
 class JsonWriter {
  public:
   /// Appends to `text`. Where `sink` is given, it takes the text piece by piece, and `text` stays
-  /// small.
-  explicit JsonWriter(std::string& text, TextSink sink = {})
-      : text_(text), sink_(std::move(sink)) {}
+  /// small; `items`, where given, takes lists of rows, which threads may format.
+  explicit JsonWriter(std::string& text, TextSink sink = {}, ItemSink items = {})
+      : text_(text), sink_(std::move(sink)), items_(std::move(items)) {}
 
   /// `kind`: the name of the document's definition in docs/cullhull.schema.json. What all documents
   /// are to say of their points, a unit for example, has its place here.
@@ -122,28 +127,41 @@ class JsonWriter {
     key(name);
     list(items, 0, items.size());
   }
-  /// A row on each line, or all within one; row(i) writes one.
+  /// A row on each line, or all within one; row(writer, i) writes one, in several threads at once.
   template <class Row>
   void rows(std::string_view name, std::uint64_t count, const Row& row, bool lines = true) {
     key(name);
     begin_list(lines);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      item();
-      row(i);
-      flush_if_long();
+    const auto write = [&](JsonWriter& w, std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) {
+        w.item();
+        row(w, i);
+        w.flush_if_long();
+      }
+    };
+    if (items_ && lines) {
+      flush();
+      items_(count, [&](std::string& text, std::uint64_t begin, std::uint64_t end) {
+        JsonWriter part(text);
+        part.levels_.push_back({true, begin == 0});
+        write(part, begin, end);
+      });
+    } else {
+      write(*this, 0, count);
     }
     end_list();
   }
   template <class T, class Items>
   void nested(std::string_view name, const Lists<T, Items>& lists) {
-    rows(name, lists.size(),
-         [&](std::uint64_t i) { list(lists.items, lists.offsets[i], lists.offsets[i + 1]); });
+    rows(name, lists.size(), [&](JsonWriter& w, std::uint64_t i) {
+      w.list(lists.items, lists.offsets[i], lists.offsets[i + 1]);
+    });
   }
   /// Rows of `width` items each; no row if `width` is 0.
   template <class Items>
   void nested(std::string_view name, const Items& items, std::uint64_t width) {
     rows(name, width > 0 ? items.size() / width : 0,
-         [&](std::uint64_t i) { list(items, i * width, (i + 1) * width); });
+         [&](JsonWriter& w, std::uint64_t i) { w.list(items, i * width, (i + 1) * width); });
   }
 
   /// The members of `tree`, an nlohmann::ordered_json object, as members of this one.
@@ -221,6 +239,7 @@ class JsonWriter {
 
   std::string& text_;
   TextSink sink_;
+  ItemSink items_;
   std::vector<Level> levels_;
 };
 

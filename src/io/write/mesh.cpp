@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <numeric>
 
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "parallel/id_places.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -12,21 +15,41 @@ namespace {
 /// From point ids to positions in hull.vertices.
 class VertexNumbers {
  public:
-  explicit VertexNumbers(const std::vector<std::uint64_t>& ids) {
-    sorted_.reserve(ids.size());
-    for (std::uint32_t i = 0; i < ids.size(); ++i) sorted_.push_back({ids[i], i});
-    std::sort(sorted_.begin(), sorted_.end());
+  /// `ids` must not be empty.
+  VertexNumbers(const std::vector<std::uint64_t>& ids, const Run& run) : sorted_(ids) {
+    if (!std::is_sorted(ids.begin(), ids.end())) {
+      order_.resize(ids.size());
+      std::iota(order_.begin(), order_.end(), 0U);
+      std::sort(order_.begin(), order_.end(), [&](auto a, auto b) { return ids[a] < ids[b]; });
+      for (std::size_t i = 0; i < ids.size(); ++i) sorted_[i] = ids[order_[i]];
+    }
+    places_ = IdPlaces(sorted_, run);
   }
-  std::uint32_t of(std::uint64_t id) const {
-    const auto it = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{id, 0U});
-    if (it == sorted_.end() || it->first != id)
-      throw Error(ErrorCode::invalid_argument, "hull names point ", id,
-                  ", which is not one of its vertices");
-    return it->second;
+  VertexNumbers(const VertexNumbers&) = delete;
+  VertexNumbers& operator=(const VertexNumbers&) = delete;
+
+  /// Appends the numbers of these points.
+  template <class Ids, class Numbers>
+  void append(const Ids& ids, Numbers& numbers, const Run& run) const {
+    const std::size_t before = numbers.size();
+    numbers.resize(before + ids.size());
+    run.each(ids.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) numbers[before + i] = of(ids[i]);
+    });
   }
 
  private:
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;
+  std::uint32_t of(std::uint64_t id) const {
+    const std::uint32_t place = places_(id);
+    if (place == sorted_.size())
+      throw Error(ErrorCode::invalid_argument, "hull names point ", id,
+                  ", which is not one of its vertices");
+    return order_.empty() ? place : order_[place];
+  }
+
+  std::vector<std::uint64_t> sorted_;
+  std::vector<std::uint32_t> order_;  ///< positions of the sorted ids; empty if they ascend
+  IdPlaces places_;
 };
 
 }  // namespace
@@ -59,10 +82,14 @@ HullMesh make_mesh(const Coordinates& points, const Hull& hull, const std::strin
       for (const std::uint32_t v : {0U, i, i + 1}) mesh.triangles.push_back(v);
     mesh.edges = n;
   } else if (hull.affine_dimension == 3) {
-    const VertexNumbers number(hull.vertices);
+    if (hull.vertices.empty())
+      throw Error(ErrorCode::invalid_argument, "a hull of points in space has no vertices");
+    const Options options;
+    const Call call(options, true);
+    const VertexNumbers numbers(hull.vertices, call.run);
     mesh.polygons.offsets = hull.facets.offsets;
-    for (const std::uint64_t id : hull.facets.items) mesh.polygons.items.push_back(number.of(id));
-    for (const std::uint64_t id : hull.simplices) mesh.triangles.push_back(number.of(id));
+    numbers.append(hull.facets.items, mesh.polygons.items, call.run);
+    numbers.append(hull.simplices, mesh.triangles, call.run);
     mesh.edges = hull.facets.items.size() / 2;
   }
   if (in_triangles(faces, format)) triangulate(mesh);

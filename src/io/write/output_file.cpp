@@ -7,11 +7,13 @@
 #include <cstring>
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 #include "cullhull/error.hpp"
 #include "cullhull/io.hpp"
 #include "io/source.hpp"
 #include "io/system.hpp"
+#include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -116,6 +118,22 @@ void OutputFile::write(std::string_view bytes) {
     send(bytes.data(), bytes.size());
   else
     buffer_.append(bytes);
+}
+
+void OutputFile::write_items(std::uint64_t count, const TextOfItems& text_of) {
+  // 64 pieces of some 50 KB, which take a tenth of a millisecond each, are held at a time.
+  constexpr std::uint64_t grain = 1024, together = 64 * grain;
+  const Options options;
+  const Call call(options, true);
+  std::vector<std::string> texts(std::min(chunk_count(count, grain), together / grain));
+  for (std::uint64_t first = 0; first < count; first += together) {
+    const std::uint64_t items = std::min(together, count - first);
+    call.run.each_chunk(items, grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+      texts[c].clear();
+      text_of(texts[c], first + begin, first + end);
+    });
+    for (std::uint64_t c = 0; c < chunk_count(items, grain); ++c) write(texts[c]);
+  }
 }
 
 void OutputFile::send(const char* data, std::size_t size) {

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +14,9 @@
 #include "parallel/byte_order.hpp"
 
 namespace cullhull::internal {
+
+/// Appends the text of the items [begin, end) to `text`.
+using TextOfItems = std::function<void(std::string& text, std::uint64_t begin, std::uint64_t end)>;
 
 /// Writes beside the target and renames in commit(); the destructor removes what was not committed.
 /// "-" is standard output; it, and targets that are no regular files, are written directly.
@@ -24,6 +29,8 @@ class OutputFile {
   ~OutputFile();
 
   void write(std::string_view bytes);
+  /// Writes the text of the items [0, count), which all threads format: a number takes some 50 ns.
+  void write_items(std::uint64_t count, const TextOfItems& text_of);
   void commit();
 
  private:

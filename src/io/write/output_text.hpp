@@ -35,7 +35,11 @@ class OutputText {
   /// Writes one JSON document: write(writer) its members.
   template <class Write>
   void json(std::string_view kind, const JsonPoints& points, const Write& write) {
-    JsonWriter w(text_, [this](const std::string& piece) { out_.write(piece); });
+    JsonWriter w(
+        text_, [this](const std::string& piece) { out_.write(piece); },
+        [this](std::uint64_t count, const TextOfItems& text_of) {
+      out_.write_items(count, text_of);
+        });
     w.begin_document(kind, points);
     write(w);
     w.end_document();

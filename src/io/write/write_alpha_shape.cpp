@@ -91,9 +91,9 @@ void write_json(const std::string& path, const Triangulation& t, const AlphaShap
       w.null();
     else
       w.value(alpha);
-    w.rows("cells", shape.cells.size(), [&](std::uint64_t i) {
+    w.rows("cells", shape.cells.size(), [&](JsonWriter& row, std::uint64_t i) {
       const auto corners = t.cell(shape.cells[i]);
-      w.list(corners, 0, corners.size());
+      row.list(corners, 0, corners.size());
     });
     const std::size_t width = t.corners() > 1 ? t.corners() - 1 : 0;
     w.nested("facets", shape.facets, width);

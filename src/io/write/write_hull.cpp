@@ -48,7 +48,9 @@ void write_hull_of(const std::string& path, const Points& of, const Hull& hull,
     write_mesh(path, f, make_mesh(points, hull, f, faces));
   } else if (f == "json") {
     OutputFile out(path);
-    write_result_json(points, hull, [&](const std::string& piece) { out.write(piece); });
+    write_result_json(
+        points, hull, [&](const std::string& piece) { out.write(piece); },
+        [&](std::uint64_t count, const TextOfItems& text_of) { out.write_items(count, text_of); });
     out.commit();
   } else if (is_map(f)) {
     write_text(path, geometry_file(points, hull, f, extras));

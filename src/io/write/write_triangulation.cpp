@@ -49,20 +49,22 @@ std::vector<double> lift(const PointView& points, std::span<const double> height
 template <class Items>
 void indices(JsonWriter& w, const char* name, const Items& items, std::uint64_t width,
              std::uint32_t none = no_index) {
-  const auto one = [&](std::uint32_t v) { w.index(v, none); };
+  const auto list = [&](JsonWriter& row, std::uint64_t from, std::uint64_t to) {
+    row.list_by(items, from, to, [&](std::uint32_t v) { row.index(v, none); });
+  };
   if (width == 0) {
     w.key(name);
-    return w.list_by(items, 0, items.size(), one);
+    return list(w, 0, items.size());
   }
   w.rows(name, items.size() / width,
-         [&](std::uint64_t i) { w.list_by(items, i * width, (i + 1) * width, one); });
+         [&](JsonWriter& row, std::uint64_t i) { list(row, i * width, (i + 1) * width); });
 }
 
 /// Lists of vertices between offsets, each on a line; the one at infinity becomes -1.
 void vertex_lists(JsonWriter& w, const char* name, const Lists<std::uint32_t>& lists) {
-  w.rows(name, lists.size(), [&](std::uint64_t i) {
-    w.list_by(lists.items, lists.offsets[i], lists.offsets[i + 1],
-              [&](std::uint32_t v) { w.index(v, at_infinity); });
+  w.rows(name, lists.size(), [&](JsonWriter& row, std::uint64_t i) {
+    row.list_by(lists.items, lists.offsets[i], lists.offsets[i + 1],
+                [&](std::uint32_t v) { row.index(v, at_infinity); });
   });
 }
 
@@ -78,9 +80,9 @@ void write_triangulation_json(const std::string& path, const Triangulation& t,
     indices(w, "cell_groups", t.cell_groups, 0);
     indices(w, "hull_facets", t.hull_facets, t.corners() > 1 ? t.corners() - 1 : 0);
     indices(w, "hull_cells", t.hull_cells, 0);
-    w.rows("duplicates", t.duplicates.size(), [&](std::uint64_t i) {
+    w.rows("duplicates", t.duplicates.size(), [&](JsonWriter& row, std::uint64_t i) {
       const std::uint32_t pair[] = {t.duplicates[i].id, t.duplicates[i].representative};
-      w.list(pair, 0, 2);
+      row.list(pair, 0, 2);
     });
     indices(w, "hidden", t.hidden, 0);
     if (!heights.empty()) w.flat("heights", heights);
