@@ -590,7 +590,7 @@ class CellInsertion {
     explicit Labels(CellInsertion& all)
         : table_(all.labels_.data()), vertices_(all.labelled_.data()), base_(all.label_base_) {}
     std::uint32_t operator()(std::uint32_t v) {
-      for (std::uint32_t at = v * 0x9e3779b9U >> (32 - label_bits);; at = (at + 1) % label_places) {
+      for (std::uint32_t at = v % label_places;; at = (at + 1) % label_places) {
         Label& known = table_[at];
         const std::uint32_t old = known.label - base_;
         const bool fresh = old >= most_labels;
@@ -747,7 +747,7 @@ class CellInsertion {
     }
   }
 
-  static constexpr std::uint32_t most_labels = 64, label_bits = 10, label_places = 1U << label_bits;
+  static constexpr std::uint32_t most_labels = 64, label_places = 1024;
   static constexpr bool with_planes = K >= 3 && K <= 6;
 
   const LiftedPoints& s_;
