@@ -67,7 +67,6 @@ class Engine3D {
   void insert_in_pieces(Id begin, Id end);
   void screen_and_insert(Id begin, Id end);
   void insert_waiting(std::vector<Waiting3D> left);
-  void cut(std::vector<Work>& work);
   std::vector<Work> cut_again(std::vector<Waiting3D>& left, Id count);
   template <class At, class PieceOf>
   std::vector<Work> deal(std::uint64_t points, Id count, const At& at, const PieceOf& piece_of);

@@ -66,7 +66,9 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
 /// Inserts points between pieces: again in pieces, with other borders, for as long as these suit
 /// most points and are worth it; the last points into the whole surface.
 void Engine3D::insert_waiting(std::vector<Waiting3D> left) {
-  constexpr std::size_t least = 2048, share = 512;
+  // Fewer points take less time than a cut: 10,000 points on two threads, some 2,500 of them at the
+  // border, took 13 % more instructions when these were cut again.
+  constexpr std::size_t least = 4096, share = 512;
   std::uint64_t slots = 0;
   for (const auto& [begin, end] : pieces_[0].spare) slots += end - begin;
   for (std::size_t before = none; run_.threads > 1 && left.size() >= least &&
