@@ -21,8 +21,8 @@ const std::map<std::string, std::size_t> budgets = {
     {"include", 3670},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
     {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
-    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5530},
-    {"src/io", 16580},   {"src/parallel", 2720}, {"src/query", 3490},    {"src/result", 7220},
+    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5610},
+    {"src/io", 16580},   {"src/parallel", 2640}, {"src/query", 3490},    {"src/result", 7220},
     {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28180},
     {"tests", 51020},    {"docs", 9470},         {"apps", 9510},         {"bench", 7390},
     {"viewer", 3430},    {"scripts", 3560},
@@ -127,7 +127,7 @@ TEST(Size, FourTextsWriteResults) {
 TEST(Size, InsertionsAreFew) {
   const std::regex inserts(
       R"(\b(void|bool) ([\w<>]+::)?(insert|replace|replace_cavity|make_cells)\()"
-      R"((unsigned|Id|std::uint32_t|Stream&) [^;]*\{$)");
+      R"((unsigned|Id|std::uint32_t|Lane&) [^;]*\{$)");
   EXPECT_EQ(files_with(fs::path(CULLHULL_ROOT) / "src", std::regex(".*"), inserts).first,
             (std::set<std::string>{"cuda/kernels/warp_hull.cuh", "delaunay/cell_insertion.hpp",
                                    "delaunay/plane_insertion.hpp", "few/small_3d.cpp",

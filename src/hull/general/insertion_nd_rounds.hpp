@@ -61,9 +61,11 @@ std::vector<typename InsertionNd<D>::Id> InsertionNd<D>::insert_together(
     const std::vector<Id>& points, unsigned lanes) {
   while (lanes_.size() < lanes)
     lanes_.emplace_back(dim(), static_cast<std::uint16_t>(lanes_.size() + 1));
-  // Memory cannot move while several threads use it: points that find none are put off.
+  // Memory cannot move while several threads use it: points that find none are put off. Where the
+  // budget does not allow what may be needed, the thread that inserts them tells whether it is.
   const std::size_t fresh = live_ * points.size() / first_ * dim() / 2 + std::size_t{lanes} * slab;
-  reserve(std::max(facet_capacity_, std::min(facet_slots_ + fresh, most_facets_)));
+  if (std::max(facet_slots_ + fresh, facet_capacity_ + facet_capacity_ / 2) <= most_facets_)
+    reserve(facet_slots_ + fresh);
   std::atomic<bool> full{false};
   run_.with_threads(lanes).each_in_lane(points.size(), grain,
                                         [&](unsigned k, std::uint64_t begin, std::uint64_t end) {
