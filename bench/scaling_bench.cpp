@@ -175,7 +175,7 @@ Call stream_call(const char* shape, std::uint64_t count, unsigned dimension) {
       part.count = std::min(block, points.count - first);
       stream.push(part, first);
     };
-    if (internal::spans::counting()) {
+    if (internal::counting_spans()) {
       internal::for_each_chunk(
           points.count, block, threads,
           [&](std::uint64_t, std::uint64_t first, std::uint64_t) { push(first); });
@@ -293,15 +293,16 @@ class Scaling {
 #ifdef CULLHULL_SPAN_ACCOUNT
   /// The account of the call with the median prediction; the first number of threads is one.
   ordered_json predict(const Call& call, unsigned threads) {
-    namespace spans = internal::spans;
+    using internal::SpanAccount;
+    using internal::SpanStretch;
     Fingerprint found;
-    std::vector<spans::Account> accounts;
+    std::vector<SpanAccount> accounts;
     found = call(threads);
     while (accounts.size() < settings_.repeat)
-      accounts.push_back(spans::account_of(threads, [&] { found = call(threads); }));
+      accounts.push_back(internal::account_of_spans(threads, [&] { found = call(threads); }));
     std::sort(accounts.begin(), accounts.end(),
               [](const auto& a, const auto& b) { return a.predicted < b.predicted; });
-    const spans::Account& account = accounts[accounts.size() / 2];
+    const SpanAccount& account = accounts[accounts.size() / 2];
     hold(found, account.predicted);
     ordered_json line{{"one_thread", first_seconds_},
                       {"predicted", account.predicted},
@@ -313,7 +314,7 @@ class Scaling {
       hold(found, 0);
     }
     const std::size_t shown = std::min<std::size_t>(10, account.stretches.size());
-    for (const spans::Stretch& s : std::span(account.stretches).first(shown)) {
+    for (const SpanStretch& s : std::span(account.stretches).first(shown)) {
       char text[96];
       std::snprintf(text, sizeof text, "  %9.3f %9.3f %8.3f %6llu %8llu  ", 1e3 * s.span,
                     1e3 * s.work, 1e3 * s.longest, static_cast<unsigned long long>(s.calls),

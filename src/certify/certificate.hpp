@@ -90,7 +90,7 @@ struct Subject {
 /// As Run::each_chunk, but throws the fault of the first faulty chunk after all chunks have run.
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body,
-                  spans::Where where = spans::Where::current());
+                  CodePlace where = CodePlace::current());
 
 void check_shape(Subject& s);  // sizes, ranges, order; sets ids, full, index
 void check_flat(Subject& s);   // sets basis, axes, rows

@@ -50,7 +50,7 @@ struct HullStream::Impl {
 
    private:
     const std::lock_guard<std::mutex> lock_;
-    const spans::Locked held_;
+    const LockSpan held_;
   };
 
   // --------------------------------------------------------------------------- the exact step
@@ -99,7 +99,7 @@ struct HullStream::Impl {
   /// Replaces all points held by their extreme points; keeps the points if that fails. Builds a map
   /// for blocks like `block`; null: none, as maybe no block follows. Requires `reducing` locked.
   void reduce(const PointView* block) {
-    const spans::Locked held(&reducing);
+    const LockSpan held(&reducing);
     NumberedPoints all;
     std::vector<NumberedPoints> taken;
     std::uint64_t seen_now, others;

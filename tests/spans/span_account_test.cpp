@@ -11,7 +11,7 @@
 
 namespace span_account_test {
 
-namespace spans = cullhull::internal::spans;
+using namespace cullhull::internal;
 
 /// Work that takes some time that the clock sees.
 void spin() {
@@ -19,32 +19,32 @@ void spin() {
   for (unsigned i = 0; i < 20000; ++i) sum = sum + i;
 }
 
-const spans::Stretch* stretch_like(const spans::Account& account, const std::string& part) {
-  for (const spans::Stretch& s : account.stretches)
+const SpanStretch* stretch_like(const SpanAccount& account, const std::string& part) {
+  for (const SpanStretch& s : account.stretches)
     if (s.name.find(part) != std::string::npos) return &s;
   return nullptr;
 }
 
 TEST(SpanAccount, NothingCountsWithoutOne) {
-  EXPECT_FALSE(spans::counting());
-  EXPECT_FALSE(spans::counts());
+  EXPECT_FALSE(counting_spans());
+  EXPECT_FALSE(counts_loop());
 }
 
 TEST(SpanAccount, ALoopRunsInOrderAndIsDividedAmongWorkers) {
   std::vector<std::uint64_t> order;
-  const spans::Account account = spans::account_of(4, [&] {
-    EXPECT_TRUE(spans::counts());
-    spans::run_counted(64, 4, spans::Where::current(), [&](std::uint64_t i) {
-      EXPECT_TRUE(spans::counting());
-      EXPECT_FALSE(spans::counts());  // a loop within it is part of the chunk
+  const SpanAccount account = account_of_spans(4, [&] {
+    EXPECT_TRUE(counts_loop());
+    run_counted_loop(64, 4, CodePlace::current(), [&](std::uint64_t i) {
+      EXPECT_TRUE(counting_spans());
+      EXPECT_FALSE(counts_loop());  // a loop within it is part of the chunk
       order.push_back(i);
       spin();
     });
   });
-  EXPECT_FALSE(spans::counting());
+  EXPECT_FALSE(counting_spans());
   ASSERT_EQ(order.size(), 64U);
   for (std::uint64_t i = 0; i < 64; ++i) EXPECT_EQ(order[i], i);
-  const spans::Stretch* loop = stretch_like(account, "span_account_test.cpp");
+  const SpanStretch* loop = stretch_like(account, "span_account_test.cpp");
   ASSERT_NE(loop, nullptr);
   EXPECT_EQ(loop->calls, 1U);
   EXPECT_EQ(loop->chunks, 64U);
@@ -56,14 +56,14 @@ TEST(SpanAccount, ALoopRunsInOrderAndIsDividedAmongWorkers) {
 }
 
 TEST(SpanAccount, OneThreadsWorkIsNamedByTheLoopsAroundIt) {
-  const spans::Account account = spans::account_of(16, [&] {
+  const SpanAccount account = account_of_spans(16, [&] {
     spin();
     for (int i = 0; i < 3; ++i)
-      spans::run_counted(2, 16, spans::Where::current(), [](std::uint64_t) { spin(); });
+      run_counted_loop(2, 16, CodePlace::current(), [](std::uint64_t) { spin(); });
     spin();
   });
-  const spans::Stretch* first = stretch_like(account, "from begin to ");
-  const spans::Stretch* last = stretch_like(account, " to end");
+  const SpanStretch* first = stretch_like(account, "from begin to ");
+  const SpanStretch* last = stretch_like(account, " to end");
   ASSERT_NE(first, nullptr);
   ASSERT_NE(last, nullptr);
   EXPECT_TRUE(first->serial && last->serial);
@@ -75,32 +75,32 @@ TEST(SpanAccount, OneThreadsWorkIsNamedByTheLoopsAroundIt) {
 TEST(SpanAccount, ALockThatIsHeldAllTheTimeLeavesNothingToDivide) {
   const int lock = 0;
   const auto account_with = [&](bool locked) {
-    return spans::account_of(8, [&] {
-      spans::run_counted(32, 8, spans::Where::current(), [&](std::uint64_t) {
+    return account_of_spans(8, [&] {
+      run_counted_loop(32, 8, CodePlace::current(), [&](std::uint64_t) {
         if (!locked) return spin();
-        const spans::Locked held(&lock);
+        const LockSpan held(&lock);
         spin();
       });
     });
   };
-  const auto span_share = [](const spans::Account& account) {
-    const spans::Stretch* loop = stretch_like(account, "span_account_test.cpp");
+  const auto span_share = [](const SpanAccount& account) {
+    const SpanStretch* loop = stretch_like(account, "span_account_test.cpp");
     return loop == nullptr ? 0 : loop->span / loop->work;
   };
   EXPECT_GT(span_share(account_with(true)), 2 * span_share(account_with(false)));
 }
 
 TEST(SpanAccount, AnExceptionEndsTheLoop) {
-  EXPECT_THROW(spans::account_of(
+  EXPECT_THROW(account_of_spans(
                    2,
                    [] {
-    spans::run_counted(4, 2, spans::Where::current(), [](std::uint64_t i) {
+    run_counted_loop(4, 2, CodePlace::current(), [](std::uint64_t i) {
       if (i == 2) throw std::runtime_error("stop");
     });
                    }),
                std::runtime_error);
-  EXPECT_FALSE(spans::counting());
-  const spans::Account next = spans::account_of(2, [] { EXPECT_TRUE(spans::counts()); });
+  EXPECT_FALSE(counting_spans());
+  const SpanAccount next = account_of_spans(2, [] { EXPECT_TRUE(counts_loop()); });
   EXPECT_EQ(next.stretches.size(), 1U);
 }
 

@@ -20,7 +20,7 @@ void require_certifiable(const PointView& points) {
 
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body,
-                  spans::Where where) {
+                  CodePlace where) {
   std::vector<std::string> faults(chunk_count(count, chunk_size));
   run.each_chunk(
       count, chunk_size,

@@ -51,7 +51,7 @@ unsigned InsertionNd<D>::useful_lanes(std::size_t points) const {
   const std::size_t room = live_ * inserted_ / (cavities * made_ + 1);
   // More lanes than threads would be worked on by thieves, side by side.
   const unsigned threads =
-      spans::counting() ? run_.threads : std::min(run_.threads, machine_threads());
+      counting_spans() ? run_.threads : std::min(run_.threads, machine_threads());
   return static_cast<unsigned>(std::min<std::size_t>({threads, most_lanes_, points / grain, room}));
 }
 

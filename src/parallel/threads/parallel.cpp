@@ -109,7 +109,7 @@ unsigned resolve_threads(unsigned requested) {
 }
 
 void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads, const Body& body,
-                [[maybe_unused]] spans::Where where) {
+                [[maybe_unused]] CodePlace where) {
   const std::uint64_t chunks = chunk_count(count, chunk_size);
   const auto chunk = [&](std::uint64_t c, unsigned lane) {
     body({c, c * chunk_size, std::min(count, (c + 1) * chunk_size), lane});
@@ -120,11 +120,11 @@ void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
   }
   const auto parts = static_cast<unsigned>(std::min<std::uint64_t>(threads, chunks));
 #ifdef CULLHULL_SPAN_ACCOUNT
-  if (spans::counting()) {
+  if (counting_spans()) {
     const auto one = [&](std::uint64_t c) {
       chunk(c, static_cast<unsigned>((c * parts + parts - 1) / chunks));
     };
-    if (spans::counts()) return spans::run_counted(chunks, parts, where, one);
+    if (counts_loop()) return run_counted_loop(chunks, parts, where, one);
     for (std::uint64_t c = 0; c < chunks; ++c) one(c);
     return;
   }

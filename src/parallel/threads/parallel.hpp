@@ -35,12 +35,12 @@ struct Chunk {
 /// that can be measured, share the work evenly from a millisecond on, and let a call stop at once:
 /// any size in between serves, and none is tuned further.
 void run_chunks(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-                const std::function<void(const Chunk&)>& body, spans::Where where);
+                const std::function<void(const Chunk&)>& body, CodePlace where);
 
 /// The same with body(number, begin, end).
 template <class Body>
 void for_each_chunk(std::uint64_t count, std::uint64_t chunk_size, unsigned threads,
-                    const Body& body, spans::Where where = spans::Where::current()) {
+                    const Body& body, CodePlace where = CodePlace::current()) {
   run_chunks(
       count, chunk_size, threads,
       [&](const Chunk& chunk) { body(chunk.number, chunk.begin, chunk.end); }, where);

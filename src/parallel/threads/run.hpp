@@ -49,7 +49,7 @@ struct Run {
   /// checks for cancellation before each chunk.
   template <class Body>
   void each(std::uint64_t count, std::uint64_t grain, const Body& body,
-            spans::Where where = spans::Where::current()) const {
+            CodePlace where = CodePlace::current()) const {
     each_piece(
         count, grain, [&](const Chunk& c) { body(c.begin, c.end); }, where);
   }
@@ -57,21 +57,21 @@ struct Run {
   /// the order of chunks.
   template <class Body>
   void each_chunk(std::uint64_t count, std::uint64_t grain, const Body& body,
-                  spans::Where where = spans::Where::current()) const {
+                  CodePlace where = CodePlace::current()) const {
     each_piece(
         count, grain, [&](const Chunk& c) { body(c.number, c.begin, c.end); }, where);
   }
   /// The same with the thread's lane, body(lane, begin, end), for scratch memory of threads.
   template <class Body>
   void each_in_lane(std::uint64_t count, std::uint64_t grain, const Body& body,
-                    spans::Where where = spans::Where::current()) const {
+                    CodePlace where = CodePlace::current()) const {
     each_piece(
         count, grain, [&](const Chunk& c) { body(c.lane, c.begin, c.end); }, where);
   }
   /// Runs body(i) for every i below `count`, each as a chunk of its own.
   template <class Body>
   void each_item(std::uint64_t count, const Body& body,
-                 spans::Where where = spans::Where::current()) const {
+                 CodePlace where = CodePlace::current()) const {
     each_piece(
         count, 1, [&](const Chunk& c) { body(c.begin); }, where);
   }
@@ -84,7 +84,7 @@ struct Run {
  private:
   template <class Body>
   void each_piece(std::uint64_t count, std::uint64_t grain, const Body& body,
-                  spans::Where where) const {
+                  CodePlace where) const {
     run_chunks(
         count, grain, threads,
         [&](const Chunk& chunk) {

@@ -9,7 +9,7 @@
 #include <queue>
 #include <utility>
 
-namespace cullhull::internal::spans {
+namespace cullhull::internal {
 namespace {
 
 /// What handing a loop to the helpers takes, in seconds (for_each_chunk).
@@ -26,14 +26,14 @@ struct Keeper {
   bool in_loop = false;
   double mark = 0;  ///< when the last loop ended
   std::string last = "begin";
-  std::map<std::string, Stretch> stretches;
+  std::map<std::string, SpanStretch> stretches;
   std::map<const void*, double> held;  ///< of the loop that runs, by lock
   double serial = 0, looped = 0, spans = 0;
 };
 
 thread_local Keeper* keeper = nullptr;
 
-std::string name_of(const Where& where) {
+std::string name_of(const CodePlace& where) {
   const std::string file = where.file_name();
   const std::size_t at = file.rfind("src/");
   return (at == std::string::npos ? file : file.substr(at + 4)) + ":" +
@@ -70,7 +70,7 @@ double span_of(const std::vector<double>& times, unsigned workers) {
 void end_serial(Keeper& k, const std::string& next) {
   const double seconds = now() - k.mark;
   k.serial += seconds;
-  Stretch& s = k.stretches["from " + k.last + " to " + next];
+  SpanStretch& s = k.stretches["from " + k.last + " to " + next];
   s.serial = true;
   ++s.calls;
   s.work += seconds;
@@ -80,11 +80,11 @@ void end_serial(Keeper& k, const std::string& next) {
 
 }  // namespace
 
-bool counting() { return keeper != nullptr; }
-bool counts() { return keeper != nullptr && !keeper->in_loop; }
+bool counting_spans() { return keeper != nullptr; }
+bool counts_loop() { return keeper != nullptr && !keeper->in_loop; }
 
-void run_counted(std::uint64_t count, unsigned workers, const Where& where,
-                 const std::function<void(std::uint64_t)>& item) {
+void run_counted_loop(std::uint64_t count, unsigned workers, const CodePlace& where,
+                      const std::function<void(std::uint64_t)>& item) {
   Keeper& k = *keeper;
   const std::string name = name_of(where);
   end_serial(k, name);
@@ -110,7 +110,7 @@ void run_counted(std::uint64_t count, unsigned workers, const Where& where,
   }
   double span = span_of(times, workers) + hand_out;
   for (const auto& [lock, seconds] : k.held) span = std::max(span, seconds);
-  Stretch& s = k.stretches[name];
+  SpanStretch& s = k.stretches[name];
   ++s.calls;
   s.chunks += count;
   s.span += span;
@@ -122,7 +122,7 @@ void run_counted(std::uint64_t count, unsigned workers, const Where& where,
   k.spans += span;
 }
 
-Account account_of(unsigned workers, const std::function<void()>& work) {
+SpanAccount account_of_spans(unsigned workers, const std::function<void()>& work) {
   Keeper kept;
   kept.workers = workers;
   struct Kept {
@@ -132,21 +132,21 @@ Account account_of(unsigned workers, const std::function<void()>& work) {
   kept.mark = now();
   work();
   end_serial(kept, "end");
-  Account account{kept.serial + kept.looped, kept.serial + kept.spans, kept.serial, {}};
+  SpanAccount account{kept.serial + kept.looped, kept.serial + kept.spans, kept.serial, {}};
   for (auto& [name, stretch] : kept.stretches) {
     stretch.name = name;
     account.stretches.push_back(stretch);
   }
   std::sort(account.stretches.begin(), account.stretches.end(),
-            [](const Stretch& a, const Stretch& b) { return a.span > b.span; });
+            [](const SpanStretch& a, const SpanStretch& b) { return a.span > b.span; });
   return account;
 }
 
-Locked::Locked(const void* lock) : lock_(lock), begin_(keeper != nullptr ? now() : 0) {}
-Locked::~Locked() {
+LockSpan::LockSpan(const void* lock) : lock_(lock), begin_(keeper != nullptr ? now() : 0) {}
+LockSpan::~LockSpan() {
   if (keeper != nullptr) keeper->held[lock_] += now() - begin_;
 }
 
-}  // namespace cullhull::internal::spans
+}  // namespace cullhull::internal
 
 #endif

@@ -10,8 +10,8 @@
 // and no number of workers less than 11 ms.
 //
 // The account knows nothing of memory bandwidth, nor of caches that workers share or do not share.
-// Of locks it knows those that a Locked names: a loop's span is at least the time that one of them
-// is held in all.
+// Of locks it knows those that a LockSpan names: a loop's span is at least the time that one of
+// them is held in all.
 #pragma once
 
 #ifdef CULLHULL_SPAN_ACCOUNT
@@ -22,15 +22,15 @@
 #include <vector>
 #endif
 
-namespace cullhull::internal::spans {
+namespace cullhull::internal {
 
 #ifdef CULLHULL_SPAN_ACCOUNT
 
 /// The place in the text that starts a loop.
-using Where = std::source_location;
+using CodePlace = std::source_location;
 
 /// A loop of the text, or the stretch of one thread from one loop to the next.
-struct Stretch {
+struct SpanStretch {
   std::string name;  ///< file:line, or "file:line to file:line" from loop to loop
   bool serial = false;
   std::uint64_t calls = 0, chunks = 0;
@@ -39,31 +39,32 @@ struct Stretch {
   double longest = 0;  ///< seconds of the longest chunk
 };
 
-struct Account {
-  double work = 0;                 ///< seconds of one thread that does all that P workers would do
-  double predicted = 0;            ///< seconds of P workers
-  double serial = 0;               ///< of these, outside of loops
-  std::vector<Stretch> stretches;  ///< longest span first
+struct SpanAccount {
+  double work = 0;       ///< seconds of one thread that does all that P workers would do
+  double predicted = 0;  ///< seconds of P workers
+  double serial = 0;     ///< of these, outside of loops
+  std::vector<SpanStretch> stretches;  ///< longest span first
 };
 
 /// Calls work(), whose loops on this thread are counted for `workers`. Time is processor time.
-Account account_of(unsigned workers, const std::function<void()>& work);
+SpanAccount account_of_spans(unsigned workers, const std::function<void()>& work);
 
 /// Whether an account is kept on this thread.
-bool counting();
-/// Whether this loop must be run by run_counted(): an account is kept, and no counted loop runs.
-bool counts();
+bool counting_spans();
+/// Whether this loop must be run by run_counted_loop(): an account is kept, and no counted loop
+/// runs.
+bool counts_loop();
 /// Runs item(k) for each k below `count`, in order, as a loop of `workers`.
-void run_counted(std::uint64_t count, unsigned workers, const Where& where,
-                 const std::function<void(std::uint64_t)>& item);
+void run_counted_loop(std::uint64_t count, unsigned workers, const CodePlace& where,
+                      const std::function<void(std::uint64_t)>& item);
 
 /// Counts the time until its destruction as time in which `lock` is held.
-class Locked {
+class LockSpan {
  public:
-  explicit Locked(const void* lock);
-  ~Locked();
-  Locked(const Locked&) = delete;
-  Locked& operator=(const Locked&) = delete;
+  explicit LockSpan(const void* lock);
+  ~LockSpan();
+  LockSpan(const LockSpan&) = delete;
+  LockSpan& operator=(const LockSpan&) = delete;
 
  private:
   const void* lock_;
@@ -72,16 +73,16 @@ class Locked {
 
 #else
 
-struct Where {
-  static constexpr Where current() { return {}; }
+struct CodePlace {
+  static constexpr CodePlace current() { return {}; }
 };
 
-inline constexpr bool counting() { return false; }
+inline constexpr bool counting_spans() { return false; }
 
-struct Locked {
-  explicit constexpr Locked(const void*) {}
+struct LockSpan {
+  explicit constexpr LockSpan(const void*) {}
 };
 
 #endif
 
-}  // namespace cullhull::internal::spans
+}  // namespace cullhull::internal
