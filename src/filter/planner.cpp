@@ -24,9 +24,9 @@ struct Costs {
 constexpr Costs costs_by_dimension[] = {
     {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},      // 2D
     {20, 100, 40, 5, 7e5, 1.05, 1000, 1e6},       // 3D
-    {25, 500, 200, 7, 4e6, 1.15, 500, 1e6},       // 4D
-    {60, 1500, 500, 12, 8e6, 1.35, 1000, 1e6},    // 5D
-    {100, 4000, 1000, 15, 15e6, 1.35, 500, 1e6},  // 6D
+    {25, 500, 200, 7, 6e6, 1.15, 500, 1e6},       // 4D
+    {60, 1500, 500, 12, 14e6, 1.35, 1000, 1e6},    // 5D
+    {100, 4000, 1000, 15, 23e6, 1.35, 500, 1e6},  // 6D
 };
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
@@ -171,7 +171,7 @@ LeaderCounts leader_counts(double outside, std::uint64_t tested, unsigned d) {
   const double leaders = std::min(rule.factor * std::pow(outside, rule.exponent), rule.most);
   // The long creases of bodies with few facets are worth more nodes: a node takes as long as
   // testing some 40 points.
-  const double nodes = d == 3 ? std::min(static_cast<double>(tested) / 1024, rule.most) : 0;
+  const double nodes = d == 3 ? std::min(static_cast<double>(tested) / 2048, rule.most) : 0;
   return {leaders, std::max(leaders, nodes)};
 }
 

@@ -13,7 +13,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint64_t chunk_size = 1 << 15;  // rows: about a megabyte in 3D
+constexpr std::uint64_t chunk_size = 1 << 13;  // rows: 200 KB in 3D, some 50 us
 
 /// How to treat -0 among the coordinates.
 enum class Zeros { positive, as_given };

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3670},   {"src/batch", 670},     {"src/certify", 4150},  {"src/constrained", 600},
-    {"src/cuda", 5450},  {"src/delaunay", 4210}, {"src/diagrams", 6900}, {"src/distributed", 250},
-    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 7470},
-    {"src/flow", 1290},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5610},
-    {"src/io", 16580},   {"src/parallel", 2640}, {"src/query", 3490},    {"src/result", 7220},
-    {"src/shared", 40},  {"src/stream", 1130},   {"src/tracker", 830},   {"bindings", 28180},
-    {"tests", 51020},    {"docs", 9470},         {"apps", 9510},         {"bench", 7390},
+    {"include", 3670},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
+    {"src/cuda", 5450},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8210},
+    {"src/flow", 1360},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5870},
+    {"src/io", 16620},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7220},
+    {"src/shared", 40},  {"src/stream", 1200},   {"src/tracker", 830},   {"bindings", 28180},
+    {"tests", 51310},    {"docs", 9600},         {"apps", 9510},         {"bench", 7550},
     {"viewer", 3430},    {"scripts", 3560},
 };
 
@@ -106,7 +106,7 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 502U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 512U);
   EXPECT_LE(files_with(root / "include", header, type).second, 84U);
 }
 

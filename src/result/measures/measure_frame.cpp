@@ -14,7 +14,7 @@
 namespace cullhull::internal {
 namespace {
 
-constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 13;  // tens of us of work
+constexpr std::uint64_t gather_chunk = std::uint64_t{1} << 11;  // ten us of work
 
 /// Chooses k + 1 vertices that span the flat. `exactly` false: greedily the vertex farthest from
 /// the span of those chosen, computed in doubles; rounding may make the result affinely dependent.
