@@ -480,8 +480,9 @@ class Passes {
       polytope = internal::inner_polytope(std::move(sample), 3, one_thread);
       stages.end("hull of sample");
       if (last) break;
-      size = std::min(internal::map_sample_size(n, 3, ids.size(), polytope.vertices.size() / 3),
-                      ids.size());
+      size =
+          std::min(internal::map_sample_size(n, 3, ids.size(), polytope.vertices.size() / 3, false),
+                   ids.size());
     }
     const auto map = internal::map_of_polytope(std::move(polytope), n, internal::Insist::no,
                                                most_gauge_nodes(this_device()), run);

@@ -19,14 +19,15 @@ struct Costs {
   double excess;        ///< share that the map keeps / share that its polytope would keep
   double largest_probe;
   double largest_sample;
+  double leads;  ///< a survivor's time over that of a sampled point, where leaders are found
 };
 
 constexpr Costs costs_by_dimension[] = {
-    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000},      // 2D
-    {20, 100, 40, 5, 7e5, 1.05, 1000, 1e6},       // 3D
-    {25, 500, 200, 7, 6e6, 1.15, 500, 1e6},       // 4D
-    {60, 1500, 500, 12, 14e6, 1.35, 1000, 1e6},    // 5D
-    {100, 4000, 1000, 15, 23e6, 1.35, 500, 1e6},  // 6D
+    {50, 15, 10, 3, 1e5, 1.05, 1000, 50000, 0},          // 2D
+    {200, 100, 40, 5, 7e5, 1.05, 1000, 50000, 2},        // 3D
+    {1500, 500, 500, 7, 6e6, 1.15, 500, 40000, 8},       // 4D
+    {6000, 1500, 1000, 12, 14e6, 1.35, 1000, 30000, 8},  // 5D
+    {3e4, 4000, 2000, 15, 23e6, 1.35, 500, 10000, 10},   // 6D
 };
 
 const Costs& costs_of(unsigned d) { return costs_by_dimension[std::clamp(d, 2U, 6U) - 2]; }
@@ -109,10 +110,11 @@ std::uint64_t smallest_worth_culling(unsigned d) {
   return static_cast<std::uint64_t>(c.build / (c.engine_point - c.pass));
 }
 
-// The second map drops about half of the survivors and is larger: it costs four times the first.
+// The second map drops about half of the survivors and is larger: it costs three or four times the
+// first.
 std::uint64_t smallest_worth_refining(unsigned d) {
   const Costs& c = costs_of(d);
-  return static_cast<std::uint64_t>(4 * c.build / (c.engine_point - c.pass));
+  return static_cast<std::uint64_t>((d <= 3 ? 4 : 3) * c.build / (c.engine_point - c.pass));
 }
 
 // One thread below 2^19 2D points. Medians on two cores, one of them busy with other work: a disk
@@ -147,7 +149,7 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
   const Costs& c = costs_of(d);
   const auto n = static_cast<double>(count);
   const double kept = std::min(1.0, c.excess * kept_share(sample, extreme));
-  const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme));
+  const auto size = static_cast<double>(map_sample_size(count, d, sample, extreme, false));
   return n * (1 - kept) * c.engine_point > n * c.pass + size * c.sample_point + c.build;
 }
 
@@ -269,14 +271,17 @@ Answerer choose_answerer(const AskedPoints& points, const Rates& rates) {
 // + a) = a (survivor / sample_point) count s m0^a, where the probe of m0 points gave s. The sample
 // is at most an eighth of the points: where the law does not hold, the loss stays small.
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
-                              std::uint64_t extreme) {
+                              std::uint64_t extreme, bool leaders) {
+  constexpr double most_led = 1e6;
   const Costs& c = costs_of(d);
   const double a = 2.0 / (d + 1);
+  const double ratio = leaders ? c.leads : c.survivor / c.sample_point;
   const double best =
-      std::pow(a * (c.survivor / c.sample_point) * static_cast<double>(count) *
-                   kept_share(sample, extreme) * std::pow(static_cast<double>(sample), a),
+      std::pow(a * ratio * static_cast<double>(count) * kept_share(sample, extreme) *
+                   std::pow(static_cast<double>(sample), a),
                1 / (1 + a));
-  const double most = std::min(c.largest_sample, static_cast<double>(count) / 8);
+  const double most =
+      std::min(leaders ? most_led : c.largest_sample, static_cast<double>(count) / 8);
   const auto size = static_cast<std::uint64_t>(std::min(best, most));
   return std::min(count, std::max(size, sample));
 }

@@ -26,9 +26,10 @@ std::uint64_t probe_sample_size(std::uint64_t count, unsigned d);
 bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint64_t extreme);
 
 /// Size of the sample that a map is built from, given the probe's outcome (as above); at least
-/// `sample` if the count allows it.
+/// `sample` if the count allows it. `leaders`: from 3D on, the sample's leaders make the map, else
+/// its hull.
 std::uint64_t map_sample_size(std::uint64_t count, unsigned d, std::uint64_t sample,
-                              std::uint64_t extreme);
+                              std::uint64_t extreme, bool leaders);
 
 /// The number of leaders and of nodes of a map that tests `tested` points, from a sample of which
 /// about `outside` points lie outside a rough hull; from all points if outside >= tested.

@@ -18,8 +18,9 @@ SampledPoints host_points(const PointView& points, const Run& run) {
 }
 
 /// Runs the pass of a map over all points, and the stages after it.
-void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& points, const Run& run,
+void cull_by(CullPass& pass, SampledMap sampled, const PointView& points, const Run& run,
              Filtered& result) {
+  std::unique_ptr<GaugeMap> map = std::move(sampled.map);
   const unsigned d = points.dimension;
   result.survivors.filter = UsedFilter::gauge;
   SurvivorRows gathered;
@@ -27,7 +28,10 @@ void cull_by(CullPass& pass, std::unique_ptr<GaugeMap> map, const PointView& poi
   // for survivors; where more points survive, gathering them afterwards is as fast.
   gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
   pass.cull(*map, result.survivors, &gathered);
-  result.map = std::move(map);
+  if (sampled.led)
+    result.map = std::move(map);
+  else
+    map.reset();
   if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
     // The points are too close together for single precision to separate them. The 2D engine
     // discards inner points in double precision, reading the caller's memory.
@@ -58,7 +62,7 @@ void filter_by_sample(const PointView& points, const Run& run, Filtered& result)
   }
   result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return;
-  cull_by(pass, std::move(sampled.map), points, run, result);
+  cull_by(pass, std::move(sampled), points, run, result);
 }
 
 Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run) {
@@ -68,7 +72,7 @@ Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& r
   if (polytope.dimension != points.dimension) return result;
   CullPass pass(points, run);
   auto map = map_of_polytope(std::move(polytope), points.count, Insist::no, pass.most_nodes(), run);
-  if (map != nullptr) cull_by(pass, std::move(map), points, run, result);
+  if (map != nullptr) cull_by(pass, {std::move(map), {}, true}, points, run, result);
   return result;
 }
 
@@ -77,14 +81,13 @@ void refine_survivors(Filtered& result, unsigned d, const Run& run) {
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return;
   SampledMap finer;
-  if (d == 2 || result.map == nullptr) {
-    finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
-  } else {
+  if (d > 2 && result.map != nullptr) {
     finer.map = GaugeMap::of_leaders(
         result.rows, *result.map,
         cells_of_leaders(static_cast<double>(left.count), left.count, d, 0), run);
-    finer.reason = "of all " + std::to_string(left.count) + " points left";
+    finer.reason = "of the leaders of all " + std::to_string(left.count) + " left";
   }
+  if (finer.map == nullptr) finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
   result.map.reset();
   result.survivors.reason += "; a second map: " + finer.reason;
   if (finer.map == nullptr) return;

@@ -1,7 +1,9 @@
 #include "flow/sample_map.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "cullhull/error.hpp"
 #include "filter/gauge/gauge_build.hpp"
@@ -73,9 +75,39 @@ std::vector<std::uint64_t> sample_blocks(std::uint64_t count, std::uint64_t size
   return ids;
 }
 
+/// Whether few directions from the rows' mean have none of them near: a body, not a scan of the
+/// ground, say. Leaders are found in most cells then.
+bool around_their_mean(const Array<double>& rows, unsigned d) {
+  const std::uint64_t count = rows.size() / d;
+  const unsigned edge = d == 3 ? 4 : 2;
+  std::vector<double> mean(d, 0), reach(d, 0);
+  for (std::size_t e = 0; e < rows.size(); ++e) mean[e % d] += rows[e] / static_cast<double>(count);
+  for (std::size_t e = 0; e < rows.size(); ++e)
+    reach[e % d] = std::max(reach[e % d], std::abs(rows[e] - mean[e % d]));
+  for (const double r : reach)
+    if (!(r > 0 && std::isfinite(r))) return false;
+  std::vector<char> met(2 * d << (d - 1) * (edge / 2), 0);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    std::vector<double> y(d);
+    unsigned axis = 0;
+    for (unsigned j = 0; j < d; ++j) {
+      y[j] = (rows[i * d + j] - mean[j]) / reach[j];
+      axis = std::abs(y[j]) > std::abs(y[axis]) ? j : axis;
+    }
+    std::size_t cell = 2 * axis + (y[axis] < 0 ? 1 : 0);
+    for (unsigned j = 0; j < d; ++j)
+      if (j != axis)
+        cell = cell * edge + static_cast<std::size_t>(std::clamp(
+                                 (y[j] / std::abs(y[axis]) + 1) / 2 * edge, 0.0, edge - 1.0));
+    met[cell] = 1;
+  }
+  return 4 * std::count(met.begin(), met.end(), 1) >= 3 * static_cast<std::ptrdiff_t>(met.size());
+}
+
 struct Sampled {
   InnerPolytope polytope;
   std::uint64_t size = 0;
+  bool suits_leaders = false;
   std::uint64_t extreme() const {
     return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
   }
@@ -89,7 +121,13 @@ Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Ru
   const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : run.threads;
   Sampled s;
   s.size = ids.size();
-  s.polytope = inner_polytope(points.gather(ids), points.dimension, run.with_threads(threads));
+  Array<double> rows = points.gather(ids);
+  // Below these counts the hull of a sample takes less time; from 5D on a sample of some hundred
+  // points has none in most cells.
+  const std::uint64_t least = points.dimension == 3 ? 1 << 18 : 1 << 16;
+  s.suits_leaders = points.dimension > 2 && points.count >= least &&
+                    (points.dimension > 4 || around_their_mean(rows, points.dimension));
+  s.polytope = inner_polytope(std::move(rows), points.dimension, run.with_threads(threads));
   return s;
 }
 
@@ -119,30 +157,38 @@ LeaderCells cells_of_leaders(double outside, std::uint64_t tested, unsigned d,
                              std::uint32_t most_nodes) {
   const LeaderCounts counts = leader_counts(outside, tested, d);
   const double most = most_nodes > 0 ? most_nodes : counts.nodes;
+  const bool sample = static_cast<double>(tested) > outside;
   return {cells_for(counts.leaders, d), cells_for(std::min(counts.nodes, most), d),
-          static_cast<double>(tested) > outside && tested >= worth_a_core};
+          sample && tested >= worth_a_core, sample ? 0.5 : 0};
 }
 
 namespace {
 
-/// Replaces the map of a probe's hull by that of the leaders of a sample; keeps it if there is
-/// none. Returns how many of the sample's points the map keeps, estimated from an eighth of them.
-std::uint64_t lead(std::unique_ptr<GaugeMap>& map, const Array<double>& sample,
-                   const LeaderCells& cells, const Run& run) {
-  const unsigned d = map->table().dimension;
+/// The map of the leaders of a sample, if it keeps fewer of its points than that of the probe's
+/// hull does, tested with an eighth of them: a body must have points in most directions
+/// from its centre, which a scan of the ground has not. `kept`: how many of the sample it keeps.
+std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, const Array<double>& sample,
+                               const LeaderCells& cells, const Run& run, std::uint64_t& kept) {
+  const unsigned d = probe.table().dimension;
   auto rows = PointView::row_major(sample.data(), sample.size() / d, d);
-  if (auto led = GaugeMap::of_leaders(sample, *map, cells, run)) map = std::move(led);
+  auto map = GaugeMap::of_leaders(sample, probe, cells, run);
+  if (map == nullptr) return nullptr;
   rows.count /= 8;
   rows.point_stride *= 8;
-  return 8 * map->survivors(rows, run).size();
+  const std::uint64_t before = probe.survivors(rows, run).size();
+  kept = map->survivors(rows, run).size();
+  if (kept > before) return nullptr;
+  kept *= 8;
+  return map;
 }
 
 }  // namespace
 
-// A probe of some hundred points tells whether a filter pays. From 3D on its hull's map tells
-// which points of a larger sample are outermost, and these leaders make the map: only the probe's
-// hull is one thread's. In the plane the larger sample's hull takes as long as sorting it, and its
-// map leaves fewer points: of a disc of 10^7 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
+// A probe of some hundred points tells whether a filter pays. From 3D on its hull's map tells which
+// points of a larger sample are outermost, and these leaders make the map: only the probe's hull is
+// one thread's. Where leaders do not suit, and in the plane, the map is that of the hull of a
+// sample. In the plane that takes as long as sorting it and leaves fewer points: of a disc of 10^7
+// 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {
   const unsigned d = points.dimension;
@@ -152,32 +198,49 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
   std::uint64_t kept = sample.extreme(), size = sample.size;
   if (insist == Insist::no && !cull_pays(points.count, d, size, kept))
     return {nullptr, sample_finding(size, kept) + ", so a filter does not pay"};
-  std::uint64_t wanted = map_sample_size(points.count, d, size, kept);
-  if (wanted / most_probes >= size) wanted = most_probes * size;
-  wanted = std::max(size, std::min(wanted, run.budget / (32 * d * sizeof(double))));
+  const auto wanted = [&](bool leaders) {
+    const std::uint64_t best = map_sample_size(points.count, d, size, kept, leaders);
+    const std::uint64_t most = run.budget / (32 * d * sizeof(double));
+    return std::max(size,
+                    std::min({best, most, best / most_probes >= size ? most_probes * size : best}));
+  };
   std::string found = sample_finding(size, kept);
-  if (wanted > size && d == 2) {
-    sample = hull_of_sample(points, wanted, run);
+  SampledMap result;
+  if (sample.suits_leaders && insist != Insist::late && wanted(true) > size) {
+    const auto probe =
+        map_of_polytope(InnerPolytope(sample.polytope), wanted(true), insist, most_nodes, run);
+    if (probe != nullptr) {
+      const Array<double> rows = points.gather(sample_blocks(points.count, wanted(true)));
+      const std::uint64_t count = rows.size() / d;
+      const double outside =
+          static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
+      std::uint64_t led = 0;
+      result.map =
+          lead(*probe, rows, cells_of_leaders(outside, points.count, d, most_nodes), run, led);
+      result.led = result.map != nullptr;
+      if (result.led) {
+        kept = led;
+        size = count;
+        found += ", the leaders of " + std::to_string(size) + " leave " + std::to_string(kept);
+      }
+    }
+  }
+  if (!result.led && wanted(false) > size) {
+    sample = hull_of_sample(points, wanted(false), run);
     if (sample.polytope.dimension == 0) return {nullptr, none};
     kept = sample.extreme();
-    wanted = size = sample.size;
+    size = sample.size;
     found = sample_finding(size, kept);
-  }
-  auto map = map_of_polytope(std::move(sample.polytope), wanted > size ? wanted : points.count,
-                             insist, most_nodes, run);
-  if (map == nullptr) return {nullptr, found + ", but the centre is not safely inside their hull"};
-  if (wanted > size) {
-    const Array<double> rows = points.gather(sample_blocks(points.count, wanted));
-    const double outside = static_cast<double>(kept) / static_cast<double>(size) *
-                           static_cast<double>(rows.size() / d);
-    size = rows.size() / d;
-    kept = lead(map, rows, cells_of_leaders(outside, points.count, d, most_nodes), run);
-    found += ", a map of " + std::to_string(size) + " keeps " + std::to_string(kept);
   }
   if (insist != Insist::yes && !map_pays(points.count, d, size, kept))
     return {nullptr, found + ", so a map does not pay"};
-  return {std::move(map),
-          found + (insist == Insist::yes ? ", filter as asked" : ", so the filter pays")};
+  if (!result.led)
+    result.map = map_of_polytope(std::move(sample.polytope), points.count, insist, most_nodes, run);
+  result.reason =
+      found + (result.map == nullptr   ? ", but the centre is not safely inside their hull"
+               : insist == Insist::yes ? ", filter as asked"
+                                       : ", so the filter pays");
+  return result;
 }
 
 }  // namespace cullhull::internal

@@ -33,6 +33,7 @@ struct SampledPoints {
 struct SampledMap {
   std::unique_ptr<GaugeMap> map;  ///< null: culling is not worthwhile, or no map exists
   std::string reason;             ///< one line, with or without a map
+  bool led = false;               ///< leaders made it, and may make a second one
 };
 
 enum class Insist {

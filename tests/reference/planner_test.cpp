@@ -39,12 +39,14 @@ TEST(Planner, SamplesFitTheirPoints) {
       const std::uint64_t m = probe_sample_size(n, d);
       EXPECT_GE(m, 1U);
       EXPECT_LE(m, n);
-      for (const std::uint64_t v : {std::uint64_t{0}, m / 2, m}) {
-        const std::uint64_t size = map_sample_size(n, d, m, v);
-        EXPECT_GE(size, m);
-        EXPECT_LE(size, n);
-        EXPECT_LE(size, d == 2 ? 50000U : 1000000U);
-      }
+      for (const std::uint64_t v : {std::uint64_t{0}, m / 2, m})
+        for (const bool leaders : {false, true}) {
+          if (leaders && d == 2) continue;
+          const std::uint64_t size = map_sample_size(n, d, m, v, leaders);
+          EXPECT_GE(size, m);
+          EXPECT_LE(size, n);
+          EXPECT_LE(size, leaders ? 1000000U : 50000U);
+        }
     }
   }
 }
@@ -52,8 +54,8 @@ TEST(Planner, SamplesFitTheirPoints) {
 // More points deserve a larger sample, but fewer per point.
 TEST(Planner, SamplesGrowSlowerThanPoints) {
   for (unsigned d = 2; d <= 4; ++d) {
-    const std::uint64_t small = map_sample_size(1000000, d, 1000, 150);
-    const std::uint64_t large = map_sample_size(2000000, d, 1000, 150);
+    const std::uint64_t small = map_sample_size(1000000, d, 1000, 150, false);
+    const std::uint64_t large = map_sample_size(2000000, d, 1000, 150, false);
     EXPECT_GT(large, small) << d;
     EXPECT_LT(large, 2 * small) << d;
   }

@@ -30,15 +30,15 @@ class GaugeFrame {
   std::size_t size() const { return q_.size() / D; }
 
   /// Chooses the scale, powers of two: |x_j - centre_j| is at most reach_j for every point. False
-  /// if coordinates are too extreme.
-  bool set(const double* centre, const double* reach) {
+  /// if coordinates are too extreme. `even`: exponents that make the axes as even as they can be.
+  bool set(const double* centre, const double* reach, bool even) {
     int exponent[D];
     double part[D];
     for (unsigned j = 0; j < D; ++j) {
       if (!(reach[j] > 0) || !std::isfinite(reach[j])) return false;
       part[j] = std::frexp(reach[j], &exponent[j]);  // reach < 2^exponent, part >= 1/2
     }
-    const double most = longest_of_evened(part);
+    const double most = even ? longest_of_evened(part) : 1;
     for (unsigned j = 0; j < D; ++j) {
       centre_[j] = centre[j];
       if (part[j] > most) ++exponent[j];

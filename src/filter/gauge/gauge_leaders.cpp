@@ -278,6 +278,7 @@ class LeaderGrid {
       move_centre(t);
       edge_ = cells.leaders;
     }
+    filled_ = cells.filled;
     return fill(t, cells.nodes, 1);
   }
 
@@ -333,7 +334,7 @@ class LeaderGrid {
     double reach[D];
     for (unsigned j = 0; j < D; ++j)
       reach[j] = std::max(box.high[j] - centre_[j], centre_[j] - box.low[j]);
-    if (!frame_.set(centre_, reach) || !fill_constants(t, edge_)) return false;
+    if (!frame_.set(centre_, reach, true) || !fill_constants(t, edge_)) return false;
     std::vector<std::uint64_t> best(2 * D * face_of(edge_ + 1), 0);
     run_.each(count, some, [&](std::uint64_t begin, std::uint64_t end) {
       if (begin / some % every != 0) return;
@@ -365,7 +366,8 @@ class LeaderGrid {
       const std::uint64_t i = no_leader - static_cast<std::uint32_t>(best[c]);
       frame_.place(k, rows_.data() + i * D);
     });
-    return frame_.size() > D;
+    const auto all = static_cast<double>(2 * D * face_of(edge_));
+    return frame_.size() > D && static_cast<double>(frame_.size()) >= filled_ * all;
   }
 
   /// Moves the centre to the centroid of the body that the map describes. A deep centre makes the
@@ -503,6 +505,7 @@ class LeaderGrid {
   const GaugeTable& before_;
   const Run& run_;
   unsigned edge_;  ///< cells of leaders along an edge of the cube
+  double filled_ = 0;
   double centre_[D];
   GaugeFrame<D> frame_;
   double allowance_ = 0;

@@ -46,6 +46,7 @@ struct LeaderCells {
   unsigned leaders = 0;   ///< cells with a leader each
   unsigned nodes = 0;     ///< cells of the map
   bool recentre = false;  ///< the centre of the map before is that of a rough hull
+  double filled = 0;      ///< no map where a smaller share of the cells has a leader
 };
 
 /// Rows of survivors, gathered by the pass that finds them while they are in its cache.

@@ -174,7 +174,7 @@ class ConeWalk {
     for (std::size_t v = 0; v < vertex_count_; ++v)
       for (unsigned j = 0; j < D; ++j)
         reach[j] = std::max(reach[j], std::abs(p_.vertices[v * D + j] - centre[j]));
-    if (!frame_.set(centre, reach)) return false;
+    if (!frame_.set(centre, reach, false)) return false;
     frame_.make_room(vertex_count_);
     for (std::size_t v = 0; v < vertex_count_; ++v) frame_.place(v, &p_.vertices[v * D]);
     return true;
