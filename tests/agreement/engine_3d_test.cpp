@@ -89,8 +89,8 @@ TEST(Engine3D, ScreeningAfterPieces) {
   expect_certified_for_any_threads(generated("cube-surface", 200000, 3), {2, 8});
 }
 
-// The points at the borders are cut again several times: on a sphere by turned curves, on a cylinder,
-// where its caps meet the lateral surface, by planes too.
+// The points at the borders are cut again several times: on a sphere by turned curves, on a
+// cylinder, where its caps meet the lateral surface, by planes too.
 TEST(Engine3D, BordersAreCutAgain) {
   for (const char* shape : {"sphere", "cylinder"})
     expect_certified_for_any_threads(generated(shape, 200000, 3), {2, 16, 64});

@@ -2,7 +2,7 @@
 #include "io/json/json.hpp"
 
 #include <algorithm>
-#include <ranges>
+#include <numeric>
 #include <vector>
 
 #include "cullhull/hull.hpp"
@@ -25,7 +25,8 @@ void write_measures(JsonWriter& w, const Hull& hull) {
 void write_lists(JsonWriter& w, const Coordinates& points, const Hull& hull) {
   const auto k = static_cast<std::uint64_t>(std::max(hull.affine_dimension, 0));
   w.flat("vertices", hull.vertices);
-  const std::ranges::iota_view axes(std::uint32_t{0}, hull.dimension);
+  std::vector<std::uint32_t> axes(hull.dimension);
+  std::iota(axes.begin(), axes.end(), 0U);
   w.rows("vertex_coordinates", hull.vertices.size(), [&](JsonWriter& row, std::uint64_t i) {
     row.list_by(axes, 0, axes.size(),
                 [&](std::uint32_t j) { row.value(points.at(hull.vertices[i], j)); });
