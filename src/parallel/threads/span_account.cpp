@@ -34,10 +34,9 @@ struct Keeper {
 thread_local Keeper* keeper = nullptr;
 
 std::string name_of(const CodePlace& where) {
-  const std::string file = where.file_name();
+  const std::string file = where.file;
   const std::size_t at = file.rfind("src/");
-  return (at == std::string::npos ? file : file.substr(at + 4)) + ":" +
-         std::to_string(where.line());
+  return (at == std::string::npos ? file : file.substr(at + 4)) + ":" + std::to_string(where.line);
 }
 
 /// When `workers` are done with chunks of these times, each first with its own contiguous part.

@@ -17,7 +17,6 @@
 #ifdef CULLHULL_SPAN_ACCOUNT
 #include <cstdint>
 #include <functional>
-#include <source_location>
 #include <string>
 #include <vector>
 #endif
@@ -26,8 +25,15 @@ namespace cullhull::internal {
 
 #ifdef CULLHULL_SPAN_ACCOUNT
 
-/// The place in the text that starts a loop.
-using CodePlace = std::source_location;
+/// The place in the text that starts a loop. (clang 14 has no std::source_location.)
+struct CodePlace {
+  const char* file;
+  unsigned line;
+  static constexpr CodePlace current(const char* file = __builtin_FILE(),
+                                     unsigned line = __builtin_LINE()) {
+    return {file, line};
+  }
+};
 
 /// A loop of the text, or the stretch of one thread from one loop to the next.
 struct SpanStretch {
