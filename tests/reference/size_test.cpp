@@ -24,7 +24,7 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/flow", 1430},  {"src/generate", 660},  {"src/geometry", 1430}, {"src/hull", 5870},
     {"src/io", 16620},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7220},
     {"src/shared", 40},  {"src/stream", 1200},   {"src/tracker", 830},   {"bindings", 28180},
-    {"tests", 51320},    {"docs", 9610},         {"apps", 9510},         {"bench", 7550},
+    {"tests", 51330},    {"docs", 9610},         {"apps", 9510},         {"bench", 7550},
     {"viewer", 3430},    {"scripts", 3560},
 };
 
