@@ -66,22 +66,21 @@ struct GrowingCells {
   PlaneArray<K> planes;
   std::atomic<std::uint64_t> next{0};  ///< the first cell that no thread has reserved
   std::uint64_t end = 0;               ///< of the cells that threads may reserve
-  Array<std::uint32_t> holders;        ///< by vertex: the thread that holds it, or 0
 };
 
 enum class Inserted : std::uint8_t {
   done,
   hidden,  ///< the point conflicts with no cell: its lifted point is not below the lower hull
-  busy,    ///< another thread holds a vertex that is needed; the triangulation is unchanged
+  busy,    ///< another thread holds a cell that is needed; the triangulation is unchanged
   full,    ///< no unused cells remain; the triangulation is unchanged
 };
 
 /// Inserts points one after another. K: the dimension of the points' flat if it is a compile-time
 /// constant, otherwise 0. `shared`: several threads insert into the same cells (insert_together),
-/// each with an object of this class. A thread holds vertices by writing its number to them, all
-/// finite ones of each cell that it walks through or deletes. Nobody else deletes a cell of which
-/// it holds a finite vertex, so it may read the cells around its cavity, too, and link them to new
-/// ones. Two threads that have a facet each of the same cell at infinity may both mark it.
+/// each with an object of this class. A thread takes a cell by writing its own mark into it. No
+/// other thread changes a held cell until it is released. A thread also reads the vertices of a
+/// held cell's neighbours without holding them: vertices of a live cell never change, and a
+/// neighbour of a held cell cannot be deleted.
 template <unsigned K, bool shared = false>
 class CellInsertion {
  public:
@@ -94,7 +93,7 @@ class CellInsertion {
                 std::uint32_t number) requires(shared)
       : s_(points), run_(run), cells_(cells), signs_(points), planes_(points) {
     make_tables();
-    self_ = number + 1;
+    in_ = 2 * number + 2;
   }
 
   GrowingCells<K>& cells() { return cells_; }
@@ -125,10 +124,7 @@ class CellInsertion {
     signs_.set_query(p);
     if constexpr (with_planes) planes_.set_point(p);
     const std::uint32_t first = locate();
-    if (first == no_index) {
-      let_go();
-      return Inserted::busy;
-    }
+    if (first == no_index) return Inserted::busy;
     if (s_.may_hide && !conflict(first)) {
       let_go();
       return Inserted::hidden;
@@ -141,7 +137,6 @@ class CellInsertion {
       let_go();
       return Inserted::full;
     }
-    if constexpr (shared) hold(p);
     if (K == 3 && facets_.size() <= 2 * most_labels - 4) {  // vertices by Euler's formula
       make_cells_in_space(p);
     } else {
@@ -159,10 +154,9 @@ class CellInsertion {
   }
 
   /// Lets other threads insert `more` points into these cells, which have `done` points, until
-  /// unshare(). Reserves unused cells, as far as the budget allows: a quarter more than the
+  /// unshare(). Reserves unused cells, as far as the budget allows: half as many again as the
   /// points need if they have as many cells each, plus `spare`.
   void share(std::uint64_t more, std::uint64_t done, std::uint64_t spare) {
-    cells_.store.renew_stamps();
     const std::uint64_t live = cells_.store.living();
     const double part = 1.25 * double(more) / double(std::max<std::uint64_t>(done, 1));
     const auto needed = static_cast<std::uint64_t>(double(live) * std::min(2.0, part));
@@ -175,7 +169,6 @@ class CellInsertion {
   void restart() {
     last_ = 0;
     while (cells_.store.dead(last_)) ++last_;
-    stamps_ = 0;
     if constexpr (with_planes) planes_.set_room(cells_.planes, cells_.store.capacity());
   }
   /// Returns this thread's unused cells to the store.
@@ -189,7 +182,7 @@ class CellInsertion {
   struct Facet {
     std::uint32_t cell, slot, made;
   };
-  enum class CellState : std::uint8_t { inside, outside, first };
+  enum class CellState : std::uint8_t { inside, outside, first, busy };
 
   void make_tables() {
     if constexpr (K == 3) {
@@ -204,68 +197,33 @@ class CellInsertion {
   }
   std::uint32_t out() const { return in_ + 1; }
 
-  /// Holds vertex v, if it is finite; false if another thread holds it.
-  bool hold(std::uint32_t v) {
-    if (v == infinite) return true;
-    const std::atomic_ref<std::uint32_t> holder(cells_.holders[v]);
-    std::uint32_t now = holder.load(std::memory_order_relaxed);
-    if (now == self_) return true;
-    if (now != 0 || !holder.compare_exchange_strong(now, self_, std::memory_order_acquire,
-                                                    std::memory_order_relaxed))
-      return false;
-    held_.push_back(v);
-    return true;
+  /// Takes cell c if no thread holds it; false if one does or the cell is dead.
+  bool hold(std::uint32_t c) {
+    std::uint32_t free = 0;
+    return mark(c).compare_exchange_strong(free, out(), std::memory_order_acquire,
+                                           std::memory_order_relaxed);
   }
-  bool hold_all(const std::uint32_t* vertices) {
-    for (unsigned i = 0; i < corners(); ++i)
-      if (!hold(vertices[i])) return false;
-    return true;
-  }
-  void release(std::uint32_t v) {
-    std::atomic_ref<std::uint32_t>(cells_.holders[v]).store(0, std::memory_order_release);
-  }
-  /// Releases every vertex that this thread holds.
+  /// Releases every cell this thread holds, except those it deleted.
   void let_go() {
-    for (const std::uint32_t v : held_) release(v);
-    held_.clear();
+    if constexpr (shared) {
+      for (const std::uint32_t c : held_)
+        if (mark(c).load(std::memory_order_relaxed) != CellStore<K>::dead_mark)
+          mark(c).store(0, std::memory_order_release);
+      held_.clear();
+    }
   }
 
-  // A cell that another thread deletes or makes meanwhile: deleting marks it dead before vertices
-  // are released, making it writes the vertices before the mark. So if it is not dead and has the
-  // vertices that this thread now holds, it is alive and stays so.
-
-  /// Holds the vertices of cell c, of which this thread holds none; false if that fails.
-  bool hold_start(std::uint32_t c) {
-    const auto read = [&](unsigned i) {
-      return std::atomic_ref<std::uint32_t>(cells_.store.vertices(c)[i])
-          .load(std::memory_order_relaxed);
-    };
-    const auto dead = [&] {
-      return mark(c).load(std::memory_order_acquire) == CellStore<K>::dead_mark;
-    };
-    if (dead()) return false;
-    start_.resize(corners());
-    for (unsigned i = 0; i < corners(); ++i) start_[i] = read(i);
-    bool held = hold_all(start_.data()) && !dead();
-    for (unsigned i = 0; i < corners(); ++i) held = held && start_[i] == read(i);
-    if (!held) let_go();
-    return held;
-  }
-
-  /// A stamp that no cell is marked with, nor with the next one.
-  std::uint32_t next_stamp() {
-    if constexpr (!shared) return cells_.store.next_stamp();
-    constexpr std::uint32_t many = 1024;
-    if (stamps_ == 0) in_ = cells_.store.take_stamps(stamps_ = many) - 2;
-    --stamps_;
-    return in_ + 2;
-  }
   /// Classifies a cell during the search for the cavity: known to be inside, known to be outside,
-  /// or seen for the first time.
+  /// seen for the first time (and now held), or held by another thread.
   CellState classify(std::uint32_t c) {
     const std::uint32_t known = mark(c).load(std::memory_order_relaxed);
     if (known == in_) return CellState::inside;
-    return known == out() ? CellState::outside : CellState::first;
+    if (known == out()) return CellState::outside;
+    if constexpr (shared) {
+      if (known != 0 || !hold(c)) return CellState::busy;
+      held_.push_back(c);
+    }
+    return CellState::first;
   }
   void set_mark(std::uint32_t c, std::uint32_t value) {
     mark(c).store(value, std::memory_order_relaxed);
@@ -286,6 +244,8 @@ class CellInsertion {
       const std::uint32_t c = spare_.back();
       spare_.pop_back();
       ++created_;
+      mark(c).store(out(), std::memory_order_relaxed);
+      held_.push_back(c);
       return c;
     } else {
       return cells_.store.new_cell();
@@ -311,20 +271,25 @@ class CellInsertion {
 
   /// Visibility walk: crosses facets that separate p from the cell until it reaches the cell that
   /// contains p, or a ghost. It terminates because the perturbed triangulation is regular, so that
-  /// no cell is visited twice. Returns no_index if another thread holds a vertex ahead.
+  /// no cell is visited twice. Returns no_index if another thread holds a cell on the way.
   std::uint32_t locate() {
     std::uint32_t c = start_of_walk();
     if (c == no_index) return no_index;
-    if (const unsigned g = cells_.store.ghost_slot(c); g < corners()) c = cross(c, g);
+    if (const unsigned g = cells_.store.ghost_slot(c); g < corners())
+      c = step(c, cells_.store.cell_of(cells_.store.neighbours(c)[g]));
     unsigned from = corners();
     while (c != no_index) {
       const unsigned j = signs_.separating_facet(cells_.store.vertices(c), from);
       if (j == corners()) break;
-      from = cells_.store.slot_of(cells_.store.neighbours(c)[j]);
-      c = cross(c, j);
-      if (c == no_index || cells_.store.vertices(c)[from] == infinite) break;
+      const std::uint32_t code = cells_.store.neighbours(c)[j];
+      c = step(c, cells_.store.cell_of(code));
+      if (c == no_index) break;
+      from = cells_.store.slot_of(code);
+      if (cells_.store.vertices(c)[from] == infinite) break;
       if ((++steps_ & 4095) == 0) run_.check();
     }
+    if constexpr (shared)
+      if (c != no_index) held_.push_back(c);
     return c;
   }
   std::uint32_t start_of_walk() {
@@ -332,24 +297,20 @@ class CellInsertion {
       constexpr int tries = 64;  // random cells to try where most are dead or held by other threads
       std::uint32_t c = last_;
       for (int i = 0; i < tries; ++i) {
-        if (hold_start(c)) return c;
+        if (hold(c)) return c;
         c = static_cast<std::uint32_t>(random_.next() % cells_.store.count());
       }
       return no_index;
     }
     return last_;
   }
-  /// Moves the walk across facet j of cell c, and releases the vertex that it leaves behind;
-  /// no_index if another thread holds the one ahead.
-  std::uint32_t cross(std::uint32_t c, unsigned j) {
-    const std::uint32_t code = cells_.store.neighbours(c)[j], to = cells_.store.cell_of(code);
+  /// Moves the walk to the next cell and releases the last one; no_index if another thread holds
+  /// it.
+  std::uint32_t step(std::uint32_t from, std::uint32_t to) {
     if constexpr (shared) {
-      if (!hold(cells_.store.vertices(to)[cells_.store.slot_of(code)])) return no_index;
-      if (const std::uint32_t behind = cells_.store.vertices(c)[j]; behind != infinite) {
-        *std::find(held_.begin(), held_.end(), behind) = held_.back();
-        held_.pop_back();
-        release(behind);
-      }
+      const bool held = hold(to);
+      mark(from).store(0, std::memory_order_release);
+      return held ? to : no_index;
     }
     return to;
   }
@@ -416,10 +377,10 @@ class CellInsertion {
   // out to be inside, and their facets are removed afterwards.
 
   /// Collects the cells in conflict with the point, which are connected to `first` through facets,
-  /// and the facets of their boundary. Returns false if another thread holds a vertex of these
-  /// cells.
+  /// and the facets of their boundary. Returns false if another thread holds one of these cells or
+  /// of their neighbours.
   bool find_cavity(std::uint32_t first) {
-    in_ = next_stamp();
+    if constexpr (!shared) in_ = cells_.store.next_stamp();
     undecided_.clear();
     make_room(0, 0);
     room_of_cells_[0] = first;
@@ -455,7 +416,7 @@ class CellInsertion {
   /// distances or of powers with respect to a common sphere.
   enum class Tests : std::uint8_t { exact, planes, powers };
   /// Continues the search from cell number `searched` of the cavity. Returns false if another
-  /// thread holds a vertex.
+  /// thread holds a cell.
   template <Tests tests>
   [[gnu::noinline]] bool search(std::size_t& searched, std::size_t& cells, std::size_t& facets) {
     const double* const p = signs_.point();
@@ -468,12 +429,11 @@ class CellInsertion {
       Facet* const to_facets = room_of_facets_.data();
       const std::uint32_t c = to_cells[i];
       const std::uint32_t* n = cells_.store.neighbours(c);
-      if constexpr (shared)
-        if (!hold_all(cells_.store.vertices(c))) return false;
       if (i + ahead < cell) prefetch_around(to_cells[i + ahead]);
       for (unsigned j = 0; j < corners(); ++j) {
         const std::uint32_t o = cells_.store.cell_of(n[j]);
         const CellState seen = classify(o);
+        if (seen == CellState::busy) return false;
         bool in = seen == CellState::inside;
         if (seen == CellState::first) {
           if constexpr (tests != Tests::exact) {
@@ -530,15 +490,8 @@ class CellInsertion {
     const std::uint32_t *old = cells_.store.vertices(f.cell),
                         outside = cells_.store.neighbours(f.cell)[f.slot];
     std::uint32_t* v = cells_.store.vertices(f.made);
-    if constexpr (shared) {
-      for (unsigned i = 0; i < corners(); ++i)
-        std::atomic_ref<std::uint32_t>(v[i]).store(i == f.slot ? p : old[i],
-                                                   std::memory_order_relaxed);
-      mark(f.made).store(0, std::memory_order_release);
-    } else {
-      std::copy_n(old, corners(), v);
-      v[f.slot] = p;
-    }
+    std::copy_n(old, corners(), v);
+    v[f.slot] = p;
     cells_.store.link(f.made, f.slot, outside);
     return v;
   }
@@ -590,7 +543,7 @@ class CellInsertion {
     explicit Labels(CellInsertion& all)
         : table_(all.labels_.data()), vertices_(all.labelled_.data()), base_(all.label_base_) {}
     std::uint32_t operator()(std::uint32_t v) {
-      for (std::uint32_t at = v % label_places;; at = (at + 1) % label_places) {
+      for (std::uint32_t at = v * 0x9e3779b9U >> (32 - label_bits);; at = (at + 1) % label_places) {
         Label& known = table_[at];
         const std::uint32_t old = known.label - base_;
         const bool fresh = old >= most_labels;
@@ -747,7 +700,7 @@ class CellInsertion {
     }
   }
 
-  static constexpr std::uint32_t most_labels = 64, label_places = 1024;
+  static constexpr std::uint32_t most_labels = 64, label_bits = 10, label_places = 1U << label_bits;
   static constexpr bool with_planes = K >= 3 && K <= 6;
 
   const LiftedPoints& s_;
@@ -772,10 +725,8 @@ class CellInsertion {
   std::vector<std::uint64_t> sums_;
   std::vector<std::uint32_t> places_;
   std::uint32_t label_base_ = 0;
-  // If shared: this thread's mark, the vertices it holds, the start of a walk, its unused cells and
-  // stamps, and how many cells it created.
-  std::uint32_t self_ = 0, stamps_ = 0;
-  std::vector<std::uint32_t> held_, start_, spare_;
+  // If shared: the cells this thread holds, its unused cells, and how many cells it created.
+  std::vector<std::uint32_t> held_, spare_;
   std::uint64_t created_ = 0;
   XorShift random_{XorShift::golden};
 };

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstdint>
 #include <utility>
@@ -129,17 +128,10 @@ class CellStore {
     if (most > capacity_) reserve(most);
     return most;
   }
-  /// Call before several threads take stamps: there are 2^30 then.
-  void renew_stamps() {
-    if (stamp_ <= std::uint32_t{1} << 31) return;
+  /// Marks live cells 0.
+  void clear_marks() {
     for (std::uint32_t c = 0; c < count_; ++c)
       if (!dead(c)) marks_[c] = 0;
-    stamp_ = 0;
-  }
-  /// As next_stamp(), for one of several threads: the first of `count` stamps, two apart.
-  std::uint32_t take_stamps(std::uint32_t count) {
-    return std::atomic_ref<std::uint32_t>(stamp_).fetch_add(2 * count, std::memory_order_relaxed) +
-           2;
   }
   /// Cells [0, count) have been taken.
   void unshare(std::uint64_t count) { count_ = static_cast<std::uint32_t>(count); }
@@ -163,7 +155,10 @@ class CellStore {
 
   /// Returns a stamp such that no cell is marked with it or with stamp + 1.
   std::uint32_t next_stamp() {
-    if (stamp_ > dead_mark - 8) renew_stamps();
+    if (stamp_ > dead_mark - 8) {
+      clear_marks();
+      stamp_ = 0;
+    }
     return stamp_ += 2;
   }
 

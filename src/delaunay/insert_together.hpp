@@ -1,4 +1,4 @@
-// Several threads insert points into one triangulation; each holds the vertices around it. The
+// Several threads insert points into one triangulation; each holds the cells it examines. The
 // result does not depend on the order of insertion: a symbolic perturbation breaks ties, so that
 // there is only one triangulation.
 #pragma once
@@ -16,23 +16,20 @@
 
 namespace cullhull::internal {
 
-// Why the order of threads does not matter. A thread holds all vertices of its cavity from before
-// it changes the first cell until it lets go. A cell that touches the cavity has a vertex in common
-// with it, so between taking and letting go nobody else deletes one, and the moments of letting go
-// put all insertions in one order: the result is what one thread would get by inserting in that
-// order, and any order gives the one triangulation that symbolic perturbation leaves.
+// Why the order of threads does not matter. A thread holds all cells of its cavity and all around
+// it from before it changes the first until it lets go. So between taking and letting go nobody
+// else changes them, and the moments of letting go put all insertions in one order: the result is
+// what one thread would get by inserting in that order, and any order gives the one triangulation
+// that symbolic perturbation leaves.
 //
-// Why vertices are held and not cells: a cavity in space has some 18 of them, but with the cells
-// around it some 60 cells.
+// Why nobody waits for another for ever: a thread never waits for a cell. If a cell is held, it
+// releases all of its own and puts its point off. Two threads that want each other's cells both put
+// off, and one of them succeeds in the next round or, for the last few points, the one thread that
+// is left.
 //
-// Why nobody waits for another for ever: a thread never waits for a vertex. If one is held, it
-// releases all of its own and puts its point off. Two threads that want each other's vertices both
-// put off, and one of them succeeds in the next round or, for the last few points, the one thread
-// that is left.
-//
-// Example: points p and q whose cavities share a vertex. The thread of p holds it first; the thread
-// of q finds that, lets go, and inserts other points; in the next round q meets the cells that p
-// has made.
+// Example: points p and q whose cavities share a cell. The thread of p holds it first; the thread
+// of q finds the mark, lets go, and inserts other points; in the next round q meets the cells that
+// p has made.
 
 /// Continues a triangulation that one thread has begun (`alone`). Each thread has a lane: a
 /// CellInsertion of its own on the same cells.
@@ -45,18 +42,18 @@ class InsertTogether {
       : s_(points), run_(run), alone_(alone), spare_(spare) {
     for (unsigned t = 0; t < run.threads; ++t)
       lanes_.push_back(std::make_unique<Lane>(points, run, alone.cells(), t));
-    alone.cells().holders.assign(points.count, 0);
   }
 
   /// Inserts points, given by their places in the order of insertion. `done`: the number of points
   /// inserted before. A round takes at most as many new points as have been inserted, because its
   /// cells are allocated before it begins. Points that a lane could not insert, because another
-  /// lane held a vertex or no cells remained, are retried in the next round. One thread inserts the
+  /// lane held a cell or no cells remained, are retried in the next round. One thread inserts the
   /// last of them. Calls after_round(the number of points inserted), which may throw.
   template <class AfterRound = void (*)(std::uint32_t)>
   void insert(
       std::span<const std::uint32_t> places, std::uint32_t done,
       const AfterRound& after_round = [](std::uint32_t) {}) {
+    alone_.store().clear_marks();
     std::vector<std::uint32_t> left;
     while (!places.empty() || left.size() > few) {
       const auto fresh = places.first(std::min<std::size_t>(places.size(), std::max(done, few)));

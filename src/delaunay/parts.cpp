@@ -117,7 +117,6 @@ class Parts {
       run_.each_item(nodes, [&](std::uint64_t i) {
         const std::size_t begin = sample.size() * i / nodes, end = sample.size() * (i + 1) / nodes;
         const std::span<std::uint32_t> own(sample.data() + begin, end - begin);
-        if (own.empty()) return;
         const PartBox box = box_of(own);
         const unsigned axis = box.high[1] - box.low[1] > box.high[0] - box.low[0] ? 1 : 0;
         const auto middle = own.begin() + static_cast<std::ptrdiff_t>(own.size() / 2);
@@ -272,7 +271,6 @@ class Parts {
       found.push_back(c);
     };
     for (std::uint32_t c = 0; c < seam.count(); ++c) {
-      if (c % 4096 == 0) run_.check();
       if (all) find(c);
       for (unsigned j = 0; j <= 2; ++j) {
         const auto border = borders.find(edge_of(seam.vertices(c), j, false));

@@ -47,7 +47,7 @@ void check(const LiftedSet& s, std::size_t alone, std::uint64_t spare) {
   expected.start(p.points.simplex.data(), p.points.points.count);
   for (const std::uint32_t i : p.places) expected.insert(i);
   const auto cells = cells_of(expected.store());
-  for (const unsigned threads : {1U, 2U, 3U, 16U}) {
+  for (const unsigned threads : {1U, 2U, 3U, 8U}) {
     Options options;
     options.threads = threads;
     const Run run(options);
