@@ -87,8 +87,8 @@ bool around_their_mean(const Array<double>& rows, unsigned d) {
   for (const double r : reach)
     if (!(r > 0 && std::isfinite(r))) return false;
   std::vector<char> met(2 * d << (d - 1) * (edge / 2), 0);
+  std::vector<double> y(d);
   for (std::uint64_t i = 0; i < count; ++i) {
-    std::vector<double> y(d);
     unsigned axis = 0;
     for (unsigned j = 0; j < d; ++j) {
       y[j] = (rows[i * d + j] - mean[j]) / reach[j];
