@@ -285,7 +285,7 @@ class Passes {
     const auto run = internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
     const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
     internal::SampledPoints sample{view.count, d,
-                                   [&](const std::vector<std::uint64_t>& ids) {
+                                   [&](std::span<const std::uint64_t> ids) {
       return internal::gather_points(view, ids.data(), ids.size(), run);
                                    }};
     auto sampled = internal::map_of_sample(sample, internal::Insist::yes,
@@ -474,7 +474,7 @@ class Passes {
     internal::InnerPolytope polytope;
     std::uint64_t size = internal::probe_sample_size(n, 3);
     for (const bool last : {false, true}) {  // a small sample, then that of the map
-      const std::vector<std::uint64_t> ids = internal::sample_ids(n, size);
+      const Array<std::uint64_t> ids = internal::sample_ids(n, size);
       Array<double> sample = download_points(view, ids.data(), ids.size(), run);
       stages.end("sample");
       polytope = internal::inner_polytope(std::move(sample), 3, one_thread);

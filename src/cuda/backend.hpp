@@ -48,7 +48,6 @@ std::uint32_t most_map_nodes(int device);
 
 /// The ids, ascending, of the points in the host's memory that the map does not discard. Filters on
 /// the device that the options name. Throws OutOfMemory, Failure, Error{cancelled}.
-std::vector<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points,
-                                           const Run& run);
+Array<std::uint64_t> survivors_there(const GaugeMap& map, const PointView& points, const Run& run);
 
 }  // namespace cullhull::internal

@@ -119,7 +119,7 @@ class DeviceFilter {
   }
 
   /// Copies the rows of these points to the host.
-  void fetch_rows(const std::vector<std::uint64_t>& ids, Filtered& result) const {
+  void fetch_rows(std::span<const std::uint64_t> ids, Filtered& result) const {
     require_room_for_survivors(ids.size(), d_, run_);
     result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
   }
@@ -158,7 +158,7 @@ class DeviceFilter {
   /// Some of all points. Refused is the first point of all that is not finite, not the first of a
   /// sample.
   SampledPoints sampled(const DevicePointView& points) const {
-    return {points.count, d_, [this, points](const std::vector<std::uint64_t>& ids) {
+    return {points.count, d_, [this, points](std::span<const std::uint64_t> ids) {
               return gather_from_device(points, ids, points_, run_);
             }};
   }
@@ -265,9 +265,9 @@ class DeviceFilter {
   /// The case of hardly any free device memory: the survivors of the first map are copied to the
   /// host, and the second filter runs there.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
-    std::vector<std::uint64_t> ids = survivors_by_pieces(table, points_, run_.control);
+    const Array<std::uint64_t> ids = survivors_by_pieces(table, points_, run_.control);
     fetch_rows(ids, result);
-    result.survivors.ids = std::move(ids);
+    result.survivors.ids.assign(ids.begin(), ids.end());
     refine_survivors(result, d_, run_);
   }
 

@@ -57,7 +57,7 @@ Array<double> download_finite(const DevicePointView& points, const std::uint64_t
   return rows;
 }
 
-Array<double> gather_from_device(const DevicePointView& view, const std::vector<std::uint64_t>& ids,
+Array<double> gather_from_device(const DevicePointView& view, std::span<const std::uint64_t> ids,
                                  const DevicePointView& all, const Run& run) {
   const Array<double> rows = download_points(view, ids.data(), ids.size(), run);
   try {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "cullhull/device_points.hpp"
@@ -35,7 +36,7 @@ Array<double> download_finite(const DevicePointView& points, const std::uint64_t
 
 /// Copies these points of `view`, some of `all`, to packed rows as gather_points() does: -0 becomes
 /// +0. If one of them is not finite, throws Error{not_finite} for the first such point of `all`.
-Array<double> gather_from_device(const DevicePointView& view, const std::vector<std::uint64_t>& ids,
+Array<double> gather_from_device(const DevicePointView& view, std::span<const std::uint64_t> ids,
                                  const DevicePointView& all, const Run& run);
 
 /// Throws Error{out_of_budget} if that many survivors exceed the budget.

@@ -122,7 +122,8 @@ class DeviceFrame final : public FramePoints {
     } catch (const OutOfMemory&) {
       result.reason += "; its memory is nearly full";
     }
-    result.ids = survivors_by_pieces(map.table(), points_, run_.control);
+    const Array<std::uint64_t> ids = survivors_by_pieces(map.table(), points_, run_.control);
+    result.ids.assign(ids.begin(), ids.end());
     require_room_for_survivors(result.ids.size(), dimension, run_);
   }
 

@@ -15,7 +15,7 @@ namespace {
 
 /// Appends first + i for every set bit i of the mask.
 void list_words(const std::uint32_t* mask, std::uint64_t words, std::uint64_t first,
-                std::vector<std::uint64_t>& ids) {
+                Array<std::uint64_t>& ids) {
   for (std::uint64_t w = 0; w < words; ++w)
     for (std::uint32_t word = mask[w]; word != 0; word &= word - 1)
       ids.push_back(first + w * 32 + static_cast<unsigned>(std::countr_zero(word)));
@@ -87,7 +87,7 @@ class Slot {
   }
 
   /// Waits for the piece in flight, if any, and appends its survivors.
-  void finish(std::vector<std::uint64_t>& ids) {
+  void finish(Array<std::uint64_t>& ids) {
     if (count_ == 0) return;
     synchronise(stream_.get(), "culling");
     list_words(mask_.data(), mask_words(count_), first_, ids);
@@ -104,8 +104,8 @@ class Slot {
   std::uint64_t count_ = 0;
 };
 
-std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView& points,
-                                       std::uint64_t piece, const Run& run) {
+Array<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView& points,
+                                 std::uint64_t piece, const Run& run) {
   DevicePointView rows;
   rows.scalar = points.scalar == ScalarType::f32 ? ScalarType::f32 : ScalarType::f64;
   rows.dimension = points.dimension;
@@ -115,7 +115,7 @@ std::vector<std::uint64_t> cull_pieces(const GaugeTable& table, const PointView&
 
   const CudaStream stream;
   const DeviceArray<float> nodes = uploaded(table.nodes, stream.get());
-  std::vector<std::uint64_t> ids;
+  Array<std::uint64_t> ids;
   {
     Slot slots[2] = {{piece, row_bytes}, {piece, row_bytes}};
     unsigned turn = 0;
@@ -140,8 +140,8 @@ constexpr std::uint64_t least_piece = 1 << 16;
 
 }  // namespace
 
-std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
-                                                    const PointView& points, const Run& run) {
+Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
+                                              const Run& run) {
   // 32 MiB: so long that the time of starting a copy is negligible, and so short that the first and
   // the last piece, whose work does not overlap that of others, are a small part of the whole.
   constexpr std::uint64_t piece_bytes = 32 << 20;
@@ -187,15 +187,14 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
   return result;
 }
 
-std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
-                                               const DevicePointView& points,
-                                               const Control& control) {
+Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
+                                         const Control& control) {
   constexpr std::uint64_t piece = 1 << 22;  // points; their mask takes half a megabyte
   const cudaStream_t stream = cuda_stream_of(points);
   const DeviceArray<float> nodes = uploaded(table.nodes, stream);
   const DeviceArray<std::uint32_t> device_mask(mask_room(piece), stream);
   std::vector<std::uint32_t> mask(mask_words(piece));
-  std::vector<std::uint64_t> ids;
+  Array<std::uint64_t> ids;
   for (std::uint64_t first = 0; first < points.count; first += piece) {
     control.check();
     const DevicePointView part = part_of(points, first, std::min(piece, points.count - first));

@@ -16,8 +16,8 @@ namespace cullhull::internal {
 /// GaugeMap::survivors. The points are copied piece by piece into pinned memory and to the device,
 /// which filters them and returns one bit a point. Two pieces are in flight at a time. If memory is
 /// short, the pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
-std::vector<std::uint64_t> survivors_of_host_points(const GaugeTable& table,
-                                                    const PointView& points, const Run& run);
+Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
+                                              const Run& run);
 
 inline cudaStream_t cuda_stream_of(const DevicePointView& points) {
   return static_cast<cudaStream_t>(points.stream);
@@ -42,9 +42,8 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 
 /// The same piece by piece, for a device with hardly any free memory: needs half a megabyte and the
 /// table's nodes. Returns the ids in the host's memory.
-std::vector<std::uint64_t> survivors_by_pieces(const GaugeTable& table,
-                                               const DevicePointView& points,
-                                               const Control& control);
+Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
+                                         const Control& control);
 
 /// Copies points to packed rows of doubles in the host's memory, without a check for finiteness.
 /// `ids`: the `count` points to copy, in the host's memory; null: the first `count` points.

@@ -21,14 +21,15 @@ std::uint32_t CullPass::most_nodes() const {
   return device_ ? most_map_nodes(run_.options.device) : 0;
 }
 
-void CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) {
-  result.ids = survivors(map, rows);
+Array<std::uint64_t> CullPass::cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows) {
+  Array<std::uint64_t> ids = survivors(map, rows);
   result.all = false;
   result.backend = device_ ? Backend::cuda : Backend::cpu;
   result.reason += "; " + reason_;
+  return ids;
 }
 
-std::vector<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
+Array<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
   if (device_) {
     try {
       return survivors_there(map, points_, run_);

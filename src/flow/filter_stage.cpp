@@ -7,35 +7,28 @@
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
-namespace {
 
-Array<double> pick_rows(const Array<double>& rows, unsigned d,
-                        const std::vector<std::uint64_t>& kept) {
-  Array<double> out(kept.size() * d);
-  for (std::size_t i = 0; i < kept.size(); ++i)
-    std::copy_n(rows.data() + kept[i] * d, d, out.data() + i * d);
-  return out;
-}
-
-}  // namespace
-
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
-                       Array<double>&& rows) {
+void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64_t> kept) {
   std::vector<std::uint64_t> ids(kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = result.survivors.ids[kept[i]];
-  result.rows = rows.empty() ? pick_rows(result.rows, d, kept) : std::move(rows);
+  Array<double> rows(kept.size() * d);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    ids[i] = result.survivors.ids[kept[i]];
+    std::copy_n(result.rows.data() + kept[i] * d, d, rows.data() + i * d);
+  }
+  result.rows = std::move(rows);
   result.survivors.ids = std::move(ids);
 }
 
-void gather_survivors(const PointView& points, Filtered& result, const Run& run) {
-  const std::uint64_t left = result.survivors.ids.size();
+void gather_survivors(const PointView& points, std::span<const std::uint64_t> ids, Filtered& result,
+                      const Run& run) {
+  const std::uint64_t left = ids.size();
   result.pass_survivors = left;
   require_budget(run.budget, left * (points.dimension + 2) * sizeof(double),
                  std::to_string(left) + " points that survive the filter");
   if (result.rows.empty())
-    result.rows = gather_points(points, result.survivors.ids.data(), left, run);
+    result.rows = gather_points(points, ids.data(), left, run);
   else
-    check_rows_finite(result.rows.data(), left, points.dimension, result.survivors.ids.data(), run);
+    check_rows_finite(result.rows.data(), left, points.dimension, ids.data(), run);
   run.report("cull", 0.8);
 }
 

@@ -12,9 +12,33 @@ namespace {
 
 /// Fetches samples of points in the host's memory.
 SampledPoints host_points(const PointView& points, const Run& run) {
-  return {points.count, points.dimension, [&points, &run](const std::vector<std::uint64_t>& ids) {
+  return {points.count, points.dimension, [&points, &run](std::span<const std::uint64_t> ids) {
             return gather_points(points, ids.data(), ids.size(), run);
           }};
+}
+
+/// Culls the rows of a first pass's survivors by a second map, if that is worthwhile, and returns
+/// the positions of those it leaves. All of them lie near the boundary, so that they give a much
+/// finer map. Empty: there is none.
+Array<std::uint64_t> pass_again(Filtered& result, unsigned d, const Run& run) {
+  const PointView left = view_of_rows(result, d);
+  if (left.count < smallest_worth_refining(d)) return {};
+  SampledMap finer;
+  if (d > 2 && result.map != nullptr) {
+    finer.map = GaugeMap::of_leaders(
+        result.rows, *result.map,
+        cells_of_leaders(static_cast<double>(left.count), left.count, d, 0), run);
+    finer.reason = "of the leaders of all " + std::to_string(left.count) + " left";
+  }
+  if (finer.map == nullptr) finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
+  result.map.reset();
+  result.survivors.reason += "; a second map: " + finer.reason;
+  if (finer.map == nullptr) return {};
+  SurvivorRows gathered;
+  Array<std::uint64_t> kept = finer.map->survivors(left, run, &gathered);
+  result.rows = std::move(gathered.rows);
+  result.survivors.filter = UsedFilter::gauge_twice;
+  return kept;
 }
 
 /// Runs the pass of a map over all points, and the stages after it.
@@ -27,23 +51,31 @@ void cull_by(CullPass& pass, SampledMap sampled, const PointView& points, const 
   // The most survivors whose rows are copied during the pass. The copy briefly doubles the memory
   // for survivors; where more points survive, gathering them afterwards is as fast.
   gathered.most = std::min(run.budget / (16 * d * sizeof(double)), points.count / 4);
-  pass.cull(*map, result.survivors, &gathered);
+  const Array<std::uint64_t> ids = pass.cull(*map, result.survivors, &gathered);
   if (sampled.led)
     result.map = std::move(map);
   else
     map.reset();
-  if (d == 2 && result.survivors.ids.size() > points.count / 10 * 9) {
+  if (d == 2 && ids.size() > points.count / 10 * 9) {
     // The points are too close together for single precision to separate them. The 2D engine
     // discards inner points in double precision, reading the caller's memory.
-    result.survivors.ids = {};
     result.survivors.all = true;
     result.survivors.reason += "; it kept nearly all";
     return;
   }
   result.rows = std::move(gathered.rows);
 
-  gather_survivors(points, result, run);
-  refine_survivors(result, d, run);
+  gather_survivors(points, ids, result, run);
+  const Array<std::uint64_t> kept = pass_again(result, d, run);
+  std::vector<std::uint64_t>& left = result.survivors.ids;
+  if (kept.empty()) {
+    left.assign(ids.begin(), ids.end());
+  } else {
+    left.resize(kept.size());
+    run.each(kept.size(), 8192, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) left[i] = ids[kept[i]];
+    });
+  }
 }
 
 }  // namespace
@@ -76,25 +108,11 @@ Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& r
   return result;
 }
 
-// All survivors of the first map lie near the boundary, so that they give a much finer one.
 void refine_survivors(Filtered& result, unsigned d, const Run& run) {
-  const PointView left = view_of_rows(result, d);
-  if (left.count < smallest_worth_refining(d)) return;
-  SampledMap finer;
-  if (d > 2 && result.map != nullptr) {
-    finer.map = GaugeMap::of_leaders(
-        result.rows, *result.map,
-        cells_of_leaders(static_cast<double>(left.count), left.count, d, 0), run);
-    finer.reason = "of the leaders of all " + std::to_string(left.count) + " left";
-  }
-  if (finer.map == nullptr) finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
-  result.map.reset();
-  result.survivors.reason += "; a second map: " + finer.reason;
-  if (finer.map == nullptr) return;
-  SurvivorRows gathered;
-  const std::vector<std::uint64_t> kept = finer.map->survivors(left, run, &gathered);
-  keep_of_survivors(result, d, kept, std::move(gathered.rows));
-  result.survivors.filter = UsedFilter::gauge_twice;
+  std::vector<std::uint64_t>& ids = result.survivors.ids;
+  const Array<std::uint64_t> kept = pass_again(result, d, run);
+  for (std::size_t i = 0; i < kept.size(); ++i) ids[i] = ids[kept[i]];
+  if (!kept.empty()) ids.resize(kept.size());
 }
 
 }  // namespace cullhull::internal

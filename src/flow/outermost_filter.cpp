@@ -58,7 +58,8 @@ bool kept_by_outermost(const PointView& points, Fineness fine, double most_outsi
   run.check();
   const auto map = GaugeMap::of_few_facets(polytope, fine.cells);
   if (map == nullptr) return false;
-  kept = map->survivors(points, run.with_threads(1));
+  const Array<std::uint64_t> left = map->survivors(points, run.with_threads(1));
+  kept.assign(left.begin(), left.end());
   return true;
 }
 
@@ -82,7 +83,7 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
   survivors.filter = UsedFilter::gauge;
   survivors.reason = "a map of the outermost points in " +
                      std::to_string(6 * first.cones * first.cones) + " directions";
-  gather_survivors(points, result, run);
+  gather_survivors(points, result.survivors.ids, result, run);
   std::vector<std::uint64_t> kept;
   if (survivors.ids.size() > most_hulled &&
       kept_by_outermost(view_of_rows(result, 3), {12, 16}, 1, run, kept)) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -52,20 +53,20 @@ Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& r
 
 /// Views the rows of the survivors, which must have been gathered.
 inline PointView view_of_rows(const Filtered& result, unsigned d) {
-  return PointView::row_major(result.rows.data(), result.survivors.ids.size(), d);
+  return PointView::row_major(result.rows.data(), result.rows.size() / d, d);
 }
 
 /// Culls the survivors of a first map, whose rows must have been gathered, by a second map if that
 /// is worthwhile.
 void refine_survivors(Filtered& result, unsigned d, const Run& run);
 
-/// Gathers the coordinates of a first pass's survivors, if that is still to be done. Throws
+/// Gathers the coordinates of a first pass's survivors `ids`, if that is still to be done. Throws
 /// Error{not_finite} for the first bad point.
-void gather_survivors(const PointView& points, Filtered& result, const Run& run);
+void gather_survivors(const PointView& points, std::span<const std::uint64_t> ids, Filtered& result,
+                      const Run& run);
 
-/// Keeps only the survivors at the given positions. `rows`: their rows, if already gathered.
-void keep_of_survivors(Filtered& result, unsigned d, const std::vector<std::uint64_t>& kept,
-                       Array<double>&& rows = {});
+/// Keeps only the survivors at the given positions.
+void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64_t> kept);
 
 // The filter stage for points in a device's memory: like run_filter, but only samples and survivors
 // are transferred.

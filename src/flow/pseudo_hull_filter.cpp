@@ -19,7 +19,7 @@ Filtered run_pseudo_hull(const PointView& points, const Run& run) {
     result.survivors.all = true;
     return result;
   }
-  gather_survivors(points, result, run);
+  gather_survivors(points, result.survivors.ids, result, run);
   const std::uint64_t left = result.pass_survivors;
   // A second pseudo-hull, of all survivors as one set if it fits. A point takes 45 bytes and its
   // coordinates. On a sphere, where all points are extreme, the largest round has a fifth as many

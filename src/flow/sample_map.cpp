@@ -48,8 +48,8 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run) {
   return polytope;
 }
 
-std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
-  std::vector<std::uint64_t> ids(size);
+Array<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
+  Array<std::uint64_t> ids(size);
   XorShift random;
   const double stretch = static_cast<double>(count) / static_cast<double>(size);
   for (std::uint64_t i = 0; i < size; ++i) {
@@ -64,14 +64,16 @@ std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size) {
 namespace {
 
 /// As sample_ids(), but in runs of neighbours, which take fewer reads.
-std::vector<std::uint64_t> sample_blocks(std::uint64_t count, std::uint64_t size) {
+Array<std::uint64_t> sample_blocks(std::uint64_t count, std::uint64_t size, const Run& run) {
   constexpr std::uint64_t block = 256;
   const std::uint64_t runs = size / block;
   if (runs < 64 || count < 2 * size) return sample_ids(count, size);
-  std::vector<std::uint64_t> ids;
-  ids.reserve(runs * block);
-  for (const std::uint64_t first : sample_ids(count / block, runs))
-    for (std::uint64_t k = 0; k < block; ++k) ids.push_back(first * block + k);
+  const Array<std::uint64_t> blocks = sample_ids(count / block, runs);
+  Array<std::uint64_t> ids(blocks.size() * block);
+  run.each(blocks.size(), 32, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = begin * block; i < end * block; ++i)
+      ids[i] = blocks[i / block] * block + i % block;
+  });
   return ids;
 }
 
@@ -114,7 +116,7 @@ struct Sampled {
 };
 
 Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Run& run) {
-  const std::vector<std::uint64_t> ids = sample_ids(points.count, size);
+  const Array<std::uint64_t> ids = sample_ids(points.count, size);
   // In 3D few points of a sample are extreme (else no map is built), so its hull takes less than a
   // millisecond: dividing the surface between two threads takes longer than they save.
   constexpr std::uint64_t worth_threads = 1 << 15;
@@ -175,10 +177,12 @@ std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, const Array<double>& sampl
   if (map == nullptr) return nullptr;
   rows.count /= 8;
   rows.point_stride *= 8;
-  const std::uint64_t before = probe.survivors(rows, run).size();
-  kept = map->survivors(rows, run).size();
-  if (kept > before) return nullptr;
-  kept *= 8;
+  std::uint64_t left[2];
+  run.each_item(2, [&](std::uint64_t i) {
+    left[i] = (i == 0 ? probe : *map).survivors(rows, run.with_threads(1)).size();
+  });
+  if (left[1] > left[0]) return nullptr;
+  kept = 8 * left[1];
   return map;
 }
 
@@ -210,7 +214,7 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
     const auto probe =
         map_of_polytope(InnerPolytope(sample.polytope), wanted(true), insist, most_nodes, run);
     if (probe != nullptr) {
-      const Array<double> rows = points.gather(sample_blocks(points.count, wanted(true)));
+      const Array<double> rows = points.gather(sample_blocks(points.count, wanted(true), run));
       const std::uint64_t count = rows.size() / d;
       const double outside =
           static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,13 +22,13 @@ InnerPolytope inner_polytope(Array<double>&& rows, unsigned d, const Run& run);
 /// Returns `size` ids spread evenly over [0, count), each at a pseudo-random place in its interval,
 /// so that a period in the input's order cannot hide points from the sample; fewer if count is
 /// less.
-std::vector<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size);
+Array<std::uint64_t> sample_ids(std::uint64_t count, std::uint64_t size);
 
 struct SampledPoints {
   std::uint64_t count = 0;
   unsigned dimension = 0;
   /// Returns packed rows of the points with these ids, which must ascend.
-  std::function<Array<double>(const std::vector<std::uint64_t>& ids)> gather;
+  std::function<Array<double>(std::span<const std::uint64_t> ids)> gather;
 };
 
 struct SampledMap {
@@ -70,14 +71,14 @@ class CullPass {
   /// The most nodes of a map that fit the executor's cache; 0: the CPU's default.
   std::uint32_t most_nodes() const;
 
-  /// Sets the survivors and where the pass ran, and appends the planner's reason. On the CPU also
-  /// gathers the rows of survivors into `rows`, if given.
-  void cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows = nullptr);
+  /// Returns the ids of the survivors, says in `result` where the pass ran, and appends the
+  /// planner's reason. On the CPU also gathers the rows of survivors into `rows`, if given.
+  Array<std::uint64_t> cull(const GaugeMap& map, Survivors& result, SurvivorRows* rows = nullptr);
 
  private:
   void ask_planner();
   void fall_back(const Error& e);
-  std::vector<std::uint64_t> survivors(const GaugeMap& map, SurvivorRows* rows);
+  Array<std::uint64_t> survivors(const GaugeMap& map, SurvivorRows* rows);
 
   const PointView& points_;
   const Run& run_;

@@ -156,7 +156,8 @@ Array<double> gather_points(const PointView& view, const std::uint64_t* ids, std
                             const Run& run) {
   const unsigned d = view.dimension;
   Array<double> out(count * d);
-  require_finite(count, d, chunk_size, ids, run,
+  // A row far from the one before is a cache miss: 2,048 of them take some 40 us.
+  require_finite(count, d, ids != nullptr ? 2048 : chunk_size, ids, run,
                  [&](std::uint64_t begin, std::uint64_t end, std::vector<double>&) {
     gather_rows(view, ids, begin, end, out.data() + begin * d);
     return out.data() + begin * d;

@@ -39,9 +39,14 @@ Array<double> HostFrame::gather(const std::vector<std::uint64_t>& ids) {
 
 std::uint32_t HostFrame::most_nodes() { return pass().most_nodes(); }
 
-void HostFrame::scan(const GaugeMap& map, Survivors& result) { pass().cull(map, result); }
+void HostFrame::scan(const GaugeMap& map, Survivors& result) {
+  const Array<std::uint64_t> ids = pass().cull(map, result);
+  result.ids.assign(ids.begin(), ids.end());
+}
 
-void HostFrame::fetch(Filtered& result) { gather_survivors(points_, result, run_); }
+void HostFrame::fetch(Filtered& result) {
+  gather_survivors(points_, result.survivors.ids, result, run_);
+}
 
 Filtered HostFrame::filter_afresh() {
   const unsigned threads = useful_cull_threads(run_.threads, points_.count, points_.dimension);

@@ -140,7 +140,7 @@ Filtered SimplexMemory::filter(const PointView& points, const Run& run, bool& le
     remember(found, nullptr, points.count);
   }
   scan_seconds = led ? seconds_since(start) : 0;
-  gather_survivors(points, result, run);
+  gather_survivors(points, result.survivors.ids, result, run);
   grow(points, result, run);
   return result;
 }

@@ -312,7 +312,7 @@ TEST(FewPoints, a_map_of_few_facets_drops_what_is_inside) {
       near.add({p[0], p[1], p[2]});
     }
     const internal::Run& run = internal::short_run();
-    const std::vector<std::uint64_t> kept = map->survivors(view_of(near), run);
+    const auto kept = map->survivors(view_of(near), run);
     ASSERT_LT(kept.size(), 4000U) << "nothing was dropped";
     auto next = kept.begin();
     for (std::uint64_t i = 0; i < 4000; ++i) {

@@ -34,7 +34,8 @@ class FarFrame final : public FramePoints {
   }
   std::uint32_t most_nodes() override { return 12288; }
   void scan(const GaugeMap& map, Survivors& result) override {
-    result.ids = map.survivors(points_, run_);
+    const auto ids = map.survivors(points_, run_);
+    result.ids.assign(ids.begin(), ids.end());
     result.all = false;
     result.backend = Backend::cuda;
   }

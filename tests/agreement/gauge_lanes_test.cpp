@@ -74,7 +74,8 @@ std::vector<std::uint64_t> twin(const GaugeMap& map, const PointView& v, unsigne
 }
 
 std::vector<std::uint64_t> cpu(const GaugeMap& map, const PointView& v) {
-  return map.survivors(v, internal::short_run());
+  const auto ids = map.survivors(v, internal::short_run());
+  return {ids.begin(), ids.end()};
 }
 
 std::vector<double> uniform(unsigned d, std::size_t n, double centre, std::uint64_t seed) {

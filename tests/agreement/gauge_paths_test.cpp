@@ -18,12 +18,12 @@ namespace cullhull::internal::gauge_paths_test {
 
 using namespace testing_support;
 
-std::vector<std::uint64_t> run(const GaugeMap& map, const PointView& view, unsigned threads = 1) {
+Array<std::uint64_t> run(const GaugeMap& map, const PointView& view, unsigned threads = 1) {
   return map.survivors(view, internal::short_run().with_threads(threads));
 }
 
 /// Share of the octahedron in its cube: nobody may keep all or nothing.
-void expect_some(const std::vector<std::uint64_t>& kept, std::size_t n) {
+void expect_some(const Array<std::uint64_t>& kept, std::size_t n) {
   EXPECT_GT(kept.size(), n / 100);
   EXPECT_LT(kept.size(), n);
 }
@@ -132,8 +132,7 @@ TEST(GaugePaths, CountsAndThreads) {
                                 std::size_t{9}, std::size_t{63}, std::size_t{64}, std::size_t{65},
                                 std::size_t{255}, std::size_t{257}, std::size_t{gauge_chunk} - 1,
                                 std::size_t{gauge_chunk}, std::size_t{gauge_chunk} + 1, most}) {
-      const std::vector<std::uint64_t> expected(all.begin(),
-                                                std::lower_bound(all.begin(), all.end(), n));
+      const Array<std::uint64_t> expected(all.begin(), std::lower_bound(all.begin(), all.end(), n));
       for (const unsigned threads : {1U, 2U, 3U})
         EXPECT_EQ(run(*map, PointView::row_major(rows.data(), n, d), threads), expected)
             << d << "D, " << n << " points, " << threads << " threads";

@@ -37,8 +37,9 @@ InnerPolytope polytope_of(const SlowHull& hull) {
 std::vector<std::uint64_t> survivors(const GaugeMap& map, const std::vector<double>& rows,
                                      unsigned d) {
   const Options options;
-  return map.survivors(PointView::row_major(rows.data(), rows.size() / d, d),
-                       internal::Run(options).with_threads(1));
+  const auto ids = map.survivors(PointView::row_major(rows.data(), rows.size() / d, d),
+                                 internal::Run(options).with_threads(1));
+  return {ids.begin(), ids.end()};
 }
 
 /// Every dropped point is strictly beneath every facet, decided exactly. A filter in doubles spares
@@ -278,7 +279,7 @@ void expect_sound_as(const SlowHull& hull, const GaugeMap& map, const std::vecto
   const Options options;
   const auto kept = map.survivors(PointView::row_major(values.data(), values.size() / d, d),
                                   internal::Run(options).with_threads(1));
-  expect_sound(hull, exact, kept, what);
+  expect_sound(hull, exact, {kept.begin(), kept.end()}, what);
 }
 
 // A point is dropped only if it is strictly inside, whatever the leaders are, as numbers of every
@@ -430,10 +431,9 @@ TEST(GaugeMap, KeepsEveryPointThatIsNotFinite) {
     std::vector<float> single;
     for (const double v : rows) single.push_back(static_cast<float>(v));
     const Options options;
-    EXPECT_EQ(map->survivors(PointView::row_major(single.data(), rows.size() / d, d),
-                             internal::Run(options).with_threads(1)),
-              expected)
-        << d;
+    const auto kept = map->survivors(PointView::row_major(single.data(), rows.size() / d, d),
+                                     internal::Run(options).with_threads(1));
+    EXPECT_EQ(std::vector<std::uint64_t>(kept.begin(), kept.end()), expected) << d;
   }
 }
 

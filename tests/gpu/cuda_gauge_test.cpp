@@ -36,8 +36,8 @@ void strew(std::vector<T>& rows) {
     rows[e * 7] = static_cast<T>(bad[e % std::size(bad)]);
 }
 
-std::vector<std::uint64_t> on_host(const DeviceIds& found) {
-  std::vector<std::uint64_t> ids(found.count);
+Array<std::uint64_t> on_host(const DeviceIds& found) {
+  Array<std::uint64_t> ids(found.count);
   download(ids.data(), found.ids.data(), found.count, nullptr);
   return ids;
 }

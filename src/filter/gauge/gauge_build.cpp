@@ -74,7 +74,7 @@ class Builder final : public GaugeCones {
 
  private:
   // Nodes; filling fewer takes less time than waking a thread.
-  static constexpr std::uint64_t least_parallel = 4096;
+  static constexpr std::uint64_t least_parallel = 1024;
 
   static std::uint64_t power(std::uint64_t base, unsigned e) {
     std::uint64_t r = 1;

@@ -10,6 +10,7 @@
 #include "filter/gauge/gauge_build.hpp"
 #include "filter/gauge/gauge_table.hpp"
 #include "geometry/gather.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -77,8 +78,8 @@ std::vector<std::uint64_t> GaugeMap::outside_cones(const Array<double>& rows,
   return kept;
 }
 
-std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run,
-                                               SurvivorRows* rows) const {
+Array<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run,
+                                         SurvivorRows* rows) const {
   if (points.dimension != table_->dimension)
     throw Error(ErrorCode::internal, "the gauge map has another dimension than the points");
 
@@ -101,22 +102,25 @@ std::vector<std::uint64_t> GaugeMap::survivors(const PointView& points, const Ru
     gather_rows_at(points, begin, ids.data(), n, kept_rows[c].data());
   });
 
-  std::vector<std::uint64_t> offsets(chunks + 1, 0);
-  for (std::uint64_t c = 0; c < chunks; ++c) offsets[c + 1] = offsets[c] + kept[c].size();
-  std::vector<std::uint64_t> result(offsets[chunks]);
+  std::vector<std::uint64_t> offsets(chunks);
   bool all = rows != nullptr;
-  for (std::uint64_t c = 0; c < kept_rows.size(); ++c)
+  for (std::uint64_t c = 0; c < chunks; ++c) {
+    offsets[c] = kept[c].size();
     all = all && kept_rows[c].size() == kept[c].size() * d;
-  if (all) rows->rows.resize(offsets[chunks] * d);
-  run.each(chunks, 64, [&](std::uint64_t begin, std::uint64_t end) {
+  }
+  Array<std::uint64_t> result(exclusive_scan(offsets));
+  if (all) rows->rows.resize(result.size() * d);
+  run.each(chunks, 16, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t c = begin; c < end; ++c) {
       const std::uint64_t first = c * gauge_chunk;
-      std::transform(kept[c].begin(), kept[c].end(),
+      const std::vector<std::uint16_t> found = std::move(kept[c]);  // freed by this thread
+      std::transform(found.begin(), found.end(),
                      result.begin() + static_cast<std::ptrdiff_t>(offsets[c]),
                      [first](std::uint16_t i) { return first + i; });
-      if (all)
-        std::copy(kept_rows[c].begin(), kept_rows[c].end(),
-                  rows->rows.begin() + static_cast<std::ptrdiff_t>(offsets[c] * d));
+      if (!all) continue;
+      const Array<double> coordinates = std::move(kept_rows[c]);
+      std::copy(coordinates.begin(), coordinates.end(),
+                rows->rows.begin() + static_cast<std::ptrdiff_t>(offsets[c] * d));
     }
   });
   return result;

@@ -87,8 +87,8 @@ class GaugeMap {
   /// Returns the ids (ascending, indices into `points`) of all points that are not provably
   /// strictly inside the polytope, which include every point with a NaN or an infinity. `rows`, if
   /// given, receives their coordinates.
-  std::vector<std::uint64_t> survivors(const PointView& points, const Run& run,
-                                       SurvivorRows* rows = nullptr) const;
+  Array<std::uint64_t> survivors(const PointView& points, const Run& run,
+                                 SurvivorRows* rows = nullptr) const;
 
   /// Returns the positions (ascending) of those packed rows of finite points that are not provably
   /// strictly inside the polytope, tested by the facet through which each point's ray leaves:

@@ -125,7 +125,7 @@ TEST_F(EmulatedEdges, MapsOfManySizesOnThreadsBesideOneAnother) {
       const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3, stream);
       for (int i = 0; i < 40; ++i) try {
           const auto found = internal::survivors_of_device_points(map->table(), view);
-          std::vector<std::uint64_t> ids(found.count);
+          Array<std::uint64_t> ids(found.count);
           internal::download(ids.data(), found.ids.data(), found.count, stream);
           if (ids != expected) ++wrong;
         } catch (const Error&) {

@@ -71,8 +71,7 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
   const internal::Run run(options);
   const std::vector<T> rows = strewn_rows<T>(d, n);
   const auto here = PointView::row_major(rows.data(), n, d);
-  const auto expected =
-      n > 0 ? map.survivors(here, run.with_threads(1)) : std::vector<std::uint64_t>{};
+  const auto expected = n > 0 ? map.survivors(here, run.with_threads(1)) : Array<std::uint64_t>{};
   for (const Layout<T>& layout : layouts_of(rows, d, n)) {
     const std::string what = layout.name + " " + std::to_string(d) + "D " +
                              std::to_string(sizeof(T)) + " bytes, " + std::to_string(n);
@@ -81,7 +80,7 @@ void expect_all_layouts(const GaugeMap& map, unsigned d, std::size_t n) {
     view.point_stride = layout.point_stride * static_cast<std::ptrdiff_t>(sizeof(T));
     view.coordinate_stride = layout.coordinate_stride * static_cast<std::ptrdiff_t>(sizeof(T));
     const auto found = internal::survivors_of_device_points(map.table(), view);
-    std::vector<std::uint64_t> ids(found.count);
+    Array<std::uint64_t> ids(found.count);
     internal::download(ids.data(), found.ids.data(), found.count, nullptr);
     ASSERT_EQ(ids, expected) << what;
     ASSERT_EQ(internal::survivors_by_pieces(map.table(), view, run.control), expected) << what;
