@@ -59,7 +59,7 @@ class BatchMaker {
                  const Number& number);
 
   const Run& run_;
-  const std::uint64_t sets_, block_;
+  const std::uint64_t sets_, chunk_, block_;  ///< in all; of a task, of a block
   std::uint64_t done_ = 0;
   HullBatch all_;
   std::vector<HullBatch> parts_;
