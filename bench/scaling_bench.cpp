@@ -195,7 +195,7 @@ Call stream_call(const char* shape, std::uint64_t count, unsigned dimension) {
       for (const std::exception_ptr& failure : failures)
         if (failure) std::rethrow_exception(failure);
     }
-    return of(stream.state().hull(cpu_options(threads)));
+    return of(stream.hull());
   };
 }
 

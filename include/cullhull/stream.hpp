@@ -111,18 +111,17 @@ class HullState {
 /// Counters of a stream.
 struct StreamReport {
   std::uint64_t point_count = 0;  ///< pushed so far
-  std::uint64_t extreme = 0;      ///< extreme points among the points reduced exactly so far
+  std::uint64_t extreme = 0;      ///< extreme points found by the last reduction; 0: not exactly
   std::uint64_t waiting = 0;      ///< further points held, not known to be inside
   std::uint64_t reductions = 0;   ///< number of exact computations of the extreme points
   std::uint64_t maps = 0;         ///< number of filters built, by push() alone
 };
 
 /// The hull of points that are pushed block by block, in any order of blocks, from one thread or
-/// many. A filter built from the hull of earlier blocks tests a block in the caller's memory;
-/// survivors are collected, and when there are several times as many as the hull has vertices,
-/// their extreme points are computed exactly and a finer filter is built. One pass over the points;
-/// memory O(extreme points + a block). push(), state(), hull() and report() may be called from any
-/// threads at once.
+/// many. A filter built from points of earlier blocks tests a block in the caller's memory;
+/// survivors are collected, and when there are many more than it was built from, a finer filter is
+/// built and drops those of them that are inside. One pass over the points; memory O(extreme points
+/// + a block). push(), state(), hull() and report() may be called from any threads at once.
 ///
 /// Points beyond 6D are not filtered; their extreme points are found without facets.
 class HullStream {
@@ -158,7 +157,7 @@ class HullStream {
 
   /// The state of all points pushed by calls that have returned. Errors as push().
   HullState state();
-  /// The hull of that state: state().hull(options).
+  /// The hull of that state, as state().hull(options) gives it, in less time.
   Hull hull();
 
   StreamReport report() const;

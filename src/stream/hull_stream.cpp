@@ -1,5 +1,6 @@
-// HullStream: filters blocks in the caller's memory, collects survivors, and reduces them to their
-// extreme points once there are many.
+// HullStream: filters blocks in the caller's memory, collects survivors, and reduces them once
+// there are many: by a map of theirs, which later blocks get, too, and if that leaves many, to
+// their extreme points.
 #include <algorithm>
 #include <mutex>
 #include <string>
@@ -27,13 +28,15 @@ struct HullStream::Impl {
   std::uint64_t budget = 0;
 
   mutable std::mutex mutex;  ///< guards the members below; held briefly
-  NumberedPoints extreme;    ///< of the points reduced so far; others, too, after a failure
+  NumberedPoints extreme;    ///< of the points reduced so far; others, too, unless `exact`
   /// Survivors since the last reduction, of the dimension and scalar type of `extreme`: in parts,
   /// so that none is copied while `mutex` is held.
   std::vector<NumberedPoints> waiting;
   std::uint64_t waiting_count = 0;
-  std::uint64_t known = 0;  ///< number of extreme points that the last reduction found
-  std::uint64_t away = 0;   ///< points that a running reduction has taken
+  std::uint64_t known = 0;   ///< number of points that the last reduction left
+  bool exact = true;         ///< `extreme` are extreme
+  std::uint64_t mapped = 0;  ///< number of points that the map was made from
+  std::uint64_t away = 0;    ///< points that a running reduction has taken
   std::shared_ptr<const StreamMap> map;
   bool map_is_late = false;  ///< a reduction has built none, because no block was there to filter
   std::uint64_t seen = 0, next_id = 0;
@@ -55,24 +58,31 @@ struct HullStream::Impl {
 
   // --------------------------------------------------------------------------- the exact step
 
-  /// The number of points that may wait for a reduction. The first one reduces about one block:
-  /// every block until then is filtered by a map of its own. (In the plane blocks keep less, and
-  /// such a map costs little.) A later one costs as much as keeping `worth` points to the end, and
-  /// threads that share the last reduction cannot share one in the midst of a push; so 6 `worth`
-  /// are kept: of 2 to 96 million points of a 3D ball, 0.69 to 0.99 of the time with `worth`, on
-  /// one thread. Then 4 times the number of extreme points, if larger, so that all reductions
-  /// together cost little more than the last one: a vertex costs a map about as much as keeping 4
-  /// points. At most a sixteenth of the budget, because twice as many may wait during a reduction
-  /// (reduce_if_worth), and growing vectors may have twice that capacity.
-  std::size_t enough(bool first) const {
-    const unsigned d = extreme.dimension;
-    const std::size_t worth = smallest_worth_refining(d);
-    const std::size_t wanted =
-        first ? worth / (d == 2 ? 8 : 32) : std::max<std::size_t>(6 * worth, 4 * known);
-    return std::min<std::size_t>(wanted, budget / 16 / extreme.point_bytes());
+  /// The number of points that may wait for a reduction, at most: 4 times those that the last one
+  /// left, so that all reductions together cost little more than the last one, or 6 times as many
+  /// as are worth a second map: of 2 to 96 million points of a 3D ball, 0.69 to 0.99 of the time
+  /// with one time as many, on one thread. At most a sixteenth of the budget, because twice as many
+  /// may wait during a reduction (reduce_if_worth), and growing vectors may have twice that
+  /// capacity.
+  std::size_t most_waiting() const {
+    const std::size_t worth = smallest_worth_refining(extreme.dimension);
+    return std::min<std::size_t>(std::max<std::size_t>(6 * worth, 4 * known),
+                                 budget / 16 / extreme.point_bytes());
   }
-  std::size_t enough() const { return enough(reductions == 0); }
-  std::uint64_t most_waiting_bytes() const { return 4 * enough(false) * extreme.point_bytes(); }
+  /// The number of points that start a reduction. The first one has about one block's: every block
+  /// until then is filtered by a map of its own. (In the plane blocks keep less, and such a map
+  /// costs little.) The second one has `finer` times those that the map was made from: of 8 million
+  /// points of a 3D ball it halves those that are kept.
+  std::size_t enough() const {
+    constexpr std::size_t finer = 12;
+    const std::size_t first =
+        smallest_worth_refining(extreme.dimension) / (extreme.dimension == 2 ? 8 : 32);
+    const std::size_t wanted = known == 0   ? first
+                               : mapped > 0 ? std::max<std::size_t>(finer * mapped, 4 * known)
+                                            : most_waiting();
+    return std::min(wanted, most_waiting());
+  }
+  std::uint64_t most_waiting_bytes() const { return 4 * most_waiting() * extreme.point_bytes(); }
   /// Number of points not yet reduced, without those that a running reduction has taken.
   std::size_t unreduced() const { return waiting_count + (away > 0 ? 0 : extreme.size() - known); }
   NumberedPoints no_points() const { return {extreme.dimension, extreme.scalar, {}, {}}; }
@@ -84,7 +94,7 @@ struct HullStream::Impl {
       const Guard lock(*this);
       count = unreduced();
       if (!map_is_late && (count == 0 || count <= enough())) return;
-      limit = enough(false);
+      limit = most_waiting();
     }
     std::unique_lock alone(reducing, std::defer_lock);
     // While another thread reduces, more points may wait, up to twice the limit.
@@ -96,18 +106,21 @@ struct HullStream::Impl {
     reduce(&block);
   }
 
-  /// Replaces all points held by their extreme points; keeps the points if that fails. Builds a map
-  /// for blocks like `block`; null: none, as maybe no block follows. Requires `reducing` locked.
-  void reduce(const PointView* block) {
+  /// Drops points that are strictly inside, by a map of the points held and, unless that leaves
+  /// few, exactly; keeps the points if that fails. Builds a map for blocks like `block`. Null:
+  /// none, as maybe no block follows, but only extreme points are left. `hull`, if given, receives
+  /// their hull, unless its facets exceed the budget. Requires `reducing` locked.
+  void reduce(const PointView* block, Hull* hull = nullptr) {
     const LockSpan held(&reducing);
     NumberedPoints all;
     std::vector<NumberedPoints> taken;
+    std::shared_ptr<const StreamMap> before;
     std::uint64_t seen_now, others;
-    bool exact_already;
+    bool reduced_already;
     {
       const Guard lock(*this);
-      exact_already = unreduced() == 0;
-      if (exact_already && (block == nullptr || !map_is_late)) {
+      reduced_already = exact && unreduced() == 0;
+      if (reduced_already && hull == nullptr && (block == nullptr || !map_is_late)) {
         reduced = seen;
         return;
       }
@@ -117,19 +130,39 @@ struct HullStream::Impl {
       taken = std::exchange(waiting, {});
       waiting_count = 0;
       seen_now = seen;
+      before = map;
     }
     std::shared_ptr<const StreamMap> next;
+    std::uint64_t count;
+    bool exactly = false;
     try {
-      Options exact = options;
-      all.take(taken, Run(exact));
-      exact.memory_budget = left_beside(all, others);
-      if (!exact_already) keep_extreme(all, exact);
+      Options step = options;
+      all.take(taken, Run(step));
+      count = all.size();
+      step.memory_budget = left_beside(all, others);
+      const Run run(step);
+      const std::size_t worth = smallest_worth_refining(all.dimension);
+      // The hull of few points takes less time than leaders do, and its map keeps less.
+      if (!reduced_already &&
+          (block != nullptr ? count >= worth / 8 : count >= worth && count < seen_now / 2))
+        next = StreamMap::of_leaders(all, before.get(), block,
+                                     block == nullptr ? count : 4 * seen_now, run);
+      if (next != nullptr) next->thin(all, run);
+      const auto most_left = [&] { return all.size() >= seen_now / 2; };
+      // In the plane the hull takes no longer than the map of so few points.
+      const std::size_t few = all.dimension == 2 ? 0 : worth;
+      exactly =
+          !reduced_already && (block == nullptr || most_left() ||
+                               all.size() > (next == nullptr ? few : std::max(few, count / 2)));
+      if (exactly || hull != nullptr) keep_extreme(all, step, hull);
       // Pages freed by the reduction are still resident; return them, as the points held need
       // memory, too.
       trim_pages(budget / 8);
       // If most points are extreme, a filter is not worthwhile.
-      if (block != nullptr && all.size() < seen_now / 2)
-        next = StreamMap::lay(all, *block, Run(exact));
+      if (most_left())
+        next = nullptr;
+      else if (block != nullptr && next == nullptr)
+        next = StreamMap::lay(all, *block, run);
     } catch (const Error& e) {
       put_back(std::move(all), std::move(taken));
       if (e.code() == ErrorCode::out_of_budget) refuse(e.what());
@@ -142,12 +175,14 @@ struct HullStream::Impl {
     if (all.scalar != extreme.scalar) all.widen();
     extreme = std::move(all);
     known = extreme.size();
+    exact = exactly || reduced_already;
     away = 0;
     reduced = seen_now;
-    reductions += exact_already ? 0 : 1;
+    reductions += exactly ? 1 : 0;
     map_is_late = block == nullptr;
     if (block == nullptr) return;
     map = std::move(next);
+    mapped = map != nullptr ? count : 0;
     if (map != nullptr) ++maps;
   }
 
@@ -165,6 +200,7 @@ struct HullStream::Impl {
     const Guard lock(*this);
     if (all.scalar != extreme.scalar) all.widen();
     extreme = std::move(all);
+    exact = false;
     away = 0;
     for (NumberedPoints& part : taken) wait(std::move(part));
   }
@@ -265,9 +301,10 @@ struct HullStream::Impl {
     next_id = std::max(next_id, end);
   }
 
-  HullState state() {
+  /// `hull`, if given, receives the hull of these points, if its facets fit the budget.
+  HullState state(Hull* hull = nullptr) {
     const std::lock_guard alone(reducing);
-    reduce(nullptr);
+    reduce(nullptr, hull);
     const Guard lock(*this);
     return StateParts::state(extreme, reduced + (extreme.size() > 0 ? left_out : 0));
   }
@@ -330,20 +367,26 @@ void HullStream::skip(std::uint64_t first_id, std::uint64_t count) {
 HullState HullStream::state() { return impl_->state(); }
 
 Hull HullStream::hull() {
-  const HullState state = impl_->state();
-  Options options = impl_->options;
-  // The rest of the budget, beside the state and the stream's own copy of its points.
-  const PointView points = state.points();
-  const std::uint64_t held =
-      2 * points.count * (points.dimension * scalar_size(points.scalar) + sizeof(std::uint64_t));
-  options.memory_budget = impl_->budget - std::min(held, impl_->budget - 1);
-  return state.hull(options);
+  Hull hull;
+  const HullState state = impl_->state(&hull);
+  if (hull.dimension == 0) {
+    Options options = impl_->options;
+    // The rest of the budget, beside the state and the stream's own copy of its points.
+    const PointView points = state.points();
+    const std::uint64_t held =
+        2 * points.count * (points.dimension * scalar_size(points.scalar) + sizeof(std::uint64_t));
+    options.memory_budget = impl_->budget - std::min(held, impl_->budget - 1);
+    return state.hull(options);
+  }
+  hull.point_count = state.point_count();
+  return hull;
 }
 
 StreamReport HullStream::report() const {
   const Impl::Guard lock(*impl_);
   const std::uint64_t held = impl_->extreme.size() + impl_->waiting_count + impl_->away;
-  return {impl_->seen, impl_->known, held - impl_->known, impl_->reductions, impl_->maps};
+  const std::uint64_t extreme = impl_->exact ? impl_->known : 0;
+  return {impl_->seen, extreme, held - extreme, impl_->reductions, impl_->maps};
 }
 
 }  // namespace cullhull

@@ -10,6 +10,7 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/extreme_points.hpp"
+#include "cullhull/hull_fwd.hpp"
 #include "cullhull/options.hpp"
 #include "cullhull/point_view.hpp"
 #include "cullhull/stream.hpp"
@@ -62,8 +63,9 @@ void copy_rows(const PointView& from, std::uint64_t first, const std::uint32_t* 
 // The exact step of a stream: reduces points to the extreme ones.
 
 /// Sorts the points by id and keeps the extreme ones; of equal points the one with the lowest id.
-/// Coordinates must be finite. Errors as of extreme_points().
-void keep_extreme(NumberedPoints& points, const Options& options);
+/// Coordinates must be finite. Errors as of extreme_points(). `hull`, if given, receives the hull
+/// of all of them; it is left alone for fewer than 2 points, or if its facets exceed the budget.
+void keep_extreme(NumberedPoints& points, const Options& options, Hull* hull = nullptr);
 
 /// The scalar type that represents two sets: that of the other if one is empty, f64 if they differ.
 ScalarType common_scalar(ScalarType a, std::uint64_t count_a, ScalarType b, std::uint64_t count_b);

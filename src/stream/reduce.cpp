@@ -12,26 +12,32 @@ namespace cullhull::internal {
 
 namespace {
 
-/// extreme_points(); from 4D to 6D through a hull, which finds them faster than linear programs do,
-/// if its facets fit the budget.
-ExtremePoints find_extreme(const PointView& points, const Options& options) {
-  if (points.dimension >= 4 && points.dimension <= 6) try {
+/// extreme_points(). From 4D to 6D through a hull, which finds them faster than linear programs do,
+/// if its facets fit the budget; up to 6D likewise if the hull is `wanted`, too.
+std::vector<std::uint64_t> find_extreme(const PointView& points, const Options& options,
+                                        Hull* wanted) {
+  const unsigned d = points.dimension;
+  if (d <= 6 && (d >= 4 || wanted != nullptr)) try {
       Hull hull = convex_hull(points, options);
-      std::sort(hull.vertices.begin(), hull.vertices.end());  // may be in cyclic order
-      return {std::move(hull.vertices), hull.affine_dimension, std::move(hull.statistics)};
+      std::vector<std::uint64_t> ids = hull.vertices;  // may be in cyclic order
+      if (wanted != nullptr) *wanted = std::move(hull);
+      std::sort(ids.begin(), ids.end());
+      return ids;
     } catch (const Error& e) {
       if (e.code() != ErrorCode::out_of_budget) throw;
     }
-  return extreme_points(points, options);
+  return extreme_points(points, options).ids;
 }
 
 }  // namespace
 
-void keep_extreme(NumberedPoints& points, const Options& options) {
+void keep_extreme(NumberedPoints& points, const Options& options, Hull* hull) {
   const Call call(options);
   points.sort(call.run);
   if (points.size() < 2) return;
-  const std::vector<std::uint64_t> places = find_extreme(points.view(), options).ids;
+  const std::vector<std::uint64_t> places = find_extreme(points.view(), options, hull);
+  if (hull != nullptr && hull->dimension > 0)
+    hull->rename([&](std::uint64_t place) { return points.ids[place]; });
   if (places.size() < points.size()) points.keep(places, call.run);
 }
 

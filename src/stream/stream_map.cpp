@@ -21,34 +21,65 @@ constexpr std::uint64_t most_corners[] = {1 << 16, 1 << 15, 8000, 2500, 800};
 /// nodes, one of 300,000 points in 5D 0.9, a 4D ball and a gauss distribution the same.
 constexpr double map_share = 0.25;
 
-/// The coordinates of all extreme points, or of that many, evenly spaced by id.
-Array<double> corners_of(const NumberedPoints& extreme) {
-  const std::uint64_t count = extreme.size(), most = most_corners[extreme.dimension - 2];
-  const std::uint64_t taken = std::min(count, most);
-  Array<double> rows(taken * extreme.dimension);
-  const PointView view = extreme.view();
+/// Points whose hull tells which of the others are outermost, where there is no map before.
+constexpr std::uint64_t rough_corners = 250;
+
+/// The coordinates of all points, or of `most`, evenly spaced.
+Array<double> corners_of(const NumberedPoints& points, std::uint64_t most) {
+  const std::uint64_t count = points.size(), taken = std::min(count, most);
+  Array<double> rows(taken * points.dimension);
+  const PointView view = points.view();
   for (std::uint64_t i = 0; i < taken; ++i)
-    load_row(view, i * count / taken, rows.data() + i * extreme.dimension);
+    load_row(view, i * count / taken, rows.data() + i * points.dimension);
   return rows;
 }
 
 }  // namespace
 
-std::shared_ptr<const StreamMap> StreamMap::lay(const NumberedPoints& extreme,
+std::shared_ptr<const StreamMap> StreamMap::lay(const NumberedPoints& points,
                                                 const PointView& block, const Run& run) {
-  const unsigned d = extreme.dimension;
-  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || extreme.size() <= d)
+  const unsigned d = points.dimension;
+  if (d < GaugeMap::min_dimension || d > GaugeMap::max_dimension || points.size() <= d)
     return nullptr;
-  InnerPolytope polytope = inner_polytope(corners_of(extreme), d, run);
+  InnerPolytope polytope = inner_polytope(corners_of(points, most_corners[d - 2]), d, run);
   if (polytope.dimension == 0) return nullptr;
   auto map = GaugeMap::build(std::move(polytope),
                              {.share = map_share, .cones = true, .threads = run.threads});
   if (map == nullptr) return nullptr;
+  return std::shared_ptr<const StreamMap>(new StreamMap(std::move(map), true, &block, run));
+}
+
+std::shared_ptr<const StreamMap> StreamMap::of_leaders(const NumberedPoints& points,
+                                                       const StreamMap* before,
+                                                       const PointView* block, std::uint64_t tested,
+                                                       const Run& run) {
+  const unsigned d = points.dimension;
+  if (d < 3 || d > GaugeMap::max_dimension) return nullptr;
+  std::unique_ptr<GaugeMap> rough;
+  if (before == nullptr) {
+    rough = map_of_polytope(inner_polytope(corners_of(points, rough_corners), d, run),
+                            points.size(), Insist::late, 0, run);
+    if (rough == nullptr) return nullptr;
+  }
+  const std::uint64_t count = points.size();
+  auto map = GaugeMap::of_leaders(gather_points(points.view(), nullptr, count, run),
+                                  rough != nullptr ? *rough : *before->map_,
+                                  cells_of_leaders(static_cast<double>(count), tested, d, 0), run);
+  if (map == nullptr) return nullptr;
+  return std::shared_ptr<const StreamMap>(new StreamMap(std::move(map), false, block, run));
+}
+
+StreamMap::StreamMap(std::unique_ptr<GaugeMap> map, bool cones, const PointView* block,
+                     const Run& run)
+    : map_(std::move(map)), cones_(cones) {
   // As for a very long pass: many blocks will follow.
   constexpr std::uint64_t enough_to_show = 1 << 14, many = std::uint64_t{1} << 40;
-  std::optional<GaugeCore> core;
-  if (block.count >= enough_to_show) core = core_for_pass(map->table(), block, many, run.threads);
-  return std::shared_ptr<const StreamMap>(new StreamMap(std::move(map), core));
+  if (block != nullptr && block->count >= enough_to_show)
+    core_ = core_for_pass(map_->table(), *block, many, run.threads);
+}
+
+void StreamMap::thin(NumberedPoints& points, const Run& run) const {
+  points.keep(map_->survivors(points.view(), run), run);
 }
 
 /// Positions, relative to `begin`, of the points kept. Points that the table keeps are tested once
@@ -58,7 +89,7 @@ std::size_t StreamMap::cull_chunk(const PointView& block, std::uint64_t begin, s
   const std::size_t doubtful =
       gauge_survivors(map_->table(), block, begin, end, positions, core_ ? &*core_ : nullptr);
   // If most are kept, the block is outside the hull, and exact tests would not discard any.
-  if (doubtful > (end - begin) / 2) return doubtful;
+  if (!cones_ || doubtful > (end - begin) / 2) return doubtful;
   double row[GaugeMap::max_dimension];
   std::size_t left = 0;
   for (std::size_t i = 0; i < doubtful; ++i) {

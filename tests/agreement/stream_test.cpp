@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <thread>
 
@@ -190,6 +192,68 @@ TEST(Stream, AnyNumberOfThreadsGivesTheSameState) {
     for (const unsigned threads : {1U, 2U, 3U, 16U, 64U})
       EXPECT_EQ(pushed(view_of(s), blocks, pushing, options_of(threads)), one)
           << pushing << " threads push, " << threads << " each";
+}
+
+// hull() computes the hull and the extreme points at once, from all points held.
+TEST(Stream, TheHullIsThatOfTheState) {
+  const struct {
+    const char* shape;
+    unsigned n, d;
+    bool flat = false;
+  } cases[] = {{"ball", 200000, 2},      {"ball", 300000, 3},  {"sphere", 40000, 3},
+               {"ball", 50000, 3, true}, {"gauss", 100000, 4}, {"ball", 60000, 4},
+               {"cube", 60000, 5},       {"sphere", 40, 7}};
+  for (const auto& c : cases) {
+    PointSet s = generated(c.shape, c.n, c.d, 13);
+    for (std::size_t i = 0; c.flat && i < s.coordinates.size(); i += c.d) s.coordinates[i] = 3;
+    const PointView half = part_of(view_of(s), 0, c.n / 2);
+    SCOPED_TRACE(s.name);
+    for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
+      Options options = options_of(threads);
+      options.with_coordinates = true;
+      HullStream stream(options);
+      for (unsigned at = 0; at < c.n / 2; at += 10000)
+        stream.push(part_of(view_of(s), at, std::min(at + 10000, c.n / 2)));
+      const Hull of_half = stream.hull();
+      EXPECT_EQ(canonical_hash(of_half), canonical_hash(convex_hull(half, options)));
+      EXPECT_EQ(stream.report().extreme, of_half.vertices.size());
+      EXPECT_EQ(stream.report().waiting, 0U);
+      EXPECT_EQ(canonical_hash(stream.hull()), canonical_hash(of_half));
+      stream.push(part_of(view_of(s), c.n / 2, c.n));
+      stream.skip(c.n, 5);
+      const Hull all = stream.hull();
+      EXPECT_EQ(all.point_count, c.n + 5);
+      const HullState state = stream.state();
+      const Hull again = state.hull(options);
+      EXPECT_EQ(canonical_hash(all), canonical_hash(again));
+      EXPECT_EQ(all.vertex_coordinates, again.vertex_coordinates);
+      EXPECT_EQ(state.ids(), sorted_vertices(convex_hull(view_of(s))));
+    }
+  }
+}
+
+// Points of which leaders are found in few directions, and tiles, whose blocks lie beside the map.
+TEST(Stream, ScansAndTilesInOrder) {
+  PointSet ground = generated("cube", 300000, 3, 14);
+  for (std::uint64_t i = 0; i < ground.count(); ++i) {
+    double* const p = ground.coordinates.data() + 3 * i;
+    p[2] = 0.02 * (std::sin(9 * p[0]) + std::cos(7 * p[1])) + 1e-4 * p[2];
+  }
+  const PointSet ball = generated("ball", 300000, 3, 15);
+  for (const PointSet& s : {ground, ball}) {
+    std::vector<std::array<double, 3>> rows(s.count());
+    std::memcpy(rows.data(), s.coordinates.data(), s.coordinates.size() * sizeof(double));
+    std::sort(rows.begin(), rows.end());
+    for (const double* const first :
+         {std::as_const(s.coordinates).data(), std::as_const(rows)[0].data()}) {
+      const PointView whole = PointView::row_major(first, s.count(), 3);
+      std::vector<Block> blocks;
+      for (std::uint64_t at = 0; at < s.count(); at += 15000) blocks.push_back({at, at + 15000});
+      const Hull hull = convex_hull(whole);
+      for (const unsigned pushing : {1U, 3U, 16U})
+        EXPECT_EQ(pushed(whole, blocks, pushing, options_of(1)).ids(), sorted_vertices(hull));
+    }
+  }
 }
 
 // A state is often the last thing that is asked for: the map waits for the next block.
