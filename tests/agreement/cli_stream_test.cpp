@@ -317,8 +317,8 @@ TEST(CliStream, AFileLargerThanTheAddressSpace) {
 /// Many tiles of points that are all extreme: opening them takes longer than several looks at the
 /// clock, so that a run can be cut off at any moment.
 void write_slow_input(const Folder& f) {
-  for (int tile = 1000; tile < 4000; ++tile)
-    write_npy(f / ("tile-" + std::to_string(tile) + ".npy"), generate("sphere", 50, 3, tile), 3);
+  for (int tile = 1000; tile < 9000; ++tile)
+    write_npy(f / ("tile-" + std::to_string(tile) + ".npy"), generate("sphere", 15, 3, tile), 3);
 }
 
 std::vector<std::string> checkpointed(const Folder& f) {

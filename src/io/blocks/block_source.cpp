@@ -88,6 +88,7 @@ class RecordBlocks : public CountedBlocks {
   RecordBlocks(OpenedBytes&& from, RecordLayout&& layout, std::size_t block_bytes)
       : from_(std::move(from)), layout_(std::move(layout)) {
     describe(from_.name, layout_);
+    std::string().swap(from_.head);  // the next input's has its memory
     divide(layout_.count, block_bytes / (layout_.record_bytes * layout_.columns));
   }
 
@@ -221,6 +222,7 @@ class TextBlocks : public BlockSource {
     format_ = preamble.kind == Preamble::qhull ? "text (Qhull)" : "text";
     lines_ = preamble.lines;
     options_.threads = 1;
+    std::string().swap(from_.head);
   }
   void go_on_from(const BlockPosition& from) override {
     if (from.file_bytes == 0) return;

@@ -165,7 +165,20 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
   if (system::status_of(file.get(), status) != 0) refuse(opened.name, "cannot read", errno);
   if (system::is_folder(status)) refuse(opened.name, "cannot read", EISDIR);
   const bool regular = system::is_regular(status);
+  // Files in /proc have size 0, and standard input may be a file that others read, too.
+  const bool anywhere = !ahead && path != "-" && regular && status.st_size > 0;
   auto bytes = std::make_unique<FileBytes>(opened.name, file.get(), !regular, stop);
+  if (anywhere) {
+    // The head is read beside the stream, which need not repeat it: of a thousand tiles, each is
+    // opened by one thread while the others wait.
+    opened.size = static_cast<std::uint64_t>(status.st_size);
+    system::expect_in_order(file.get());
+    opened.file = another(file, opened.name);
+    opened.head.resize(std::min<std::uint64_t>(head_bytes, opened.size));
+    read_at(opened, opened.head.data(), opened.head.size(), 0);
+    opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), "");
+    return opened;
+  }
   if (ahead) {
     opened.head = std::move(ahead->bytes);
     bytes->count_taken(opened.head.size());
@@ -174,14 +187,7 @@ OpenedBytes open_file(const std::string& path, const std::stop_token& stop) {
     opened.head.resize(bytes->read(opened.head.data(), head_bytes));
   }
   if (opened.head.empty()) fail({opened.name, nullptr, 0}, "empty file");
-  // Files in /proc have size 0, and standard input may be a file that others read, too.
-  if (path != "-" && regular && status.st_size > 0) {
-    opened.size = static_cast<std::uint64_t>(status.st_size);
-    system::expect_in_order(file.get());
-    opened.file = another(file, opened.name);
-  } else {
-    system::enlarge_pipe(file.get());  // fails where it is no pipe
-  }
+  system::enlarge_pipe(file.get());  // fails where it is no pipe
   opened.stream = std::make_unique<WithHead>(std::move(file), std::move(bytes), opened.head);
   return opened;
 }
