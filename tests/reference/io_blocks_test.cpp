@@ -164,6 +164,21 @@ TEST(IoBlocks, StopsAtTheErrorOfTheLowestBlock) {
   }
 }
 
+// Line ends are counted in vectors of bytes, which hold no more than 255 each.
+TEST(IoBlocks, LinesOfEarlierBlocksAreCounted) {
+  const TemporaryFolder folder;
+  for (const int empty : {0, 1, 63, 64, 300, 16319, 16320, 16384, 100000}) {
+    const std::string text =
+        "1 2 3\n" + std::string(static_cast<std::size_t>(empty), '\n') + "4 5 6\n7 8 9\n1 2\n";
+    const std::vector<std::string> files{folder.write("a.xyz", text)};
+    BlockOptions options;
+    options.block_bytes = 30000;
+    EXPECT_TRUE(
+        has(error_of(ErrorCode::bad_file, [&] { visit_blocks(files, no_visitor(), options); }),
+            "a.xyz:" + std::to_string(empty + 4) + ": "));
+  }
+}
+
 TEST(IoBlocks, MixedDimensionsAreToldOfTheLowestBlockThatDiffers) {
   const TemporaryFolder folder;
   std::vector<std::string> files;  // arrays, whose blocks are loaded in any order

@@ -238,7 +238,7 @@ class TextBlocks : public BlockSource {
     if (!std::exchange(empty_, false) && size == 0) return false;
     const char* const begin = memory.room(0);
     const std::uint64_t before = lines_;
-    lines_ += static_cast<std::uint64_t>(std::count(begin, begin + size, '\n'));
+    lines_ += count_line_ends(begin, size);
     at_ += size;
     task.count.reset();
     task.file_bytes = at_;
