@@ -111,7 +111,7 @@ class HullState {
 /// Counters of a stream.
 struct StreamReport {
   std::uint64_t point_count = 0;  ///< pushed so far
-  std::uint64_t extreme = 0;      ///< extreme points found by the last reduction; 0: not exactly
+  std::uint64_t extreme = 0;      ///< found to be so by the last exact reduction; 0 after others
   std::uint64_t waiting = 0;      ///< further points held, not known to be inside
   std::uint64_t reductions = 0;   ///< number of exact computations of the extreme points
   std::uint64_t maps = 0;         ///< number of filters built, by push() alone

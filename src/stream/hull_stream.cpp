@@ -44,7 +44,8 @@ struct HullStream::Impl {
   std::uint64_t reduced = 0;   ///< number of points seen that `extreme` represents
   std::uint64_t reductions = 0, maps = 0;
 
-  std::mutex reducing;  ///< held by the reducing thread; locked before `mutex`
+  std::mutex reducing;       ///< held by the reducing thread; locked before `mutex`
+  bool leaders_suit = true;  ///< until they drop few points, as of scans; guarded by `reducing`
 
   /// Locks `mutex`.
   class Guard {
@@ -143,8 +144,10 @@ struct HullStream::Impl {
       const Run run(step);
       const std::size_t worth = smallest_worth_refining(all.dimension);
       // The hull of few points takes less time than leaders do, and its map keeps less.
-      if (!reduced_already &&
-          (block != nullptr ? count >= worth / 8 : count >= worth && count < seen_now / 2))
+      const bool leads =
+          leaders_suit && !reduced_already &&
+          (block != nullptr ? count >= worth / 8 : count >= worth && count < seen_now / 2);
+      if (leads)
         next = StreamMap::of_leaders(all, before.get(), block,
                                      block == nullptr ? count : 4 * seen_now, run);
       if (next != nullptr) next->thin(all, run);
@@ -154,6 +157,7 @@ struct HullStream::Impl {
       exactly =
           !reduced_already && (block == nullptr || most_left() ||
                                all.size() > (next == nullptr ? few : std::max(few, count / 2)));
+      if (leads) leaders_suit = next != nullptr && (block == nullptr || !exactly);
       if (exactly || hull != nullptr) keep_extreme(all, step, hull);
       // Pages freed by the reduction are still resident; return them, as the points held need
       // memory, too.

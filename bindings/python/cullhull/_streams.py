@@ -446,9 +446,9 @@ class HullStream:
 
     @property
     def report(self) -> dict[str, int]:
-        """Statistics: ``point_count``; ``extreme``, points found to be extreme so far; ``waiting``,
-        points that passed the filter and wait for the next exact hull; ``reductions``, exact hulls
-        computed; ``maps``, filters built."""
+        """Statistics: ``point_count``; ``extreme``, points that the last exact hull found to be
+        extreme, 0 after a filter has replaced it; ``waiting``, the other points held;
+        ``reductions``, exact hulls computed; ``maps``, filters built."""
         return self._stream.report
 
     def __reduce__(self) -> tuple[Any, ...]:
