@@ -14,8 +14,8 @@
 
 namespace cullhull::internal {
 
-/// Simplices in a chunk of a parallel loop.
-inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 14;
+/// Simplices in a chunk of a parallel loop: 20 to 100 microseconds of work in 4D.
+inline constexpr std::uint64_t simplex_chunk = std::uint64_t{1} << 12;
 
 /// Replaces each vertex by the lowest id among the points equal to it, sorts the ids of each
 /// simplex with its neighbours, and stores the parity of that permutation in `odd`. Throws

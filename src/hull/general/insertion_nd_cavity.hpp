@@ -206,7 +206,7 @@ template <unsigned D>
 Boundary InsertionNd<D>::collect() {
   const unsigned d = dim();
   // A facet's number: the count of live facets in earlier chunks, plus those before it in its own.
-  constexpr unsigned chunk_bits = 14;
+  constexpr unsigned chunk_bits = 12;
   constexpr std::uint64_t chunk = std::uint64_t{1} << chunk_bits;
   RawArray<Id> number;
   number.reserve(facet_slots_);

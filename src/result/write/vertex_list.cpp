@@ -11,10 +11,11 @@ namespace cullhull::internal {
 
 VertexList list_vertices(const Boundary& surface, std::uint32_t points, const std::uint64_t* ids,
                          const Run& run) {
+  constexpr std::uint64_t grain = std::uint64_t{1} << 13;
   BigArray<std::uint8_t> used(points);
   std::memset(used.get(), 0, points);
   const bool many = surface.dimension > 3;
-  run.each(surface.vertices.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(surface.vertices.size(), grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) {
       // Threads may set the same flag, to the same value. If a vertex has dozens of facets, the
       // flag is usually set already. Testing it first avoids taking the cache line from other
@@ -33,7 +34,7 @@ VertexList list_vertices(const Boundary& surface, std::uint32_t points, const st
     return true;
   };
   pack(
-      points, light_grain, run, [&](std::uint64_t p) { return used[p] != 0; }, prepare,
+      points, grain, run, [&](std::uint64_t p) { return used[p] != 0; }, prepare,
       [&](std::uint64_t p, std::uint64_t rank) {
     list.ids[rank] = ids != nullptr ? ids[p] : p;
     if (!list.all_points) list.positions[p] = static_cast<std::uint32_t>(rank);

@@ -147,11 +147,12 @@ class SimplexWriter : SimplexLists<K> {
  private:
   // ---------------------------------------------------------------- keys, sorted
 
-  /// Distributes the simplices' keys to buckets. The order within a bucket depends on the chunk
-  /// size alone, not on threads.
+  /// Distributes the simplices' keys to buckets, in each in the surface's order.
   void deal() {
-    std::vector<std::uint32_t> next(chunk_count(count_, simplex_chunk) * buckets_, 0);
-    run_.each_chunk(count_, simplex_chunk,
+    // So large that a chunk's counts take less time than its keys.
+    const std::uint64_t grain = std::max<std::uint64_t>(simplex_chunk, 8 * buckets_);
+    std::vector<std::uint32_t> next(chunk_count(count_, grain) * buckets_, 0);
+    run_.each_chunk(count_, grain,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* counts = next.data() + chunk * buckets_;
       for (std::uint64_t f = begin; f < end; ++f)
@@ -160,7 +161,7 @@ class SimplexWriter : SimplexLists<K> {
     scan_buckets(next, buckets_, &bucket_start_);
     keys_ = BigArray<FacetKey>(count_);
     clear_pages_early(keys_.get(), count_ * sizeof(FacetKey), run_.threads, [&] { run_.check(); });
-    run_.each_chunk(count_, simplex_chunk,
+    run_.each_chunk(count_, grain,
                     [&](std::uint64_t chunk, std::uint64_t begin, std::uint64_t end) {
       std::uint32_t* place = next.data() + chunk * buckets_;
       std::uint32_t corners[K];
@@ -441,27 +442,35 @@ class SimplexWriter : SimplexLists<K> {
   /// not, other simplices may still have one. The sample has up to 512 simplices, in blocks of 8.
   bool coplanar_sample() const {
     const std::uint64_t blocks = std::min<std::uint64_t>(64, count_ / 128);
+    std::atomic<bool> flat{false};
+    run_.each(blocks, 8, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t k = begin; k < end && !flat.load(std::memory_order_relaxed); ++k)
+        if (coplanar_block(k, blocks)) flat.store(true, std::memory_order_relaxed);
+    });
+    return flat.load();
+  }
+
+  /// Whether a simplex of block k of the sample has a coplanar neighbour.
+  bool coplanar_block(std::uint64_t k, std::uint64_t blocks) const {
     FacetBlock<K> block = this->empty_block();
-    for (std::uint64_t k = 0; k < blocks; ++k) {
-      const auto at = [&](unsigned lane) {
-        return static_cast<std::uint32_t>(count_ * (k * lanes + lane) / (blocks * lanes));
-      };
-      for (unsigned lane = 0; lane < lanes; ++lane) {
-        std::uint32_t corners[K];
-        stored(at(lane), corners);
-        load(corners, block, lane);
-      }
-      facet_block(block);
-      for (unsigned lane = 0; lane < lanes; ++lane)
-        for (unsigned i = 0; i < K; ++i) {
-          const std::uint32_t g = surface_.neighbours[std::size_t{at(lane)} * K + i];
-          if (g >= count_ || g == at(lane)) fail_not_exact("a ridge has no second facet");
-          const std::uint32_t x = surface_.simplex(g)[opposite_slot<K>(surface_, at(lane), i, g)];
-          bool known = false;
-          const Sign sign = side(block, lane, vertices_.position(x), known);
-          if (known ? sign == Sign::zero : exactly_flat(at(lane), x)) return true;
-        }
+    const auto at = [&](unsigned lane) {
+      return static_cast<std::uint32_t>(count_ * (k * lanes + lane) / (blocks * lanes));
+    };
+    for (unsigned lane = 0; lane < lanes; ++lane) {
+      std::uint32_t corners[K];
+      stored(at(lane), corners);
+      load(corners, block, lane);
     }
+    facet_block(block);
+    for (unsigned lane = 0; lane < lanes; ++lane)
+      for (unsigned i = 0; i < K; ++i) {
+        const std::uint32_t g = surface_.neighbours[std::size_t{at(lane)} * K + i];
+        if (g >= count_ || g == at(lane)) fail_not_exact("a ridge has no second facet");
+        const std::uint32_t x = surface_.simplex(g)[opposite_slot<K>(surface_, at(lane), i, g)];
+        bool known = false;
+        const Sign sign = side(block, lane, vertices_.position(x), known);
+        if (known ? sign == Sign::zero : exactly_flat(at(lane), x)) return true;
+      }
     return false;
   }
 
