@@ -46,8 +46,8 @@ std::vector<std::uint32_t> extreme_ids(const LocalPoints& points, const Run& run
   std::vector<std::uint8_t> present(points.count, 0);
   for (const std::uint32_t i : distinct(points, run.control)) present[i] = 1;
   // Outermost first: the hull of the first points contains most others.
-  std::vector<std::uint32_t> order;
-  for (NormOrder all(points, {}, run); all.left() > 0;) all.take_round(order);
+  std::vector<std::uint32_t> order, ends;
+  NormOrder(points, {}, run).take_rounds(points.count, order, ends);
   order.erase(std::remove_if(order.begin(), order.end(), [&](auto i) { return !present[i]; }),
               order.end());
 

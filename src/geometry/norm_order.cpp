@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "geometry/curve_frame.hpp"
 #include "parallel/dispatch.hpp"
 #include "parallel/radix_sort.hpp"
+#include "parallel/scan.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -15,10 +17,11 @@ namespace {
 // large enough for a hull that culls well. On 10,000 normal points in 4D the tests against the
 // facets of 64 points drop nine of ten.
 constexpr std::uint32_t first_round = 64;
-/// The number of outermost points that are selected and sorted before all points are: if thinning
-/// between the rounds drops most of the others, they are never sorted.
+/// At least so many of the outermost points are selected and sorted before all points are: if
+/// thinning between the rounds drops most of the others, they are never sorted.
 constexpr std::uint32_t outermost = 1024;
-constexpr std::uint64_t chunk = std::uint64_t{1} << 15;
+/// Items in a chunk: 20 to 40 microseconds of work.
+constexpr std::uint64_t chunk = std::uint64_t{1} << 13;
 /// Returns the size of the sample for the covariance. It grows with the dimension, where the order
 /// matters more: with 512 points instead of 4,096 the 6D engine makes a tenth more facets on balls.
 std::uint32_t covariance_sample(std::uint32_t count, unsigned d) {
@@ -133,61 +136,96 @@ void NormOrder::compute_norms() {
 /// Ensures that the outermost `wanted` of all items are sorted.
 void NormOrder::sort_outermost(std::uint32_t wanted) {
   if (wanted <= sorted_) return;
-  std::uint32_t end = count_;
-  if (wanted <= outermost && count_ > 4 * outermost) {
-    end = outermost;
-    // Key and id order all points totally, so that the result does not depend on the algorithm.
-    std::nth_element(items_.data() + sorted_, items_.data() + end, items_.data() + count_,
-                     [](const KeyedId& a, const KeyedId& b) {
-      return a.key != b.key ? a.key < b.key : a.id < b.id;
-    });
-  }
-  scratch_.reserve(end - sorted_);
-  KeyedId* items = items_.data() + sorted_;
-  KeyedId* other = scratch_.data();
-  radix_sort(items, other, end - sorted_, 32, run_);
-  if (items != items_.data() + sorted_) std::copy_n(items, end - sorted_, other);
+  const bool few = wanted <= outermost && count_ > 4 * outermost;
+  const std::uint32_t end = few ? select_outermost(wanted) : count_;
+  sort(sorted_, end, 32);
   sorted_ = end;
 }
 
-void NormOrder::take_round(std::vector<std::uint32_t>& order) {
-  std::uint32_t size = taken_ == 0 ? first_round : taken_ / 2;
-  if (size > left() || left() - size < (taken_ + size) / 2) size = left();
-  if (taken_ == 0) size = std::min(first_round, left());
-  sort_outermost(taken_ + size);
-  KeyedId* items = items_.data() + taken_;
-  if (taken_ > 0) arrange(items, size);
-  for (std::uint32_t k = 0; k < size; ++k) order.push_back(items[k].id);
-  taken_ += size;
+/// Moves about 2,048 of the outermost of the items that are not sorted to their front, by a
+/// threshold from a sample; returns where they end. All items, if there are fewer than `wanted`.
+std::uint32_t NormOrder::select_outermost(std::uint32_t wanted) {
+  constexpr std::uint32_t stride = 32;
+  std::vector<std::uint32_t> sample;
+  for (std::uint32_t i = sorted_; i < count_; i += stride) sample.push_back(items_[i].key);
+  const std::size_t rank = std::min<std::size_t>(2 * outermost / stride, sample.size() - 1);
+  std::nth_element(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(rank),
+                   sample.end());
+  const std::uint32_t n = count_ - sorted_, most = sample[rank];
+  KeyedId *const from = items_.data() + sorted_, *const to = scratch_.data() + sorted_;
+  const auto chosen =
+      sum_chunks<std::uint32_t>(n, chunk, run_, [&](std::uint64_t begin, std::uint64_t end) {
+        std::uint32_t count = 0;
+        for (std::uint64_t i = begin; i < end; ++i) count += from[i].key <= most ? 1 : 0;
+        return count;
+      });
+  if (sorted_ + chosen.total < wanted) return count_;
+  std::copy_n(items_.data(), sorted_, scratch_.data());
+  run_.each_chunk(n, chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::uint64_t place = chosen.before[c], other = chosen.total + begin - place;
+    for (std::uint64_t i = begin; i < end; ++i)
+      to[from[i].key <= most ? place++ : other++] = from[i];
+  });
+  std::swap(items_, scratch_);
+  return sorted_ + chosen.total;
 }
 
-/// Sorts points along a Hilbert curve through a grid of 16^d cells per point, but at most as many
-/// cells as 32-bit keys distinguish.
-void NormOrder::arrange(KeyedId* begin, std::uint32_t size) {
+/// Sorts the items [begin, end) by the low bits of their keys.
+void NormOrder::sort(std::uint32_t begin, std::uint32_t end, unsigned bits) {
+  KeyedId *items = items_.data() + begin, *other = scratch_.data() + begin;
+  radix_sort(items, other, end - begin, bits, run_);
+  if (items != items_.data() + begin) std::copy_n(items, end - begin, other);
+}
+
+void NormOrder::take_rounds(std::size_t most, std::vector<std::uint32_t>& order,
+                            std::vector<std::uint32_t>& ends) {
+  const std::size_t before = order.size();
+  std::vector<std::uint32_t> bounds{taken_};
+  while (bounds.size() <= most && left() > 0) {
+    std::uint32_t size = taken_ / 2;
+    if (size > left() || left() - size < (taken_ + size) / 2) size = left();
+    if (taken_ == 0) size = std::min(first_round, left());
+    bounds.push_back(taken_ += size);
+    ends.push_back(static_cast<std::uint32_t>(before + taken_ - bounds[0]));
+  }
+  scratch_.reserve(count_);
+  sort_outermost(taken_);
+  // Small rounds side by side, if there is enough to share; in a large one the threads sort
+  // together.
+  const auto arrange_round = [&](std::size_t r) { arrange(bounds[r], bounds[r + 1]); };
+  std::size_t small = 0;
+  while (small + 1 < bounds.size() && bounds[small + 1] - bounds[small] <= radix_alone) ++small;
+  if (bounds[small] - bounds[0] <= radix_alone) small = 0;
+  run_.each_item(small, arrange_round);
+  for (std::size_t r = small; r + 1 < bounds.size(); ++r) arrange_round(r);
+  for (std::uint32_t k = bounds[0]; k < taken_; ++k) order.push_back(items_[k].id);
+}
+
+/// Sorts a round, the items [begin, end), along a Hilbert curve through a grid of 16^d cells per
+/// point, but at most as many cells as 32-bit keys distinguish. The first of all stays as it is.
+void NormOrder::arrange(std::uint32_t begin, std::uint32_t end) {
+  if (begin == 0) return;
+  KeyedId* const items = items_.data() + begin;
   const unsigned d = points_.dimension, used = std::min(d, 32U);
-  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(size)) / d + 4, 1U,
+  const unsigned bits = std::clamp(static_cast<unsigned>(std::bit_width(end - begin)) / d + 4, 1U,
                                    std::clamp(32U / d, 1U, 10U));
-  run_.each(size, chunk, [&](std::uint64_t from, std::uint64_t to) {
+  run_.each(end - begin, chunk, [&](std::uint64_t from, std::uint64_t to) {
     const double cells = static_cast<double>(1U << bits);
     std::uint32_t cell[32 * curve_block] = {}, keys[curve_block];
     for (std::uint64_t i = from; i < to; i += curve_block) {
       const std::uint64_t count = std::min<std::uint64_t>(curve_block, to - i);
       for (std::uint64_t k = 0; k < count; ++k) {
-        const double* x = points_.row(begin[i + k].id);
+        const double* x = points_.row(items[i + k].id);
         for (unsigned j = 0; j < used; ++j) {
           const double place = std::clamp((x[j] * 0.5 + 0.5) * cells, 0.0, cells - 1);
           cell[j * curve_block + k] = static_cast<std::uint32_t>(static_cast<std::int32_t>(place));
         }
       }
       curve_keys(used, bits, cell, keys);
-      for (std::uint64_t k = 0; k < count; ++k) begin[i + k].key = keys[k];
+      for (std::uint64_t k = 0; k < count; ++k) items[i + k].key = keys[k];
     }
   });
-  scratch_.reserve(size);
-  KeyedId* items = begin;
-  KeyedId* other = scratch_.data();
-  radix_sort(items, other, size, used * bits, run_);
-  if (items != begin) std::copy_n(items, size, begin);
+  sort(begin, end, used * bits);
 }
 
 void NormOrder::drop(const std::uint8_t* dropped) {

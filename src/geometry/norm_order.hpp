@@ -27,8 +27,10 @@ class NormOrder {
   /// Returns one of them, k < left(), in no particular order.
   std::uint32_t left_at(std::uint32_t k) const { return items_[taken_ + k].id; }
 
-  /// Appends the next round to `order`.
-  void take_round(std::vector<std::uint32_t>& order);
+  /// Appends the next rounds, `most` of them or all that are left, to `order`, and to `ends` where
+  /// each ends there.
+  void take_rounds(std::size_t most, std::vector<std::uint32_t>& order,
+                   std::vector<std::uint32_t>& ends);
 
   /// Removes the remaining points at the positions k where dropped[k] is nonzero.
   void drop(const std::uint8_t* dropped);
@@ -36,7 +38,9 @@ class NormOrder {
  private:
   void compute_norms();
   void sort_outermost(std::uint32_t wanted);
-  void arrange(KeyedId* begin, std::uint32_t size);
+  std::uint32_t select_outermost(std::uint32_t wanted);
+  void sort(std::uint32_t begin, std::uint32_t end, unsigned bits);
+  void arrange(std::uint32_t begin, std::uint32_t end);
 
   const LocalPoints& points_;
   const Run run_;

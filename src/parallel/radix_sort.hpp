@@ -11,6 +11,9 @@
 
 namespace cullhull::internal {
 
+/// Up to so many items are one thread's: sharing them takes longer than it saves.
+inline constexpr std::uint32_t radix_alone = 1 << 14;
+
 /// Sorts n < 2^32 items by key(item), stably. Only the `bits` low bits of a key may be set.
 /// `scratch` has room for n items. The function may exchange the two pointers; afterwards `items`
 /// points to the sorted items. An item's place is computed from the counts of all chunks, so the
@@ -32,8 +35,9 @@ void radix_sort(Item*& items, Item*& scratch, std::uint32_t n, unsigned bits, co
   const unsigned widest = n < 4096 ? 8 : 12;
   const unsigned passes = (bits + widest - 1) / widest;
   const unsigned digit_bits = (bits + passes - 1) / passes, buckets = 1U << digit_bits;
-  // At most about 64 chunks, since each needs counts of its own.
-  const std::uint64_t chunk_size = std::max<std::uint64_t>(1 << 14, n / 64);
+  // At most about 64 chunks, since each needs counts of its own; few where nobody shares them.
+  const std::uint64_t least = run.threads < 2 ? 1 << 20 : n <= radix_alone ? radix_alone : 1 << 12;
+  const std::uint64_t chunk_size = std::max<std::uint64_t>(least, n / 64);
   std::vector<std::uint32_t> places(chunk_count(n, chunk_size) * buckets);
   for (unsigned pass = 0; pass < passes; ++pass) {
     const unsigned shift = pass * digit_bits;

@@ -61,13 +61,11 @@ struct Points {
   LocalPoints local;
 };
 
-std::vector<std::uint32_t> all_rounds(NormOrder& order, std::vector<std::uint32_t>* sizes) {
+/// Takes all rounds, `most` at a time.
+std::vector<std::uint32_t> all_rounds(NormOrder& order, std::vector<std::uint32_t>& ends,
+                                      std::size_t most) {
   std::vector<std::uint32_t> taken;
-  while (order.left() > 0) {
-    const std::size_t before = taken.size();
-    order.take_round(taken);
-    if (sizes != nullptr) sizes->push_back(static_cast<std::uint32_t>(taken.size() - before));
-  }
+  while (order.left() > 0) order.take_rounds(most, taken, ends);
   return taken;
 }
 
@@ -81,14 +79,18 @@ TEST(NormOrder, TakesEveryPointOnceForAnyNumberOfThreads) {
         without.push_back(n - 1 - i * (n / (d + 1)));
       std::sort(without.begin(), without.end());
       without.erase(std::unique(without.begin(), without.end()), without.end());
-      std::vector<std::uint32_t> first;
-      for (const unsigned threads : {1U, 2U, 3U, 8U}) {
+      std::vector<std::uint32_t> first, first_ends;
+      for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
         NormOrder order(points.local, without, run.with_threads(threads));
-        std::vector<std::uint32_t> taken = all_rounds(order, nullptr);
-        if (threads == 1)
+        // One round after another, or many at once.
+        std::vector<std::uint32_t> ends, taken = all_rounds(order, ends, threads % 2 == 1 ? 1 : 50);
+        if (threads == 1) {
           first = taken;
-        else
+          first_ends = ends;
+        } else {
           EXPECT_EQ(taken, first) << n << " points in " << d;
+          EXPECT_EQ(ends, first_ends) << n << " points in " << d;
+        }
         taken.insert(taken.end(), without.begin(), without.end());
         std::sort(taken.begin(), taken.end());
         std::vector<std::uint32_t> all(n);
@@ -103,8 +105,8 @@ TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
   const Points points("ball", 30000, 4);
   for (const bool thin : {false, true}) {
     NormOrder order(points.local, {}, run.with_threads(2));
-    std::vector<std::uint32_t> taken, dropped;
-    order.take_round(taken);
+    std::vector<std::uint32_t> taken, dropped, ends;
+    order.take_rounds(1, taken, ends);
     ASSERT_EQ(taken.size(), 64U);
     if (thin) {
       std::vector<std::uint8_t> drop(order.left());
@@ -114,17 +116,17 @@ TEST(NormOrder, TheOutermostComeFirstWhateverIsDropped) {
       }
       order.drop(drop.data());
     }
-    std::vector<std::uint32_t> sizes;
-    const std::vector<std::uint32_t> rest = all_rounds(order, &sizes);
+    ends.clear();
+    const std::vector<std::uint32_t> rest = all_rounds(order, ends, 50);
     EXPECT_EQ(taken.size() + rest.size() + dropped.size(), 30000U);
     // The norm takes the covariance of some points for the unit, so only nearly a ball's.
     double lowest = 2;
     for (const std::uint32_t i : taken) lowest = std::min(lowest, points.norm(i));
     EXPECT_GT(lowest, 0.9);
     std::size_t at = 0;
-    for (const std::uint32_t size : sizes) {
+    for (const std::uint32_t end : ends) {
       double inner = 2, outer = 0;
-      for (std::uint32_t k = 0; k < size; ++k, ++at) {
+      for (; at < end; ++at) {
         inner = std::min(inner, points.norm(rest[at]));
         outer = std::max(outer, points.norm(rest[at]));
       }

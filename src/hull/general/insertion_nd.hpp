@@ -26,6 +26,7 @@
 #include "exact/determinants/minors.hpp"
 #include "exact/orientation/orientation.hpp"
 #include "exact/planes/exact_plane.hpp"
+#include "geometry/box_of_rows.hpp"
 #include "geometry/norm_order.hpp"
 #include "hull/engine.hpp"
 #include "hull/general/cavity.hpp"
@@ -96,7 +97,7 @@ class InsertionNd {
   void build_simplex();
   void reserve(std::size_t facets);
 
-  void append_round(NormOrder& order);
+  void append_rounds(NormOrder& order, std::size_t most);
   void insert_outermost(NormOrder& order);
   void list_planes(std::vector<float>& planes) const;
   template <class At>
@@ -233,21 +234,20 @@ void InsertionNd<D>::choose_centre() {
 
 template <unsigned D>
 void InsertionNd<D>::measure_reach() {
-  double few[D > 0 ? D : 1] = {};
-  double* const reach = D > 0 ? few : reach_.data();
+  const BoxOfRows box = box_of_rows(
+      points_.count, dim(), [&](std::uint64_t k) { return points_.row(static_cast<Id>(k)); }, run_);
+  for (unsigned j = 0; j < dim(); ++j)
+    reach_[j] =
+        std::max(box.high[j] - centre_[j], centre_[j] - box.low[j]) * (1 + 0x1p-30) + 0x1p-40;
+  if constexpr (D > 0) return;
   for (Id k = 0; k < points_.count; ++k) {
     if (k % 65536 == 0) run_.check();
     const double* p = points_.row(k);
     double square = 0;
-    for (unsigned j = 0; j < dim(); ++j) {
-      const double y = std::abs(p[j] - centre_[j]);
-      reach[j] = std::max(reach[j], y);
-      if constexpr (D == 0) square += y * y;
-    }
+    for (unsigned j = 0; j < dim(); ++j) square += (p[j] - centre_[j]) * (p[j] - centre_[j]);
     radius_ = std::max(radius_, square);
   }
   radius_ = std::sqrt(radius_) * (1 + 0x1p-30) + 0x1p-40;
-  for (unsigned j = 0; j < dim(); ++j) reach_[j] = reach[j] * (1 + 0x1p-30) + 0x1p-40;
 }
 
 template <unsigned D>
@@ -271,7 +271,7 @@ Boundary InsertionNd<D>::run() {
   {
     NormOrder order(points_, order_, run_);
     insert_outermost(order);
-    while (order.left() > 0) append_round(order);
+    append_rounds(order, order.left());
     expected_ = order_.size();
   }
   while (rounds_done_ + 1 < starts_.size()) insert_round();

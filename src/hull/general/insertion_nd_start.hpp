@@ -8,12 +8,11 @@
 namespace cullhull::internal {
 
 template <unsigned D>
-void InsertionNd<D>::append_round(NormOrder& order) {
+void InsertionNd<D>::append_rounds(NormOrder& order, std::size_t most) {
   const unsigned d = dim();
   const std::size_t begin = order_.size();
-  order.take_round(order_);
-  starts_.push_back(static_cast<Id>(order_.size()));
-  run_.each(order_.size() - begin, std::uint64_t{1} << 15,
+  order.take_rounds(most, order_, starts_);
+  run_.each(order_.size() - begin, std::uint64_t{1} << 13,
             [&](std::uint64_t from, std::uint64_t to) {
     for (std::uint64_t k = begin + from; k < begin + to; ++k)
       std::copy_n(points_.row(order_[k]), d, ordered_.data() + k * d);
@@ -34,7 +33,7 @@ void InsertionNd<D>::insert_outermost(NormOrder& order) {
   std::vector<float> planes;
   for (std::size_t asked = 0; order.left() > 0 && live_ < most;) {
     expected_ = order_.size() + order.left();
-    append_round(order);
+    append_rounds(order, 1);
     insert_round();
     if (order.left() == 0 || live_ < 2 * asked) continue;
     asked = live_;
