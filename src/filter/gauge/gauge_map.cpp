@@ -110,7 +110,7 @@ Array<std::uint64_t> GaugeMap::survivors(const PointView& points, const Run& run
   }
   Array<std::uint64_t> result(exclusive_scan(offsets));
   if (all) rows->rows.resize(result.size() * d);
-  run.each(chunks, 16, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(chunks, 8, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t c = begin; c < end; ++c) {
       const std::uint64_t first = c * gauge_chunk;
       const std::vector<std::uint16_t> found = std::move(kept[c]);  // freed by this thread
