@@ -45,7 +45,7 @@ InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& 
   p.neighbours.assign(hull.simplex_neighbours.begin(), hull.simplex_neighbours.end());
   p.facets.resize(hull.simplices.size());
   const IdPlaces place(leaders, run);
-  run.each(hull.simplices.size(), 8192, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(hull.simplices.size(), 1024, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) p.facets[i] = place(hull.simplices[i]);
   });
   return p;
