@@ -80,24 +80,28 @@ std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::ui
     return surface_of(*known.triangles, *from.local, simplex, run);
   }
   if (known.hull == nullptr) return {};
-  const std::vector<std::uint64_t>& vertices = known.hull->vertices;
-  if (vertices.size() != count ||
-      (from.ids != nullptr && !std::equal(vertices.begin(), vertices.end(), from.ids)))
-    return {};
-  known.tried = true;
-  return moved_surface(*known.hull, known.numbers, *from.local, simplex, run);
+  const auto order =
+      vertices_first(known.hull->vertices, from.ids, static_cast<std::uint32_t>(count), run);
+  known.tried = !order.empty();
+  if (!known.tried) return {};
+  return moved_surface(*known.hull, known.numbers, order, *from.local, simplex, run);
 }
 
-/// Writes the hull with known triangles. Returns false if they are of other points or, at the
-/// points' positions, do not form a hull.
-bool hull_by_known(const ResultInput& from, const std::uint32_t* simplex, const Run& run,
-                   KnownHull& known, Hull& hull) {
+/// Writes the hull with known triangles. If they do not form the points' hull at their positions,
+/// returns the surface that they can be mended to, if there is one.
+std::optional<TriangleMesh> hull_by_known(const ResultInput& from, const std::uint32_t* simplex,
+                                          const Run& run, KnownHull& known, Hull& hull) {
   std::optional<TriangleMesh> surface = known_surface(from, simplex, run, known);
-  if (!surface) return false;
-  require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
-                 std::to_string(surface->live) + " facets");
-  known.holds = write_triangles(from, *surface, run, hull);
-  return known.holds;
+  if (!surface) return {};
+  if (surface->live + 4 == 2 * std::uint64_t{from.local->count}) {
+    require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
+                   std::to_string(surface->live) + " facets");
+    known.holds = write_triangles(from, *surface, run, hull);
+    if (known.holds) return {};
+  }
+  known.mended = mend_surface(*surface, *from.local, simplex, run);
+  if (!known.mended) surface.reset();
+  return surface;
 }
 
 /// Computes frame, engine and result: for all that the fast paths above refuse.
@@ -131,10 +135,12 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
                  k > 3 && facets < worth_threads ? run.with_threads(1) : run, hull);
     };
     if (hull.affine_dimension == 3) {
-      if (known != nullptr && hull_by_known(from, frame.simplex().data(), run, *known, hull))
-        return;
-      TriangleMesh surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
-      finish(std::move(surface), surface.live);
+      std::optional<TriangleMesh> surface;
+      if (known != nullptr)
+        surface = hull_by_known(from, frame.simplex().data(), run, *known, hull);
+      if (known != nullptr && known->holds) return;
+      if (!surface) surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
+      finish(std::move(*surface), surface->live);
     } else {
       Boundary boundary = run_engine(frame, run);
       finish(std::move(boundary), boundary.facet_count());

@@ -133,12 +133,12 @@ struct KnownHull {
   const Hull* hull = nullptr;                ///< null: no known hull
   const NearbyNumbers* numbers = nullptr;    ///< of `hull`; may be null
   const StarTriangles* triangles = nullptr;  ///< null: no known surface
-  bool tried = false, holds = false;
+  bool tried = false, holds = false, mended = false;
 };
 
 /// Returns the hull of the points of `points` that a filter kept: thins lattices, then computes
 /// frame, engine and result. Where no filter ran, the caller has tried small_hull(). Fills the
-/// statistics except the filter's time and the total time. If the vertices of `known` are the
+/// statistics except the filter's time and the total time. If the vertices of `known` are among the
 /// survivors, its triangles are tried first; the result is the same, bit for bit.
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        KnownHull* known = nullptr);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -23,16 +24,27 @@ constexpr double coherent_share = 1.0 / 3;
 /// value.
 constexpr double map_share = 0.5;
 
-/// Marks the survivors that are leaders; both lists ascend.
-std::vector<char> mark_leaders(const std::vector<std::uint64_t>& survivors,
-                               const std::vector<std::uint64_t>& leaders) {
-  std::vector<char> marks(survivors.size(), 0);
-  auto leader = leaders.begin();
-  for (std::size_t i = 0; i < survivors.size() && leader != leaders.end(); ++i) {
-    while (leader != leaders.end() && *leader < survivors[i]) ++leader;
-    marks[i] = leader != leaders.end() && *leader == survivors[i];
-  }
-  return marks;
+/// Marks the survivors that are leaders; both lists ascend. Returns the leaders that are missing.
+std::vector<std::uint64_t> mark_leaders(const std::vector<std::uint64_t>& survivors,
+                                        const std::vector<std::uint64_t>& leaders, const Run& run,
+                                        std::vector<char>& marks) {
+  constexpr std::uint64_t grain = 512;
+  marks.assign(survivors.size(), 0);
+  std::vector<std::vector<std::uint64_t>> lists(chunk_count(leaders.size(), grain));
+  run.each_chunk(leaders.size(), grain,
+                 [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    auto at = std::ranges::lower_bound(survivors, leaders[begin]);
+    for (std::uint64_t i = begin; i < end; ++i) {
+      while (at != survivors.end() && *at < leaders[i]) ++at;
+      if (at != survivors.end() && *at == leaders[i])
+        marks[static_cast<std::size_t>(at - survivors.begin())] = 1;
+      else
+        lists[c].push_back(leaders[i]);
+    }
+  });
+  std::vector<std::uint64_t> missing;
+  for (const auto& list : lists) missing.insert(missing.end(), list.begin(), list.end());
+  return missing;
 }
 
 /// The last hull's surface with its vertices at their new positions, `rows`. `leaders`, ascending,
@@ -79,13 +91,21 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
   result.survivors.filter = UsedFilter::gauge;
   result.survivors.reason = "led by the last frame's vertices";
   points.scan(*map, result.survivors);
+  // All leaders survive where the last hull may be mended, even those that are inside now.
+  std::vector<char> marks;
+  const auto missing = mark_leaders(result.survivors.ids, leaders, run, marks);
+  const bool mendable = d == 3 && points.on_host() != nullptr;
+  if (mendable && !missing.empty()) {
+    std::vector<std::uint64_t>& ids = result.survivors.ids;
+    const auto middle = ids.insert(ids.end(), missing.begin(), missing.end());
+    std::inplace_merge(ids.begin(), middle, ids.end());
+    (void)mark_leaders(result.survivors.ids, leaders, run, marks);
+  }
   scan_seconds = seconds_since(start);
   points.fetch(result);
   const auto left = static_cast<double>(result.pass_survivors);
   if (left <= coherent_share * static_cast<double>(points.count))
-    keep_of_survivors(
-        result, d,
-        map->outside_cones(result.rows, mark_leaders(result.survivors.ids, leaders), run));
+    keep_of_survivors(result, d, map->outside_cones(result.rows, marks, run));
   result.map = std::move(map);
   refine_survivors(result, d, run);
   return true;

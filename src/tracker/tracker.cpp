@@ -154,10 +154,11 @@ struct HullTracker::Impl {
     before = nullptr;  // a third hull would be out of the cache: 1 to 3 % of a frame on a sphere
     compared = true;
     *next = points.hull(std::move(filtered));
-    if (points.known.holds) {
+    if (points.known.holds || points.known.mended) {
       surface_penalty = least_surface_penalty;
-      if (!numbers) numbers.emplace(*next);  // the new hull has the same triangles
-    } else if (points.known.tried) {         // it cost up to a tenth of the frame
+      // The new hull has the same triangles.
+      if (points.known.holds && !numbers) numbers.emplace(*next);
+    } else if (points.known.tried) {  // it cost up to a tenth of the frame
       surface_pause = surface_penalty;
       surface_penalty = std::min<std::uint64_t>(2 * surface_penalty, 32);
     }

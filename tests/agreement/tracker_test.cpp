@@ -363,6 +363,40 @@ TEST(HullTracker, TrianglesThatWindTwiceAreNotAHull) {
   }
 }
 
+TEST(HullTracker, TrianglesThatChangedAreMended) {
+  for (const std::uint64_t n : {1500, 3000, 20000}) {
+    const Rows sphere = generate("sphere", n, 3, 5), noise = generate("ball", n, 3, 6);
+    const double step = 0.02 / static_cast<double>(n), inner = 1 - 8 / static_cast<double>(n);
+    const auto frame = [&](unsigned inside, unsigned doubled) {
+      Rows rows = mapped(sphere, 3, [&](std::uint64_t i, double* x) {
+        for (unsigned j = 0; j < 3; ++j)
+          x[j] = i % 40 == inside ? inner * x[j] : x[j] + step * noise[3 * i + j];
+      });
+      for (std::uint64_t i = doubled; i + 1 < n; i += 120)
+        std::copy_n(&rows[3 * i + 3], 3, &rows[3 * i]);
+      return rows;
+    };
+    const Hull last = convex_hull(rows_of(frame(3, 3), 3));
+    // Some are new, some gone; of the new ones some are equal to another point.
+    const Rows changed = frame(5, 3), other = generate("sphere", n, 3, 7);
+    for (const unsigned threads : {1U, 2U, 3U, 16U, 64U}) {
+      const Options options = options_of(threads, CullMethod::none);
+      const internal::Run run(options);
+      const auto by_known = [&](const Rows& rows) {
+        internal::Filtered all;
+        all.survivors.all = true;
+        internal::KnownHull known{.hull = &last};
+        const Hull hull =
+            internal::hull_of_survivors(rows_of(rows, 3), std::move(all), run, &known);
+        EXPECT_EQ(canonical_hash(hull), static_hash(rows_of(rows, 3))) << n << ' ' << threads;
+        return known.mended;
+      };
+      EXPECT_TRUE(by_known(changed)) << n << ' ' << threads;
+      EXPECT_FALSE(by_known(other)) << n << ' ' << threads;
+    }
+  }
+}
+
 TEST(HullTracker, FramesByTheLastHullsTriangles) {
   const Rows sphere = generate("sphere", 6000, 3, 8), lattice = generate("grid:30", 6000, 3, 8);
   std::vector<Rows> frames;

@@ -115,8 +115,8 @@ void Engine3D::build_simplex() {
     for (unsigned k = 0; k < 3; ++k) f.neighbours[k] = f.vertices[k];  // facet k lacks vertex k
     f.mark = 0;
     f.owner = 0;
-    compute_plane(shared_, f);
   }
+  compute_planes(shared_, facets_.data(), 4);
 }
 
 TriangleMesh Engine3D::run() {

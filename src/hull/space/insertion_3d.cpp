@@ -32,37 +32,45 @@ using V = hn::Vec<D>;
 constexpr Id inside = 0xFFFFFFFF;   // the point is in the hull
 constexpr Id foreign = 0xFFFFFFFE;  // another piece's facet is involved
 
+/// The plane of a facet with the corner y0 + O and edges a, b from there: its normal, and returns
+/// the error. The bounds: docs/exactness.md, "Cached planes", for d = 3; products may be fused,
+/// which rounds less.
+HWY_INLINE V plane_of(V ax, V ay, V az, V bx, V by, V bz, V y0x, V y0y, V y0z, V& s0, V& s1,
+                      V& s2) {
+  const D d;
+  const V zero = hn::Zero(d);
+  const V zy = hn::Mul(az, by), xz = hn::Mul(ax, bz), yx = hn::Mul(ay, bx);
+  const V n0 = hn::MulSub(ay, bz, zy), n1 = hn::MulSub(az, bx, xz), n2 = hn::MulSub(ax, by, yx);
+  // |n| + 2 |second product| bounds the magnitudes of both products.
+  const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
+  const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
+  const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
+  const V bound =
+      hn::MulAdd(sum, hn::Set(d, 70 * unit_roundoff),
+                 hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
+  const auto good =
+      hn::And(hn::Gt(level, hn::Set(d, 0x1p-900)), hn::Gt(level, hn::Mul(bound, hn::Set(d, 8.0))));
+  const V scale = hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, level, hn::Set(d, 1.0)));
+  s0 = hn::IfThenElse(good, hn::Mul(n0, scale), zero);
+  s1 = hn::IfThenElse(good, hn::Mul(n1, scale), zero);
+  s2 = hn::IfThenElse(good, hn::Mul(n2, scale), zero);
+  return hn::IfThenElse(good, hn::Mul(bound, scale), hn::Inf(d));
+}
+
 /// Planes of the facets (p, a_i, a_(i+1)), i < count. x, y, z hold a_i - p for count + 1 points and
-/// padding; y0 = p - O. Writes normal and error, and the gauges of `next`. The bounds:
-/// docs/exactness.md, "Cached planes", for d = 3; products may be fused, which rounds less.
+/// padding; y0 = p - O. Writes normal and error, and the gauges of `next`.
 HWY_INLINE void planes_around(const double* HWY_RESTRICT x, const double* HWY_RESTRICT y,
                               const double* HWY_RESTRICT z, std::uint32_t count, const double* y0,
                               const double* next, double* HWY_RESTRICT planes,
                               double* HWY_RESTRICT gauges) {
   const D d;
-  const V zero = hn::Zero(d);
   const V y0x = hn::Set(d, y0[0]), y0y = hn::Set(d, y0[1]), y0z = hn::Set(d, y0[2]);
   const V nx = hn::Set(d, next[0]), ny = hn::Set(d, next[1]), nz = hn::Set(d, next[2]);
   for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
-    const V ax = hn::LoadU(d, x + i), ay = hn::LoadU(d, y + i), az = hn::LoadU(d, z + i);
-    const V bx = hn::LoadU(d, x + i + 1), by = hn::LoadU(d, y + i + 1),
-            bz = hn::LoadU(d, z + i + 1);
-    const V zy = hn::Mul(az, by), xz = hn::Mul(ax, bz), yx = hn::Mul(ay, bx);
-    const V n0 = hn::MulSub(ay, bz, zy), n1 = hn::MulSub(az, bx, xz), n2 = hn::MulSub(ax, by, yx);
-    // |n| + 2 |second product| bounds the magnitudes of both products.
-    const V sum = hn::Add(hn::Add(hn::Abs(n0), hn::Abs(n1)), hn::Abs(n2));
-    const V second = hn::Add(hn::Add(hn::Abs(zy), hn::Abs(xz)), hn::Abs(yx));
-    const V level = hn::MulAdd(n0, y0x, hn::MulAdd(n1, y0y, hn::Mul(n2, y0z)));
-    const V bound =
-        hn::MulAdd(sum, hn::Set(d, 70 * unit_roundoff),
-                   hn::MulAdd(second, hn::Set(d, 60 * unit_roundoff), hn::Set(d, 0x1p-990)));
-    const auto good = hn::And(hn::Gt(level, hn::Set(d, 0x1p-900)),
-                              hn::Gt(level, hn::Mul(bound, hn::Set(d, 8.0))));
-    const V scale = hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, level, hn::Set(d, 1.0)));
-    const V s0 = hn::IfThenElse(good, hn::Mul(n0, scale), zero);
-    const V s1 = hn::IfThenElse(good, hn::Mul(n1, scale), zero);
-    const V s2 = hn::IfThenElse(good, hn::Mul(n2, scale), zero);
-    const V error = hn::IfThenElse(good, hn::Mul(bound, scale), hn::Inf(d));
+    V s0, s1, s2;
+    const V error = plane_of(hn::LoadU(d, x + i), hn::LoadU(d, y + i), hn::LoadU(d, z + i),
+                             hn::LoadU(d, x + i + 1), hn::LoadU(d, y + i + 1),
+                             hn::LoadU(d, z + i + 1), y0x, y0y, y0z, s0, s1, s2);
     hn::StoreInterleaved4(s0, s1, s2, error, d, planes + 4 * i);
     hn::StoreU(hn::MulAdd(s0, nx, hn::MulAdd(s1, ny, hn::Mul(s2, nz))), d, gauges + i);
   }
@@ -461,22 +469,32 @@ std::uint32_t climb_in(const Shared3D& shared, std::uint32_t start, std::uint32_
   return f;
 }
 
-void compute_plane_in(const Shared3D& shared, Facet3D& facet) {
+void compute_planes_in(const Shared3D& shared, Facet3D* facets, std::uint32_t count) {
+  constexpr std::uint32_t lanes = 8;
+  const D d;
+  const auto width = static_cast<std::uint32_t>(hn::Lanes(d));
   const double* centre = shared.predicates->centre();
-  const double* p = shared.row(facet.vertices[0]);
-  const double* a = shared.row(facet.vertices[1]);
-  const double* b = shared.row(facet.vertices[2]);
-  constexpr std::size_t room = 2 * 8 + 2;
-  double ring[3][room] = {}, planes[4 * room], gauges[room];
-  double offset[3];
-  for (unsigned j = 0; j < 3; ++j) {
-    ring[j][0] = a[j] - p[j];
-    ring[j][1] = b[j] - p[j];
-    offset[j] = p[j] - centre[j];
+  double x[9][lanes] = {}, planes[4 * lanes];  // edges, corners
+  for (std::uint32_t at = 0; at < count; at += width) {
+    const std::uint32_t some = std::min(width, count - at);
+    for (std::uint32_t i = 0; i < some; ++i) {
+      const Facet3D& f = facets[at + i];
+      const double *const p = shared.row(f.vertices[0]), *const a = shared.row(f.vertices[1]),
+                          *const b = shared.row(f.vertices[2]);
+      for (unsigned j = 0; j < 3; ++j) {
+        x[j][i] = a[j] - p[j];
+        x[3 + j][i] = b[j] - p[j];
+        x[6 + j][i] = p[j] - centre[j];
+      }
+    }
+    V s0, s1, s2;
+    const V error =
+        plane_of(hn::LoadU(d, x[0]), hn::LoadU(d, x[1]), hn::LoadU(d, x[2]), hn::LoadU(d, x[3]),
+                 hn::LoadU(d, x[4]), hn::LoadU(d, x[5]), hn::LoadU(d, x[6]), hn::LoadU(d, x[7]),
+                 hn::LoadU(d, x[8]), s0, s1, s2);
+    hn::StoreInterleaved4(s0, s1, s2, error, d, planes);
+    for (std::uint32_t i = 0; i < some; ++i) std::memcpy(facets[at + i].normal, planes + 4 * i, 32);
   }
-  planes_around(ring[0], ring[1], ring[2], 1, offset, offset, planes, gauges);
-  std::copy_n(planes, 3, facet.normal);
-  facet.error = planes[3];
 }
 
 }  // namespace cullhull::internal::HWY_NAMESPACE
@@ -488,7 +506,7 @@ namespace cullhull::internal {
 HWY_EXPORT(insert_points_in);
 HWY_EXPORT(screen_points_in);
 HWY_EXPORT(climb_in);
-HWY_EXPORT(compute_plane_in);
+HWY_EXPORT(compute_planes_in);
 
 void insert_points(const Shared3D& shared, Piece3D& piece, const Waiting3D* waiting,
                    std::uint32_t begin, std::uint32_t end,
@@ -506,8 +524,8 @@ std::uint32_t climb(const Shared3D& shared, std::uint32_t start, std::uint32_t o
   return HWY_DYNAMIC_DISPATCH(climb_in)(shared, start, other, p);
 }
 
-void compute_plane(const Shared3D& shared, Facet3D& facet) {
-  HWY_DYNAMIC_DISPATCH(compute_plane_in)(shared, facet);
+void compute_planes(const Shared3D& shared, Facet3D* facets, std::uint32_t count) {
+  HWY_DYNAMIC_DISPATCH(compute_planes_in)(shared, facets, count);
 }
 
 }  // namespace cullhull::internal

@@ -130,7 +130,7 @@ void screen_points(const Shared3D& shared, Piece3D& piece, const std::uint32_t* 
 std::uint32_t climb(const Shared3D& shared, std::uint32_t start, std::uint32_t other,
                     const double* p);
 
-/// Fills normal and error of a facet from its vertices.
-void compute_plane(const Shared3D& shared, Facet3D& facet);
+/// Fills normals and errors of facets from their vertices.
+void compute_planes(const Shared3D& shared, Facet3D* facets, std::uint32_t count);
 
 }  // namespace cullhull::internal

@@ -4,6 +4,7 @@
 
 #include "cullhull/hull.hpp"
 #include "hull/space/triangle_mesh.hpp"
+#include "parallel/id_places.hpp"
 #include "parallel/index.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -11,7 +12,7 @@ namespace cullhull::internal {
 namespace {
 
 using Id = std::uint32_t;
-constexpr std::uint64_t grain = 2048;
+constexpr std::uint64_t grain = 512;
 
 /// The sign (1 or -1) of det [a; b; c] where the error bound proves it, else 0. Rows are
 /// differences, exact or rounded once. The filter of Orientation3D::side.
@@ -54,23 +55,22 @@ bool winds_once(const TriangleMesh& surface, const double* centre, const Run& ru
 /// Maps a vertex id of a hull to its position among the hull's vertices, whose ids ascend.
 class Positions {
  public:
-  explicit Positions(const std::vector<std::uint64_t>& ids)
-      : ids_(ids), all_(ids.back() + 1 == ids.size()) {}
-  Id of(std::uint64_t id) const {
-    return static_cast<Id>(
-        all_ ? id : static_cast<std::uint64_t>(std::ranges::lower_bound(ids_, id) - ids_.begin()));
+  Positions(const std::vector<std::uint64_t>& ids, const Run& run)
+      : all_(ids.back() + 1 == ids.size()) {
+    if (!all_) places_ = IdPlaces(ids, run);
   }
+  Id of(std::uint64_t id) const { return all_ ? static_cast<Id>(id) : places_(id); }
 
  private:
-  const std::vector<std::uint64_t>& ids_;
   const bool all_;  // vertex i is point i
+  IdPlaces places_;
 };
 
 }  // namespace
 
 NearbyNumbers::NearbyNumbers(const Hull& hull) {
   const std::uint64_t count = hull.simplex_count();
-  const Positions positions(hull.vertices);
+  const Positions positions(hull.vertices, short_run());
   std::vector<Id> walk, slot(count, no_index), number(hull.vertices.size(), no_index);
   walk.reserve(count);
   const auto visit = [&](Id f) {
@@ -123,7 +123,7 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
       row[3] = 0;
     }
   });
-  surface.facets.reserve(surface.live);
+  surface.facets.reserve(2 * std::uint64_t{points.count} + 64);  // room to mend it
   run.each(surface.live, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t f = begin; f < end; ++f) {
       Facet3D& facet = surface.facets[f];
@@ -138,14 +138,16 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
   return surface;
 }
 
-/// False if one of some hundred ridges, from all parts of the last hull, is certainly concave at
-/// the points' positions: a surface that changed is seen so in a hundredth of the time that it
-/// takes to store it and to prove its ridges convex.
-bool may_hold(const Hull& last, const Positions& positions, const LocalPoints& points) {
+/// False if too many of some hundred ridges, from all parts of the last hull, are certainly concave
+/// at the points' positions: a surface that changed is seen so in a hundredth of the time that it
+/// takes to store it.
+bool may_help(const Hull& last, const Positions& positions, const std::vector<Id>& order,
+              const LocalPoints& points, const Run& run) {
   const std::uint64_t count = last.simplex_count(), step = count / 256 + 1;
   const auto row = [&](std::uint64_t f, std::size_t j) {
-    return points.row(positions.of(last.simplices[3 * f + j]));
+    return points.row(order[positions.of(last.simplices[3 * f + j])]);
   };
+  std::uint64_t concave = 0, seen = 0;
   for (std::uint64_t f = 0; f < count; f += step)
     for (std::size_t j = 0; j < 3; ++j) {
       const std::uint64_t beyond = last.simplex_neighbours[3 * f + j];
@@ -156,31 +158,67 @@ bool may_hold(const Hull& last, const Positions& positions, const LocalPoints& p
         double edges[3][3];
         for (unsigned i = 0; i < 3; ++i)
           for (unsigned c = 0; c < 3; ++c) edges[i][c] = ends[i][c] - origin[c];
-        if (certain_sign(edges[0], edges[1], edges[2]) > 0) return false;
+        concave += certain_sign(edges[0], edges[1], edges[2]) > 0;
+        ++seen;
       }
     }
-  return true;
+
+  const std::uint64_t others = points.count - last.vertices.size();
+  return worth_mending(others + concave * 3 * count / (2 * seen), points.count, run);
 }
 
 }  // namespace
 
+// A point or a ridge takes one thread some 150 ns, a point of the engine 180. The engine's threads
+// share rounds of 8,192 points; mending leaves half of its time to threads that have none.
+bool worth_mending(std::uint64_t changes, std::uint64_t count, const Run& run) {
+  const std::uint64_t engines = std::clamp<std::uint64_t>(count / 8192, 1, run.threads);
+  return 4 * engines * changes <= (run.threads > 1 ? 3 : 1) * count;
+}
+
+std::vector<Id> vertices_first(const std::vector<std::uint64_t>& vertices, const std::uint64_t* ids,
+                               Id count, const Run& run) {
+  if (vertices.size() > count || !worth_mending(count - vertices.size(), count, run)) return {};
+  std::vector<Id> order(count);
+  std::vector<std::vector<Id>> others(chunk_count(count, grain));
+  run.each_chunk(count, grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+    std::size_t v = 0;
+    for (std::uint64_t i = begin; i < end; ++i) {
+      const std::uint64_t id = ids != nullptr ? ids[i] : i;
+      if (i == begin)
+        v = static_cast<std::size_t>(std::ranges::lower_bound(vertices, id) - vertices.begin());
+      while (v < vertices.size() && vertices[v] < id) ++v;
+      if (v < vertices.size() && vertices[v] == id)
+        order[v++] = static_cast<Id>(i);
+      else
+        others[c].push_back(static_cast<Id>(i));
+    }
+  });
+  std::size_t at = vertices.size();
+  for (const std::vector<Id>& some : others) {
+    if (some.size() > count - at) return {};
+    at = static_cast<std::size_t>(std::ranges::copy(some, order.begin() + at).out - order.begin());
+  }
+  return at == count ? order : std::vector<Id>();
+}
+
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
-                                          const LocalPoints& points, const std::uint32_t* simplex,
-                                          const Run& run) {
+                                          const std::vector<Id>& order, const LocalPoints& points,
+                                          const std::uint32_t* simplex, const Run& run) {
   if (last.affine_dimension != 3 || points.dimension != 3 ||
-      last.facet_count() != last.simplex_count() || last.vertices.size() != points.count ||
-      points.exact != points.coordinates)
+      last.facet_count() != last.simplex_count() || points.exact != points.coordinates)
     return {};
-  const Positions positions(last.vertices);
-  if (!may_hold(last, positions, points)) return {};
+  const Positions positions(last.vertices, run);
+  if (!may_help(last, positions, order, points, run)) return {};
   const std::uint64_t live = last.simplex_count();
   if (numbers != nullptr)
     return star_shaped(
-        live, [&](std::size_t v) { return numbers->order[v]; },
+        live,
+        [&](std::size_t v) { return order[v < numbers->order.size() ? numbers->order[v] : v]; },
         [&](std::size_t i) { return numbers->vertices[i]; },
         [&](std::size_t i) { return numbers->neighbours[i]; }, points, simplex, run);
   return star_shaped(
-      live, [](std::size_t v) { return static_cast<Id>(v); },
+      live, [&](std::size_t v) { return order[v]; },
       [&](std::size_t i) { return positions.of(last.simplices[i]); },
       [&](std::size_t i) { return last.simplex_neighbours[i]; }, points, simplex, run);
 }

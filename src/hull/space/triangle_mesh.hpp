@@ -55,17 +55,36 @@ struct NearbyNumbers {
   std::vector<std::uint32_t> neighbours;  ///< of each triangle: triangles, by these numbers
 };
 
+/// Whether one thread mends so many concave ridges, and inserts so many new points, before all
+/// threads hull all `count` points.
+bool worth_mending(std::uint64_t changes, std::uint64_t count, const Run& run);
+
+/// The local points that are the vertices of a hull, in their order, then all others. `ids`: those
+/// of the local points, ascending; null: 0, 1, ... Empty if a vertex is missing, or where the
+/// others are so many that the engine's threads hull all points sooner than one thread inserts
+/// them.
+std::vector<std::uint32_t> vertices_first(const std::vector<std::uint64_t>& vertices,
+                                          const std::uint64_t* ids, std::uint32_t count,
+                                          const Run& run);
+
 /// The triangles of `last`, a 3D hull whose facets are all triangles, with its vertices moved:
-/// vertex i of `last` is now local point i. Empty unless they are provably star-shaped: one inner
-/// point is beneath every triangle, and every ray from it meets exactly one. Such a surface is the
-/// points' hull if all its ridges are convex, which write_triangles checks. `numbers`: those of
-/// `last`, or null. docs/moving-points.md, "The last hull's triangles".
+/// vertex i of `last` is now local point order[i]. Empty where too many ridges are concave now, and
+/// unless the triangles are provably star-shaped: one inner point is beneath every triangle, and
+/// every ray from it meets exactly one. Such a surface is the points' hull if they are its vertices
+/// and all its ridges are convex, which write_triangles checks; else mend_surface may help.
+/// `numbers`: those of `last`, or null. docs/moving-points.md, "The last hull's triangles".
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
+                                          const std::vector<std::uint32_t>& order,
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
 
 /// The same of triangles whose points are the local points; all of these are vertices.
 std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
                                        const std::uint32_t* simplex, const Run& run);
+
+/// Makes the points' hull, as triangle_mesh() does, of a surface that moved_surface() or
+/// surface_of() gave. False where too much has changed; the surface is of no use then.
+bool mend_surface(TriangleMesh& surface, const LocalPoints& points, const std::uint32_t* simplex,
+                  const Run& run);
 
 }  // namespace cullhull::internal
