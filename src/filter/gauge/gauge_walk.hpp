@@ -9,9 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "exact/orientation/orientation_3d.hpp"
 #include "filter/gauge/gauge_frame.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/gauge/gauge_table.hpp"
+#include "parallel/memory/raw_array.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -54,8 +56,9 @@ class ConeWalk {
   /// false unless all cones have the same orientation, as those of a convex polytope have:
   /// otherwise walks may end at a wrong cone.
   bool invert_facets(unsigned threads) {
-    std::vector<double> inverses(std::size_t{facet_count_} * D * D);
-    std::vector<Cone> cones(facet_count_);
+    BigArray<double> inverses(std::size_t{facet_count_} * D * D);
+    RawArray<Cone> cones;
+    cones.reserve(facet_count_);
     std::vector<unsigned> signs(chunk_count(facet_count_, 1024));  // bit 0: positive, bit 1: not
     for_each_chunk(facet_count_, 1024, threads,
                    [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -90,7 +93,7 @@ class ConeWalk {
   /// receives its weights.
   std::uint32_t walk(std::uint32_t from, const double* v, double (&best)[D],
                      std::uint64_t& random) const {
-    if (!cones_.empty() && walk_roughly(from, v)) {
+    if (cones_.capacity() != 0 && walk_roughly(from, v)) {
       weights(from, v, best);
       return from;
     }
@@ -213,6 +216,8 @@ class ConeWalk {
   }
 
   double determinant(std::uint32_t f) const {
+    if constexpr (D == 3)
+      return determinant_3(point(facet(f)[0]), point(facet(f)[1]), point(facet(f)[2]));
     double a[D][D];
     for (unsigned i = 0; i < D; ++i)
       for (unsigned j = 0; j < D; ++j) a[j][i] = point(facet(f)[i])[j];
@@ -222,7 +227,7 @@ class ConeWalk {
 
   /// Solves for the weights of v on the vertices of facet f, positive or not.
   void weights(std::uint32_t f, const double* v, double (&mu)[D]) const {
-    if (!inverses_.empty()) {
+    if (inverses_.get() != nullptr) {
       const double* row = &inverses_[std::size_t{f} * D * D];
       for (unsigned i = 0; i < D; ++i, row += D) {
         mu[i] = 0;
@@ -282,8 +287,8 @@ class ConeWalk {
   unsigned step_limit_;
   GaugeFrame<D> frame_;
   std::vector<std::uint32_t> axis_facets_;
-  std::vector<double> inverses_;  ///< empty, or for each facet the inverse of its vertices' matrix
-  std::vector<Cone> cones_;       ///< empty, or the cones of all facets
+  BigArray<double> inverses_;  ///< empty, or for each facet the inverse of its vertices' matrix
+  RawArray<Cone> cones_;       ///< empty, or the cones of all facets
 };
 
 }  // namespace cullhull::internal
