@@ -218,12 +218,13 @@ class TriangleWriter {
   }
 
   /// Divides the lowest vertices into buckets of about 4096 facets, and the facets into ranges of
-  /// 4096, so that each fits the L2 cache (2048 and 8192 were no faster); of 1024, where there
+  /// 4096, so that each fits the L2 cache (2048 and 8192 were no faster); of fewer, where there
   /// would be too few for the threads.
   void divide() {
-    constexpr Id usual = 4096, least = 1024;
-    const std::uint64_t share = count_ / (2 * std::uint64_t{run_.threads});
-    const Id stretch = share >= usual || run_.threads == 1 ? usual : least;
+    constexpr std::uint64_t usual = 4096, least = 256;
+    const std::uint64_t share = count_ / (4 * std::uint64_t{run_.threads});
+    const auto stretch =
+        static_cast<Id>(run_.threads == 1 ? usual : std::clamp(share, least, usual));
     const auto vertex_count = static_cast<Id>(vertices_.ids().size());
     shift_ = bucket_shift(count_, vertex_count, stretch);
     buckets_ = ((vertex_count - 1U) >> shift_) + 1;
