@@ -143,7 +143,7 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
 /// takes to store it.
 bool may_help(const Hull& last, const Positions& positions, const std::vector<Id>& order,
               const LocalPoints& points, const Run& run) {
-  const std::uint64_t count = last.simplex_count(), step = count / 256 + 1;
+  const std::uint64_t count = last.simplex_count(), step = count / 64 + 1;
   const auto row = [&](std::uint64_t f, std::size_t j) {
     return points.row(order[positions.of(last.simplices[3 * f + j])]);
   };
