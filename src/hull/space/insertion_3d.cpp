@@ -132,11 +132,16 @@ class Inserter {
     return predicates_.side(point(v[0]), point(v[1]), point(v[2]), point(p), piece_.rungs);
   }
 
-  HWY_INLINE bool owns(const Facet3D& f) const {
-    return HWY_LIKELY(piece_.owns(f)) || (f.owner < piece_.old_owners && claims(f));
+  HWY_INLINE bool owns(Facet3D& f) const {
+    const Id owner = f.owner_now();
+    return HWY_LIKELY(piece_.owns(owner)) || (owner < piece_.old_owners && claims(f));
   }
-  HWY_NOINLINE bool claims(const Facet3D& f) const {
-    return piece_.old_owners + piece_.cut->piece_of(s_, f) == piece_.first_owner;
+  /// Notes the owner in facets of this piece, which are visited again and again. Other pieces need
+  /// not see it: they come to the same result.
+  HWY_NOINLINE bool claims(Facet3D& f) const {
+    if (piece_.old_owners + piece_.cut->piece_of(s_, f) != piece_.first_owner) return false;
+    f.own(piece_.first_owner);
+    return true;
   }
   /// Whether f is a facet of this piece. Called for facets that were so when the surface was cut.
   bool usable(Id f) const { return f != Facet3D::none && owns(facets_[f]); }
@@ -321,7 +326,7 @@ class Inserter {
       const Id g = facets_[f].neighbours[edge];
       Facet3D& other = facets_[g];
       // The mark of another piece's facet must not be read.
-      if (HWY_UNLIKELY(other.owner - first_owner >= owners && !owns(other))) return false;
+      if (HWY_UNLIKELY(other.owner_now() - first_owner >= owners && !owns(other))) return false;
       if (other.mark != epoch) {
         const unsigned back = static_cast<unsigned>(other.neighbours[1] == f) +
                               2 * static_cast<unsigned>(other.neighbours[2] == f);

@@ -6,6 +6,7 @@
 // engine in 3D".
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,6 +34,9 @@ struct alignas(64) Facet3D {
   std::uint32_t owner;  // `none`: the slot is free
 
   bool live() const { return owner != none; }
+  /// Owner, read and written while other pieces may do so: of facets at borders.
+  std::uint32_t owner_now() { return std::atomic_ref(owner).load(std::memory_order_relaxed); }
+  void own(std::uint32_t by) { std::atomic_ref(owner).store(by, std::memory_order_relaxed); }
 };
 static_assert(sizeof(Facet3D) == 64);
 
@@ -76,7 +80,7 @@ struct Entries3D {
 struct alignas(256) Piece3D {
   std::uint32_t first_owner = 0, owner_count = 1;  // the facets it owns
   // Facets with owners below this belong to the piece where `cut` puts them: piece 0 has this
-  // owner, piece 1 the next. So a surface is cut again without visiting its facets.
+  // owner, piece 1 the next. So a surface is cut again without visiting all its facets.
   std::uint32_t old_owners = 0;
   const Cut3D* cut = nullptr;
   std::uint32_t epoch = 0;
@@ -99,7 +103,6 @@ struct alignas(256) Piece3D {
     inserted += o.inserted;
   }
   bool owns(std::uint32_t owner) const { return owner - first_owner < owner_count; }
-  bool owns(const Facet3D& f) const { return owns(f.owner); }
 
   // Scratch: the visible facets, and the horizon edges in cyclic order.
   struct Crossing {
