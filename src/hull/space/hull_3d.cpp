@@ -75,7 +75,7 @@ Engine3D::Engine3D(const LocalPoints& points, const Id* simplex, const Run& run)
 void Engine3D::copy_rows() {
   const Id n = points_.count;
   rows_ = BigArray<double>(std::size_t{n} * Shared3D::row_stride);
-  run_.each(n, 1 << 14, [&](std::uint64_t begin, std::uint64_t end) {
+  run_.each(n, 1 << 12, [&](std::uint64_t begin, std::uint64_t end) {
     // The order is random in memory. Prefetching saves 2.5 % of the hull of a sphere of 1M points;
     // distances of 8 to 48 differ by less than 2 %.
     constexpr std::uint64_t ahead = 24;

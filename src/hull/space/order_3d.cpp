@@ -17,8 +17,7 @@ namespace {
 constexpr unsigned round_bits = 4;
 constexpr std::uint32_t first_round = 64;
 
-/// Few, large chunks, because each has its own counts.
-std::uint64_t sort_chunk(std::uint32_t n) { return std::max<std::uint64_t>(1 << 14, n / 64); }
+constexpr std::uint64_t sort_chunk = 1 << 12;
 
 /// Sorts the points of crowded cells by finer keys: points along curves crowd into few cells, and
 /// walks through a cell's unordered points are long. `keyed` is sorted from `first` on; cells of
@@ -97,9 +96,8 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   const auto width = key_width + static_cast<unsigned>(std::bit_width(rounds));
   BigArray<KeyedId> memory(2 * std::size_t{n});
   KeyedId *keyed = memory.get(), *scratch = memory.get() + n;
-  const std::uint64_t chunk_size = sort_chunk(n);
-  std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, chunk_size));
-  run.each_chunk(n, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  std::vector<std::array<std::uint32_t, 16>> sizes(chunk_count(n, sort_chunk));
+  run.each_chunk(n, sort_chunk, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
     constexpr std::uint32_t block = DirectionKey::block;
     double x[block] = {}, y[block] = {}, z[block] = {};
     std::uint32_t keys[block];
@@ -128,7 +126,7 @@ InsertionOrder3D insertion_order_3d(const LocalPoints& points, const DirectionKe
   for (const auto& count : sizes) unsorted += count[0] + count[1];
   refine_cells(points, key, keyed, unsorted, n, run);
   order.ids = BigArray<std::uint32_t>(n);
-  run.each(n, chunk_size, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(n, sort_chunk, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t i = begin; i < end; ++i) order.ids[i] = keyed[i].id;
   });
   std::uint32_t sum = 0;

@@ -164,7 +164,7 @@ void Engine3D::make_pieces(const std::vector<Work>& work) {
 
 /// Writes to each facet which piece it belongs to.
 void Engine3D::own_facets() {
-  const auto runs = used_slots(1 << 13);
+  const auto runs = used_slots(1 << 11);
   run_.each_item(runs.size(), [&](std::uint64_t c) {
     constexpr std::uint32_t block = DirectionKey::block;
     Waiting3D facets[block];

@@ -30,6 +30,9 @@ namespace {
 
 using Id = std::uint32_t;
 
+/// Items in a chunk of the loops that read in random order: 5 to 20 microseconds of work.
+constexpr std::uint64_t grain = std::uint64_t{1} << 12;
+
 // -------------------------------------------------------------------------------- the vertices
 
 /// The hull's vertices, and the position among them of each vertex number of the engine.
@@ -45,7 +48,7 @@ class Vertices3D {
       number(surface, points.count, order, ids, run);
       return;
     }
-    run.each(points.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(points.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t p = begin; p < end; ++p) ids_[p] = ids != nullptr ? ids[p] : p;
     });
   }
@@ -66,7 +69,7 @@ class Vertices3D {
     BigArray<std::uint8_t> used(surface.count), extreme(points);
     std::memset(used.get(), 0, surface.count);
     std::memset(extreme.get(), 0, points);
-    const auto runs = surface.runs(1 << 15);
+    const auto runs = surface.runs(grain);
     run.each_item(runs.size(), [&](std::uint64_t c) {
       for (Id f = runs[c].first; f < runs[c].second; ++f) {
         const Facet3D& facet = surface.facets[f];
@@ -75,7 +78,7 @@ class Vertices3D {
           std::atomic_ref<std::uint8_t>(used[v]).store(1, std::memory_order_relaxed);
       }
     });
-    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v)
         if (used[v] != 0)
           std::atomic_ref<std::uint8_t>(extreme[order[v]]).store(1, std::memory_order_relaxed);
@@ -87,7 +90,7 @@ class Vertices3D {
       return good_;
     };
     pack(
-        points, light_grain, run, [&](std::uint64_t p) { return extreme[p] != 0; }, prepare,
+        points, grain, run, [&](std::uint64_t p) { return extreme[p] != 0; }, prepare,
         [&](std::uint64_t p, std::uint64_t rank) {
       position[p] = static_cast<Id>(rank);
       locals_[rank] = static_cast<Id>(p);
@@ -95,7 +98,7 @@ class Vertices3D {
         });
     if (!good_) return;
     own_place_ = BigArray<Id>(surface.count);
-    run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run.each(surface.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v)
         own_place_[v] = used[v] != 0 ? position[order[v]] : 0;
     });
@@ -111,12 +114,12 @@ class Vertices3D {
 /// The local id of each vertex number of the engine, replaced by the lowest id of an equal point.
 BigArray<Id> with_lowest_ids(const TriangleMesh& surface, Id points, const Run& run) {
   BigArray<Id> order(surface.count), lowest(points);
-  run.each(points, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(points, grain, [&](std::uint64_t begin, std::uint64_t end) {
     std::iota(lowest.get() + begin, lowest.get() + end, static_cast<Id>(begin));
   });
   for (const auto& [duplicate, vertex] : surface.duplicates)
     lowest[vertex] = std::min(lowest[vertex], duplicate);
-  run.each(surface.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+  run.each(surface.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
     for (std::uint64_t v = begin; v < end; ++v) order[v] = lowest[surface.order[v]];
   });
   return order;
@@ -177,7 +180,7 @@ class TriangleWriter {
     std::fill_n(source_.factor, 3, 1.0);
     own_rows_ = BigArray<double>(std::size_t{surface_.count} * Shared3D::row_stride);
     const auto vertices = static_cast<Id>(vertices_.ids().size());
-    run_.each(surface_.count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(surface_.count, grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t v = begin; v < end; ++v) {
         const Id place = std::min(vertices - 1, source_.place[v]);
         double* row = own_rows_.get() + v * Shared3D::row_stride;
@@ -202,7 +205,7 @@ class TriangleWriter {
       source_.factor[c] = v < count ? frame_.at(static_cast<Id>(v))[c] / local_row(v)[c] : 1;
     }
     std::atomic<bool> same{true};
-    run_.each(count, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count, grain, [&](std::uint64_t begin, std::uint64_t end) {
       if (!same.load(std::memory_order_relaxed)) return;
       std::uint64_t different = 0;
       for (std::uint64_t v = begin; v < end; ++v) {
@@ -249,11 +252,13 @@ class TriangleWriter {
     if (live != count_) return false;
     for (const Counts& c : counts) c.rungs.add_to(hull_.statistics.rung_counts);
     bucket_start_.assign(buckets_ + std::size_t{1}, 0);
-    for (std::size_t s = 0; s < stretches_.size(); ++s) {
-      const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
-      for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += start[b + 1] - start[b];
-    }
-    for (Id b = 0; b < buckets_; ++b) bucket_start_[b + 1] += bucket_start_[b];
+    run_.each(buckets_, 64, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::size_t s = 0; s < stretches_.size(); ++s) {
+        const Id* start = starts_.get() + s * (std::size_t{buckets_} + 1);
+        for (std::uint64_t b = begin; b < end; ++b) bucket_start_[b] += start[b + 1] - start[b];
+      }
+    });
+    exclusive_scan(bucket_start_);
     return true;
   }
 
@@ -320,18 +325,12 @@ class TriangleWriter {
 
   /// The second sweep.
   void write_facets() {
-    // A cache line of the table starts_ has 16 entries, which belong to neighbouring buckets, so
-    // one thread processes several in turn. Not all 16: the first buckets have three times as many
-    // facets as the mean, as a facet is in the bucket of its lowest vertex, and the first 16 alone
-    // took 5 of 42 ms of a sphere on 16 threads.
-    const std::uint64_t together = buckets_ >= 256 ? 4 : 1;
-    run_.each(buckets_, together, [&](std::uint64_t begin, std::uint64_t end) {
+    // One by one: the first buckets have three times as many facets as the mean, as a facet is in
+    // the bucket of its lowest vertex.
+    run_.each_item(buckets_, [&](std::uint64_t b) {
       Scratch scratch;
-      for (std::uint64_t b = begin; b < end; ++b) {
-        run_.check();
-        sort(static_cast<Id>(b), scratch.sorted);
-        write_bucket(static_cast<Id>(b), scratch);
-      }
+      sort(static_cast<Id>(b), scratch.sorted);
+      write_bucket(static_cast<Id>(b), scratch);
     });
     join_cut_runs();
   }
@@ -420,20 +419,24 @@ class TriangleWriter {
     for (unsigned k = 0; k < size; ++k) out.push_back(s.at(k));
   }
 
-  /// Sums the runs that cross borders between buckets, in canonical order.
+  /// Sums the runs that cross borders between buckets, in canonical order: each begins with the
+  /// tail of a bucket.
   void join_cut_runs() {
-    Share<3> run;
-    const auto add = [&](std::uint64_t i, const Share<3>& share) {
-      if (i % measure_run == 0) run = {};
-      run.add(share);
-      if ((i + 1) % measure_run == 0 || i + 1 == count_) runs_[i / measure_run] = run;
-    };
-    for (Id b = 0; b < buckets_; ++b) {
-      std::uint64_t i = bucket_start_[b];
-      for (const Share<3>& share : cut_[b].head) add(i++, share);
-      i = bucket_start_[b + 1] - cut_[b].tail.size();
-      for (const Share<3>& share : cut_[b].tail) add(i++, share);
-    }
+    run_.each(buckets_, 64, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t b = begin; b < end; ++b) {
+        const std::vector<Share<3>>& tail = cut_[b].tail;
+        if (tail.empty()) continue;
+        Share<3> run;
+        std::uint64_t left = measure_run;
+        const auto add = [&](const std::vector<Share<3>>& shares) {
+          for (const Share<3>& share : shares) run.add(share);
+          left -= shares.size();
+        };
+        add(tail);
+        for (std::uint64_t next = b + 1; left > 0 && next < buckets_; ++next) add(cut_[next].head);
+        runs_[(bucket_start_[b + 1] - tail.size()) / measure_run] = run;
+      }
+    });
   }
 
   // ---------------------------------------------------------------- third sweep and sums
@@ -441,7 +444,7 @@ class TriangleWriter {
   /// The third sweep: renumbers the neighbours and moves the lists into the result.
   void write_neighbours() {
     Array<Id> neighbours(count_ * 3);
-    run_.each(count_, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+    run_.each(count_, grain, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t i = begin; i < end; ++i) {
         Id* next = next_.data() + i * 3;
         Id* across = neighbours.data() + i * 3;
