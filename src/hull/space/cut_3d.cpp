@@ -111,11 +111,12 @@ Cut3D Engine3D::cut_along_curve(const std::vector<Work>& work) const {
   cut.key = by_normals_ ? normal_key_ : key_;
   cut.bits = order_.key_bits;
   cut.by_normals = by_normals_;
-  for (std::size_t t = 1; t < work.size(); ++t) {
-    const double* p = shared_.row(work[t].begin);
-    cut.keys.push_back(by_normals_ ? rank_[climb(shared_, live_facet(), live_facet(), p)]
-                                   : key_of(p));
-  }
+  cut.keys.resize(work.size() - 1);
+  const Id start = live_facet();
+  run_.each_item(cut.keys.size(), [&](std::uint64_t t) {
+    const double* p = shared_.row(work[t + 1].begin);
+    cut.keys[t] = by_normals_ ? rank_[climb(shared_, start, start, p)] : key_of(p);
+  });
   return cut;
 }
 
@@ -265,8 +266,7 @@ Cut3D Engine3D::choose_cut(const std::vector<Work>& work) const {
 /// Chooses borders for points that wait at others: along the turned curve or, where these would be
 /// beside many of the points' facets, by planes. Borders lie in gaps between the points, which are
 /// wide where facets are slivers and points wait in as many stripes as there were borders.
-void Engine3D::choose_next_cut(const std::vector<Waiting3D>& left, const Id* keys,
-                               std::size_t count) {
+void Engine3D::choose_next_cut(const Array<Waiting3D>& left, const Id* keys, std::size_t count) {
   const std::size_t step = 1 + left.size() / (64 * count), few = 1 + left.size() / 256;
   std::vector<Id> along, sample;
   for (std::size_t i = 0; i < left.size(); i += step) along.push_back(keys[i]);

@@ -66,20 +66,20 @@ class Engine3D {
   };
   void insert_in_pieces(Id begin, Id end);
   void screen_and_insert(Id begin, Id end);
-  void insert_waiting(std::vector<Waiting3D> left);
-  std::vector<Work> cut_again(std::vector<Waiting3D>& left, Id count);
+  void insert_waiting(Array<Waiting3D> left);
+  std::vector<Work> cut_again(Array<Waiting3D>& left, Id count);
   template <class At, class PieceOf>
   std::vector<Work> deal(std::uint64_t points, Id count, const At& at, const PieceOf& piece_of);
   void make_pieces(const std::vector<Work>& work);
   void own_facets();
   void find_entries(Id begin, Id end);
   void run_pieces(const std::vector<Work>& work, bool waiting);
-  std::vector<Waiting3D> join_pieces();
+  Array<Waiting3D> join_pieces();
 
   // cut_3d.cpp
   Cut3D choose_cut(const std::vector<Work>& work) const;
   Cut3D cut_along_curve(const std::vector<Work>& work) const;
-  void choose_next_cut(const std::vector<Waiting3D>& left, const Id* keys, std::size_t count);
+  void choose_next_cut(const Array<Waiting3D>& left, const Id* keys, std::size_t count);
   template <class Planes, class Share>
   void try_planes(const std::vector<Id>& sample, double least, const Planes& planes,
                   const Share& share, Cut3D& best) const;

@@ -21,7 +21,7 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
     screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
                   static_cast<Id>(begin + last));
   });
-  std::vector<Waiting3D> seen;
+  Array<Waiting3D> seen;
   for (const Piece3D& r : readers) {
     seen.insert(seen.end(), r.deferred.begin(), r.deferred.end());
     pieces_[0].add_counts(r);
@@ -65,7 +65,7 @@ void Engine3D::insert_in_pieces(Id begin, Id end) {
 
 /// Inserts points between pieces: again in pieces, with other borders, for as long as these suit
 /// most points and are worth it; the last points into the whole surface.
-void Engine3D::insert_waiting(std::vector<Waiting3D> left) {
+void Engine3D::insert_waiting(Array<Waiting3D> left) {
   // Fewer points take less time than a cut: 10,000 points on two threads, some 2,500 of them at the
   // border, took 13 % more instructions when these were cut again.
   constexpr std::size_t least = 4096, share = 512;
@@ -94,18 +94,22 @@ void Engine3D::insert_waiting(std::vector<Waiting3D> left) {
 
 /// Chooses other borders for points that wait at the present ones, and deals the points to the
 /// pieces that their facets belong to.
-std::vector<Engine3D::Work> Engine3D::cut_again(std::vector<Waiting3D>& left, Id count) {
+std::vector<Engine3D::Work> Engine3D::cut_again(Array<Waiting3D>& left, Id count) {
   constexpr std::uint32_t block = DirectionKey::block;
   cut_.key = cut_.key.turned();
   cut_.levels.clear();
   const Id start = live_facet();
   BigArray<Id> keys(left.size());
   run_.each(left.size(), 8 * block, [&](std::uint64_t begin, std::uint64_t end) {
-    Id f = start;
+    const auto live = [&](const Waiting3D& w) {
+      return w.facet != none && facets_[w.facet].live();
+    };
+    // Along slivers a walk from afar takes milliseconds.
+    const auto* near = std::find_if(left.data() + begin, left.data() + end, live);
+    Id f = near != left.data() + end ? near->facet : start;
     for (std::uint64_t i = begin; i < end; ++i) {
       Waiting3D& w = left[i];
-      const bool live = w.facet != none && facets_[w.facet].live();
-      w.facet = f = climb(shared_, f, live ? w.facet : f, shared_.row(w.point));
+      w.facet = f = climb(shared_, f, live(w) ? w.facet : f, shared_.row(w.point));
     }
     for (std::uint64_t i = begin; i < end; i += block)
       cut_.keys_of(shared_, &left[i], static_cast<Id>(std::min<std::uint64_t>(block, end - i)),
@@ -224,11 +228,16 @@ void Engine3D::run_pieces(const std::vector<Work>& work, bool waiting) {
 }
 
 /// Joins all pieces to one; returns the points that they deferred.
-std::vector<Waiting3D> Engine3D::join_pieces() {
-  std::vector<Waiting3D> left;
+Array<Waiting3D> Engine3D::join_pieces() {
+  std::vector<std::size_t> before;
+  for (const Piece3D& piece : pieces_) before.push_back(piece.deferred.size());
+  Array<Waiting3D> left(exclusive_scan(before));
+  run_.each_item(pieces_.size(), [&](std::uint64_t t) {
+    std::copy(pieces_[t].deferred.begin(), pieces_[t].deferred.end(), left.data() + before[t]);
+    pieces_[t].deferred.clear();
+  });
   Piece3D& all = pieces_[0];
   for (Piece3D& piece : pieces_) {
-    left.insert(left.end(), piece.deferred.begin(), piece.deferred.end());
     if (piece.next_slot < piece.end_slot) piece.spare.emplace_back(piece.next_slot, piece.end_slot);
     piece.next_slot = piece.end_slot = 0;
     if (&piece == &all) continue;
@@ -238,7 +247,6 @@ std::vector<Waiting3D> Engine3D::join_pieces() {
     all.add_counts(piece);
   }
   pieces_.resize(1);
-  all.deferred.clear();
   all.first_owner = all.old_owners = 0;
   all.owner_count = none;  // all facets
   all.entries = {};        // valid for this round's points only
