@@ -96,6 +96,22 @@ TEST(Engine3D, BordersAreCutAgain) {
     expect_certified_for_any_threads(generated(shape, 200000, 3), {2, 16, 64});
 }
 
+// The measures are sums over runs of facets, and the buckets in which facets are sorted, which
+// depend on the threads, cut these runs: also where a bucket has fewer facets than a run, or none.
+TEST(Engine3D, SumsOverBordersOfBuckets) {
+  for (unsigned n = 1030; n < 9000; n += n / 8)
+    expect_certified_for_any_threads(generated("sphere", n, 3), {2, 3, 16, 64});
+  PointSet set = named("poles, equator, cap", 3);
+  set.add({0, 0, 1});
+  set.add({0, 0, -1});
+  for (int i = 0; i < 8000; ++i) set.add({std::cos(i * 7e-4), std::sin(i * 7e-4), 0});
+  for (int i = 0; i < 50; ++i) {
+    const double a = 1 + 0.003 * (i * 7 % 50), z = 0.6 + 0.003 * i;
+    set.add({std::sqrt(1 - z * z) * std::cos(a), std::sqrt(1 - z * z) * std::sin(a), z});
+  }
+  expect_certified_for_any_threads(set, {2, 3, 16, 64});
+}
+
 // So many points in few cells of the curve that these are ordered once more.
 TEST(Engine3D, CrowdedCells) { expect_certified_for_any_threads(two_circles(80000, 5), {3}); }
 
