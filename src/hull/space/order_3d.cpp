@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <numeric>
 
 #include "geometry/insertion_rounds.hpp"
 #include "parallel/random_stream.hpp"
+#include "parallel/scan.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -32,14 +32,13 @@ void refine_cells(const LocalPoints& points, const DirectionKey& key, KeyedId* k
   if (n < first + fewest) return;
   const std::uint64_t count = n - first;
   const KeyedId* const begin_all = keyed + first;
-  std::vector<std::uint64_t> crowded(chunk_count(count, chunk_size), 0);
-  run.each_chunk(count, chunk_size, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
+  const auto crowded = [&](std::uint64_t begin, std::uint64_t end) {
     std::uint64_t sum = 0;
     for (std::uint64_t i = std::max<std::uint64_t>(begin, crowd); i < end; ++i)
       sum += begin_all[i].key == begin_all[i - crowd].key;
-    crowded[c] = sum;
-  });
-  if (std::accumulate(crowded.begin(), crowded.end(), std::uint64_t{0}) < count / 4) return;
+    return sum;
+  };
+  if (sum_chunks<std::uint64_t>(count, chunk_size, run, crowded).total < count / 4) return;
 
   struct Fine {
     std::uint64_t key;

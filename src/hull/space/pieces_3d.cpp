@@ -12,20 +12,16 @@ namespace cullhull::internal {
 /// For rounds with few points outside: all threads search for these.
 void Engine3D::screen_and_insert(Id begin, Id end) {
   constexpr std::uint64_t chunk = 1 << 13;
-  std::vector<Piece3D> readers(chunk_count(end - begin, chunk));
+  pieces_.resize(chunk_count(end - begin, chunk));
   const Id start = live_facet();
   run_.each_chunk(end - begin, chunk,
                   [&](std::uint64_t c, std::uint64_t first, std::uint64_t last) {
-    readers[c].owner_count = none;  // all facets
-    readers[c].hint = start;
-    screen_points(shared_, readers[c], nullptr, static_cast<Id>(begin + first),
+    pieces_[c].owner_count = none;  // all facets
+    pieces_[c].hint = start;
+    screen_points(shared_, pieces_[c], nullptr, static_cast<Id>(begin + first),
                   static_cast<Id>(begin + last));
   });
-  Array<Waiting3D> seen;
-  for (const Piece3D& r : readers) {
-    seen.insert(seen.end(), r.deferred.begin(), r.deferred.end());
-    pieces_[0].add_counts(r);
-  }
+  Array<Waiting3D> seen = join_pieces();
   give_slots(static_cast<Id>(seen.size()));
   insert_waiting(std::move(seen));
 }
@@ -35,11 +31,10 @@ void Engine3D::screen_and_insert(Id begin, Id end) {
 void Engine3D::insert_in_pieces(Id begin, Id end) {
   const Id count = std::min<Id>(run_.threads, (end - begin) / (smallest_parallel_round / 4));
   std::vector<Work> work(count);
-  for (Id t = 0; t < count; ++t) {
-    const std::uint64_t points = end - begin;
-    work[t].begin = begin + static_cast<Id>(points * t / count);
-    work[t].end = begin + static_cast<Id>(points * (t + 1) / count);
-  }
+  const std::uint64_t points = end - begin;
+  for (Id t = 0; t < count; ++t)
+    work[t] = {static_cast<Id>(begin + points * t / count),
+               static_cast<Id>(begin + points * (t + 1) / count)};
   cut_ = choose_cut(work);
   own_facets();
   find_entries(begin, end);

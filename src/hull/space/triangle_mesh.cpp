@@ -5,22 +5,18 @@
 #include "parallel/scan.hpp"
 
 namespace cullhull::internal {
-namespace {
-
-using Id = std::uint32_t;
-
-}  // namespace
 
 std::vector<TriangleMesh::Run> TriangleMesh::runs(std::uint32_t length) const {
   std::vector<Run> out;
   for (const auto& [begin, end] : used)
     for (std::uint64_t at = begin; at < end; at += length)
-      out.emplace_back(static_cast<Id>(at),
-                       static_cast<Id>(std::min<std::uint64_t>(end, at + length)));
+      out.emplace_back(static_cast<std::uint32_t>(at),
+                       static_cast<std::uint32_t>(std::min<std::uint64_t>(end, at + length)));
   return out;
 }
 
 Boundary boundary_of(TriangleMesh&& surface, const Run& run) {
+  using Id = std::uint32_t;
   const auto runs = surface.runs(1 << 15);
   const Facet3D* facets = surface.facets.data();
   const auto each_run = [&](const auto& body) {
