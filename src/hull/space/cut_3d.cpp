@@ -42,17 +42,17 @@ std::uint32_t place(const std::vector<T>& borders, T v) {
 }
 
 /// Borders between `count` parts of about the same size: the middles of the widest gaps between the
-/// values in reach of an eighth of a part. (A quarter lets parts differ threefold in size.)
+/// values in reach of a quarter of a part.
 template <class T>
 std::vector<T> in_gaps(std::vector<T>& values, std::size_t count) {
   std::sort(values.begin(), values.end());
-  const auto at = [&](std::size_t eighths) {
-    return std::clamp<std::size_t>(values.size() * eighths / (8 * count), 1, values.size() - 1);
+  const auto at = [&](std::size_t quarters) {
+    return std::clamp<std::size_t>(values.size() * quarters / (4 * count), 1, values.size() - 1);
   };
   std::vector<T> borders;
   for (std::size_t t = 1; t < count; ++t) {
-    std::size_t best = at(8 * t - 1);
-    for (std::size_t i = best; i <= at(8 * t + 1); ++i)
+    std::size_t best = at(4 * t - 1);
+    for (std::size_t i = best; i <= at(4 * t + 1); ++i)
       if (values[i] - values[i - 1] > values[best] - values[best - 1]) best = i;
     borders.push_back(values[best] - (values[best] - values[best - 1]) / 2);
   }
