@@ -178,6 +178,7 @@ void NumberedPoints::keep(const Places& places, const Run& run) {
   });
   *this = std::move(kept);
 }
+template void NumberedPoints::keep(const Array<std::uint64_t>&, const Run&);
 template void NumberedPoints::keep(const std::vector<std::uint64_t>&, const Run&);
 
 }  // namespace cullhull::internal
