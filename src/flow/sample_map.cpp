@@ -193,6 +193,11 @@ std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, const Array<double>& sampl
 // one thread's. Where leaders do not suit, and in the plane, the map is that of the hull of a
 // sample. In the plane that takes as long as sorting it and leaves fewer points: of a disc of 10^7
 // 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
+//
+// Where a fifth of the probe is extreme, the points may lie on a surface with relief, on which
+// leaders in valleys bound little: of a scanned body's 2 million points they leave 23 %, the hull
+// of a sample 6 %. An eighth of the sample tells: of a body it leaves less than 0.8 of the probe's
+// share, as more points lie nearer to the surface.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {
   const unsigned d = points.dimension;
@@ -214,16 +219,26 @@ SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32
     const auto probe =
         map_of_polytope(InnerPolytope(sample.polytope), wanted(true), insist, most_nodes, run);
     if (probe != nullptr) {
-      const Array<double> rows = points.gather(sample_blocks(points.count, wanted(true), run));
-      const std::uint64_t count = rows.size() / d;
-      const double outside =
-          static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
-      std::uint64_t led = 0;
-      result.map =
-          lead(*probe, rows, cells_of_leaders(outside, points.count, d, most_nodes), run, led);
+      const auto lead_by = [&](std::uint64_t most, std::uint64_t& count, std::uint64_t& left) {
+        const Array<double> rows = points.gather(sample_blocks(points.count, most, run));
+        count = rows.size() / d;
+        const double outside =
+            static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
+        return lead(*probe, rows, cells_of_leaders(outside, points.count, d, most_nodes), run,
+                    left);
+      };
+      std::uint64_t count = 0, left = 0;
+      bool suit = true;
+      if (d == 3 && 5 * kept >= size) {
+        suit = lead_by(wanted(true) / 8, count, left) != nullptr &&
+               5 * left * size <= 4 * kept * count;
+        if (left > 0 && insist == Insist::no && !map_pays(points.count, d, count, left))
+          return {nullptr, found + ", leaders leave nearly all, so a map does not pay"};
+      }
+      if (suit) result.map = lead_by(wanted(true), count, left);
       result.led = result.map != nullptr;
       if (result.led) {
-        kept = led;
+        kept = left;
         size = count;
         found += ", the leaders of " + std::to_string(size) + " leave " + std::to_string(kept);
       }

@@ -335,6 +335,28 @@ TEST(GaugeMap, LeadersAreTheSameForEveryNumberOfThreads) {
   }
 }
 
+// A node whose simplex was not found would be far above those beside it.
+TEST(GaugeMap, NodesOfLeadersAreLevel) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    Array<double> rows(60000);
+    for (double& x : rows) x = uniform(random);
+    const auto before = GaugeMap::build(polytope_of(SlowHull(cross_polytope(3), 3)), 4);
+    const Options options;
+    const auto map =
+        GaugeMap::of_leaders(rows, *before, {12, 28, true}, internal::Run(options).with_threads(1));
+    ASSERT_TRUE(map);
+    const GaugeTable& t = map->table();
+    for (std::uint32_t side = 0; side < 6; ++side)
+      for (std::uint32_t j = 0; j <= t.cells; ++j)
+        for (std::uint32_t i = 1; i < t.cells; ++i) {
+          const float* node = &t.nodes[(side * (t.cells + 1) + j) * (t.cells + 1) + i];
+          EXPECT_LT(node[0], 0.55F * (node[-1] + node[1])) << seed << ' ' << side;
+        }
+  }
+}
+
 class GaugeMapSeeds : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(GaugeMapSeeds, DropsOnlyWhatIsStrictlyInside) {

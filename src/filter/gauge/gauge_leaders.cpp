@@ -266,12 +266,16 @@ class LeaderGrid {
  public:
   LeaderGrid(const Array<double>& rows, const GaugeTable& before, const LeaderCells& cells,
              const Run& run)
-      : rows_(rows), before_(before), run_(run), edge_(cells.leaders) {
+      : rows_(rows),
+        before_(before),
+        run_(run),
+        box_(box_of_rows(
+            rows.size() / D, D, [&](std::uint64_t i) { return rows.data() + i * D; }, run)),
+        edge_(cells.leaders) {
     for (unsigned j = 0; j < D; ++j) centre_[j] = before.offset[j] / before.scale[j];
   }
 
   bool build(const LeaderCells& cells, GaugeTable& t) {
-    if (rows_.size() / D < D + 1) return false;
     if (cells.recentre) {
       edge_ = std::min(cells.leaders, coarse);
       if (!fill(t, edge_, 8)) return false;
@@ -312,7 +316,29 @@ class LeaderGrid {
       Columns<D> columns;
       for (std::uint64_t node = begin; node < end; ++node) t.nodes[node] = value(t, node, columns);
     });
+    for (unsigned sweep = 0; sweep < 2; ++sweep) level(t);
     return true;
+  }
+
+  // A node for which no good simplex was found would make its cells' bounds, and with them the core
+  // of all points, several times too small: of 5,046 nodes of a cube one was at twice its gauge,
+  // and a pass of 10 million points took a sixth longer for it.
+
+  /// Lowers each node to the mean of the two beside it where that is less: as the gauge is convex,
+  /// it bounds the gauge halfway between them, too.
+  void level(GaugeTable& t) const {
+    const auto before = t.nodes;
+    const std::uint64_t line = t.cells + 1, face = t.face_stride;
+    run_.each(before.size(), 2048, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t node = begin; node < end; ++node) {
+        std::uint64_t rest = node % face, stride = 1;
+        for (unsigned k = 0; k + 1 < D; ++k, rest /= line, stride *= line) {
+          if (rest % line == 0 || rest % line == t.cells) continue;
+          const double sum = static_cast<double>(before[node - stride]) + before[node + stride];
+          t.nodes[node] = std::min(t.nodes[node], round_up(sum / 2 * (1 + 0x1p-49)));
+        }
+      }
+    });
   }
 
   bool fill_constants(GaugeTable& t, unsigned cells) const {
@@ -329,11 +355,9 @@ class LeaderGrid {
   /// Chooses the frame and finds the leaders. `t` serves as the table of the cells.
   bool find(GaugeTable& t, unsigned every) {
     const std::uint64_t count = rows_.size() / D;
-    const BoxOfRows box = box_of_rows(
-        count, D, [&](std::uint64_t i) { return rows_.data() + i * D; }, run_);
     double reach[D];
     for (unsigned j = 0; j < D; ++j)
-      reach[j] = std::max(box.high[j] - centre_[j], centre_[j] - box.low[j]);
+      reach[j] = std::max(box_.high[j] - centre_[j], centre_[j] - box_.low[j]);
     if (!frame_.set(centre_, reach, true) || !fill_constants(t, edge_)) return false;
     std::vector<std::uint64_t> best(2 * D * face_of(edge_ + 1), 0);
     run_.each(count, some, [&](std::uint64_t begin, std::uint64_t end) {
@@ -504,6 +528,7 @@ class LeaderGrid {
   const Array<double>& rows_;
   const GaugeTable& before_;
   const Run& run_;
+  const BoxOfRows box_;
   unsigned edge_;  ///< cells of leaders along an edge of the cube
   double filled_ = 0;
   double centre_[D];
@@ -520,7 +545,7 @@ class LeaderGrid {
 bool build_gauge_of_leaders(const Array<double>& rows, const GaugeTable& before,
                             const LeaderCells& cells, const Run& run, GaugeTable& table) {
   return with_dimension<3, 5, 6>(before.dimension, [&](auto D) {
-    return LeaderGrid<D()>(rows, before, cells, run).build(cells, table);
+    return rows.size() / D() > D() && LeaderGrid<D()>(rows, before, cells, run).build(cells, table);
   });
 }
 
