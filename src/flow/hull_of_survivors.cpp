@@ -82,9 +82,9 @@ std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::ui
   if (known.hull == nullptr) return {};
   const auto order =
       vertices_first(known.hull->vertices, from.ids, static_cast<std::uint32_t>(count), run);
-  known.tried = !order.empty();
+  known.tried = order.has_value();
   if (!known.tried) return {};
-  return moved_surface(*known.hull, known.numbers, order, *from.local, simplex, run);
+  return moved_surface(*known.hull, known.numbers, *order, *from.local, simplex, run);
 }
 
 /// Writes the hull with known triangles. If they do not form the points' hull at their positions,

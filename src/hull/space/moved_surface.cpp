@@ -138,6 +138,11 @@ std::optional<TriangleMesh> star_shaped(std::uint64_t live, const Order& order,
   return surface;
 }
 
+/// Of an order of vertices_first().
+Id place_in(const std::vector<Id>& order, std::size_t v) {
+  return order.empty() ? static_cast<Id>(v) : order[v];
+}
+
 /// False if too many of some hundred ridges, from all parts of the last hull, are certainly concave
 /// at the points' positions: a surface that changed is seen so in a hundredth of the time that it
 /// takes to store it.
@@ -145,7 +150,7 @@ bool may_help(const Hull& last, const Positions& positions, const std::vector<Id
               const LocalPoints& points, const Run& run) {
   const std::uint64_t count = last.simplex_count(), step = count / 64 + 1;
   const auto row = [&](std::uint64_t f, std::size_t j) {
-    return points.row(order[positions.of(last.simplices[3 * f + j])]);
+    return points.row(place_in(order, positions.of(last.simplices[3 * f + j])));
   };
   std::uint64_t concave = 0, seen = 0;
   for (std::uint64_t f = 0; f < count; f += step)
@@ -176,9 +181,13 @@ bool worth_mending(std::uint64_t changes, std::uint64_t count, const Run& run) {
   return 4 * engines * changes <= (run.threads > 1 ? 3 : 1) * count;
 }
 
-std::vector<Id> vertices_first(const std::vector<std::uint64_t>& vertices, const std::uint64_t* ids,
-                               Id count, const Run& run) {
+std::optional<std::vector<Id>> vertices_first(const std::vector<std::uint64_t>& vertices,
+                                              const std::uint64_t* ids, Id count, const Run& run) {
   if (vertices.size() > count || !worth_mending(count - vertices.size(), count, run)) return {};
+  if (vertices.size() == count) {
+    if (ids != nullptr && !std::equal(vertices.begin(), vertices.end(), ids)) return {};
+    return std::vector<Id>();
+  }
   std::vector<Id> order(count);
   std::vector<std::vector<Id>> others(chunk_count(count, grain));
   run.each_chunk(count, grain, [&](std::uint64_t c, std::uint64_t begin, std::uint64_t end) {
@@ -199,7 +208,7 @@ std::vector<Id> vertices_first(const std::vector<std::uint64_t>& vertices, const
     if (some.size() > count - at) return {};
     at = static_cast<std::size_t>(std::ranges::copy(some, order.begin() + at).out - order.begin());
   }
-  return at == count ? order : std::vector<Id>();
+  return at == count ? std::optional(std::move(order)) : std::nullopt;
 }
 
 std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers* numbers,
@@ -214,11 +223,13 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
   if (numbers != nullptr)
     return star_shaped(
         live,
-        [&](std::size_t v) { return order[v < numbers->order.size() ? numbers->order[v] : v]; },
+        [&](std::size_t v) {
+      return place_in(order, v < numbers->order.size() ? numbers->order[v] : v);
+        },
         [&](std::size_t i) { return numbers->vertices[i]; },
         [&](std::size_t i) { return numbers->neighbours[i]; }, points, simplex, run);
   return star_shaped(
-      live, [&](std::size_t v) { return order[v]; },
+      live, [&](std::size_t v) { return place_in(order, v); },
       [&](std::size_t i) { return positions.of(last.simplices[i]); },
       [&](std::size_t i) { return last.simplex_neighbours[i]; }, points, simplex, run);
 }

@@ -59,13 +59,13 @@ struct NearbyNumbers {
 /// threads hull all `count` points.
 bool worth_mending(std::uint64_t changes, std::uint64_t count, const Run& run);
 
-/// The local points that are the vertices of a hull, in their order, then all others. `ids`: those
-/// of the local points, ascending; null: 0, 1, ... Empty if a vertex is missing, or where the
-/// others are so many that the engine's threads hull all points sooner than one thread inserts
-/// them.
-std::vector<std::uint32_t> vertices_first(const std::vector<std::uint64_t>& vertices,
-                                          const std::uint64_t* ids, std::uint32_t count,
-                                          const Run& run);
+/// The local points that are the vertices of a hull, in their order, then all others; empty: 0, 1,
+/// ... `ids`: those of the local points, ascending; null: 0, 1, ... Nothing if a vertex is missing,
+/// or where the others are so many that the engine's threads hull all points sooner than one thread
+/// inserts them.
+std::optional<std::vector<std::uint32_t>> vertices_first(const std::vector<std::uint64_t>& vertices,
+                                                         const std::uint64_t* ids,
+                                                         std::uint32_t count, const Run& run);
 
 /// The triangles of `last`, a 3D hull whose facets are all triangles, with its vertices moved:
 /// vertex i of `last` is now local point order[i]. Empty where too many ridges are concave now, and
