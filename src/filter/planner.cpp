@@ -156,12 +156,12 @@ bool cull_pays(std::uint64_t count, unsigned d, std::uint64_t sample, std::uint6
 // A cell of k points has its leader some 1 / k of the shell's thickness below the surface, and
 // chords over cells lie below it by a share that goes with the square of their length: L leaders of
 // n points lose a L / n + b L^(-2 / (d - 1)), least where L goes with n^((d - 1) / (d + 1)). In 3D
-// more of n: a normal distribution, few of which are outside, wants 204 leaders, a ball 2,400. In
-// the last map more nodes are worthwhile, since each point that it leaves costs the engine's time.
-// In 4D fewer of them than leaders: 13,500 nodes leave 68,700 points of a ball of 2M in 27 ms and
-// the hull takes 113 ms; 27,000 nodes left 56,000 in 35 ms, and the hull took 120 ms. In 3D, half
-// of them leave 26,000 points of a ball of 8M instead of 21,000, and the hull takes 0.96 of the
-// time.
+// measured bodies want L to grow faster: 204 leaders for a normal distribution of 10M, of which few
+// points are outside, 2,400 for a ball of 8M. In the last map more nodes are worthwhile, since each
+// point that it leaves costs the engine's time, but fewer nodes than leaders. In 4D 13,500 nodes
+// leave 68,700 points of a ball of 2M in 27 ms and the hull takes 113 ms; 27,000 nodes left 56,000
+// in 35 ms, and the hull took 120 ms. In 3D half as many leave 26,000 points of a ball of 8M
+// instead of 21,000, and the hull takes 0.96 of the time.
 LeaderCounts leader_counts(double outside, std::uint64_t tested, unsigned d) {
   struct Rule {
     double factor, exponent, most, last_count, last_most, last_nodes;
