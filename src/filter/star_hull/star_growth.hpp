@@ -3,13 +3,16 @@
 // facet is replaced by three through the farthest point outside of it (Gao, Cao, Tan and Huang,
 // gHull, 2013; here the cones are tested, no Voronoi diagram is needed).
 //
-// What is proved (docs/exactness.md, H2 and H3). A facet (a, b, d) is used only where each of its
-// vertices is proved to be on the inner side of the plane through the centre c and the other two. A
-// point of its cone is assigned to the cone of the new facet (p, a, b) where it is proved to be on
-// b's side of the plane c p a and on a's side of c p b; as it was on the inner side of c a b
+// It begins with a closed surface, in whose cones points are found by walking from facet to facet:
+// one of leaders where there are enough points, else a simplex.
+//
+// What is proved (docs/exactness.md, H2, H3 and H7). A facet (a, b, d) is used only where each of
+// its vertices is proved to be on the inner side of the plane through the centre c and the other
+// two. A point of its cone is assigned to the cone of the new facet (p, a, b) where it is proved to
+// be on b's side of the plane c p a and on a's side of c p b; as it was on the inner side of c a b
 // before, it is strictly in the new cone. It is dropped if it is also proved to be on c's side of
 // the plane p a b: strictly inside of the tetrahedron c p a b. c is strictly inside of the first
-// simplex, so of the hull, and so is the tetrahedron but for its boundary. What cannot be proved
+// surface, so of the hull, and so is the tetrahedron but for its boundary. What cannot be proved
 // leaves the point aside: it survives.
 //
 // Example: c = (0, 0, 0), the facet (1, 0, 0), (0, 1, 0), (0, 0, 1) and its farthest point p = (1,
@@ -19,6 +22,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -29,6 +33,7 @@
 #include "filter/pseudo_hull/pseudo_hull_math.hpp"
 #include "filter/pseudo_hull/pseudo_hull_start.hpp"
 #include "filter/pseudo_hull/pseudo_hull_steps.hpp"
+#include "filter/star_hull/star_leaders.hpp"
 #include "filter/star_hull/star_math.hpp"
 #include "parallel/threads/parallel.hpp"
 
@@ -42,53 +47,142 @@ struct alignas(16) StarFan {
   PseudoPlane<3> between[3], plane[3];
 };
 
-/// The simplex: facet f lacks corner f. The plane of a pair of corners goes through them and the
-/// centre, with the lowest other corner on its inner side.
-struct StarSimplex {
-  double centre[3], base[4][3];
-  PseudoPlane<3> plane[4];
-  PseudoPlane<3> between[6];
+/// The cone of a facet of the first surface. Plane `side[k]` goes through the centre and the other
+/// vertices than k, with vertex k on its inner side; all are uncertain where one is.
+struct alignas(16) StarCone {
+  double base[3];
+  PseudoPlane<3> side[3], plane;
+
+  CULLHULL_HD bool certain() const {
+    return plane.normal[0] != 0 || plane.normal[1] != 0 || plane.normal[2] != 0;
+  }
 };
-/// The number of the pair a < b of 4.
-CULLHULL_HD constexpr unsigned pair_of_four(unsigned a, unsigned b) {
-  return a == 0 ? b - 1 : a + b;  // 01 02 03 12 13 23
+
+CULLHULL_HD_INLINE Place star_place(std::uint32_t facet, double at, double error) {
+  if (at > error) return {facet, at};
+  return {at < -error ? place_inside : place_uncertain, 0};
 }
 
-/// Assigns every row to the facet of the simplex whose cone it is in.
 template <class Rows>
+struct MakeCone {
+  Rows rows;
+  double centre[3];
+  const StarFacet* facet;
+  StarCone* cone;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    const StarFacet& of = facet[f];
+    StarCone made;
+    double at[3][3];
+    bool certain = true;
+    for (unsigned k = 0; k < 3; ++k) certain = certain && of.vertex[k] != no_item;
+    if (certain) {
+      for (unsigned k = 0; k < 3; ++k) rows.load(of.vertex[k], at[k]);
+      const double* corner[3] = {at[0], at[1], at[2]};
+      for (unsigned k = 0; k < 3; ++k) {
+        made.base[k] = at[0][k];
+        const double* through[3] = {centre, at[next_corner(k)], at[last_corner(k)]};
+        certain = make_plane<3>(through, at[k], made.side[k]) && certain;
+      }
+      certain = make_plane<3>(corner, centre, made.plane) && certain &&
+                star_sign(centre, at[0], at[1], at[2]) > 0;
+    }
+    if (!certain)
+      for (unsigned k = 0; k < 4; ++k) set_uncertain(k < 3 ? made.side[k] : made.plane);
+    cone[f] = made;
+  }
+};
+
+// A walk crosses a side that the point is certainly beyond, not always the first: else it could go
+// round in a ring of facets.
+
+/// Finds the cones of points by walking over the first surface.
+template <class From>
+struct StarPlaces {
+  From from;
+  double centre[3];
+  const StarFacet* facet;
+  const StarCone* cone;
+
+  CULLHULL_HD Place of(const double* x) const {
+    constexpr unsigned most_steps = 64;
+    std::uint32_t f = from(x);
+    for (unsigned step = 0; step < most_steps; ++step) {
+      const StarCone& here = cone[f];
+      unsigned beyond = 3;
+      bool certain = true;
+      for (unsigned j = 0; j < 3; ++j) {
+        const unsigned k = (j + step) % 3;
+        const double at = pseudo_distance<3>(here.side[k].normal, centre, x);
+        if (at > here.side[k].error && beyond == 3) beyond = k;
+        certain = certain && at < -here.side[k].error;
+      }
+      if (certain)
+        return star_place(f, pseudo_distance<3>(here.plane.normal, here.base, x), here.plane.error);
+      if (beyond == 3) break;
+      f = facet[f].across[beyond].facet();
+    }
+    return {place_uncertain, 0};
+  }
+};
+
+/// Of a first surface: facets without a cone, edges that are certainly reflex, and how many of some
+/// rows are not certainly inside.
+struct StarCheck {
+  std::uint32_t open = 0, reflex = 0, outside = 0;
+};
+struct AddChecks {
+  CULLHULL_HD StarCheck operator()(StarCheck a, const StarCheck& b) const {
+    return {a.open + b.open, a.reflex + b.reflex, a.outside + b.outside};
+  }
+};
+/// Items are the facets, then rows `stride` apart.
+template <class Rows, class From>
+struct CheckStart {
+  Rows rows;
+  StarPlaces<From> places;
+  std::uint32_t facets, stride;
+  CULLHULL_HD StarCheck operator()(std::uint32_t i) const {
+    StarCheck found;
+    double x[3];
+    if (i >= facets) {
+      rows.load((i - facets) * stride, x);
+      found.outside = places.of(x).facet != place_inside;
+      return found;
+    }
+    const StarCone& here = places.cone[i];
+    found.open = !here.certain();
+    for (unsigned k = 0; k < 3; ++k) {
+      const StarSide beyond = places.facet[i].across[k];
+      const std::uint32_t opposite = places.facet[beyond.facet()].vertex[beyond.corner()];
+      if (beyond.facet() < i || opposite == no_item) continue;
+      rows.load(opposite, x);
+      found.reflex += pseudo_distance<3>(here.plane.normal, here.base, x) > here.plane.error;
+    }
+    return found;
+  }
+};
+
+/// Assigns rows to the facets in whose cones they are: item i is row i, or that of points[i].
+template <class Rows, class From>
 struct AssignToCones {
   Rows rows;
-  StarSimplex simplex;
+  StarPlaces<From> places;
+  const ExteriorPoint* points;
   PlaceArrays arrays;
 
   CULLHULL_HD Offer operator()(std::uint32_t i) const {
+    const std::uint32_t row = points == nullptr ? i : points[i].row;
     double x[3];
-    rows.load(i, x);
-    int side[6];
-    for (unsigned p = 0; p < 6; ++p) {
-      const double at = pseudo_distance<3>(simplex.between[p].normal, simplex.centre, x);
-      side[p] = at > simplex.between[p].error ? 1 : at < -simplex.between[p].error ? -1 : 0;
-    }
-    Place place = {place_uncertain, 0};
-    for (unsigned f = 0; f < 4; ++f) {
-      bool in_cone = true;
-      for (unsigned a = 0; a < 4; ++a)
-        for (unsigned b = a + 1; b < 4; ++b) {
-          if (a == f || b == f) continue;
-          // Of the two corners that are not a and b, f is the one beyond.
-          const unsigned other = 6 - a - b - f;
-          in_cone = in_cone && side[pair_of_four(a, b)] == (other < f ? -1 : 1);
-        }
-      if (in_cone)
-        place = star_place(f, pseudo_distance<3>(simplex.plane[f].normal, simplex.base[f], x),
-                           simplex.plane[f].error);
-    }
-    return arrays.settle(i, i, place);
+    rows.load(row, x);
+    return arrays.settle(i, row, places.of(x));
   }
-  CULLHULL_HD static Place star_place(std::uint32_t facet, double at, double error) {
-    if (at > error) return {facet, at};
-    return {at < -error ? place_inside : place_uncertain, 0};
-  }
+};
+struct FromFirstFacet {
+  CULLHULL_HD std::uint32_t operator()(const double* /*x*/) const { return 0; }
+};
+struct EmitPoint {
+  ExteriorPoint* points;
+  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { points[k] = {i, 0}; }
 };
 
 /// Where the round's new facets go: the first takes the place of the facet that it replaces.
@@ -178,8 +272,8 @@ struct ReassignToCones {
     Place place = {place_uncertain, 0};
     for (unsigned k = 0; k < 3; ++k) {
       if (side[next_corner(k)] != -1 || side[last_corner(k)] != 1) continue;
-      place = AssignToCones<Rows>::star_place(
-          3 * p.facet + k, pseudo_distance<3>(f.plane[k].normal, f.apex, x), f.plane[k].error);
+      place = star_place(3 * p.facet + k, pseudo_distance<3>(f.plane[k].normal, f.apex, x),
+                         f.plane[k].error);
     }
     return arrays.settle(i, p.row, place);
   }
@@ -223,8 +317,7 @@ class StarGrowth {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
-    const std::uint32_t four = 4;
-    executor_.upload(&four, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
+    executor_.upload(&first_, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
     for (std::uint32_t r = 1; r <= max_rounds && !growth_.done(); ++r) {
       control.check();
       round(r);
@@ -239,7 +332,8 @@ class StarGrowth {
   unsigned char* culled() { return culled_.data(); }
   /// The surface, in the executor's memory: 2 V - 4 facets for V vertices.
   StarFacet* facets() { return facet_.data(); }
-  std::uint32_t facet_count() const { return count_ == 0 ? 0 : 4 + 2 * growth_.replaced(); }
+  std::uint32_t facet_count() const { return count_ == 0 ? 0 : first_ + 2 * growth_.replaced(); }
+  std::uint32_t first_facets() const { return first_; }  ///< of the surface that it began with
   const double* centre() const { return centre_; }
   /// The rows, scaled.
   const Rows& rows() const { return rows_; }
@@ -251,6 +345,7 @@ class StarGrowth {
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
     count_ = count;
+    listed_ = false;
     growth_.begin(count);
     constexpr std::uint32_t grain = Executor::grain;
     const AxisExtremes<3> e =
@@ -261,49 +356,111 @@ class StarGrowth {
     rows_.rescale(executor_, count, scale);
     StartSimplex<3> simplex;
     if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
-    StarSimplex first;
-    if (!first_facets(simplex, first)) return false;
     executor_.reserve(place_, count);
     executor_.reserve(distance_, count);
     executor_.reserve(culled_, count);
-    const auto culled = executor_.scatter_max(count, 4, AssignToCones<Rows>{rows_, first, arrays()},
-                                              executor_.reserve(best_, 4));
-    regroup(0, 4, culled, nullptr, StarSlots{nullptr, {}, nullptr});
-    growth_.read(rounds);
-    return true;
+    executor_.reserve(facet_, 2 * std::size_t{count});
+    executor_.reserve(number_, 2 * std::size_t{count});
+    if (start_from_leaders(e, scale, rounds)) return true;
+    return start_from_simplex(simplex, rounds);
   }
 
-  bool first_facets(const StartSimplex<3>& simplex, StarSimplex& first) {
+  // Leaders cut off what is inside in one pass, whatever the points are. Where most of them are
+  // vertices of the hull, the surface grows on from them. Where many are not, as on the faces of a
+  // cube, flips would have to remove each: a simplex begins again, with the points that are left.
+  //
+  // About 1.5 sqrt(n) leaders serve best, more where most points are near the surface. Share of
+  // reflex edges: balls and spheres 0.16 to 0.29, with four times as many leaders 0.37; a cube or
+  // normal points 0.45. Flip rounds with leaders, and with a simplex again: 30 and 56 for a ball of
+  // 8M, 30 and 51 for an ellipsoid, 121 and 59 for a cube, 529 and 149 for a bumpy body (0.36).
+
+  /// Returns whether the surface begins with leaders. If not, points may have been culled.
+  bool start_from_leaders(const AxisExtremes<3>& e, const double* scale,
+                          std::vector<PseudoHullRound>& rounds) {
+    LeaderFrame frame;
+    for (unsigned k = 0; k < 3; ++k) {
+      frame.centre[k] = centre_[k] = 0.5 * (scale[k] * e.low[k]) + 0.5 * (scale[k] * e.high[k]);
+      frame.unit[k] = 2 / (scale[k] * e.high[k] - scale[k] * e.low[k]);
+    }
+    LeaderGrid3 grid{2};
+    while (grid.m < 16 && 8 * std::pow(2.0 * grid.m, 4) <= count_) grid.m *= 2;
+    if (grid.m == 2) return false;
+    bool refined = false;
+    for (;;) {
+      executor_.scatter_max(count_, grid.cells(), OfferLeader<Rows>{rows_, grid, frame},
+                            executor_.reserve(best_, grid.cells()));
+      first_ = grid.facets();
+      executor_.for_each(first_, JoinLeaders{grid, best_.data(), facet_.data()});
+      const FromNearestNode from{grid, frame};
+      constexpr std::uint32_t sample = 1024;  // at least 2^11 rows are there
+      const StarCheck found = make_cones(from, sample);
+      if (found.open != 0 && !refined) return false;
+      if (found.open != 0) {
+        grid.m /= 2;  // which had no open facet
+      } else if (!refined && 2 * found.outside > sample && count_ / (4 * grid.cells()) >= 64) {
+        grid.m *= 2;
+      } else {
+        const bool grows = found.reflex < first_ / 2;  // a third of the edges
+        place(from, grows, rounds);
+        return grows;
+      }
+      refined = true;
+    }
+  }
+
+  template <class From>
+  StarPlaces<From> places(const From& from) const {
+    StarPlaces<From> p{from, {}, facet_.data(), cone_.data()};
+    std::copy_n(centre_, 3, p.centre);
+    return p;
+  }
+
+  /// Makes the cones of the first surface, and checks them, with so many of the rows.
+  template <class From>
+  StarCheck make_cones(const From& from, std::uint32_t sample) {
+    MakeCone<Rows> make{rows_, {}, facet_.data(), executor_.reserve(cone_, first_)};
+    std::copy_n(centre_, 3, make.centre);
+    executor_.for_each(first_, make);
+    const std::uint32_t stride = sample == 0 ? 0 : count_ / sample;
+    return executor_.reduce(first_ + sample, StarCheck{},
+                            CheckStart<Rows, From>{rows_, places(from), first_, stride},
+                            AddChecks{});
+  }
+
+  /// Finds the facet of each row that is not culled. If the surface does not grow, what is inside
+  /// is culled, and the rest listed.
+  template <class From>
+  void place(const From& from, bool grows, std::vector<PseudoHullRound>& rounds) {
+    const ExteriorPoint* points = listed_ ? points_.data() : nullptr;
+    const Count culled =
+        executor_.scatter_max(growth_.exterior(), first_,
+                              AssignToCones<Rows, From>{rows_, places(from), points, arrays()},
+                              executor_.reserve(best_, first_));
+    if (grows) {
+      regroup(0, first_, culled, points, nullptr, StarSlots{nullptr, {}, nullptr});
+    } else {
+      const Count left =
+          executor_.append(count_, NotCulled{culled_.data()},
+                           EmitPoint{executor_.reserve(points_, std::size_t{count_} + 1)});
+      growth_.add(0, culled, 0, left);
+      listed_ = true;
+    }
+    growth_.read(rounds);
+  }
+
+  bool start_from_simplex(const StartSimplex<3>& simplex, std::vector<PseudoHullRound>& rounds) {
     for (unsigned k = 0; k < 3; ++k)
       centre_[k] = 0.25 * (simplex.corner[0][k] + simplex.corner[1][k]) +
                    0.25 * (simplex.corner[2][k] + simplex.corner[3][k]);
-    std::copy_n(centre_, 3, first.centre);
     StarFacet facet[4];
     for (unsigned f = 0; f < 4; ++f) {
       unsigned v[3];
       for (unsigned k = 0, c = 0; c < 4; ++c)
         if (c != f) v[k++] = c;
-      const int sign =
-          star_sign(centre_, simplex.corner[v[0]], simplex.corner[v[1]], simplex.corner[v[2]]);
-      if (sign == 0) return false;
-      if (sign < 0) std::swap(v[1], v[2]);
+      if (star_sign(centre_, simplex.corner[v[0]], simplex.corner[v[1]], simplex.corner[v[2]]) < 0)
+        std::swap(v[1], v[2]);
       for (unsigned k = 0; k < 3; ++k) facet[f].vertex[k] = v[k];
-      const double* corner[3] = {simplex.corner[v[0]], simplex.corner[v[1]], simplex.corner[v[2]]};
-      std::copy_n(corner[0], 3, first.base[f]);
-      if (!make_plane<3>(corner, centre_, first.plane[f])) return false;
-      // The centre is on the side of the opposite corner, for all four: it is inside the simplex.
-      if (!(pseudo_distance<3>(first.plane[f].normal, first.base[f], simplex.corner[f]) <
-            -first.plane[f].error))
-        return false;
     }
-    for (unsigned a = 0; a < 4; ++a)
-      for (unsigned b = a + 1; b < 4; ++b) {
-        unsigned inner = 0;
-        while (inner == a || inner == b) ++inner;
-        const double* corner[3] = {centre_, simplex.corner[a], simplex.corner[b]};
-        if (!make_plane<3>(corner, simplex.corner[inner], first.between[pair_of_four(a, b)]))
-          return false;
-      }
     // Facet f and facet c = vertex k of f share the side opposite to c in f and to f in c.
     for (unsigned f = 0; f < 4; ++f)
       for (unsigned k = 0; k < 3; ++k) {
@@ -314,8 +471,10 @@ class StarGrowth {
       }
     for (auto& f : facet)
       for (auto& v : f.vertex) v = simplex.row[v];
-    executor_.upload(facet, 4, executor_.reserve(facet_, 2 * std::size_t{count_}));
-    executor_.reserve(number_, 2 * std::size_t{count_});
+    first_ = 4;
+    executor_.upload(facet, 4, facet_.data());
+    if (make_cones(FromFirstFacet{}, 0).open != 0) return false;
+    place(FromFirstFacet{}, true, rounds);
     return true;
   }
 
@@ -340,22 +499,22 @@ class StarGrowth {
     std::copy_n(centre_, 3, assign.centre);
     const Count culled = executor_.scatter_max(growth_.exterior(), cells, assign,
                                                executor_.reserve(best_, most_cells));
-    regroup(r, cells, culled, points_.data(), slots);
+    regroup(r, cells, culled, points_.data(), made_.data(), slots);
   }
 
   /// Finds the facets that have points outside of them, those points, and each facet's apex.
-  /// `from`: null in round 0, where item i is row i.
+  /// `from`: null where item i is row i; `made`: null in round 0.
   void regroup(std::uint32_t r, const Count& cells, const Count& culled, const ExteriorPoint* from,
-               const StarSlots& slots) {
+               const StarFacet* made, const StarSlots& slots) {
     const std::uint32_t most_cells = Executor::most(cells),
                         most_points = Executor::most(growth_.exterior());
     std::uint32_t* rank = executor_.reserve(rank_, std::size_t{most_cells} + 1);
     std::uint32_t* next_active = executor_.reserve(next_active_, most_cells);
     std::uint32_t* apex = executor_.reserve(apex_, most_cells);
-    const Count active = executor_.enumerate(
-        cells, CellHasPoints{best_.data()}, rank,
-        ListActive{best_.data(), rank, slots, from == nullptr ? nullptr : made_.data(),
-                   facet_.data(), next_active, apex, number_.data()});
+    const Count active =
+        executor_.enumerate(cells, CellHasPoints{best_.data()}, rank,
+                            ListActive{best_.data(), rank, slots, made, facet_.data(), next_active,
+                                       apex, number_.data()});
     // Room for one more, because an executor may emit an item that is not kept.
     ExteriorPoint* next_points = executor_.reserve(next_points_, std::size_t{most_points} + 1);
     const Count exterior =
@@ -374,6 +533,8 @@ class StarGrowth {
   Rows rows_{};
   double centre_[3] = {};
   std::uint32_t count_ = 0;
+  std::uint32_t first_ = 0;        ///< how many facets the first surface has
+  bool listed_ = false;            ///< the rows that are not culled are points_
   GrowthRounds<Executor> growth_;  ///< of the facets that are replaced
   Array<ExteriorPoint> points_, next_points_;
   Array<std::uint32_t> place_, apex_, rank_, number_, active_, next_active_;
@@ -382,6 +543,7 @@ class StarGrowth {
   Array<std::uint64_t> best_;
   Array<StarFacet> facet_, made_;
   Array<StarFan> fan_;
+  Array<StarCone> cone_;
   Array<std::uint32_t> facets_before_;  ///< by round
   RowReader<3, Rows, Executor> reader_;
 };

@@ -23,6 +23,7 @@ struct StarCentre {
 
 /// What was done, and what is left.
 struct StarCounts {
+  std::uint32_t leaders = 0;               ///< vertices of the first surface; 4: a simplex
   std::uint32_t vertices = 0, facets = 0;  ///< after the growth
   std::uint32_t left = 0;                  ///< rows that are not culled in the end
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
@@ -125,6 +126,7 @@ class StarHull {
       return done;
     }
     done.facets = growth_.facet_count();
+    done.leaders = growth_.first_facets() / 2 + 2;
     done.vertices = done.facets / 2 + 2;
     done.aside = growth_.left() - done.vertices;
     done.growth_seconds = seconds_since(start);
