@@ -15,8 +15,9 @@ namespace cullhull {
 /// Cost of a frame, and how its hull differs from that of the frame before.
 struct FrameReport {
   std::uint64_t index = 0;  ///< of the frame, from 0; frames that threw count, too
-  /// The filter. "gauge" or "pseudo-hull": built from the last frame's hull. "static": computed as
-  /// by convex_hull, for the first frame, for few points, and if the motion is not coherent.
+  /// The filter. "gauge" or "pseudo-hull": built from the last frame's hull (on a device, in
+  /// space, "pseudo-hull" from its surface). "static": computed as by convex_hull, for the first
+  /// frame, for few points, and if the motion is not coherent.
   const char* method = "static";
   std::uint64_t scan_survivors = 0;  ///< points kept by the scan of all points
   std::uint64_t survivors = 0;       ///< points that the whole filter left for the engine

@@ -21,9 +21,10 @@ namespace {
 /// Filters points in a device's memory, there or on the host, and copies the survivors to the host.
 class DeviceFilter {
  public:
-  DeviceFilter(const DevicePointView& points, const Run& run)
+  DeviceFilter(const DevicePointView& points, const Run& run, std::shared_ptr<LastSurface>* last)
       : points_(points),
         run_(run),
+        last_(last),
         forced_(run.options.cull == CullMethod::gauge),
         d_(points.dimension) {}
 
@@ -56,6 +57,8 @@ class DeviceFilter {
       where = place.reason;
     }
     run_.report("cull", 0);
+    if (last_ != nullptr && surface_of_all_pays(points_, run_))
+      return hull_of_all_there(std::move(result), where);
     const SampledMap sampled = first_map();
     result.survivors.reason = sampled.reason;
     if (sampled.map == nullptr) return hull_of_all_there(std::move(result), where);
@@ -92,17 +95,17 @@ class DeviceFilter {
   /// Where a map would cull little, the hull's surface is looked for among all points. What is not
   /// finite is not culled, and found when the rest is copied.
   Filtered hull_of_all_there(Filtered&& result, const std::string& where) const {
-    // On a sphere of 100,000 points it gains a quarter, with 16 threads; fewer are untested.
-    constexpr std::uint64_t worthwhile = std::uint64_t{1} << 16;
     const bool must = run_.options.backend == Backend::cuda;
-    if (d_ != 3 || points_.count > pseudo_hull_most_points || (!must && points_.count < worthwhile))
-      return all_points(std::move(result));
+    if (!surface_of_all_pays(points_, run_)) return all_points(std::move(result));
     try {
-      StarHullThere found = star_hull_there(points_, run_);
+      StarHullThere found = star_hull_there(points_, run_, nullptr, last_);
       if (found.counts.end.facets == 0) return all_points(std::move(result));
       Filtered kept;
       kept.survivors.reason =
-          result.survivors.reason + "; " + where + "; a pseudo-hull, " + described(found.counts);
+          (result.survivors.reason.empty() ? "" : result.survivors.reason + "; ") + where +
+          (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
+          described(found.counts);
+      kept.moved = found.counts.moved;
       kept.survivors.filter = UsedFilter::pseudo_hull;
       kept.survivors.backend = Backend::cuda;
       kept.survivors.all = found.ids.count == points_.count;
@@ -273,13 +276,15 @@ class DeviceFilter {
 
   const DevicePointView& points_;
   const Run& run_;
+  std::shared_ptr<LastSurface>* last_;  ///< of a tracker, or null
   bool forced_;
   unsigned d_;
 };
 
 }  // namespace
 
-Filtered run_device_filter(const DevicePointView& points, const Run& run) {
+Filtered run_device_filter(const DevicePointView& points, const Run& run,
+                           std::shared_ptr<LastSurface>* last) {
   if (points.count == 0) {
     (void)this_device();
     Filtered nothing;
@@ -291,7 +296,7 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run) {
   const int ordinal = device_of(points);
   (void)device(ordinal);
   const DeviceScope scope(ordinal);
-  return DeviceFilter(points, run).run();
+  return DeviceFilter(points, run, last).run();
 }
 
 }  // namespace cullhull::internal

@@ -9,6 +9,7 @@
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
+#include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
@@ -22,10 +23,11 @@ namespace {
 /// until copy() has moved the points to the host, and on the host afterwards.
 class DeviceFrame final : public FramePoints {
  public:
-  DeviceFrame(const DevicePointView& points, const Run& run)
+  DeviceFrame(const DevicePointView& points, const Run& run, std::shared_ptr<LastSurface>& last)
       : FramePoints(points.count, points.dimension),
         points_(points),
         run_(run),
+        last_(last),
         reason_("CUDA device as asked") {
     check_arguments(points);
     if (count == 0) {
@@ -57,6 +59,11 @@ class DeviceFrame final : public FramePoints {
     return here_ ? here_->most_nodes() : most_gauge_nodes(this_device());
   }
 
+  bool keeps_surface() const override {
+    return !here_ && run_.options.cull == CullMethod::automatic &&
+           surface_of_all_pays(points_, run_);
+  }
+
   void scan(const GaugeMap& map, Survivors& result) override {
     const std::string before = result.reason;
     there_or_here([&] { scan_there(map, result); },
@@ -73,7 +80,7 @@ class DeviceFrame final : public FramePoints {
 
   Filtered filter_afresh() override {
     if (here_) return here_->filter_afresh();
-    return run_device_filter(points_, run_);
+    return run_device_filter(points_, run_, keeps_surface() ? &last_ : nullptr);
   }
 
   Hull hull(Filtered&& filtered) override {
@@ -136,6 +143,7 @@ class DeviceFrame final : public FramePoints {
 
   const DevicePointView points_;
   const Run& run_;
+  std::shared_ptr<LastSurface>& last_;
   std::string reason_, why_here_;
   std::optional<DeviceScope> scope_;
   Array<double> rows_;  ///< rows of all points, after copy()
@@ -146,8 +154,9 @@ class DeviceFrame final : public FramePoints {
 
 }  // namespace
 
-std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run) {
-  return std::make_unique<DeviceFrame>(points, run);
+std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run,
+                                          std::shared_ptr<LastSurface>& last) {
+  return std::make_unique<DeviceFrame>(points, run, last);
 }
 
 }  // namespace cullhull::internal

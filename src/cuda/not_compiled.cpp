@@ -37,12 +37,13 @@ std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, c
   return nullptr;
 }
 
-Filtered run_device_filter(const DevicePointView&, const Run&) {
+Filtered run_device_filter(const DevicePointView&, const Run&, std::shared_ptr<LastSurface>*) {
   require_cuda();
   return {};
 }
 
-std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&) {
+std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&,
+                                          std::shared_ptr<LastSurface>&) {
   check_arguments(points);
   require_cuda();
   return nullptr;

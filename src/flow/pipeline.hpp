@@ -23,6 +23,8 @@ namespace cullhull::internal {
 
 // The filter stage of the pipeline: the exact hull of a sample becomes the map that culls the rest.
 
+struct LastSurface;
+
 /// The survivors of an input, with their coordinates if those have been gathered.
 struct Filtered {
   Survivors survivors;
@@ -30,6 +32,7 @@ struct Filtered {
   std::uint64_t pass_survivors = 0;     ///< number of survivors of the pass over the whole input
   std::shared_ptr<const GaugeMap> map;  ///< that left them, or none
   StarTriangles triangles;  ///< a surface of the survivors that may be their hull, or none
+  bool moved = false;       ///< found from the surface of the last frame
 };
 
 /// Runs the filter that the options ask for. Points with a NaN or an infinity always survive, so
@@ -74,7 +77,9 @@ void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64
 /// Like run_filter, but `rows` always holds the exact coordinates of the survivors (of all points
 /// if `all`). Throws Error{not_finite} with the lowest id of a point with a NaN or an infinity,
 /// Error{backend_unavailable} if there is no device or the view is not in its memory.
-Filtered run_device_filter(const DevicePointView& points, const Run& run);
+/// `last`: a tracker's, which keeps the surface of its last frame there.
+Filtered run_device_filter(const DevicePointView& points, const Run& run,
+                           std::shared_ptr<LastSurface>* last = nullptr);
 
 /// Throws Error{invalid_argument} for null data, no dimension, or a scalar other than f32 and f64.
 void check_arguments(const DevicePointView& points);

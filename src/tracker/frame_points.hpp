@@ -36,13 +36,16 @@ class FramePoints {
   virtual Array<double> gather(const std::vector<std::uint64_t>& ids) = 0;
   /// The largest number of a map's nodes that fit into the executor's cache; 0: the CPU's default.
   virtual std::uint32_t most_nodes() = 0;
+  /// Whether filter_afresh() begins with the last frame's surface, where there is one.
+  virtual bool keeps_surface() const { return false; }
   /// Scans all points: sets the survivors and the backend, and appends the choice's reason to
   /// `reason`.
   virtual void scan(const GaugeMap& map, Survivors& result) = 0;
   /// Gathers the rows of a scan's survivors. Throws Error{not_finite} for the first bad point of
   /// the frame.
   virtual void fetch(Filtered& result) = 0;
-  /// Filters the points as convex_hull() does, without the last frame.
+  /// Filters the points as convex_hull() does; without the last frame, but for its surface on a
+  /// device.
   virtual Filtered filter_afresh() = 0;
   /// Computes the hull of a filter's survivors.
   virtual Hull hull(Filtered&& filtered) = 0;
@@ -72,6 +75,8 @@ class HostFrame final : public FramePoints {
 /// copied if the CPU is requested or chosen, for the pseudo-hull, and if the device's memory is
 /// full. Throws Error{backend_unavailable} if there is no device, Error{invalid_argument} for
 /// memory that it cannot read.
-std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run);
+/// `last` keeps the surface of the last frame there.
+std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run& run,
+                                          std::shared_ptr<LastSurface>& last);
 
 }  // namespace cullhull::internal

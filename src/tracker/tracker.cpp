@@ -51,6 +51,7 @@ struct HullTracker::Impl {
   std::uint64_t surface_pause = 0, surface_penalty = least_surface_penalty;
   std::optional<NearbyNumbers> numbers;  ///< of `hull`, while its triangles hold
   SimplexMemory simplices;
+  std::shared_ptr<LastSurface> surface;  ///< on a device
 
   /// Whether the last frame has the same count and dimension.
   bool follows(const FramePoints& points) const {
@@ -65,7 +66,8 @@ struct HullTracker::Impl {
 
   bool wants_gauge(const FramePoints& points) const {
     const unsigned d = points.dimension;
-    if (!takes(Way::gauge, way_question(points, options)) || hull->vertices.size() <= d)
+    if (!takes(Way::gauge, way_question(points, options)) || hull->vertices.size() <= d ||
+        points.keeps_surface())
       return false;
     if (options.cull == CullMethod::gauge) return true;
     // A filter that takes little longer than one pass gains from leaders only where it leaves much
@@ -111,6 +113,7 @@ struct HullTracker::Impl {
     }
     if (pause > 0) --pause;
     filtered = points.filter_afresh();
+    if (filtered.moved) now.method = "pseudo-hull";
     left_afresh = filtered.survivors.size(points.count);
     return filtered;
   }
@@ -219,8 +222,9 @@ const Hull& HullTracker::update(const PointView& points) {
 }
 
 const Hull& HullTracker::update(const DevicePointView& points) {
-  return impl_->compute_next([](Hull&) { return false; },
-                             [&](const Run& run) { return device_frame(points, run); });
+  return impl_->compute_next(
+      [](Hull&) { return false; },
+      [&](const Run& run) { return device_frame(points, run, impl_->surface); });
 }
 
 const Hull& HullTracker::hull() const noexcept { return *impl_->hull; }
@@ -238,6 +242,7 @@ void HullTracker::reset() noexcept {
   impl_->surface_pause = 0;
   impl_->surface_penalty = least_surface_penalty;
   impl_->simplices.clear();
+  impl_->surface.reset();
 }
 
 }  // namespace cullhull

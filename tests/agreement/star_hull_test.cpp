@@ -180,6 +180,67 @@ TEST(StarHull, LeadersSaveRounds) {
   }
 }
 
+/// The next frame's surface, from that of the last one where it was whole.
+template <class Executor>
+Found next_frame(StarHull<Executor, RowsInPlace<3, double>>& hull, const PointView& view,
+                 std::vector<PseudoHullRound>& rounds) {
+  Found found;
+  found.counts = hull.run(rows_in_place<3, double>(view, {view.count, 0, 1}),
+                          static_cast<std::uint32_t>(view.count), 64, Control(Options{}), rounds);
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    if (hull.culled()[i] == 0) found.left.push_back(i);
+  const Options options;
+  if (!found.counts.whole()) return found;
+  found.triangles = hull.triangles(found.counts, Run(options));
+  hull.keep(found.counts);
+  return found;
+}
+
+// Frames that follow one another, that break off (a sudden turn, another number of points, a point
+// that dies), and that come back.
+TEST(StarHull, MovingPointsKeepTheSurface) {
+  for (const auto& [shape, motion] :
+       {std::pair{"bumpy", "twist"}, std::pair{"ball", "fracture"}, std::pair{"cube", "explode"},
+        std::pair{"ball", "teleport"}}) {
+    const std::uint64_t n = 6000;
+    const MovingPoints moving(shape, motion, n, 3, 200, 4);
+    StarHull<SerialExecutor, RowsInPlace<3, double>> serial(SerialExecutor{});
+    StarHull<EmulatedExecutor, RowsInPlace<3, double>> emulated(EmulatedExecutor(5, 32));
+    unsigned moved = 0;
+    for (const std::uint64_t index : {50, 51, 52, 53, 150, 151, 152, 152, 153}) {
+      std::vector<double> points(3 * n);
+      moving.frame(index, points.data());
+      const bool fewer = index == 53;
+      if (fewer) points.resize(3 * (n - 1));
+      if (index == 151) points[300] = std::numeric_limits<double>::quiet_NaN();
+      const PointView view = PointView::row_major(points.data(), points.size() / 3, 3);
+      std::vector<PseudoHullRound> rounds, rounds_there;
+      const Found found = next_frame(serial, view, rounds);
+      const Found there = next_frame(emulated, view, rounds_there);
+      EXPECT_EQ(found.left, there.left) << motion << index;
+      EXPECT_EQ(found.triangles.vertices, there.triangles.vertices) << motion << index;
+      EXPECT_EQ(found.triangles.order, there.triangles.order) << motion << index;
+      EXPECT_EQ(found.counts.moved, there.counts.moved) << motion << index;
+      moved += found.counts.moved;
+      if (found.counts.moved) {
+        EXPECT_LE(rounds.size() - 1, 4U) << motion << index;
+        EXPECT_LE(found.counts.flip_rounds, 40U) << motion << index;
+      }
+      if (index == 151) {
+        EXPECT_FALSE(found.counts.whole());
+        EXPECT_TRUE(std::ranges::binary_search(found.left, 100U));
+        continue;
+      }
+      bool holds = false;
+      EXPECT_EQ(canonical_hash(hull_of_left(view, found, holds)),
+                canonical_hash(convex_hull(view, options_of(1, CullMethod::none))))
+          << motion << index;
+    }
+    // Frames 51, 52, and of 150 to 153 those that follow one of the same points.
+    EXPECT_GE(moved, std::string_view(motion) == "teleport" ? 1U : 4U) << motion;
+  }
+}
+
 // Flips come to an end at reflex edges that none of them can take: vertices are doomed, and
 // removed.
 TEST(StarHull, FlipsThatComeToAnEndTooEarly) {

@@ -97,6 +97,21 @@ TEST_F(GpuTracker, LedFramesAreCulledOnTheDevice) {
   EXPECT_EQ(there.report().survivors, here.report().survivors);
 }
 
+TEST_F(GpuTracker, FramesKeepTheSurface) {
+  HullTracker tracker(with(CullMethod::automatic, Backend::cuda));
+  unsigned kept = 0;
+  for (const Rows& rows : moving_frames("bumpy", "spin", 20000, 3, 4)) {
+    const OnDevice copy(rows);
+    const Hull& hull = tracker.update(DevicePointView::row_major(copy.data<double>(), 20000, 3));
+    EXPECT_EQ(canonical_hash(hull),
+              canonical_hash(convex_hull(PointView::row_major(rows.data(), 20000, 3))));
+    kept += testing_support::has(hull.statistics.cull_reason,
+                                 "the last frame's pseudo-hull, which flips made convex");
+  }
+  EXPECT_EQ(kept, 3U);
+  EXPECT_STREQ(tracker.report().method, "pseudo-hull");
+}
+
 // A planner to which the link is slow leaves the points where they are, for led frames too.
 TEST_F(GpuTracker, AutomaticStaysOnTheDevice) {
   Options options = with(CullMethod::gauge, Backend::automatic);

@@ -7,15 +7,21 @@ namespace cullhull::internal {
 namespace {
 
 template <class T>
+using StarHullOf = StarHull<CudaExecutor, RowsInPlace<3, T>>;
+
+template <class T>
+struct LastSurfaceOf final : LastSurface {
+  StarHullOf<T> hull{CudaExecutor(stream.get())};
+};
+
+template <class T>
 StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
-                           std::vector<PseudoHullRound>& rounds) {
+                           std::vector<PseudoHullRound>& rounds, StarHullOf<T>& hull) {
   require_aligned<T>(points);
   // Points in a ball take 15 rounds, points on a sphere 18 to 22.
   constexpr unsigned most_rounds = 64;
   const PseudoSubset all{points.count, 0, 1};
   const auto count = static_cast<std::uint32_t>(points.count);
-  StarHull<CudaExecutor, RowsInPlace<3, T>> hull(
-      CudaExecutor(static_cast<cudaStream_t>(points.stream)));
   StarHullThere there;
   there.counts = hull.run(rows_in_place<3, T>(as_point_view(points), all), count, most_rounds,
                           run.control, rounds);
@@ -29,17 +35,42 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
   return there;
 }
 
+template <class T>
+StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
+                              std::vector<PseudoHullRound>& rounds,
+                              std::shared_ptr<LastSurface>* last) {
+  if (last == nullptr) {
+    StarHullOf<T> hull(CudaExecutor(static_cast<cudaStream_t>(points.stream)));
+    return star_hull_of<T>(points, run, rounds, hull);
+  }
+  // Taken away first: an error leaves none.
+  std::shared_ptr<LastSurface> surface = std::move(*last);
+  const int device = this_device().ordinal;
+  if (surface == nullptr || surface->device != device || surface->scalar != points.scalar) {
+    surface = std::make_shared<LastSurfaceOf<T>>();
+    surface->device = device;
+    surface->scalar = points.scalar;
+  }
+  check(cudaStreamSynchronize(static_cast<cudaStream_t>(points.stream)), "waiting for the points");
+  StarHullOf<T>& hull = static_cast<LastSurfaceOf<T>&>(*surface).hull;
+  StarHullThere there = star_hull_of<T>(points, run, rounds, hull);
+  if (there.counts.whole()) hull.keep(there.counts);
+  *last = std::move(surface);  // in any case: the ids are freed on its stream
+  return there;
+}
+
 }  // namespace
 
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
-                              std::vector<PseudoHullRound>* rounds) {
+                              std::vector<PseudoHullRound>* rounds,
+                              std::shared_ptr<LastSurface>* last) {
   std::vector<PseudoHullRound> unread;
   std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
   if (points.dimension != 3 || points.count > pseudo_hull_most_points)
     throw Error(ErrorCode::invalid_argument,
                 "a star-shaped surface needs points in space, 2^28 at most");
-  return points.scalar == ScalarType::f32 ? star_hull_of<float>(points, run, report)
-                                          : star_hull_of<double>(points, run, report);
+  return points.scalar == ScalarType::f32 ? star_hull_after<float>(points, run, report, last)
+                                          : star_hull_after<double>(points, run, report, last);
 }
 
 }  // namespace cullhull::internal

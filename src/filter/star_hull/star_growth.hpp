@@ -106,6 +106,10 @@ struct StarPlaces {
   CULLHULL_HD Place of(const double* x) const {
     constexpr unsigned most_steps = 64;
     std::uint32_t f = from(x);
+    return walk(x, most_steps, f);
+  }
+  /// Begins at f, which becomes the last facet that was reached.
+  CULLHULL_HD Place walk(const double* x, unsigned most_steps, std::uint32_t& f) const {
     for (unsigned step = 0; step < most_steps; ++step) {
       const StarCone& here = cone[f];
       unsigned beyond = 3;
@@ -179,6 +183,70 @@ struct AssignToCones {
 };
 struct FromFirstFacet {
   CULLHULL_HD std::uint32_t operator()(const double* /*x*/) const { return 0; }
+};
+/// The walk of a row begins at the facet that the walk of the nearest node ended at.
+struct FromNode {
+  FromNearestNode nearest;
+  const std::uint32_t* facet_of;  ///< by the node's first facet in the grid
+  CULLHULL_HD std::uint32_t operator()(const double* x) const { return facet_of[nearest(x)]; }
+};
+/// Item f of the grid's facets, where it is the first of its node: finds the facet in the direction
+/// of the node. Far walks are those of the first frame.
+struct WalkNode {
+  StarPlaces<FromNode> places;
+  std::uint32_t* facet_of;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    constexpr unsigned most_steps = 4096;
+    const FromNearestNode& nearest = places.from.nearest;
+    const LeaderGrid3::Node p = nearest.grid.node_of(f);
+    if (nearest.grid.first_facet(p) != f) return;
+    double x[3];
+    for (unsigned k = 0; k < 3; ++k)
+      x[k] = nearest.frame.centre[k] + (2.0 * p.at[k] / nearest.grid.m - 1) / nearest.frame.unit[k];
+    std::uint32_t at = facet_of[f];
+    places.walk(x, most_steps, at);
+    facet_of[f] = at;
+  }
+};
+struct FacetIsLive {
+  const StarFacet* facet;
+  CULLHULL_HD bool operator()(std::uint32_t f) const { return facet[f].live(); }
+};
+/// The facets that are left, without gaps.
+struct CompactFacet {
+  const StarFacet* facet;
+  const std::uint32_t* number;
+  StarFacet* to;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    if (!facet[f].live()) return;
+    StarFacet moved = facet[f];
+    for (auto& side : moved.across) side = side_of_facet(number[side.facet()], side.corner());
+    to[number[f]] = moved;
+  }
+};
+struct CopyFacet {
+  const StarFacet* from;
+  StarFacet* to;
+  CULLHULL_HD void operator()(std::uint32_t f) const { to[f] = from[f]; }
+};
+struct RenumberNode {
+  const std::uint32_t* number;
+  std::uint32_t facets;
+  std::uint32_t* facet_of;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    const std::uint32_t n = number[facet_of[f]];
+    facet_of[f] = n < facets ? n : facets - 1;
+  }
+};
+/// At first the facet that stands where the node's of the leaders was, which is near.
+struct FirstOfNode {
+  LeaderGrid3 nodes, leaders;
+  std::uint32_t* facet_of;
+  CULLHULL_HD void operator()(std::uint32_t f) const {
+    LeaderGrid3::Node p = nodes.node_of(f);
+    for (auto& at : p.at) at = at * leaders.m / nodes.m;
+    facet_of[f] = leaders.m == 0 ? 0 : leaders.first_facet(p);
+  }
 };
 struct EmitPoint {
   ExteriorPoint* points;
@@ -326,6 +394,25 @@ class StarGrowth {
     growth_.read(rounds);
     return true;
   }
+  /// Keeps the surface, of which `live` facets are left, for the next run() with as many rows: its
+  /// vertices may have moved.
+  void keep(std::uint32_t live) {
+    const std::uint32_t slots = facet_count();
+    StarFacet* kept = executor_.reserve(made_, live);
+    std::uint32_t* number = executor_.reserve(rank_, std::size_t{slots} + 1);
+    executor_.enumerate(slots, FacetIsLive{facet_.data()}, number,
+                        CompactFacet{facet_.data(), number, kept});
+    executor_.for_each(live, CopyFacet{kept, facet_.data()});
+    if (nodes_.m == 0) {
+      nodes_.m = leaders_.m == 0 ? 16 : 2 * leaders_.m;
+      executor_.for_each(
+          nodes_.facets(),
+          FirstOfNode{nodes_, leaders_, executor_.reserve(facet_of_node_, nodes_.facets())});
+    }
+    executor_.for_each(nodes_.facets(), RenumberNode{number, live, facet_of_node_.data()});
+    kept_ = live;
+    kept_rows_ = count_;
+  }
   /// The number of rows that are not culled.
   std::uint32_t left() const { return growth_.left(); }
   /// One byte a row, in the executor's memory.
@@ -333,6 +420,7 @@ class StarGrowth {
   /// The surface, in the executor's memory: 2 V - 4 facets for V vertices.
   StarFacet* facets() { return facet_.data(); }
   std::uint32_t facet_count() const { return count_ == 0 ? 0 : first_ + 2 * growth_.replaced(); }
+  bool moved() const { return moved_; }                  ///< whether it began with the last surface
   std::uint32_t first_facets() const { return first_; }  ///< of the surface that it began with
   const double* centre() const { return centre_; }
   /// The rows, scaled.
@@ -354,14 +442,23 @@ class StarGrowth {
     double scale[3];
     if (!axis_scales(e, scale)) return false;
     rows_.rescale(executor_, count, scale);
-    StartSimplex<3> simplex;
-    if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
+    LeaderFrame frame;
+    for (unsigned k = 0; k < 3; ++k) {
+      frame.centre[k] = 0.5 * (scale[k] * e.low[k]) + 0.5 * (scale[k] * e.high[k]);
+      frame.unit[k] = 2 / (scale[k] * e.high[k] - scale[k] * e.low[k]);
+    }
+    std::copy_n(frame.centre, 3, centre_);
     executor_.reserve(place_, count);
     executor_.reserve(distance_, count);
     executor_.reserve(culled_, count);
     executor_.reserve(facet_, 2 * std::size_t{count});
     executor_.reserve(number_, 2 * std::size_t{count});
-    if (start_from_leaders(e, scale, rounds)) return true;
+    moved_ = start_from_last(frame, rounds);
+    if (moved_) return true;
+    nodes_.m = leaders_.m = 0;
+    StartSimplex<3> simplex;
+    if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
+    if (start_from_leaders(frame, rounds)) return true;
     return start_from_simplex(simplex, rounds);
   }
 
@@ -375,13 +472,7 @@ class StarGrowth {
   // 8M, 30 and 51 for an ellipsoid, 121 and 59 for a cube, 529 and 149 for a bumpy body (0.36).
 
   /// Returns whether the surface begins with leaders. If not, points may have been culled.
-  bool start_from_leaders(const AxisExtremes<3>& e, const double* scale,
-                          std::vector<PseudoHullRound>& rounds) {
-    LeaderFrame frame;
-    for (unsigned k = 0; k < 3; ++k) {
-      frame.centre[k] = centre_[k] = 0.5 * (scale[k] * e.low[k]) + 0.5 * (scale[k] * e.high[k]);
-      frame.unit[k] = 2 / (scale[k] * e.high[k] - scale[k] * e.low[k]);
-    }
+  bool start_from_leaders(const LeaderFrame& frame, std::vector<PseudoHullRound>& rounds) {
     LeaderGrid3 grid{2};
     while (grid.m < 16 && 8 * std::pow(2.0 * grid.m, 4) <= count_) grid.m *= 2;
     if (grid.m == 2) return false;
@@ -401,11 +492,24 @@ class StarGrowth {
         grid.m *= 2;
       } else {
         const bool grows = found.reflex < first_ / 2;  // a third of the edges
+        if (grows) leaders_ = grid;
         place(from, grows, rounds);
         return grows;
       }
       refined = true;
     }
+  }
+
+  /// Begins with the surface of the last frame, if there is one that is still star-shaped.
+  bool start_from_last(const LeaderFrame& frame, std::vector<PseudoHullRound>& rounds) {
+    first_ = kept_;
+    kept_ = 0;
+    if (first_ == 0 || kept_rows_ != count_) return false;
+    const FromNode from{{nodes_, frame}, facet_of_node_.data()};
+    if (make_cones(from, 0).open != 0) return false;
+    executor_.for_each(nodes_.facets(), WalkNode{places(from), facet_of_node_.data()});
+    place(from, true, rounds);
+    return true;
   }
 
   template <class From>
@@ -533,7 +637,11 @@ class StarGrowth {
   Rows rows_{};
   double centre_[3] = {};
   std::uint32_t count_ = 0;
-  std::uint32_t first_ = 0;        ///< how many facets the first surface has
+  std::uint32_t first_ = 0;                 ///< how many facets the first surface has
+  std::uint32_t kept_ = 0, kept_rows_ = 0;  ///< facets of the last surface, and of how many rows
+  LeaderGrid3 leaders_{0};                  ///< that the surface began with; 0: none
+  LeaderGrid3 nodes_{0};                    ///< of facet_of_node_; 0: none
+  bool moved_ = false;
   bool listed_ = false;            ///< the rows that are not culled are points_
   GrowthRounds<Executor> growth_;  ///< of the facets that are replaced
   Array<ExteriorPoint> points_, next_points_;
@@ -544,6 +652,7 @@ class StarGrowth {
   Array<StarFacet> facet_, made_;
   Array<StarFan> fan_;
   Array<StarCone> cone_;
+  Array<std::uint32_t> facet_of_node_;  ///< where walks begin in the next frame
   Array<std::uint32_t> facets_before_;  ///< by round
   RowReader<3, Rows, Executor> reader_;
 };

@@ -24,6 +24,7 @@ struct StarCentre {
 /// What was done, and what is left.
 struct StarCounts {
   std::uint32_t leaders = 0;               ///< vertices of the first surface; 4: a simplex
+  bool moved = false;                      ///< the first surface was that of the last frame
   std::uint32_t vertices = 0, facets = 0;  ///< after the growth
   std::uint32_t left = 0;                  ///< rows that are not culled in the end
   std::uint32_t aside = 0;                 ///< of them, those that are no vertices
@@ -38,10 +39,6 @@ struct StarCounts {
   }
 };
 
-struct FacetIsLive {
-  const StarFacet* facet;
-  CULLHULL_HD bool operator()(std::uint32_t f) const { return facet[f].live(); }
-};
 struct EmitItem {
   std::uint32_t* list;
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { list[k] = i; }
@@ -127,6 +124,7 @@ class StarHull {
     }
     done.facets = growth_.facet_count();
     done.leaders = growth_.first_facets() / 2 + 2;
+    done.moved = growth_.moved();
     done.vertices = done.facets / 2 + 2;
     done.aside = growth_.left() - done.vertices;
     done.growth_seconds = seconds_since(start);
@@ -135,6 +133,9 @@ class StarHull {
     done.left = done.aside + done.end.facets / 2 + 2;
     return done;
   }
+  /// Keeps a surface that is whole() for the next run(), which begins with it if as many rows are
+  /// given and it is star-shaped where they are now: moving points.
+  void keep(const StarCounts& done) { growth_.keep(done.end.facets); }
   const unsigned char* culled() { return growth_.culled(); }
   Executor& executor() { return growth_.executor(); }
 
