@@ -57,11 +57,16 @@ class DeviceFilter {
       where = place.reason;
     }
     run_.report("cull", 0);
-    if (last_ != nullptr && surface_of_all_pays(points_, run_))
-      return hull_of_all_there(std::move(result), where);
+    // Leaders of all points cull what a map would, without a sample and its hull on the CPU; where
+    // some directions have no point, a map is better than a simplex.
+    if (!forced_ &&
+        hull_of_all_there(where, last_ == nullptr ? StarBegin::leaders : StarBegin::any, result))
+      return result;
     const SampledMap sampled = first_map();
-    result.survivors.reason = sampled.reason;
-    if (sampled.map == nullptr) return hull_of_all_there(std::move(result), where);
+    result.survivors.reason += sampled.reason;
+    if (sampled.map == nullptr)
+      return hull_of_all_there(where, StarBegin::any, result) ? std::move(result)
+                                                              : all_points(std::move(result));
     result.survivors.reason += "; " + where;
     result.survivors.backend = Backend::cuda;
     result.survivors.filter = UsedFilter::gauge;
@@ -92,33 +97,36 @@ class DeviceFilter {
     return result;
   }
 
-  /// Where a map would cull little, the hull's surface is looked for among all points. What is not
-  /// finite is not culled, and found when the rest is copied.
-  Filtered hull_of_all_there(Filtered&& result, const std::string& where) const {
-    const bool must = run_.options.backend == Backend::cuda;
-    if (!surface_of_all_pays(points_, run_)) return all_points(std::move(result));
+  /// Looks for the hull's surface among all points; false if that is not worthwhile, or there is
+  /// none. What is not finite is not culled, and found when the rest is copied.
+  bool hull_of_all_there(const std::string& where, StarBegin begin, Filtered& result) const {
+    if (!surface_of_all_pays(points_, run_)) return false;
+    std::string& reason = result.survivors.reason;
     try {
-      StarHullThere found = star_hull_there(points_, run_, nullptr, last_);
-      if (found.counts.end.facets == 0) return all_points(std::move(result));
-      Filtered kept;
-      kept.survivors.reason =
-          (result.survivors.reason.empty() ? "" : result.survivors.reason + "; ") + where +
-          (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
-          described(found.counts);
-      kept.moved = found.counts.moved;
-      kept.survivors.filter = UsedFilter::pseudo_hull;
-      kept.survivors.backend = Backend::cuda;
-      kept.survivors.all = found.ids.count == points_.count;
-      kept.triangles = std::move(found.triangles);
-      if (kept.survivors.all) return all_points(std::move(kept));
-      const DeviceArray<std::byte> rows = rows_of(points_, found.ids);
-      copy_survivors(packed(rows, found.ids.count), found.ids, kept);
-      return kept;
+      StarHullThere found = star_hull_there(points_, run_, {.begin = begin, .last = last_});
+      if (found.counts.end.facets == 0) return false;
+      reason += (reason.empty() ? "" : "; ") + where +
+                (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
+                described(found.counts);
+      result.moved = found.counts.moved;
+      result.survivors.filter = UsedFilter::pseudo_hull;
+      result.survivors.backend = Backend::cuda;
+      result.survivors.all = found.ids.count == points_.count;
+      result.triangles = std::move(found.triangles);
+      if (result.survivors.all) {
+        result = all_points(std::move(result));
+      } else {
+        const DeviceArray<std::byte> rows = rows_of(points_, found.ids);
+        copy_survivors(packed(rows, found.ids.count), found.ids, result);
+      }
+      return true;
     } catch (const OutOfMemory&) {
-      if (must) throw;
-      result.survivors.reason += "; its memory is nearly full";
+      if (begin == StarBegin::any && run_.options.backend == Backend::cuda) throw;
+      reason += (reason.empty() ? "" : "; ") + std::string("the device's memory is nearly full; ");
+      result.triangles = {};
+      result.moved = false;
     }
-    return all_points(std::move(result));
+    return false;
   }
 
   /// Copies the rows of these points to the host.
@@ -201,7 +209,7 @@ class DeviceFilter {
     constexpr unsigned most_rounds = 24;
     if (grows_later() && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
-      StarHullThere found = star_hull_there(view, run_);
+      StarHullThere found = star_hull_there(view, run_, {});
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
       result.triangles = std::move(found.triangles);

@@ -32,7 +32,7 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   const Options options;
   const Run run(options);
   std::vector<PseudoHullRound> rounds, expected;
-  const StarHullThere there = star_hull_there(device.view(host, stream), run, &rounds);
+  const StarHullThere there = star_hull_there(device.view(host, stream), run, {.rounds = &rounds});
   StarHull<SerialExecutor, RowsInPlace<3, T>> here(SerialExecutor{});
   const StarCounts counts =
       here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),

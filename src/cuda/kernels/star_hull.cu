@@ -16,15 +16,17 @@ struct LastSurfaceOf final : LastSurface {
 
 template <class T>
 StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
-                           std::vector<PseudoHullRound>& rounds, StarHullOf<T>& hull) {
+                           const StarRequest& request, StarHullOf<T>& hull) {
   require_aligned<T>(points);
+  std::vector<PseudoHullRound> unread;
   // Points in a ball take 15 rounds, points on a sphere 18 to 22.
   constexpr unsigned most_rounds = 64;
   const PseudoSubset all{points.count, 0, 1};
   const auto count = static_cast<std::uint32_t>(points.count);
   StarHullThere there;
-  there.counts = hull.run(rows_in_place<3, T>(as_point_view(points), all), count, most_rounds,
-                          run.control, rounds);
+  there.counts =
+      hull.run(rows_in_place<3, T>(as_point_view(points), all), count, most_rounds, run.control,
+               request.rounds != nullptr ? *request.rounds : unread, request.begin);
   there.ids.count = there.counts.left;
   there.ids.ids = DeviceArray<std::uint64_t>(there.ids.count, hull.executor().stream());
   const std::uint32_t listed =
@@ -37,14 +39,13 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
 
 template <class T>
 StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
-                              std::vector<PseudoHullRound>& rounds,
-                              std::shared_ptr<LastSurface>* last) {
-  if (last == nullptr) {
+                              const StarRequest& request) {
+  if (request.last == nullptr) {
     StarHullOf<T> hull(CudaExecutor(static_cast<cudaStream_t>(points.stream)));
-    return star_hull_of<T>(points, run, rounds, hull);
+    return star_hull_of<T>(points, run, request, hull);
   }
   // Taken away first: an error leaves none.
-  std::shared_ptr<LastSurface> surface = std::move(*last);
+  std::shared_ptr<LastSurface> surface = std::move(*request.last);
   const int device = this_device().ordinal;
   if (surface == nullptr || surface->device != device || surface->scalar != points.scalar) {
     surface = std::make_shared<LastSurfaceOf<T>>();
@@ -53,24 +54,21 @@ StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
   }
   check(cudaStreamSynchronize(static_cast<cudaStream_t>(points.stream)), "waiting for the points");
   StarHullOf<T>& hull = static_cast<LastSurfaceOf<T>&>(*surface).hull;
-  StarHullThere there = star_hull_of<T>(points, run, rounds, hull);
+  StarHullThere there = star_hull_of<T>(points, run, request, hull);
   if (there.counts.whole()) hull.keep(there.counts);
-  *last = std::move(surface);  // in any case: the ids are freed on its stream
+  *request.last = std::move(surface);  // in any case: the ids are freed on its stream
   return there;
 }
 
 }  // namespace
 
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
-                              std::vector<PseudoHullRound>* rounds,
-                              std::shared_ptr<LastSurface>* last) {
-  std::vector<PseudoHullRound> unread;
-  std::vector<PseudoHullRound>& report = rounds != nullptr ? *rounds : unread;
+                              const StarRequest& request) {
   if (points.dimension != 3 || points.count > pseudo_hull_most_points)
     throw Error(ErrorCode::invalid_argument,
                 "a star-shaped surface needs points in space, 2^28 at most");
-  return points.scalar == ScalarType::f32 ? star_hull_after<float>(points, run, report, last)
-                                          : star_hull_after<double>(points, run, report, last);
+  return points.scalar == ScalarType::f32 ? star_hull_after<float>(points, run, request)
+                                          : star_hull_after<double>(points, run, request);
 }
 
 }  // namespace cullhull::internal

@@ -33,13 +33,18 @@ struct LastSurface {
   virtual ~LastSurface() = default;
 };
 
+struct StarRequest {
+  StarBegin begin = StarBegin::any;
+  std::shared_ptr<LastSurface>* last = nullptr;    ///< of a tracker's
+  std::vector<PseudoHullRound>* rounds = nullptr;  ///< to report to
+};
+
 /// Grows a star-shaped surface from points in space, at most 2^28 of them, and makes it convex by
-/// flips, on points.stream; or, if `last` is given, on that surface's own stream, from that surface
-/// if as many points follow, and leaves there the new one if it is whole. Needs 100 bytes of device
-/// memory a point, and 190 more for each that becomes a vertex. Throws OutOfMemory if there is
-/// less, and Failure if the device fails.
+/// flips, on points.stream; or, if request.last is given, on that surface's own stream, from that
+/// surface if as many points follow, and leaves there the new one if it is whole. Needs 100 bytes
+/// of device memory a point, and 190 more for each that becomes a vertex. Throws OutOfMemory if
+/// there is less, and Failure if the device fails.
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
-                              std::vector<PseudoHullRound>* rounds = nullptr,
-                              std::shared_ptr<LastSurface>* last = nullptr);
+                              const StarRequest& request = {});
 
 }  // namespace cullhull::internal

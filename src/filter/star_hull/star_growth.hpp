@@ -370,6 +370,9 @@ struct ListActive {
   }
 };
 
+/// `leaders`: not where a closed surface of them cannot be found.
+enum class StarBegin : unsigned char { any, leaders };
+
 /// Grows one surface. Reusable: memory is kept.
 template <class Executor, class Rows>
 class StarGrowth {
@@ -377,11 +380,12 @@ class StarGrowth {
   explicit StarGrowth(Executor executor) : executor_(std::move(executor)) {}
 
   /// Grows until no point is outside or `max_rounds` are done. Returns false if there is no
-  /// simplex. Afterwards culled()[i] is 1 for rows strictly inside; the others are the surface's
-  /// vertices, points outside of it after the last round, and those whose place is not certain.
+  /// surface to begin with. Afterwards culled()[i] is 1 for rows strictly inside; the others are
+  /// the surface's vertices, points outside of it after the last round, and those whose place is
+  /// not certain.
   bool run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
-           std::vector<PseudoHullRound>& rounds) {
-    if (!start(rows, count, rounds)) {
+           std::vector<PseudoHullRound>& rounds, StarBegin begin = StarBegin::any) {
+    if (!start(rows, count, rounds, begin)) {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
@@ -430,7 +434,8 @@ class StarGrowth {
  private:
   using Count = typename Executor::Count;
 
-  bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
+  bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds,
+             StarBegin begin) {
     rows_ = rows;
     count_ = count;
     listed_ = false;
@@ -456,10 +461,11 @@ class StarGrowth {
     moved_ = start_from_last(frame, rounds);
     if (moved_) return true;
     nodes_.m = leaders_.m = 0;
-    StartSimplex<3> simplex;
-    if (!choose_simplex(executor_, reader_, rows_, count, e, simplex)) return false;
     if (start_from_leaders(frame, rounds)) return true;
-    return start_from_simplex(simplex, rounds);
+    if (begin == StarBegin::leaders && !listed_) return false;
+    StartSimplex<3> simplex;
+    return choose_simplex(executor_, reader_, rows_, count, e, simplex) &&
+           start_from_simplex(simplex, rounds);
   }
 
   // Leaders cut off what is inside in one pass, whatever the points are. Where most of them are

@@ -114,11 +114,11 @@ class StarHull {
   explicit StarHull(Executor executor) : growth_(std::move(executor)) {}
 
   StarCounts run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
-                 std::vector<PseudoHullRound>& rounds) {
+                 std::vector<PseudoHullRound>& rounds, StarBegin begin = StarBegin::any) {
     StarCounts done;
     count_ = count;
     const Clock::time_point start = Clock::now();
-    if (!growth_.run(rows, count, max_rounds, control, rounds)) {
+    if (!growth_.run(rows, count, max_rounds, control, rounds, begin)) {
       done.left = count;
       return done;
     }
