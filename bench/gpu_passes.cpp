@@ -520,7 +520,7 @@ class Passes {
         DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream), nullptr, kept, run);
     filtered.triangles = std::move(found.triangles);
     stages.end("download");
-    Hull hull = internal::hull_of_rows(filtered, view, options);
+    Hull hull = internal::hull_of_rows(std::move(filtered), view, options);
     stages.end("hull");
     return hull;
   }

@@ -1,3 +1,4 @@
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,16 +19,26 @@
 namespace cullhull::internal {
 namespace {
 
-/// Filters points in a device's memory, there or on the host, and copies the survivors to the host.
+/// What filters leave of all points, in the device's memory.
+struct Kept {
+  DeviceIds ids;
+  DeviceArray<std::byte> rows;
+};
+
+/// Fewest points left by a map that a pseudo-hull culls on the device. With the CPU's limit for a
+/// second map, 29,473, a ball of 2^17 points took 5.0 ms, some 0.22 us for each of the 18,000 left,
+/// and one of 2^18, with a pseudo-hull of twice as many, 3.4 ms (H200). So a small pseudo-hull
+/// takes about 1 ms, the CPU's time for some 4,000 points (derived, not measured).
+constexpr std::uint64_t least_grown = 4000;
+
+/// Filters points in a device's memory, there or on the host.
 class DeviceFilter {
  public:
-  DeviceFilter(const DevicePointView& points, const Run& run, std::shared_ptr<LastSurface>* last)
-      : points_(points),
-        run_(run),
-        last_(last),
-        forced_(run.options.cull == CullMethod::gauge),
-        d_(points.dimension) {}
+  DeviceFilter(const DevicePointView& points, const Run& run,
+               std::shared_ptr<LastSurface>* last = nullptr)
+      : points_(points), run_(run), last_(last), d_(points.dimension) {}
 
+  /// Also copies the survivors to the host.
   Filtered run() {
     try {
       return cull_there_or_here();
@@ -35,6 +46,16 @@ class DeviceFilter {
       if (run_.options.backend == Backend::cuda) throw;
       return culled_on_host(e.what());  // downloading packed points needs no device memory
     }
+  }
+
+  /// What a map and a second filter leave, both on the device; without a map, what the hull's
+  /// surface of all points leaves. None: all points stay. `where`: why on the device.
+  std::optional<Kept> kept_by(const GaugeMap* map, const std::string& where,
+                              Filtered& result) const {
+    if (map == nullptr && !surface_of_all_pays(d_, points_.count, run_)) return {};
+    result.survivors.reason += "; " + where;
+    return map != nullptr ? kept_by_map(map->table(), result)
+                          : kept_by_surface(StarBegin::any, result);
   }
 
  private:
@@ -57,28 +78,24 @@ class DeviceFilter {
       where = place.reason;
     }
     run_.report("cull", 0);
-    // Leaders of all points cull what a map would, without a sample and its hull on the CPU; where
-    // some directions have no point, a map is better than a simplex.
-    if (!forced_ &&
-        hull_of_all_there(where, last_ == nullptr ? StarBegin::leaders : StarBegin::any, result))
-      return result;
-    const SampledMap sampled = first_map();
-    result.survivors.reason += sampled.reason;
-    if (sampled.map == nullptr)
-      return hull_of_all_there(where, StarBegin::any, result) ? std::move(result)
-                                                              : all_points(std::move(result));
-    result.survivors.reason += "; " + where;
-    result.survivors.backend = Backend::cuda;
-    result.survivors.filter = UsedFilter::gauge;
-    result.survivors.all = false;
+    if (run_.options.cull != CullMethod::gauge && hull_of_all_there(where, result)) return result;
+    const SampledMap sampled = map_of_sample(
+        sampled_points(points_), run_.options.cull == CullMethod::gauge ? Insist::yes : Insist::no,
+        most_gauge_nodes(this_device()), run_, most_probes_of_device(d_));
+    result.survivors.reason = sampled.reason;
+    const Survivors before = result.survivors;
     try {
-      cull_there(sampled.map->table(), result);
+      const std::optional<Kept> kept = kept_by(sampled.map.get(), where, result);
+      if (!kept) return all_points(std::move(result));
+      copy_survivors(*kept, result);
       return result;
     } catch (const OutOfMemory&) {
-      result.survivors.reason += "; its memory is nearly full";
-      result.survivors.filter = UsedFilter::gauge;
-      result.triangles = {};  // of points that are not the survivors now
+      if (sampled.map == nullptr && run_.options.backend == Backend::cuda) throw;
+      result = {};
+      result.survivors = before;
+      result.survivors.reason += "; " + where + "; its memory is nearly full";
     }
+    if (sampled.map == nullptr) return all_points(std::move(result));
     cull_by_pieces(sampled.map->table(), result);
     return result;
   }
@@ -97,36 +114,44 @@ class DeviceFilter {
     return result;
   }
 
-  /// Looks for the hull's surface among all points; false if that is not worthwhile, or there is
-  /// none. What is not finite is not culled, and found when the rest is copied.
-  bool hull_of_all_there(const std::string& where, StarBegin begin, Filtered& result) const {
-    if (!surface_of_all_pays(points_, run_)) return false;
-    std::string& reason = result.survivors.reason;
+  /// Leaders of all points cull what a map would, without a sample and its hull on the CPU. False
+  /// where some directions have no point, for which a map is better than a simplex, and where the
+  /// device's memory does not suffice.
+  bool hull_of_all_there(const std::string& where, Filtered& result) const {
+    if (!surface_of_all_pays(d_, points_.count, run_)) return false;
     try {
-      StarHullThere found = star_hull_there(points_, run_, {.begin = begin, .last = last_});
-      if (found.counts.end.facets == 0) return false;
-      reason += (reason.empty() ? "" : "; ") + where +
-                (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
-                described(found.counts);
-      result.moved = found.counts.moved;
-      result.survivors.filter = UsedFilter::pseudo_hull;
-      result.survivors.backend = Backend::cuda;
-      result.survivors.all = found.ids.count == points_.count;
-      result.triangles = std::move(found.triangles);
-      if (result.survivors.all) {
-        result = all_points(std::move(result));
-      } else {
-        const DeviceArray<std::byte> rows = rows_of(points_, found.ids);
-        copy_survivors(packed(rows, found.ids.count), found.ids, result);
-      }
+      Filtered found;
+      found.survivors.reason = where;
+      const std::optional<Kept> kept =
+          kept_by_surface(last_ == nullptr ? StarBegin::leaders : StarBegin::any, found);
+      if (found.survivors.filter != UsedFilter::pseudo_hull) return false;
+      if (kept)
+        copy_survivors(*kept, found);
+      else
+        found = all_points(std::move(found));
+      result = std::move(found);
       return true;
     } catch (const OutOfMemory&) {
-      if (begin == StarBegin::any && run_.options.backend == Backend::cuda) throw;
-      reason += (reason.empty() ? "" : "; ") + std::string("the device's memory is nearly full; ");
-      result.triangles = {};
-      result.moved = false;
+      return false;
     }
-    return false;
+  }
+
+  /// What is not finite is not culled, and found when the rest is copied. None: all points stay, as
+  /// vertices of the surface, or because there is none.
+  std::optional<Kept> kept_by_surface(StarBegin begin, Filtered& result) const {
+    StarHullThere found = star_hull_there(points_, run_, {.begin = begin, .last = last_});
+    if (found.counts.end.facets == 0) return {};
+    result.survivors.reason +=
+        (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
+        described(found.counts);
+    result.moved = found.counts.moved;
+    result.survivors.filter = UsedFilter::pseudo_hull;
+    result.survivors.backend = Backend::cuda;
+    result.survivors.all = found.ids.count == points_.count;
+    result.triangles = std::move(found.triangles);
+    if (result.survivors.all) return {};
+    DeviceArray<std::byte> rows = rows_of(points_, found.ids);
+    return Kept{std::move(found.ids), std::move(rows)};
   }
 
   /// Copies the rows of these points to the host.
@@ -135,12 +160,12 @@ class DeviceFilter {
     result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
   }
 
-  /// Copies ids and rows (`view`) to the host.
-  void copy_survivors(const DevicePointView& view, const DeviceIds& left, Filtered& result) const {
-    require_room_for_survivors(left.count, d_, run_);
-    std::vector<std::uint64_t> ids(left.count);
-    download(ids.data(), left.ids.data(), left.count, cuda_stream_of(points_));
-    result.rows = download_finite(view, nullptr, left.count, ids.data(), run_);
+  void copy_survivors(const Kept& kept, Filtered& result) const {
+    const std::uint64_t count = kept.ids.count;
+    require_room_for_survivors(count, d_, run_);
+    std::vector<std::uint64_t> ids(count);
+    download(ids.data(), kept.ids.ids.data(), count, cuda_stream_of(points_));
+    result.rows = download_finite(packed(kept.rows, count), nullptr, count, ids.data(), run_);
     result.survivors.ids = std::move(ids);
   }
 
@@ -166,31 +191,13 @@ class DeviceFilter {
     return result;
   }
 
-  /// Some of all points. Refused is the first point of all that is not finite, not the first of a
-  /// sample.
-  SampledPoints sampled(const DevicePointView& points) const {
+  /// Fetches samples of `points`. The first of all points that is not finite is refused, not the
+  /// first of a sample.
+  SampledPoints sampled_points(const DevicePointView& points) const {
     return {points.count, d_, [this, points](std::span<const std::uint64_t> ids) {
               return gather_from_device(points, ids, points_, run_);
             }};
   }
-
-  /// The map of a sample of all points. In 2D and 3D a pseudo-hull follows, which needs no large
-  /// sample. In 3D, of 100M points of a ball, the map of a probe leaves 6 %, that of four times as
-  /// many points 2 %; each point left costs the surface's growth 1.2 ns, and the larger sample's
-  /// hull takes 0.6 ms (H200): as much at 16M points.
-  SampledMap first_map() const {
-    return map_of_sample(sampled(points_), forced_ ? Insist::yes : Insist::no,
-                         most_gauge_nodes(this_device()), run_,
-                         d_ == 3         ? 1
-                         : grows_later() ? 4
-                                         : ~std::uint64_t{0});
-  }
-
-  /// Whether a pseudo-hull instead of a second map filters the survivors of the first map. It needs
-  /// neither CPU nor sample, so the first map may come from a smaller sample and keep more points.
-  /// Of 8M points in a ball in 3D it leaves 47,169 where a second map leaves 79,161; in 2D it
-  /// leaves only the hull's vertices. From 4D on it leaves more points than a second map.
-  bool grows_later() const { return d_ <= 3; }
 
   /// What flips made of a star-shaped surface, in words.
   static std::string described(const StarCounts& counts) {
@@ -207,7 +214,9 @@ class DeviceFilter {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
-    if (grows_later() && view.count > pseudo_hull_most_points) return {};
+    // Of 8M points in a ball in 3D a pseudo-hull leaves 47,169 where a second map leaves 79,161; in
+    // 2D it leaves only the hull's vertices. From 4D on it leaves more points than a second map.
+    if (d_ <= 3 && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
       StarHullThere found = star_hull_there(view, run_, {});
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
@@ -215,44 +224,41 @@ class DeviceFilter {
       result.triangles = std::move(found.triangles);
       return std::move(found.ids);
     }
-    if (grows_later()) {
+    if (d_ == 2) {
       DeviceIds kept = pseudo_hull_survivors_there(view, most_rounds, run_.control);
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left";
       return kept;
     }
     const SampledMap finer =
-        map_of_sample(sampled(view), Insist::late, most_gauge_nodes(this_device()), run_);
+        map_of_sample(sampled_points(view), Insist::late, most_gauge_nodes(this_device()), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
     result.survivors.filter = UsedFilter::gauge_twice;
     return survivors_of_device_points(finer.map->table(), view);
   }
 
-  /// The usual case: both filters run on the device, and only the survivors of the second are
-  /// copied to the host.
-  void cull_there(const GaugeTable& table, Filtered& result) const {
-    const cudaStream_t stream = cuda_stream_of(points_);
-    DeviceIds left = survivors_of_device_points(table, points_);
-    require_room_for_survivors(left.count, d_, run_);
-    DeviceArray<std::byte> rows = rows_of(points_, left);
-    DevicePointView view = packed(rows, left.count);
+  Kept kept_by_map(const GaugeTable& table, Filtered& result) const {
+    result.survivors.backend = Backend::cuda;
+    result.survivors.filter = UsedFilter::gauge;
+    result.survivors.all = false;
+    Kept kept;
+    kept.ids = survivors_of_device_points(table, points_);
+    require_room_for_survivors(kept.ids.count, d_, run_);
+    kept.rows = rows_of(points_, kept.ids);
     run_.report("cull", 0.8);
-    if (left.count >= smallest_worth_refining(d_)) {
-      const DeviceIds kept = kept_of(view, result);
-      if (kept.ids.data() != nullptr) {
-        DeviceIds ids;
-        ids.count = kept.count;
-        ids.ids = DeviceArray<std::uint64_t>(kept.count, stream);
-        check(gather_ids(left.ids.data(), kept.ids.data(), kept.count, ids.ids.data(), stream),
-              "gathering ids");
-        DeviceArray<std::byte> fewer = rows_of(view, kept);
-        rows = std::move(fewer);
-        left = std::move(ids);
-        view = packed(rows, left.count);
-      }
-    }
-    copy_survivors(view, left, result);
+    if (kept.ids.count < (d_ <= 3 ? least_grown : smallest_worth_refining(d_))) return kept;
+    const DevicePointView view = packed(kept.rows, kept.ids.count);
+    const DeviceIds second = kept_of(view, result);
+    if (second.ids.data() == nullptr) return kept;
+    const cudaStream_t stream = cuda_stream_of(points_);
+    Kept fewer;
+    fewer.ids = {DeviceArray<std::uint64_t>(second.count, stream), second.count};
+    check(gather_ids(kept.ids.ids.data(), second.ids.data(), second.count, fewer.ids.ids.data(),
+                     stream),
+          "gathering ids");
+    fewer.rows = rows_of(view, second);
+    return fewer;
   }
 
   /// Gathers the rows of some points on the device.
@@ -276,6 +282,9 @@ class DeviceFilter {
   /// The case of hardly any free device memory: the survivors of the first map are copied to the
   /// host, and the second filter runs there.
   void cull_by_pieces(const GaugeTable& table, Filtered& result) const {
+    result.survivors.backend = Backend::cuda;
+    result.survivors.filter = UsedFilter::gauge;
+    result.survivors.all = false;
     const Array<std::uint64_t> ids = survivors_by_pieces(table, points_, run_.control);
     fetch_rows(ids, result);
     result.survivors.ids.assign(ids.begin(), ids.end());
@@ -284,9 +293,8 @@ class DeviceFilter {
 
   const DevicePointView& points_;
   const Run& run_;
-  std::shared_ptr<LastSurface>* last_;  ///< of a tracker, or null
-  bool forced_;
-  unsigned d_;
+  std::shared_ptr<LastSurface>* const last_;  ///< of a tracker, or null
+  const unsigned d_;
 };
 
 }  // namespace
@@ -305,6 +313,38 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run,
   (void)device(ordinal);
   const DeviceScope scope(ordinal);
   return DeviceFilter(points, run, last).run();
+}
+
+void filter_there(const PointView& points, const GaugeMap* map, const std::string& where,
+                  const Run& run, Filtered& result) {
+  const DeviceScope scope(device_or_current(run.options.device).ordinal);
+  if (map == nullptr && !surface_of_all_pays(points.dimension, points.count, run)) return;
+  std::vector<std::uint64_t> all;
+  Filtered found;
+  const auto filter = [&](std::uint64_t first, std::uint64_t n) {
+    const CudaStream stream;
+    DevicePointView there;
+    const DeviceArray<std::byte> rows = uploaded_points(points, first, n, stream.get(), run, there);
+    found = {};
+    found.survivors.all = true;
+    found.survivors.reason = result.survivors.reason;
+    const std::optional<Kept> kept = DeviceFilter(there, run).kept_by(map, where, found);
+    if (!kept) return;
+    const std::size_t before = all.size();
+    all.resize(before + kept->ids.count);
+    download(all.data() + before, kept->ids.ids.data(), kept->ids.count, stream.get());
+    for (std::size_t i = before; i < all.size(); ++i) all[i] += first;
+    if (n == points.count) return;
+    found.triangles = {};
+    found.survivors.reason += "; in pieces that fit its memory";
+  };
+  if (map != nullptr)
+    in_pieces(points.count, points.count, run.control, filter);
+  else
+    filter(0, points.count);
+  result.survivors = std::move(found.survivors);
+  result.survivors.ids = std::move(all);
+  result.triangles = std::move(found.triangles);
 }
 
 }  // namespace cullhull::internal

@@ -61,7 +61,7 @@ class DeviceFrame final : public FramePoints {
 
   bool keeps_surface() const override {
     return !here_ && run_.options.cull == CullMethod::automatic &&
-           surface_of_all_pays(points_, run_);
+           surface_of_all_pays(dimension, count, run_);
   }
 
   void scan(const GaugeMap& map, Survivors& result) override {
@@ -84,7 +84,7 @@ class DeviceFrame final : public FramePoints {
   }
 
   Hull hull(Filtered&& filtered) override {
-    if (!here_) return hull_of_rows(filtered, points_, run_.options);
+    if (!here_) return hull_of_rows(std::move(filtered), points_, run_.options);
     if (!why_here_.empty()) filtered.survivors.reason += "; " + why_here_;
     Hull hull = here_->hull(std::move(filtered));
     hull.scalar = points_.scalar;

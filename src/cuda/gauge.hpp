@@ -2,6 +2,7 @@
 // kernels/gauge_kernel.hpp.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -11,13 +12,6 @@
 #include "filter/gauge/gauge_table.hpp"
 
 namespace cullhull::internal {
-
-/// The ids, ascending, of the points in the host's memory that are not provably inside; the same as
-/// GaugeMap::survivors. The points are copied piece by piece into pinned memory and to the device,
-/// which filters them and returns one bit a point. Two pieces are in flight at a time. If memory is
-/// short, the pieces are smaller. Throws OutOfMemory, Failure, Error{cancelled}.
-Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
-                                              const Run& run);
 
 inline cudaStream_t cuda_stream_of(const DevicePointView& points) {
   return static_cast<cudaStream_t>(points.stream);
@@ -30,20 +24,52 @@ inline DevicePointView part_of(DevicePointView points, std::uint64_t first, std:
   return points;
 }
 
+/// Calls use(first, n) for all pieces of `count` points, of `piece` points each; of fewer after one
+/// that found no memory.
+template <class Use>
+void in_pieces(std::uint64_t count, std::uint64_t piece, const Control& control, const Use& use) {
+  // Copying fewer takes less time than starting the copy.
+  constexpr std::uint64_t least = std::uint64_t{1} << 16;
+  for (std::uint64_t first = 0; first < count;) {
+    control.check();
+    const std::uint64_t n = std::min(piece, count - first);
+    try {
+      use(first, n);
+      first += n;
+    } catch (const OutOfMemory&) {
+      if (n <= least) throw;
+      piece = std::max(least, n / 2);
+    }
+  }
+}
+
+/// Copies the points [first, first + count) of the host to packed rows in the current device's
+/// memory, floats or doubles, which `view` then describes; work on the stream is ordered after the
+/// copies. Threads pack a piece into pinned memory while the link carries the one before. Throws
+/// OutOfMemory, Failure, Error{cancelled}.
+DeviceArray<std::byte> uploaded_points(const PointView& points, std::uint64_t first,
+                                       std::uint64_t count, cudaStream_t stream, const Run& run,
+                                       DevicePointView& view);
+
 /// Ascending ids in the device's memory.
 struct DeviceIds {
   DeviceArray<std::uint64_t> ids;
   std::uint64_t count = 0;
 };
 
-/// The same for points on the device; all work is on points.stream. Needs device memory for a bit a
-/// point and for the survivors' ids.
+/// The points on the device that are not provably inside: those that GaugeMap::survivors leaves.
+/// All work is on points.stream. Needs device memory for a bit a point and for the survivors' ids.
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points);
 
-/// The same piece by piece, for a device with hardly any free memory: needs half a megabyte and the
-/// table's nodes. Returns the ids in the host's memory.
+/// The same ids in the host's memory, piece by piece, for a device with hardly any free memory:
+/// needs half a megabyte, the table's nodes, and 8 bytes for each survivor of a piece.
 Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,
                                          const Control& control);
+
+/// The same of points in the host's memory, which are copied to the device: all of them or, where
+/// it has not the memory, in pieces.
+Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const PointView& points,
+                                              const Run& run);
 
 /// Copies points to packed rows of doubles in the host's memory, without a check for finiteness.
 /// `ids`: the `count` points to copy, in the host's memory; null: the first `count` points.

@@ -42,6 +42,10 @@ Filtered run_device_filter(const DevicePointView&, const Run&, std::shared_ptr<L
   return {};
 }
 
+void filter_there(const PointView&, const GaugeMap*, const std::string&, const Run&, Filtered&) {
+  require_cuda();
+}
+
 std::unique_ptr<FramePoints> device_frame(const DevicePointView& points, const Run&,
                                           std::shared_ptr<LastSurface>&) {
   check_arguments(points);

@@ -290,7 +290,7 @@ class PinnedPool {
   }
 
  private:
-  /// Bytes; twice the buffers of the two slots with which the filter processes points of the host.
+  /// Bytes. A call uses 16 MiB for points that it uploads, and some 40 for a batch's lists.
   static constexpr std::size_t limit = std::size_t{256} << 20;
   std::mutex mutex_;
   std::multimap<std::size_t, void*> free_;

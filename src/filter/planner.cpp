@@ -49,8 +49,8 @@ constexpr double device_start = 0.25;
 /// Bytes of pinned memory made per second: the system locks and clears each page of 4 KB in about a
 /// microsecond. Derived from that, not measured: the first call for points of the host pays it.
 constexpr double pin_rate = 4e9;
-/// Bytes per piece (cuda/gauge.cpp), two of which are in flight; fewer if the points are few.
-constexpr double pinned_piece = 32 << 20;
+/// Bytes per piece (uploaded_points), of which there are two; fewer if the points are few.
+constexpr double pinned_piece = 8 << 20;
 /// Seconds per call for launches and for waiting for the few words of the answer. Untested; matters
 /// only near break-even.
 constexpr double device_call = 100e-6;
@@ -213,9 +213,10 @@ Rates& assumed_rates() noexcept {
 // chosen.
 
 // A pass on the host costs the larger of reading and testing. For a device, a piece of the points
-// is copied into pinned memory while the previous one is transferred: again the larger of the two;
-// both hide the kernel's time. A device that holds the points reads them at no less than half of
-// its copying rate (docs/gpu.md), because a copy moves two bytes for one.
+// is copied into pinned memory while the previous one is transferred: again the larger of the two.
+// A device that holds the points reads them at no less than half of its copying rate (docs/gpu.md),
+// because a copy moves two bytes for one. What follows the pass is assumed to take as long on the
+// CPU as on the device, where it was faster for balls and slower for scans.
 Placement choose_place(const PlaceQuestion& q, const Rates& rates) {
   const auto n = static_cast<double>(q.count);
   const double bytes = n * static_cast<double>(q.point_bytes);
@@ -226,9 +227,8 @@ Placement choose_place(const PlaceQuestion& q, const Rates& rates) {
   const double host = q.on_device ? link + host_pass : host_pass;
   const double pinned = 2 * std::min(bytes, pinned_piece);
   const double pin = std::max(0.0, pinned - static_cast<double>(q.pinned_bytes)) / pin_rate;
-  const double device = start + device_call +
-                        (q.on_device ? bytes / (rates.device_copy / 2)
-                                     : pin + std::max(link, bytes / rates.host_copy));
+  const double upload = q.on_device ? 0 : pin + std::max(link, bytes / rates.host_copy);
+  const double device = start + device_call + upload + bytes / (rates.device_copy / 2);
   Placement p;
   p.device = device < host;
   p.host_reason = std::string("points on the ") + (q.on_device ? "device" : "host") +

@@ -1,5 +1,6 @@
 #include "cuda/backend.hpp"
 #include "filter/planner.hpp"
+#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "parallel/threads/run.hpp"
 
@@ -29,19 +30,29 @@ Array<std::uint64_t> CullPass::cull(const GaugeMap& map, Survivors& result, Surv
   return ids;
 }
 
+bool CullPass::filter_there(const GaugeMap* map, Filtered& result) {
+  return tried_there([&] { internal::filter_there(points_, map, reason_, run_, result); });
+}
+
 Array<std::uint64_t> CullPass::survivors(const GaugeMap& map, SurvivorRows* rows) {
-  if (device_) {
-    try {
-      return survivors_there(map, points_, run_);
-    } catch (const OutOfMemory& e) {
-      if (insists_) throw;
-      fall_back(e);
-    } catch (const Failure& e) {
-      if (insists_) throw;
-      fall_back(e);
-    }
-  }
+  Array<std::uint64_t> ids;
+  if (tried_there([&] { ids = survivors_there(map, points_, run_); })) return ids;
   return map.survivors(points_, run_, rows);
+}
+
+template <class There>
+bool CullPass::tried_there(const There& there) {
+  if (!device_) return false;
+  try {
+    there();
+  } catch (const OutOfMemory& e) {
+    if (insists_) throw;
+    fall_back(e);
+  } catch (const Failure& e) {
+    if (insists_) throw;
+    fall_back(e);
+  }
+  return device_;
 }
 
 void CullPass::ask_planner() {

@@ -31,20 +31,24 @@ void check_arguments(const DevicePointView& points) {
     throw Error(ErrorCode::invalid_argument, "points on a device must be f32 or f64");
 }
 
-Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options) {
+Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Options& options) {
   const Survivors& s = filtered.survivors;
   const std::uint64_t count = s.size(points.count);
   const Call call(options);
   Run run = call.run;
   run.threads = useful_threads(run.threads, count, points.dimension);
-  Filtered unfiltered;
-  unfiltered.survivors.all = true;
-  KnownHull known;
-  if (filtered.triangles.count() != 0) known.triangles = &filtered.triangles;
   const PointView rows = PointView::row_major(filtered.rows.data(), count, points.dimension);
   Hull hull;
-  if (!small_hull(rows, options, hull))
-    hull = hull_of_survivors(rows, std::move(unfiltered), run, &known);
+  if (small_hull(rows, options, hull)) {
+    std::string& way = hull.statistics.cull_reason;
+    way = s.reason + "; then " + way;
+  } else {
+    Filtered unfiltered;
+    unfiltered.survivors.all = true;
+    unfiltered.survivors.reason = s.reason;
+    unfiltered.triangles = std::move(filtered.triangles);
+    hull = hull_of_survivors(rows, std::move(unfiltered), run);
+  }
   if (options.with_coordinates) write_coordinates(rows, hull);
   hull.statistics.threads = call.run.threads;
   // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
@@ -53,11 +57,6 @@ Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const
   hull.scalar = points.scalar;
   hull.statistics.survivors = count;
   hull.statistics.filter = s.filter;
-  std::string reason = s.reason;
-  if (known.tried)
-    reason += known.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
-  std::string& way = hull.statistics.cull_reason;
-  way = way.empty() ? reason : reason + "; then " + way;
   hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;
@@ -79,11 +78,11 @@ Survivors cull(const DevicePointView& points, const Options& options) {
 Hull convex_hull(const DevicePointView& points, const Options& options,
                  std::vector<double>* vertex_coordinates) {
   const auto start = Clock::now();
-  const Filtered filtered = filtered_on_device(points, options);
+  Filtered filtered = filtered_on_device(points, options);
   const double cull_seconds = seconds_since(start);
   Options wanted = options;
   wanted.with_coordinates |= vertex_coordinates != nullptr;
-  Hull hull = hull_of_rows(filtered, points, wanted);
+  Hull hull = hull_of_rows(std::move(filtered), points, wanted);
   if (vertex_coordinates != nullptr) {
     vertex_coordinates->assign(hull.vertex_coordinates.begin(), hull.vertex_coordinates.end());
     if (!options.with_coordinates) hull.vertex_coordinates = {};

@@ -81,31 +81,32 @@ void cull_by(CullPass& pass, SampledMap sampled, const PointView& points, const 
 }  // namespace
 
 void filter_by_sample(const PointView& points, const Run& run, Filtered& result) {
-  const bool forced = run.options.cull == CullMethod::gauge;
+  const Insist insist = run.options.cull == CullMethod::gauge ? Insist::yes : Insist::no;
   run.report("cull", 0);
   CullPass pass(points, run);
+  const auto sample = [&] {
+    SampledMap sampled = map_of_sample(
+        host_points(points, run), insist, pass.most_nodes(), run,
+        pass.on_device() ? most_probes_of_device(points.dimension) : ~std::uint64_t{0});
+    result.survivors.reason = sampled.reason;
+    return sampled;
+  };
   SampledMap sampled;
   try {
-    sampled = map_of_sample(host_points(points, run), forced ? Insist::yes : Insist::no,
-                            pass.most_nodes(), run);
+    sampled = sample();
+    if (pass.on_device()) {
+      if (pass.filter_there(sampled.map.get(), result)) {
+        if (!result.survivors.all) gather_survivors(points, result.survivors.ids, result, run);
+        return;
+      }
+      sampled = sample();  // the CPU wants another map
+    }
   } catch (const Error& e) {
     if (e.code() != ErrorCode::not_finite) throw;
     check_finite(points, nullptr, run);  // reports the first bad point of all, not of the sample
   }
-  result.survivors.reason = sampled.reason;
   if (sampled.map == nullptr) return;
   cull_by(pass, std::move(sampled), points, run, result);
-}
-
-Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run) {
-  Filtered result;
-  result.survivors.all = true;
-  result.pass_survivors = points.count;
-  if (polytope.dimension != points.dimension) return result;
-  CullPass pass(points, run);
-  auto map = map_of_polytope(std::move(polytope), points.count, Insist::no, pass.most_nodes(), run);
-  if (map != nullptr) cull_by(pass, {std::move(map), {}, true}, points, run, result);
-  return result;
 }
 
 void refine_survivors(Filtered& result, unsigned d, const Run& run) {

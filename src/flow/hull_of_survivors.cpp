@@ -70,14 +70,16 @@ bool hull_few(const PointView& points, const Survivors& survivors, const Run& ru
          add_way(few_way(points.dimension), hull);
 }
 
-/// The known triangles at the points' positions; nothing if they are of other points.
+/// The triangles of the filter or of a known hull at the points' positions; nothing if they are of
+/// other points.
 std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::uint32_t* simplex,
-                                          const Run& run, KnownHull& known) {
+                                          const StarTriangles& triangles, const Run& run,
+                                          KnownHull& known) {
   const std::uint64_t count = from.local->count;
-  if (known.triangles != nullptr) {
-    if (known.triangles->count() + 4 != 2 * count || from.ids != nullptr) return {};
+  if (triangles.count() != 0) {
+    if (triangles.count() + 4 != 2 * count) return {};  // a lattice was thinned
     known.tried = true;
-    return surface_of(*known.triangles, *from.local, simplex, run);
+    return surface_of(triangles, *from.local, simplex, run);
   }
   if (known.hull == nullptr) return {};
   const auto order =
@@ -90,8 +92,9 @@ std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::ui
 /// Writes the hull with known triangles. If they do not form the points' hull at their positions,
 /// returns the surface that they can be mended to, if there is one.
 std::optional<TriangleMesh> hull_by_known(const ResultInput& from, const std::uint32_t* simplex,
-                                          const Run& run, KnownHull& known, Hull& hull) {
-  std::optional<TriangleMesh> surface = known_surface(from, simplex, run, known);
+                                          const StarTriangles& triangles, const Run& run,
+                                          KnownHull& known, Hull& hull) {
+  std::optional<TriangleMesh> surface = known_surface(from, simplex, triangles, run, known);
   if (!surface) return {};
   if (surface->live + 4 == 2 * std::uint64_t{from.local->count}) {
     require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
@@ -107,6 +110,7 @@ std::optional<TriangleMesh> hull_by_known(const ResultInput& from, const std::ui
 /// Computes frame, engine and result: for all that the fast paths above refuse.
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
                     Hull& hull) {
+  const StarTriangles triangles = std::move(filtered.triangles);
   EngineInput input = engine_input(points, std::move(filtered), run);
   std::optional<LocalFrame> found;
   find_frame(points, input, run, found);
@@ -136,9 +140,13 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
     };
     if (hull.affine_dimension == 3) {
       std::optional<TriangleMesh> surface;
-      if (known != nullptr)
-        surface = hull_by_known(from, frame.simplex().data(), run, *known, hull);
-      if (known != nullptr && known->holds) return;
+      KnownHull none;
+      KnownHull& tried = known != nullptr && triangles.count() == 0 ? *known : none;
+      surface = hull_by_known(from, frame.simplex().data(), triangles, run, tried, hull);
+      if (none.tried)
+        hull.statistics.cull_reason +=
+            none.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
+      if (tried.holds) return;
       if (!surface) surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(*surface), surface->live);
     } else {
@@ -163,7 +171,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
-      !hull_few(points, filtered.survivors, run, hull))
+      (filtered.triangles.count() != 0 || !hull_few(points, filtered.survivors, run, hull)))
     hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;

@@ -50,10 +50,6 @@ bool cull_by_outermost(const PointView& points, const Run& run, Filtered& result
 /// if a map is not worthwhile.
 void filter_by_sample(const PointView& points, const Run& run, Filtered& result);
 
-/// Filters by the map of a given polytope, whose vertices are points of a larger set: a discarded
-/// point lies strictly inside it. Keeps all points if there is no map.
-Filtered filter_by(InnerPolytope polytope, const PointView& points, const Run& run);
-
 /// Views the rows of the survivors, which must have been gathered.
 inline PointView view_of_rows(const Filtered& result, unsigned d) {
   return PointView::row_major(result.rows.data(), result.rows.size() / d, d);
@@ -81,13 +77,20 @@ void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64
 Filtered run_device_filter(const DevicePointView& points, const Run& run,
                            std::shared_ptr<LastSurface>* last = nullptr);
 
+/// Filters points of the host on the device that the options name, to which it copies them: by the
+/// map and a second filter or, without a map, by the surface of all. Where the device has not the
+/// memory, in pieces. Sets survivors without rows, and triangles; `where`: why on the device.
+/// Throws OutOfMemory, Failure, Error{not_finite} for any bad point.
+void filter_there(const PointView& points, const GaugeMap* map, const std::string& where,
+                  const Run& run, Filtered& result);
+
 /// Throws Error{invalid_argument} for null data, no dimension, or a scalar other than f32 and f64.
 void check_arguments(const DevicePointView& points);
 
 /// Returns the hull of the survivors of run_device_filter, with the ids of `points` (of which only
 /// count, dimension and scalar are read). Fills the statistics except the filter's time and the
 /// total time.
-Hull hull_of_rows(const Filtered& filtered, const DevicePointView& points, const Options& options);
+Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Options& options);
 
 // From the survivors of a filter to the input of an engine.
 
@@ -132,19 +135,18 @@ void check_arguments(const PointView& points, const Options& options);
 /// Runs the filter, and sets run.threads to the number worthwhile for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);
 
-/// Triangles that are tried before an engine is: those of a hull of the same points at other
-/// positions, or a surface of the points themselves.
+/// A hull of the same points at other positions, whose triangles are tried before an engine is.
 struct KnownHull {
-  const Hull* hull = nullptr;                ///< null: no known hull
-  const NearbyNumbers* numbers = nullptr;    ///< of `hull`; may be null
-  const StarTriangles* triangles = nullptr;  ///< null: no known surface
+  const Hull* hull = nullptr;              ///< null: no known hull
+  const NearbyNumbers* numbers = nullptr;  ///< of `hull`; may be null
   bool tried = false, holds = false, mended = false;
 };
 
 /// Returns the hull of the points of `points` that a filter kept: thins lattices, then computes
 /// frame, engine and result. Where no filter ran, the caller has tried small_hull(). Fills the
-/// statistics except the filter's time and the total time. If the vertices of `known` are among the
-/// survivors, its triangles are tried first; the result is the same, bit for bit.
+/// statistics except the filter's time and the total time. Triangles that the filter found are
+/// tried first, or those of `known` if its vertices are among the survivors; the result is the
+/// same, bit for bit.
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        KnownHull* known = nullptr);
 

@@ -53,7 +53,7 @@ class FarFrame final : public FramePoints {
     shape.scalar = points_.scalar;
     shape.dimension = dimension;
     shape.count = count;
-    return hull_of_rows(filtered, shape, run_.options);
+    return hull_of_rows(std::move(filtered), shape, run_.options);
   }
 
   std::uint64_t fetched = 0;

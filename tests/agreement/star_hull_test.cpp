@@ -56,20 +56,11 @@ struct Tally {
 /// The hull of the points that are left, with the triangles if there are any.
 Hull hull_of_left(const PointView& view, const Found& found, bool& holds) {
   const Options options = options_of(1);
-  const Run run(options);
-  std::vector<double> rows;
-  for (const std::uint64_t i : found.left)
-    for (unsigned j = 0; j < 3; ++j) rows.push_back(view.at(i, j));
-  KnownHull known;
-  if (found.triangles.count() != 0) known.triangles = &found.triangles;
-  Filtered all;
-  all.survivors.all = true;
-  Hull hull = hull_of_survivors(PointView::row_major(rows.data(), found.left.size(), 3),
-                                std::move(all), run, &known);
-  holds = known.holds;
-  hull.rename([&](std::uint64_t i) { return found.left[i]; });
-  hull.point_count = view.count;
-  hull.scalar = view.scalar;
+  Filtered filtered;
+  filtered.survivors.ids = found.left;
+  filtered.triangles = found.triangles;
+  Hull hull = hull_of_survivors(view, std::move(filtered), Run(options));
+  holds = hull.statistics.cull_reason.find("and which is the hull") != std::string::npos;
   return hull;
 }
 

@@ -20,9 +20,9 @@ struct StarHullThere {
 
 /// Whether the surface of all these points is worth its time, without a map before it: on a sphere
 /// of 100,000 points it gains a quarter, with 16 threads; fewer are untested.
-inline bool surface_of_all_pays(const DevicePointView& points, const Run& run) {
-  return points.dimension == 3 && points.count <= pseudo_hull_most_points &&
-         (run.options.backend == Backend::cuda || points.count >= std::uint64_t{1} << 16);
+inline bool surface_of_all_pays(unsigned d, std::uint64_t count, const Run& run) {
+  return d == 3 && count <= pseudo_hull_most_points &&
+         (run.options.backend == Backend::cuda || count >= std::uint64_t{1} << 16);
 }
 
 /// Memory of a device that holds the surface of the last frame, of whatever scalar type.

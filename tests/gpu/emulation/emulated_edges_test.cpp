@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <memory>
@@ -393,6 +394,45 @@ TEST_F(EmulatedEdges, APseudoHullThatFindsNoMemoryIsReplaced) {
     const testing_support::WithRates slow_link({.link = 1});
     EXPECT_EQ(canonical_hash(convex_hull(view, options)), expected) << failing;
   }
+}
+
+// All points are copied at once or, where that fails, in pieces. A surface is one of all points.
+TEST_F(EmulatedEdges, PointsOfTheHostAreFilteredAsThoseOfTheDevice) {
+  struct Case {
+    const char* shape;
+    std::size_t n;
+    bool fits;
+  };
+  std::uint64_t survivors = 0;
+  for (const Case& c :
+       {Case{"sphere", 8000, true}, {"ball", 70000, true}, {"ball", 70000, false}}) {
+    auto rows = testing_support::made<float>(c.shape, c.n, 3, 4);
+    const auto here = PointView::row_major(rows.data(), c.n, 3);
+    const std::uint64_t expected = plain_hash(rows, 3);
+    const auto hull = [&] {
+      emulation::restart();
+      emulation::settings().failing_allocation = c.fits ? 0 : 1;
+      return convex_hull(here, on_device(CullMethod::automatic));
+    };
+    const Hull found = hull();
+    const std::string reason = found.statistics.cull_reason;
+    EXPECT_EQ(canonical_hash(found), expected) << reason;
+    EXPECT_EQ(found.statistics.backend, Backend::cuda);
+    EXPECT_EQ(reason.find("which is the hull") != std::string::npos, c.fits) << reason;
+    EXPECT_EQ(reason.find("in pieces") != std::string::npos, !c.fits) << reason;
+    EXPECT_TRUE(c.fits || found.statistics.survivors < 2 * survivors) << "each piece's surface";
+    survivors = found.statistics.survivors;
+    for (const std::size_t bad : {c.n - 1, c.n / 2}) {
+      rows[3 * bad + 1] = NAN;
+      EXPECT_TRUE(testing_support::has(error_of(ErrorCode::not_finite, hull),
+                                       "point " + std::to_string(bad) + ","));
+    }
+  }
+  const auto rows = testing_support::made<float>("sphere", 8000, 3, 4);
+  emulation::restart();
+  emulation::settings().failing_allocation = 1;
+  error_of(ErrorCode::out_of_budget,
+           [&] { convex_hull(PointView::row_major(rows.data(), 8000, 3), on_device()); });
 }
 
 /// Runs `call` with the n-th step failing for n = 1, 2, ... until none fails any more.

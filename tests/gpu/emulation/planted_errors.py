@@ -78,8 +78,8 @@ ERRORS = {
             *LAYOUTS,
         ),
         "no-wait": Planted(
-            "the host does not wait for a piece's mask",
-            '«synchronise(stream_.get(), "culling");»',
+            "the host packs points into a buffer whose copy it has not waited for",
+            '«synchronise(stream, "copying points to the device");»\n    check(cudaMemcpyAsync(rows.',
             "",
             "emulated_tests",
             "CudaGauge.ManyPieces",
