@@ -1,6 +1,5 @@
 #include "cuda/backend.hpp"
 
-#include <dlfcn.h>
 #include <unistd.h>
 
 #include "cuda/gauge.hpp"
@@ -42,14 +41,11 @@ int current_cuda_device() noexcept {
 // The run-time library's cudaGetDevice starts the driver. The driver's own functions do not, and a
 // process that has not loaded it has chosen no device.
 int chosen_cuda_device() noexcept {
-  void* const driver = ::dlopen("libcuda.so.1", RTLD_LAZY | RTLD_NOLOAD);
-  if (driver == nullptr) return -1;
   using GetDevice = int(int*);  // CUresult cuCtxGetDevice(CUdevice*)
-  auto* const get_device = reinterpret_cast<GetDevice*>(::dlsym(driver, "cuCtxGetDevice"));
+  auto* const get_device =
+      reinterpret_cast<GetDevice*>(internal::driver_function("cuCtxGetDevice"));
   int ordinal = -1;
-  const bool chosen = get_device != nullptr && get_device(&ordinal) == 0;
-  ::dlclose(driver);
-  return chosen ? ordinal : -1;
+  return get_device != nullptr && get_device(&ordinal) == 0 ? ordinal : -1;
 }
 
 void wait_for_cuda_stream(void* stream) {

@@ -1,5 +1,7 @@
 #include "cuda/runtime.hpp"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -198,6 +200,29 @@ const Device& this_device() {
 
 bool cuda_started() noexcept { return found_one; }
 
+void* driver_function(const char* name) noexcept {
+  void* const driver = ::dlopen("libcuda.so.1", RTLD_LAZY | RTLD_NOLOAD);
+  if (driver == nullptr) return nullptr;
+  void* const function = ::dlsym(driver, name);
+  ::dlclose(driver);
+  return function;
+}
+
+namespace {
+
+/// Whether a device has a context. Choosing one that has none would make it, which takes some
+/// hundred MB of its memory.
+bool has_context(int ordinal) {
+  // CUresult cuDevicePrimaryCtxGetState(CUdevice, unsigned*, int*)
+  using GetState = int(int, unsigned*, int*);
+  auto* const state = reinterpret_cast<GetState*>(driver_function("cuDevicePrimaryCtxGetState"));
+  unsigned flags = 0;
+  int active = 1;
+  return state == nullptr || state(ordinal, &flags, &active) != 0 || active != 0;
+}
+
+}  // namespace
+
 DeviceScope::DeviceScope(int ordinal, Unread unread) {
   // Such an error would be taken for that of the next launch. It is not cleared: it is the
   // caller's.
@@ -206,8 +231,11 @@ DeviceScope::DeviceScope(int ordinal, Unread unread) {
     throw Failure("an earlier CUDA call of this thread failed and nobody read its error (" +
                   std::string(cudaGetErrorString(left)) +
                   "); read it with cudaGetLastError before this call");
-  check(cudaGetDevice(&before_), "asking for the current device");
-  if (before_ != ordinal) check(cudaSetDevice(ordinal), "choosing the device");
+  int current = ordinal;
+  check(cudaGetDevice(&current), "asking for the current device");
+  if (current == ordinal) return;
+  if (has_context(current)) before_ = current;
+  check(cudaSetDevice(ordinal), "choosing the device");
 }
 
 void refuse_capture(cudaStream_t stream) {
@@ -216,7 +244,9 @@ void refuse_capture(cudaStream_t stream) {
   if (status != cudaStreamCaptureStatusNone) throw Failure(capture_refused);
 }
 
-DeviceScope::~DeviceScope() { (void)cudaSetDevice(before_); }
+DeviceScope::~DeviceScope() {
+  if (before_ >= 0) (void)cudaSetDevice(before_);
+}
 
 void* allocate(std::size_t bytes, cudaStream_t stream) {
   if (bytes == 0) return nullptr;

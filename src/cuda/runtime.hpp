@@ -51,7 +51,12 @@ enum class Unread {
   ignored,
 };
 
-/// Makes a device current, and restores the former one when destroyed.
+/// A function of the driver; null if the process has not loaded the driver.
+void* driver_function(const char* name) noexcept;
+
+/// Makes a device current, and restores the former one when destroyed if that has a context, as
+/// every device has that was chosen or used. Else the device stays current: a context would take
+/// some hundred MB.
 class DeviceScope {
  public:
   explicit DeviceScope(int ordinal, Unread unread = Unread::reported);
@@ -60,7 +65,7 @@ class DeviceScope {
   DeviceScope& operator=(const DeviceScope&) = delete;
 
  private:
-  int before_ = 0;
+  int before_ = -1;  ///< to be restored
 };
 
 /// Allocates memory of the current device in the order of the stream. Throws OutOfMemory, Failure.

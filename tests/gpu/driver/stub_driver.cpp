@@ -8,6 +8,7 @@ constexpr int success = 0, not_initialised = 3, no_device = 100, invalid_context
 int calls = 0;    // of functions that start the driver or need it started
 bool up = false;  // as after cuInit on a machine with a device
 int device = -1;  // of the context that is current, -1: none
+int unused = -1;  // a device without a context
 
 }  // namespace
 
@@ -17,6 +18,13 @@ int stub_driver_calls() { return calls; }
 void stub_driver_start(int current) {
   up = true;
   device = current;
+}
+
+void stub_driver_unused(int ordinal) { unused = ordinal; }
+int cuDevicePrimaryCtxGetState(int ordinal, unsigned* flags, int* active) {
+  *flags = 0;
+  *active = ordinal == unused ? 0 : 1;
+  return success;
 }
 
 int cuInit(unsigned) {

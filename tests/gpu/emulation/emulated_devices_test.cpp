@@ -1,6 +1,7 @@
 // What is remembered to the end of a process: devices that cannot be used, one that was lost. A
 // program of its own, each test of which wants a process of its own.
 #include <cuda_runtime_api.h>
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -32,6 +33,27 @@ TEST(EmulatedDevices, PointsOnAnotherDeviceThanTheCurrentOne) {
   int current = -1;
   check(cudaGetDevice(&current));
   EXPECT_EQ(current, 0);
+}
+
+// Choosing a device without a context would make one, of some hundred MB.
+TEST(EmulatedDevices, ADeviceWithoutAContextIsNotChosenAgain) {
+  void* const driver = ::dlopen("libcuda.so.1", RTLD_LAZY);
+  ASSERT_NE(driver, nullptr) << ::dlerror();
+  auto* const unused = reinterpret_cast<void (*)(int)>(::dlsym(driver, "stub_driver_unused"));
+  ASSERT_NE(unused, nullptr) << "not the test's driver";
+  emulation::settings().devices = 3;
+  check(cudaSetDevice(2));
+  const auto rows = ball(3, 2000, 4);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 2000, 3);
+  for (const int other : {-1, 0, 1}) {
+    check(cudaSetDevice(0));
+    unused(other);
+    (void)convex_hull(view, on_device());
+    int current = -1;
+    check(cudaGetDevice(&current));
+    EXPECT_EQ(current, other == 0 ? 2 : 0) << other;
+  }
 }
 
 TEST(EmulatedDevices, HostPointsGoToTheDeviceThatTheOptionsName) {
