@@ -13,7 +13,6 @@
 #include "filter/ways.hpp"
 #include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
-#include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -44,7 +43,7 @@ class DeviceFilter {
       return cull_there_or_here();
     } catch (const OutOfMemory& e) {
       if (run_.options.backend == Backend::cuda) throw;
-      return culled_on_host(e.what());  // downloading packed points needs no device memory
+      return left_to_cpu(e.what());  // downloading packed points needs no device memory
     }
   }
 
@@ -67,14 +66,16 @@ class DeviceFilter {
         d_ <= pseudo_hull_cuda_max_dimension &&
         takes(Way::pseudo_hull, way_question(points_, run_.options)))
       return pseudo_hull_there();
-    if (run_.options.cull == CullMethod::pseudo_hull) return culled_on_host("");
+    if (run_.options.cull == CullMethod::pseudo_hull) return left_to_cpu("");
     result.survivors.reason = why_no_filter(way_question(points_, run_.options));
+    const bool must = run_.options.backend == Backend::cuda;
+    if (run_.options.backend == Backend::cpu || (!must && !result.survivors.reason.empty()))
+      return left_to_cpu("");
     if (!result.survivors.reason.empty()) return all_points(std::move(result));
-    if (run_.options.backend == Backend::cpu) return culled_on_host("");
     std::string where = "CUDA device as asked";
     if (run_.options.backend == Backend::automatic) {
       const Placement place = place_of_device_points(points_, run_);
-      if (!place.device) return culled_on_host(place.reason);
+      if (!place.device) return left_to_cpu(place.reason);
       where = place.reason;
     }
     run_.report("cull", 0);
@@ -90,7 +91,7 @@ class DeviceFilter {
       copy_survivors(*kept, result);
       return result;
     } catch (const OutOfMemory&) {
-      if (sampled.map == nullptr && run_.options.backend == Backend::cuda) throw;
+      if (sampled.map == nullptr && must) throw;
       result = {};
       result.survivors = before;
       result.survivors.reason += "; " + where + "; its memory is nearly full";
@@ -175,20 +176,13 @@ class DeviceFilter {
     return std::move(result);
   }
 
-  /// Copies all points to the host and filters them there. `why` completes the reason reported.
-  Filtered culled_on_host(const std::string& why) const {
-    Array<double> rows = download_all(points_, run_);
-    const PointView view = PointView::row_major(rows.data(), points_.count, d_);
-    Options options = run_.options;
-    options.backend = Backend::cpu;
-    Filtered result = run_filter(view, Run(options));
-    if (!why.empty()) result.survivors.reason += "; " + why;
-    if (result.survivors.all)
-      result.rows = std::move(rows);
-    else if (result.rows.empty())
-      result.rows =
-          gather_points(view, result.survivors.ids.data(), result.survivors.ids.size(), run_);
-    return result;
+  /// Copies all points to the host, whose filters are the CPU's. `why` completes the reason.
+  Filtered left_to_cpu(const std::string& why) const {
+    Filtered result;
+    result.on_host = true;
+    result.survivors.all = true;
+    result.survivors.reason = why;
+    return all_points(std::move(result));
   }
 
   /// Fetches samples of `points`. The first of all points that is not finite is refused, not the

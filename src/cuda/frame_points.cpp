@@ -79,8 +79,12 @@ class DeviceFrame final : public FramePoints {
   }
 
   Filtered filter_afresh() override {
-    if (here_) return here_->filter_afresh();
-    return run_device_filter(points_, run_, keeps_surface() ? &last_ : nullptr);
+    if (!here_) {
+      Filtered filtered = run_device_filter(points_, run_, keeps_surface() ? &last_ : nullptr);
+      if (!filtered.on_host) return filtered;
+      keep(filtered.survivors.reason, std::move(filtered.rows));
+    }
+    return here_->filter_afresh();
   }
 
   Hull hull(Filtered&& filtered) override {
@@ -107,9 +111,10 @@ class DeviceFrame final : public FramePoints {
   }
 
   /// Copies all points to the host. From then on the frame is processed on the host.
-  void copy(const std::string& why) {
+  void copy(const std::string& why) { keep(why, download_all(points_, run_)); }
+  void keep(const std::string& why, Array<double>&& rows) {
     why_here_ = why;
-    rows_ = download_all(points_, run_);
+    rows_ = std::move(rows);
     host_options_ = run_.options;
     host_options_.backend = Backend::cpu;
     host_run_.emplace(host_options_);

@@ -8,7 +8,6 @@
 #include "few/few_points.hpp"
 #include "filter/planner.hpp"
 #include "flow/pipeline.hpp"
-#include "geometry/gather.hpp"
 #include "parallel/threads/run.hpp"
 #include "result/vertex_coordinates.hpp"
 
@@ -21,6 +20,19 @@ Filtered filtered_on_device(const DevicePointView& points, const Options& option
   const Run run(options);
   run.check();
   return run_device_filter(points, run);
+}
+
+PointView rows_on_host(const Filtered& filtered, const DevicePointView& points) {
+  return PointView::row_major(filtered.rows.data(), points.count, points.dimension);
+}
+
+Options for_cpu(Options options) {
+  options.backend = Backend::cpu;
+  return options;
+}
+
+void add_reason(std::string& reason, const Filtered& filtered) {
+  if (!filtered.survivors.reason.empty()) reason += "; " + filtered.survivors.reason;
 }
 
 }  // namespace
@@ -71,6 +83,11 @@ using namespace internal;
 Survivors cull(const DevicePointView& points, const Options& options) {
   const auto start = Clock::now();
   Filtered filtered = filtered_on_device(points, options);
+  if (filtered.on_host) {
+    Survivors found = cull(rows_on_host(filtered, points), for_cpu(options));
+    add_reason(found.reason, filtered);
+    filtered.survivors = std::move(found);
+  }
   filtered.survivors.seconds = seconds_since(start);
   return std::move(filtered.survivors);
 }
@@ -82,12 +99,19 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   const double cull_seconds = seconds_since(start);
   Options wanted = options;
   wanted.with_coordinates |= vertex_coordinates != nullptr;
-  Hull hull = hull_of_rows(std::move(filtered), points, wanted);
+  Hull hull;
+  if (filtered.on_host) {
+    hull = convex_hull(rows_on_host(filtered, points), for_cpu(wanted));
+    hull.scalar = points.scalar;
+    add_reason(hull.statistics.cull_reason, filtered);
+  } else {
+    hull = hull_of_rows(std::move(filtered), points, wanted);
+  }
   if (vertex_coordinates != nullptr) {
     vertex_coordinates->assign(hull.vertex_coordinates.begin(), hull.vertex_coordinates.end());
     if (!options.with_coordinates) hull.vertex_coordinates = {};
   }
-  hull.statistics.cull_seconds = cull_seconds;
+  hull.statistics.cull_seconds += cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   return hull;
 }

@@ -33,6 +33,7 @@ struct Filtered {
   std::shared_ptr<const GaugeMap> map;  ///< that left them, or none
   StarTriangles triangles;  ///< a surface of the survivors that may be their hull, or none
   bool moved = false;       ///< found from the surface of the last frame
+  bool on_host = false;  ///< points of a device that the CPU is to filter: `rows` are all of them
 };
 
 /// Runs the filter that the options ask for. Points with a NaN or an infinity always survive, so
@@ -71,9 +72,10 @@ void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64
 // are transferred.
 
 /// Like run_filter, but `rows` always holds the exact coordinates of the survivors (of all points
-/// if `all`). Throws Error{not_finite} with the lowest id of a point with a NaN or an infinity,
-/// Error{backend_unavailable} if there is no device or the view is not in its memory.
-/// `last`: a tracker's, which keeps the surface of its last frame there.
+/// if `all`), and what is the CPU's to filter is only copied (`on_host`). `last`: a tracker's,
+/// which keeps the surface of its last frame there. Throws Error{not_finite} with the lowest id of
+/// a point with a NaN or an infinity, Error{backend_unavailable} if there is no device or the view
+/// is not in its memory.
 Filtered run_device_filter(const DevicePointView& points, const Run& run,
                            std::shared_ptr<LastSurface>* last = nullptr);
 
