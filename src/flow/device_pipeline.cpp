@@ -31,6 +31,23 @@ Options for_cpu(Options options) {
   return options;
 }
 
+/// Hull::rename by all threads: of a million vertices it took one thread 15 to 25 ms.
+void number_by(const std::vector<std::uint64_t>& ids, const Run& run, Hull& hull) {
+  const auto number = [&](auto& positions) {
+    run.each(positions.size(), light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+      for (std::uint64_t i = begin; i < end; ++i) positions[i] = ids[positions[i]];
+    });
+  };
+  const bool shared = hull.facets.items.shares(hull.simplices);
+  number(hull.vertices);
+  if (shared) hull.facets.items = {};
+  number(hull.simplices.edit());
+  if (shared)
+    hull.facets.items = hull.simplices;
+  else
+    number(hull.facets.items.edit());
+}
+
 void add_reason(std::string& reason, const Filtered& filtered) {
   if (!filtered.survivors.reason.empty()) reason += "; " + filtered.survivors.reason;
 }
@@ -64,7 +81,7 @@ Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Opti
   if (options.with_coordinates) write_coordinates(rows, hull);
   hull.statistics.threads = call.run.threads;
   // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
-  if (!s.all) hull.rename([&](std::uint64_t position) { return s.ids[position]; });
+  if (!s.all) number_by(s.ids, run, hull);
   hull.point_count = points.count;
   hull.scalar = points.scalar;
   hull.statistics.survivors = count;
