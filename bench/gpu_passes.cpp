@@ -24,9 +24,9 @@
 #include <utility>
 #include <vector>
 
-#include "cuda/cells_on_device.hpp"
 #include "cuda/gauge.hpp"
 #include "cuda/hull_questions.hpp"
+#include "cuda/kept_tables.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/kernels/pseudo_hull.hpp"
@@ -775,13 +775,14 @@ class Passes {
     const CudaStream stream;
     const DeviceArray<float> points = repeated(rows, rows.size(), stream.get());
     const auto there = DevicePointView::row_major(points.data(), n, 3, stream.get());
-    const CellsOnDevice cells_there(cells->table(), stream.get());
+    KeptTables kept;
+    const CellsThere cells_there = kept_there(kept, cells->table(), stream.get());
     const DeviceArray<std::uint8_t> sides(n, stream.get());
     const DeviceArray<std::uint32_t> open(1 + n, stream.get());
     std::uint32_t left = 0;
     const double kernel = by_events(stream.get(), [&] {
       check(cudaMemsetAsync(open.data(), 0, sizeof left, stream.get()), "clearing");
-      check(ask_sides_by_cells(there, cells_there.tables(), {1, 0}, sides.data(),
+      check(ask_sides_by_cells(there, cells_there, {1, 0}, sides.data(),
                                {open.data(), open.data() + 1}, stream.get()),
             "asking a hull");
     });

@@ -2,29 +2,15 @@
 
 #include <algorithm>
 #include <optional>
-#include <span>
 
-#include "cuda/cells_on_device.hpp"
 #include "cuda/device_rows.hpp"
 #include "cuda/gauge.hpp"
+#include "cuda/kept_tables.hpp"
 #include "cuda/kernels/hull_questions_kernel.hpp"
 #include "cuda/runtime.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-/// A copy of numbers on the device, which is uploaded once and used by several queries.
-template <class T>
-class Table {
- public:
-  const T* on_device(std::span<const T> numbers, cudaStream_t stream) {
-    if (there_.size() == 0) there_ = uploaded(numbers, stream);
-    return there_.data();
-  }
-
- private:
-  DeviceArray<T> there_;
-};
 
 /// Memory on the device that grows as needed.
 template <class T>
@@ -47,8 +33,8 @@ void put_each(T* out, const std::vector<std::uint64_t>& ids, const T* items, cud
 
 class QuestionsThere final : public QuestionsOnDevice {
  public:
-  QuestionsThere(const DevicePointView& view, const HullTables* tables)
-      : points_(view), hull_(tables), stream_(cuda_stream_of(view)) {
+  QuestionsThere(const DevicePointView& view, const HullTables* tables, KeptTables& kept)
+      : points_(view), hull_(tables), kept_(kept), stream_(cuda_stream_of(view)) {
     const int ordinal = device_of(view);
     (void)device(ordinal);
     scope_.emplace(ordinal);
@@ -57,7 +43,7 @@ class QuestionsThere final : public QuestionsOnDevice {
   std::vector<std::uint64_t> sides(const GaugeTable* inner, SideCodes codes, std::uint64_t first,
                                    std::uint64_t count, std::uint8_t* out) override {
     TablesThere there = tables();
-    there.simplices = simplices_.on_device(hull_->simplices, stream_);
+    there.simplices = kept_there(kept_, hull_->simplices, stream_);
     const DevicePointView part = part_of(points_, first, count);
     DeviceIds left;
     if (inner != nullptr) {
@@ -73,18 +59,17 @@ class QuestionsThere final : public QuestionsOnDevice {
   std::vector<std::uint64_t> sides(const FacetCellTable& cells, SideCodes codes,
                                    std::uint64_t first, std::uint64_t count,
                                    std::uint8_t* out) override {
-    if (!cells_) cells_.emplace(cells, stream_);
+    const CellsThere there = kept_there(kept_, cells, stream_);
     const OpenList open = begin_open(count);
-    check(ask_sides_by_cells(part_of(points_, first, count), cells_->tables(), codes, out, open,
-                             stream_),
+    check(ask_sides_by_cells(part_of(points_, first, count), there, codes, out, open, stream_),
           "asking a hull");
     return listed(first);
   }
   std::vector<std::uint64_t> supports(const std::vector<std::uint64_t>& ids, std::uint64_t first,
                                       std::uint64_t count, std::uint64_t* out) override {
     TablesThere there = tables();
-    there.vertices = vertices_.on_device(hull_->vertices, stream_);
-    const std::uint64_t* const ids_there = ids_.on_device(ids, stream_);
+    there.vertices = kept_there(kept_, hull_->vertices, stream_);
+    const std::uint64_t* const ids_there = kept_there(kept_, ids, stream_);
     const OpenList open = begin_open(count);
     check(ask_supports(part_of(points_, first, count), there, ids_there, out, open, stream_),
           "asking a hull");
@@ -93,8 +78,8 @@ class QuestionsThere final : public QuestionsOnDevice {
   std::vector<std::uint64_t> distances(std::uint64_t first, std::uint64_t count,
                                        double* out) override {
     TablesThere there = tables();
-    there.simplices = simplices_.on_device(hull_->simplices, stream_);
-    there.planes = planes_.on_device(hull_->planes, stream_);
+    there.simplices = kept_there(kept_, hull_->simplices, stream_);
+    there.planes = kept_there(kept_, hull_->planes, stream_);
     const OpenList open = begin_open(count);
     check(ask_distances(part_of(points_, first, count), there, out, open, stream_),
           "asking a hull");
@@ -159,11 +144,9 @@ class QuestionsThere final : public QuestionsOnDevice {
 
   const DevicePointView points_;
   const HullTables* const hull_;
+  KeptTables& kept_;
   const cudaStream_t stream_;
   std::optional<DeviceScope> scope_;
-  Table<double> simplices_, planes_, vertices_;
-  Table<std::uint64_t> ids_;
-  std::optional<CellsOnDevice> cells_;
   DeviceArray<std::uint32_t> open_;
   DeviceArray<std::byte> answers_;
 };
@@ -171,8 +154,8 @@ class QuestionsThere final : public QuestionsOnDevice {
 }  // namespace
 
 std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView& points,
-                                                       const HullTables* hull) {
-  return std::make_unique<QuestionsThere>(points, hull);
+                                                       const HullTables* hull, KeptTables& kept) {
+  return std::make_unique<QuestionsThere>(points, hull, kept);
 }
 
 }  // namespace cullhull::internal

@@ -3,8 +3,12 @@
 // others in not_compiled.cpp.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
 #include <vector>
 
 #include "cullhull/array.hpp"
@@ -29,6 +33,14 @@ struct HullTables {
   double vertex_reach = 0;       ///< largest absolute coordinate in `vertices`
 
   std::size_t simplex_count() const { return simplices.size() / (2 * dimension + 1); }
+};
+
+/// A query's tables in the memory of devices: by device and by where the table is on the host. Each
+/// is uploaded when a call first needs it, and stays until the query ends. Calls on several threads
+/// may share it.
+struct KeptTables {
+  std::mutex mutex;
+  std::map<std::pair<int, const void*>, std::shared_ptr<std::byte>> there;
 };
 
 /// The bytes that stand for the sides of a point.
@@ -88,10 +100,10 @@ class QuestionsOnDevice {
   virtual Array<double> all_rows(const Run& run) const = 0;
 };
 
-/// `hull` must outlive the result; null: only sides() by cells and the functions after distances()
-/// are used. Throws Failure if there is no device, and Error{invalid_argument} for memory that the
-/// device cannot read.
+/// `hull` and `kept` must outlive the result; no hull: only sides() by cells and the functions
+/// after distances() are used. Throws Failure if there is no device, and Error{invalid_argument}
+/// for memory that the device cannot read.
 std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView& points,
-                                                       const HullTables* hull);
+                                                       const HullTables* hull, KeptTables& kept);
 
 }  // namespace cullhull::internal

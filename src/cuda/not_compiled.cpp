@@ -32,7 +32,8 @@ std::unique_ptr<SetsOnDevice> sets_on_device(const DevicePointView&, const Run&)
   return nullptr;
 }
 
-std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, const HullTables*) {
+std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, const HullTables*,
+                                                       KeptTables&) {
   require_cuda();
   return nullptr;
 }

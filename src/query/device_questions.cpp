@@ -119,7 +119,7 @@ Options on_host(const Options& options) {
 }  // namespace
 
 DeviceQuestions::DeviceQuestions(const DevicePointView& points, const HullTables* tables,
-                                 const Options& options, AnswersIn answers_in)
+                                 KeptTables& kept, const Options& options, AnswersIn answers_in)
     : points_(points),
       tables_(tables),
       options_(on_host(options)),
@@ -132,7 +132,7 @@ DeviceQuestions::DeviceQuestions(const DevicePointView& points, const HullTables
   if (points.count == 0)
     require_cuda();
   else
-    device_ = questions_on_device(points, tables_);
+    device_ = questions_on_device(points, tables_, kept);
 }
 
 /// there(way, first, count, out): writes the device's answers about a piece to `out` on the device,

@@ -41,9 +41,10 @@ class DeviceQuestions {
   using Here = std::function<void(const PointView&, Out*, const Options&)>;
 
   /// `tables`: null where kernels do not support the hull. With Backend::automatic the host answers
-  /// where that is estimated to take less time. Points and tables must outlive this object.
-  DeviceQuestions(const DevicePointView& points, const HullTables* tables, const Options& options,
-                  AnswersIn answers_in = AnswersIn::host);
+  /// where that is estimated to take less time. Points, tables and what is kept must outlive this
+  /// object.
+  DeviceQuestions(const DevicePointView& points, const HullTables* tables, KeptTables& kept,
+                  const Options& options, AnswersIn answers_in = AnswersIn::host);
 
   /// `Out`: Side, or std::uint8_t for 1 (not outside) and 0.
   template <class Out>

@@ -154,7 +154,7 @@ struct HullQuery::State {
   DeviceQuestions there(const DevicePointView& view, const Options& options,
                         AnswersIn answers_in) const {
     check_dimension(view);
-    return {view, tables(), options, answers_in};
+    return {view, tables(), kept_there, options, answers_in};
   }
   RayHit ray(const double* origin, const double* direction) const;
   RayHit ray_on_line(double origin, double direction) const;  // d = 1
@@ -188,6 +188,7 @@ struct HullQuery::State {
   mutable std::unique_ptr<GaugeMap> gauge_map;
   mutable std::once_flag tables_once;
   mutable std::optional<HullTables> device_tables;
+  mutable KeptTables kept_there;
   mutable std::once_flag cells_once;
   mutable std::atomic<bool> cells_built = false;
   mutable std::atomic<std::uint64_t> asked_there = 0;  // points on devices, of their sides

@@ -396,6 +396,44 @@ TEST_F(EmulatedEdges, APseudoHullThatFindsNoMemoryIsReplaced) {
   }
 }
 
+// They are uploaded at the first call that needs them, once for each device, and are read by
+// threads whose streams did not upload them.
+TEST_F(EmulatedEdges, TablesOfAHullStayOnTheDevice) {
+  const auto rows = ball(3, 3000, 5);
+  const OnDevice there(rows);
+  check(cudaDeviceSynchronize());
+  const std::size_t before = emulation::counters().live_bytes;
+  std::size_t kept = 0;
+  {
+    const auto points = PointView::row_major(rows.data(), 200, 3);
+    const HullQuery query(points, convex_hull(points));
+    std::vector<Side> expected(3000), sides(3000);
+    std::vector<std::uint64_t> supports(3000);
+    query.sides(PointView::row_major(rows.data(), 3000, 3), expected.data());
+    std::uint64_t copies = 0;
+    for (int i = 0; i < 3; ++i) {
+      const Stream stream;
+      const auto view = DevicePointView::row_major(there.data<float>(), 3000, 3, stream);
+      emulation::restart();
+      query.sides(view, sides.data(), on_device(CullMethod::automatic));
+      EXPECT_EQ(sides, expected);
+      query.supports(view, supports.data(), on_device(CullMethod::automatic));
+      check(cudaDeviceSynchronize());
+      const emulation::Counters seen = emulation::counters();
+      if (i == 0) {
+        kept = seen.live_bytes;
+        copies = seen.copies;
+      } else {
+        EXPECT_EQ(seen.live_bytes, kept);
+        EXPECT_EQ(seen.copies + 3, copies) << "simplices, vertices, ids";
+      }
+    }
+    EXPECT_GT(kept, before);
+  }
+  check(cudaDeviceSynchronize());
+  EXPECT_EQ(emulation::counters().live_bytes, before);
+}
+
 // All points are copied at once or, where that fails, in pieces. A surface is one of all points.
 TEST_F(EmulatedEdges, PointsOfTheHostAreFilteredAsThoseOfTheDevice) {
   struct Case {
