@@ -504,7 +504,7 @@ class Passes {
     check(gather_rows(view, left.data(), passed, left_rows.data(), stream), "gathering points");
     const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
     stages.end("list");
-    StarHullThere found = star_hull_there(left_view, run);
+    StarHullThere found = star_hull_there(left_view, run, {});
     const DeviceIds& inner = found.ids;
     kept = inner.count;
     stages.end("pseudo-hull, convex");
@@ -553,7 +553,8 @@ class Passes {
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
     const Options options = on(Backend::cuda);
-    const StarHullThere found = star_hull_there(view, internal::Run(options));
+    const StarHullThere found =
+        star_hull_there(view, internal::Run(options), {.place = internal::HullPlace::nowhere});
     return {{"count", n},
             {"star_growth_seconds", found.counts.growth_seconds},
             {"star_flip_seconds", found.counts.flip_seconds},

@@ -9,6 +9,7 @@
 #include "cullhull/constrained.hpp"
 #include "cullhull/cull.hpp"
 #include "cullhull/device_batch.hpp"
+#include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/extreme_points.hpp"

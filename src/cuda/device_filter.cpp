@@ -33,9 +33,14 @@ constexpr std::uint64_t least_grown = 4000;
 /// Filters points in a device's memory, there or on the host.
 class DeviceFilter {
  public:
-  DeviceFilter(const DevicePointView& points, const Run& run,
-               std::shared_ptr<LastSurface>* last = nullptr)
-      : points_(points), run_(run), last_(last), d_(points.dimension) {}
+  DeviceFilter(const DevicePointView& points, const Run& run, const DeviceRequest& request)
+      : points_(points),
+        run_(run),
+        request_(request),
+        place_(!request.hull              ? HullPlace::nowhere
+               : request.there == nullptr ? HullPlace::host
+                                          : HullPlace::device),
+        d_(points.dimension) {}
 
   /// Also copies the survivors to the host.
   Filtered run() {
@@ -124,12 +129,12 @@ class DeviceFilter {
       Filtered found;
       found.survivors.reason = where;
       const std::optional<Kept> kept =
-          kept_by_surface(last_ == nullptr ? StarBegin::leaders : StarBegin::any, found);
+          kept_by_surface(request_.last == nullptr ? StarBegin::leaders : StarBegin::any, found);
       if (found.survivors.filter != UsedFilter::pseudo_hull) return false;
-      if (kept)
-        copy_survivors(*kept, found);
-      else
+      if (!kept)
         found = all_points(std::move(found));
+      else
+        copy_survivors(*kept, found);
       result = std::move(found);
       return true;
     } catch (const OutOfMemory&) {
@@ -140,7 +145,8 @@ class DeviceFilter {
   /// What is not finite is not culled, and found when the rest is copied. None: all points stay, as
   /// vertices of the surface, or because there is none.
   std::optional<Kept> kept_by_surface(StarBegin begin, Filtered& result) const {
-    StarHullThere found = star_hull_there(points_, run_, {.begin = begin, .last = last_});
+    StarHullThere found =
+        star_hull_there(points_, run_, {.place = place_, .begin = begin, .last = request_.last});
     if (found.counts.end.facets == 0) return {};
     result.survivors.reason +=
         (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
@@ -150,6 +156,10 @@ class DeviceFilter {
     result.survivors.backend = Backend::cuda;
     result.survivors.all = found.ids.count == points_.count;
     result.triangles = std::move(found.triangles);
+    if (found.left != nullptr) {
+      leave_there(found, found.ids, cuda_stream_of(points_), *request_.there);
+      return Kept{std::move(found.ids), {}};
+    }
     if (result.survivors.all) return {};
     DeviceArray<std::byte> rows = rows_of(points_, found.ids);
     return Kept{std::move(found.ids), std::move(rows)};
@@ -161,7 +171,9 @@ class DeviceFilter {
     result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
   }
 
+  /// Nothing where the hull is left there.
   void copy_survivors(const Kept& kept, Filtered& result) const {
+    if (kept.rows.data() == nullptr) return;
     const std::uint64_t count = kept.ids.count;
     require_room_for_survivors(count, d_, run_);
     std::vector<std::uint64_t> ids(count);
@@ -202,9 +214,10 @@ class DeviceFilter {
            " edges that flips did not make convex";
   }
 
-  /// The indices of the rows of `view` that the second filter keeps. Null ids if a second filter is
+  /// The indices of the rows of `view` that the second filter keeps; in space also the surface that
+  /// it `found`. Null ids if a second filter is
   /// not worthwhile: all rows stay.
-  DeviceIds kept_of(const DevicePointView& view, Filtered& result) const {
+  DeviceIds kept_of(const DevicePointView& view, Filtered& result, StarHullThere& found) const {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
@@ -212,7 +225,7 @@ class DeviceFilter {
     // 2D it leaves only the hull's vertices. From 4D on it leaves more points than a second map.
     if (d_ <= 3 && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
-      StarHullThere found = star_hull_there(view, run_, {});
+      found = star_hull_there(view, run_, {.place = place_});
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
       result.triangles = std::move(found.triangles);
@@ -243,7 +256,8 @@ class DeviceFilter {
     run_.report("cull", 0.8);
     if (kept.ids.count < (d_ <= 3 ? least_grown : smallest_worth_refining(d_))) return kept;
     const DevicePointView view = packed(kept.rows, kept.ids.count);
-    const DeviceIds second = kept_of(view, result);
+    StarHullThere found;
+    const DeviceIds second = kept_of(view, result, found);
     if (second.ids.data() == nullptr) return kept;
     const cudaStream_t stream = cuda_stream_of(points_);
     Kept fewer;
@@ -251,7 +265,10 @@ class DeviceFilter {
     check(gather_ids(kept.ids.ids.data(), second.ids.data(), second.count, fewer.ids.ids.data(),
                      stream),
           "gathering ids");
-    fewer.rows = rows_of(view, second);
+    if (found.left != nullptr)
+      leave_there(found, fewer.ids, stream, *request_.there);
+    else
+      fewer.rows = rows_of(view, second);
     return fewer;
   }
 
@@ -287,14 +304,15 @@ class DeviceFilter {
 
   const DevicePointView& points_;
   const Run& run_;
-  std::shared_ptr<LastSurface>* const last_;  ///< of a tracker, or null
+  const DeviceRequest& request_;
+  const HullPlace place_;
   const unsigned d_;
 };
 
 }  // namespace
 
 Filtered run_device_filter(const DevicePointView& points, const Run& run,
-                           std::shared_ptr<LastSurface>* last) {
+                           const DeviceRequest& request) {
   if (points.count == 0) {
     (void)this_device();
     Filtered nothing;
@@ -306,7 +324,7 @@ Filtered run_device_filter(const DevicePointView& points, const Run& run,
   const int ordinal = device_of(points);
   (void)device(ordinal);
   const DeviceScope scope(ordinal);
-  return DeviceFilter(points, run, last).run();
+  return DeviceFilter(points, run, request).run();
 }
 
 void filter_there(const PointView& points, const GaugeMap* map, const std::string& where,
@@ -322,15 +340,14 @@ void filter_there(const PointView& points, const GaugeMap* map, const std::strin
     found = {};
     found.survivors.all = true;
     found.survivors.reason = result.survivors.reason;
-    const std::optional<Kept> kept = DeviceFilter(there, run).kept_by(map, where, found);
+    const DeviceRequest request{.hull = n == points.count};
+    const std::optional<Kept> kept = DeviceFilter(there, run, request).kept_by(map, where, found);
     if (!kept) return;
     const std::size_t before = all.size();
     all.resize(before + kept->ids.count);
     download(all.data() + before, kept->ids.ids.data(), kept->ids.count, stream.get());
     for (std::size_t i = before; i < all.size(); ++i) all[i] += first;
-    if (n == points.count) return;
-    found.triangles = {};
-    found.survivors.reason += "; in pieces that fit its memory";
+    if (n != points.count) found.survivors.reason += "; in pieces that fit its memory";
   };
   if (map != nullptr)
     in_pieces(points.count, points.count, run.control, filter);

@@ -80,7 +80,8 @@ class DeviceFrame final : public FramePoints {
 
   Filtered filter_afresh() override {
     if (!here_) {
-      Filtered filtered = run_device_filter(points_, run_, keeps_surface() ? &last_ : nullptr);
+      Filtered filtered =
+          run_device_filter(points_, run_, {.last = keeps_surface() ? &last_ : nullptr});
       if (!filtered.on_host) return filtered;
       keep(filtered.survivors.reason, std::move(filtered.rows));
     }

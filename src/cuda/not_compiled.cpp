@@ -38,7 +38,12 @@ std::unique_ptr<QuestionsOnDevice> questions_on_device(const DevicePointView&, c
   return nullptr;
 }
 
-Filtered run_device_filter(const DevicePointView&, const Run&, std::shared_ptr<LastSurface>*) {
+Filtered run_device_filter(const DevicePointView&, const Run&, const DeviceRequest&) {
+  require_cuda();
+  return {};
+}
+
+DeviceHull copied_to_device(const Hull&, const DevicePointView&) {
   require_cuda();
   return {};
 }

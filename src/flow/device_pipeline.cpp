@@ -2,6 +2,7 @@
 // host, and translate their ids back.
 #include <utility>
 
+#include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
@@ -15,11 +16,12 @@ namespace cullhull::internal {
 
 namespace {
 
-Filtered filtered_on_device(const DevicePointView& points, const Options& options) {
+Filtered filtered_on_device(const DevicePointView& points, const Options& options,
+                            const DeviceRequest& request) {
   check_arguments(points);
   const Run run(options);
   run.check();
-  return run_device_filter(points, run);
+  return run_device_filter(points, run, request);
 }
 
 PointView rows_on_host(const Filtered& filtered, const DevicePointView& points) {
@@ -52,6 +54,15 @@ void add_reason(std::string& reason, const Filtered& filtered) {
   if (!filtered.survivors.reason.empty()) reason += "; " + filtered.survivors.reason;
 }
 
+/// The hull of what a filter left, on the device or to the CPU.
+Hull hull_of_filtered(Filtered&& filtered, const DevicePointView& points, const Options& options) {
+  if (!filtered.on_host) return hull_of_rows(std::move(filtered), points, options);
+  Hull hull = convex_hull(rows_on_host(filtered, points), for_cpu(options));
+  hull.scalar = points.scalar;
+  add_reason(hull.statistics.cull_reason, filtered);
+  return hull;
+}
+
 }  // namespace
 
 void check_arguments(const DevicePointView& points) {
@@ -68,25 +79,27 @@ Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Opti
   run.threads = useful_threads(run.threads, count, points.dimension);
   const PointView rows = PointView::row_major(filtered.rows.data(), count, points.dimension);
   Hull hull;
-  if (small_hull(rows, options, hull)) {
-    std::string& way = hull.statistics.cull_reason;
-    way = s.reason + "; then " + way;
+  if (!filtered.triangles.empty()) {
+    const Array<double> kept = std::move(filtered.rows);
+    hull = hull_of_lists(std::move(filtered), rows, points.count, run);
+    if (options.with_coordinates) hull.vertex_coordinates = std::move(kept);
   } else {
     Filtered unfiltered;
     unfiltered.survivors.all = true;
-    unfiltered.survivors.reason = s.reason;
-    unfiltered.triangles = std::move(filtered.triangles);
-    hull = hull_of_survivors(rows, std::move(unfiltered), run);
+    if (!small_hull(rows, options, hull))
+      hull = hull_of_survivors(rows, std::move(unfiltered), run);
+    std::string& way = hull.statistics.cull_reason;
+    way = way.empty() ? s.reason : s.reason + "; then " + way;
+    if (options.with_coordinates) write_coordinates(rows, hull);
+    // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
+    if (!s.all) number_by(s.ids, run, hull);
+    hull.statistics.survivors = count;
+    hull.statistics.filter = s.filter;
+    hull.statistics.backend = s.backend;
   }
-  if (options.with_coordinates) write_coordinates(rows, hull);
   hull.statistics.threads = call.run.threads;
-  // Survivors ascend by id, so whatever is sorted by position among them is sorted by id.
-  if (!s.all) number_by(s.ids, run, hull);
   hull.point_count = points.count;
   hull.scalar = points.scalar;
-  hull.statistics.survivors = count;
-  hull.statistics.filter = s.filter;
-  hull.statistics.backend = s.backend;
   run.report("done", 1);
   return hull;
 }
@@ -99,7 +112,7 @@ using namespace internal;
 
 Survivors cull(const DevicePointView& points, const Options& options) {
   const auto start = Clock::now();
-  Filtered filtered = filtered_on_device(points, options);
+  Filtered filtered = filtered_on_device(points, options, {.hull = false});
   if (filtered.on_host) {
     Survivors found = cull(rows_on_host(filtered, points), for_cpu(options));
     add_reason(found.reason, filtered);
@@ -112,18 +125,11 @@ Survivors cull(const DevicePointView& points, const Options& options) {
 Hull convex_hull(const DevicePointView& points, const Options& options,
                  std::vector<double>* vertex_coordinates) {
   const auto start = Clock::now();
-  Filtered filtered = filtered_on_device(points, options);
+  Filtered filtered = filtered_on_device(points, options, {});
   const double cull_seconds = seconds_since(start);
   Options wanted = options;
   wanted.with_coordinates |= vertex_coordinates != nullptr;
-  Hull hull;
-  if (filtered.on_host) {
-    hull = convex_hull(rows_on_host(filtered, points), for_cpu(wanted));
-    hull.scalar = points.scalar;
-    add_reason(hull.statistics.cull_reason, filtered);
-  } else {
-    hull = hull_of_rows(std::move(filtered), points, wanted);
-  }
+  Hull hull = hull_of_filtered(std::move(filtered), points, wanted);
   if (vertex_coordinates != nullptr) {
     vertex_coordinates->assign(hull.vertex_coordinates.begin(), hull.vertex_coordinates.end());
     if (!options.with_coordinates) hull.vertex_coordinates = {};
@@ -131,6 +137,31 @@ Hull convex_hull(const DevicePointView& points, const Options& options,
   hull.statistics.cull_seconds += cull_seconds;
   hull.statistics.compute_seconds = seconds_since(start);
   return hull;
+}
+
+DeviceHull convex_hull_on_device(const DevicePointView& points, const Options& options) {
+  const auto start = Clock::now();
+  Options wanted = options;
+  wanted.with_coordinates = false;
+  DeviceHull there;
+  Filtered filtered = filtered_on_device(points, wanted, {.there = &there});
+  const double cull_seconds = seconds_since(start);
+  Hull hull;  // where the device has the lists, only measures and statistics
+  if (there.memory != nullptr) {
+    (void)write_measures(filtered.triangles, hull);
+    tell_found(filtered.survivors, there.vertex_count, Run(options).threads, hull.statistics);
+  } else {
+    hull = hull_of_filtered(std::move(filtered), points, wanted);
+    there = copied_to_device(hull, points);
+  }
+  there.point_count = points.count;
+  there.volume = hull.volume;
+  there.area = hull.area;
+  there.centroid = std::move(hull.centroid);
+  there.statistics = std::move(hull.statistics);
+  there.statistics.cull_seconds += cull_seconds;
+  there.statistics.compute_seconds = seconds_since(start);
+  return there;
 }
 
 }  // namespace cullhull

@@ -70,20 +70,11 @@ bool hull_few(const PointView& points, const Survivors& survivors, const Run& ru
          add_way(few_way(points.dimension), hull);
 }
 
-/// The triangles of the filter or of a known hull at the points' positions; nothing if they are of
-/// other points.
+/// The known triangles at the points' positions; nothing if they are of other points.
 std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::uint32_t* simplex,
-                                          const StarTriangles& triangles, const Run& run,
-                                          KnownHull& known) {
-  const std::uint64_t count = from.local->count;
-  if (triangles.count() != 0) {
-    if (triangles.count() + 4 != 2 * count) return {};  // a lattice was thinned
-    known.tried = true;
-    return surface_of(triangles, *from.local, simplex, run);
-  }
+                                          const Run& run, KnownHull& known) {
   if (known.hull == nullptr) return {};
-  const auto order =
-      vertices_first(known.hull->vertices, from.ids, static_cast<std::uint32_t>(count), run);
+  const auto order = vertices_first(known.hull->vertices, from.ids, from.local->count, run);
   known.tried = order.has_value();
   if (!known.tried) return {};
   return moved_surface(*known.hull, known.numbers, *order, *from.local, simplex, run);
@@ -92,9 +83,8 @@ std::optional<TriangleMesh> known_surface(const ResultInput& from, const std::ui
 /// Writes the hull with known triangles. If they do not form the points' hull at their positions,
 /// returns the surface that they can be mended to, if there is one.
 std::optional<TriangleMesh> hull_by_known(const ResultInput& from, const std::uint32_t* simplex,
-                                          const StarTriangles& triangles, const Run& run,
-                                          KnownHull& known, Hull& hull) {
-  std::optional<TriangleMesh> surface = known_surface(from, simplex, triangles, run, known);
+                                          const Run& run, KnownHull& known, Hull& hull) {
+  std::optional<TriangleMesh> surface = known_surface(from, simplex, run, known);
   if (!surface) return {};
   if (surface->live + 4 == 2 * std::uint64_t{from.local->count}) {
     require_budget(run.budget, surface->live * result_bytes_per_facet(3, 3),
@@ -110,7 +100,6 @@ std::optional<TriangleMesh> hull_by_known(const ResultInput& from, const std::ui
 /// Computes frame, engine and result: for all that the fast paths above refuse.
 void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run, KnownHull* known,
                     Hull& hull) {
-  const StarTriangles triangles = std::move(filtered.triangles);
   EngineInput input = engine_input(points, std::move(filtered), run);
   std::optional<LocalFrame> found;
   find_frame(points, input, run, found);
@@ -140,13 +129,9 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
     };
     if (hull.affine_dimension == 3) {
       std::optional<TriangleMesh> surface;
-      KnownHull none;
-      KnownHull& tried = known != nullptr && triangles.count() == 0 ? *known : none;
-      surface = hull_by_known(from, frame.simplex().data(), triangles, run, tried, hull);
-      if (none.tried)
-        hull.statistics.cull_reason +=
-            none.holds ? " and which is the hull" : ", which exact arithmetic does not confirm";
-      if (tried.holds) return;
+      if (known != nullptr)
+        surface = hull_by_known(from, frame.simplex().data(), run, *known, hull);
+      if (known != nullptr && known->holds) return;
       if (!surface) surface = triangle_mesh(frame.points(), frame.simplex().data(), run);
       finish(std::move(*surface), surface->live);
     } else {
@@ -158,8 +143,43 @@ void hull_by_engine(const PointView& points, Filtered&& filtered, const Run& run
 
 }  // namespace
 
+void tell_found(const Survivors& s, std::uint64_t vertices, unsigned threads, Statistics& to) {
+  to.cull_reason = s.reason + " and which is the hull";
+  to.rung_counts[0] = 3 * vertices - 6;  // the ridges
+  to.threads = threads;
+  to.survivors = vertices;
+  to.filter = s.filter;
+  to.backend = s.backend;
+}
+
+Hull hull_of_lists(Filtered&& filtered, const PointView& rows, std::uint64_t count,
+                   const Run& run) {
+  const Clock::time_point start = Clock::now();
+  const Survivors& s = filtered.survivors;
+  const std::uint64_t facets = filtered.triangles.count();
+  require_budget(run.budget, facets * result_bytes_per_facet(3, 3),
+                 std::to_string(facets) + " facets");
+  Hull hull;
+  hull.dimension = 3;
+  hull.point_count = count;
+  write_lists(std::move(filtered.triangles), rows, s.all ? nullptr : s.ids.data(), run, hull);
+  tell_found(s, s.size(count), run.threads, hull.statistics);
+  hull.statistics.hull_seconds = seconds_since(start);
+  return hull;
+}
+
 Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& run,
                        KnownHull* known) {
+  if (!filtered.triangles.empty()) {
+    const Survivors& s = filtered.survivors;
+    if (filtered.rows.empty() && !s.all) gather_survivors(points, s.ids, filtered, run);
+    const Array<double> rows = std::move(filtered.rows);
+    Hull hull = hull_of_lists(
+        std::move(filtered), s.all ? points : PointView::row_major(rows.data(), rows.size() / 3, 3),
+        points.count, run);
+    hull.scalar = points.scalar;
+    return hull;
+  }
   const Clock::time_point start = Clock::now();
   Hull hull;
   hull.dimension = points.dimension;
@@ -171,7 +191,7 @@ Hull hull_of_survivors(const PointView& points, Filtered&& filtered, const Run& 
   hull.statistics.cull_reason = filtered.survivors.reason;
   hull.statistics.backend = filtered.survivors.backend;
   if (points.count > 0 && !hull_in_plane(points, filtered, run, hull) &&
-      (filtered.triangles.count() != 0 || !hull_few(points, filtered.survivors, run, hull)))
+      !hull_few(points, filtered.survivors, run, hull))
     hull_by_engine(points, std::move(filtered), run, known, hull);
   hull.statistics.hull_seconds = seconds_since(start);
   return hull;

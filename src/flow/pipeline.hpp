@@ -10,14 +10,15 @@
 
 #include "cullhull/array.hpp"
 #include "cullhull/cull.hpp"
+#include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/hull_fwd.hpp"
 #include "filter/gauge/gauge_map.hpp"
-#include "filter/star_hull/star_triangles.hpp"
 #include "geometry/local_frame.hpp"
 #include "hull/engine.hpp"
 #include "hull/plane/polygon.hpp"
 #include "hull/space/triangle_mesh.hpp"
+#include "result/write/triangle_lists.hpp"
 
 namespace cullhull::internal {
 
@@ -31,8 +32,8 @@ struct Filtered {
   Array<double> rows;                   ///< packed rows of the survivors; empty: not gathered yet
   std::uint64_t pass_survivors = 0;     ///< number of survivors of the pass over the whole input
   std::shared_ptr<const GaugeMap> map;  ///< that left them, or none
-  StarTriangles triangles;  ///< a surface of the survivors that may be their hull, or none
-  bool moved = false;       ///< found from the surface of the last frame
+  TriangleLists triangles;              ///< the survivors' hull, of which all are vertices, or none
+  bool moved = false;                   ///< found from the surface of the last frame
   bool on_host = false;  ///< points of a device that the CPU is to filter: `rows` are all of them
 };
 
@@ -71,13 +72,21 @@ void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64
 // The filter stage for points in a device's memory: like run_filter, but only samples and survivors
 // are transferred.
 
+struct DeviceRequest {
+  bool hull = true;             ///< whether the hull is wanted, where the filter finds it
+  DeviceHull* there = nullptr;  ///< where the lists of that hull are left, without rows and ids
+  std::shared_ptr<LastSurface>* last = nullptr;  ///< a tracker's: the surface of its last frame
+};
+
 /// Like run_filter, but `rows` always holds the exact coordinates of the survivors (of all points
-/// if `all`), and what is the CPU's to filter is only copied (`on_host`). `last`: a tracker's,
-/// which keeps the surface of its last frame there. Throws Error{not_finite} with the lowest id of
-/// a point with a NaN or an infinity, Error{backend_unavailable} if there is no device or the view
-/// is not in its memory.
+/// if `all`), and `triangles` their hull where that is asked for and the filter finds it; what is
+/// the CPU's to filter is only copied (`on_host`). Throws Error{not_finite} with the lowest id of a
+/// point with a NaN or an infinity, Error{backend_unavailable} if there is no device or the view is
+/// not in its memory.
 Filtered run_device_filter(const DevicePointView& points, const Run& run,
-                           std::shared_ptr<LastSurface>* last = nullptr);
+                           const DeviceRequest& request = {});
+/// A copy of a hull's lists in the memory of the device that holds the points.
+DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points);
 
 /// Filters points of the host on the device that the options name, to which it copies them: by the
 /// map and a second filter or, without a map, by the surface of all. Where the device has not the
@@ -93,6 +102,11 @@ void check_arguments(const DevicePointView& points);
 /// count, dimension and scalar are read). Fills the statistics except the filter's time and the
 /// total time.
 Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Options& options);
+
+/// The hull that a filter on a device found; `rows`: its vertices, the survivors of `count` points.
+Hull hull_of_lists(Filtered&& filtered, const PointView& rows, std::uint64_t count, const Run& run);
+/// What the statistics tell of it, but for times.
+void tell_found(const Survivors& s, std::uint64_t vertices, unsigned threads, Statistics& to);
 
 // From the survivors of a filter to the input of an engine.
 
@@ -137,7 +151,7 @@ void check_arguments(const PointView& points, const Options& options);
 /// Runs the filter, and sets run.threads to the number worthwhile for the hull of the survivors.
 Filtered filter_and_plan(const PointView& points, Run& run);
 
-/// A hull of the same points at other positions, whose triangles are tried before an engine is.
+/// A hull of the same points at other positions: its triangles are tried before an engine is.
 struct KnownHull {
   const Hull* hull = nullptr;              ///< null: no known hull
   const NearbyNumbers* numbers = nullptr;  ///< of `hull`; may be null

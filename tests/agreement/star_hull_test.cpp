@@ -20,6 +20,7 @@
 #include "flow/pipeline.hpp"
 #include "parallel/threads/run.hpp"
 #include "reference/emulated_executor.hpp"
+#include "result/write/star_result.hpp"
 
 namespace cullhull::internal::star_hull_test {
 
@@ -28,22 +29,31 @@ using namespace testing_support;
 struct Found {
   StarCounts counts;
   std::vector<std::uint64_t> left;
-  StarTriangles triangles;
+  TriangleLists triangles;
 };
+
+/// What a hull finds, which it may have kept a surface for.
+template <class T, class Executor>
+Found found_by(StarHull<Executor, RowsInPlace<3, T>>& hull, const PointView& view,
+               std::vector<PseudoHullRound>& rounds, unsigned most_rounds = 64) {
+  Found found;
+  const auto points = rows_in_place<3, T>(view, {view.count, 0, 1});
+  const auto count = static_cast<std::uint32_t>(view.count);
+  found.counts = hull.run(points, count, most_rounds, Control(Options{}), rounds);
+  for (std::uint64_t i = 0; i < view.count; ++i)
+    if (hull.culled()[i] == 0) found.left.push_back(i);
+  const Options options;
+  StarResult<Executor, RowsInPlace<3, T>> result;
+  if (result.compute(hull, points, count, found.counts))
+    found.triangles = result.fetch(hull.executor(), Run(options));
+  return found;
+}
 
 template <class T, class Executor>
 Found surface_of_points(const PointView& view, Executor executor, unsigned most_rounds = 64) {
   StarHull<Executor, RowsInPlace<3, T>> hull(std::move(executor));
   std::vector<PseudoHullRound> rounds;
-  Found found;
-  found.counts =
-      hull.run(rows_in_place<3, T>(view, {view.count, 0, 1}),
-               static_cast<std::uint32_t>(view.count), most_rounds, Control(Options{}), rounds);
-  for (std::uint64_t i = 0; i < view.count; ++i)
-    if (hull.culled()[i] == 0) found.left.push_back(i);
-  const Options options;
-  if (found.counts.whole()) found.triangles = hull.triangles(found.counts, Run(options));
-  return found;
+  return found_by<T>(hull, view, rounds, most_rounds);
 }
 
 /// What was tried and what held.
@@ -53,36 +63,48 @@ struct Tally {
   std::uint64_t vertices = 0, flips = 0, rounds = 0;
 };
 
-/// The hull of the points that are left, with the triangles if there are any.
-Hull hull_of_left(const PointView& view, const Found& found, bool& holds) {
-  const Options options = options_of(1);
+/// The hull that the flow makes of what was found.
+Hull hull_of_left(const PointView& view, const Found& found) {
   Filtered filtered;
   filtered.survivors.ids = found.left;
+  for (const std::uint64_t i : found.left)
+    for (unsigned j = 0; j < 3; ++j) filtered.rows.push_back(view.at(i, j));
   filtered.triangles = found.triangles;
-  Hull hull = hull_of_survivors(view, std::move(filtered), Run(options));
-  holds = hull.statistics.cull_reason.find("and which is the hull") != std::string::npos;
-  return hull;
+  DevicePointView shape;
+  shape.scalar = view.scalar;
+  shape.dimension = 3;
+  shape.count = view.count;
+  return hull_of_rows(std::move(filtered), shape, options_of(1));
+}
+
+/// Whether two executors found the same, bit for bit.
+void expect_same(const Found& a, const Found& b, const std::string& name) {
+  EXPECT_EQ(a.left, b.left) << name;
+  EXPECT_EQ(a.counts.end.reflex, b.counts.end.reflex) << name;
+  EXPECT_EQ(a.counts.end.uncertain, b.counts.end.uncertain) << name;
+  EXPECT_EQ(a.triangles.vertices, b.triangles.vertices) << name;
+  EXPECT_EQ(a.triangles.neighbours, b.triangles.neighbours) << name;
+  EXPECT_EQ(a.triangles.planes, b.triangles.planes) << name;
+  EXPECT_EQ(a.triangles.exponent, b.triangles.exponent) << name;
+  for (const auto sum : {&Share<3, DoubleDouble>::volume, &Share<3, DoubleDouble>::area}) {
+    EXPECT_EQ((a.triangles.sums.*sum).high, (b.triangles.sums.*sum).high) << name;
+    EXPECT_EQ((a.triangles.sums.*sum).low, (b.triangles.sums.*sum).low) << name;
+  }
 }
 
 template <class T>
 void expect_the_engines(const std::vector<T>& points, const std::string& name, Tally& tally) {
   const PointView view = PointView::row_major(points.data(), points.size() / 3, 3);
   const Found found = surface_of_points<T>(view, SerialExecutor{});
-  const Found emulated = surface_of_points<T>(view, EmulatedExecutor(5, 32));
-  EXPECT_EQ(found.left, emulated.left) << name;
-  EXPECT_EQ(found.triangles.vertices, emulated.triangles.vertices) << name;
-  EXPECT_EQ(found.triangles.neighbours, emulated.triangles.neighbours) << name;
-  EXPECT_EQ(found.triangles.order, emulated.triangles.order) << name;
+  expect_same(found, surface_of_points<T>(view, EmulatedExecutor(5, 32)), name);
+  if (tally.sets % 4 == 0) expect_same(found, surface_of_points<T>(view, ThreadExecutor(3)), name);
   EXPECT_EQ(found.counts.left, found.left.size()) << name;
-  EXPECT_EQ(found.counts.end.reflex, emulated.counts.end.reflex) << name;
-  EXPECT_EQ(found.counts.end.uncertain, emulated.counts.end.uncertain) << name;
-  bool holds = false;
-  EXPECT_EQ(canonical_hash(hull_of_left(view, found, holds)),
+  EXPECT_EQ(canonical_hash(hull_of_left(view, found)),
             canonical_hash(convex_hull(view, options_of(1, CullMethod::none))))
       << name;
   ++tally.sets;
   tally.whole += found.counts.whole();
-  tally.held += holds;
+  tally.held += !found.triangles.empty();
   tally.with_points_aside += found.counts.aside > 0;
   tally.with_uncertain_edges += found.counts.end.uncertain > 0;
   tally.with_reflex_edges += found.counts.end.reflex > 0;
@@ -93,7 +115,7 @@ void expect_the_engines(const std::vector<T>& points, const std::string& name, T
 
 std::string said(const Tally& t) {
   return std::to_string(t.sets) + " sets, " + std::to_string(t.whole) + " whole, of them " +
-         std::to_string(t.held) + " were the hull; with points aside " +
+         std::to_string(t.held) + " written; with points aside " +
          std::to_string(t.with_points_aside) + ", uncertain edges " +
          std::to_string(t.with_uncertain_edges) + ", reflex edges " +
          std::to_string(t.with_reflex_edges) + "; vertices " + std::to_string(t.vertices) +
@@ -171,22 +193,6 @@ TEST(StarHull, LeadersSaveRounds) {
   }
 }
 
-/// The next frame's surface, from that of the last one where it was whole.
-template <class Executor>
-Found next_frame(StarHull<Executor, RowsInPlace<3, double>>& hull, const PointView& view,
-                 std::vector<PseudoHullRound>& rounds) {
-  Found found;
-  found.counts = hull.run(rows_in_place<3, double>(view, {view.count, 0, 1}),
-                          static_cast<std::uint32_t>(view.count), 64, Control(Options{}), rounds);
-  for (std::uint64_t i = 0; i < view.count; ++i)
-    if (hull.culled()[i] == 0) found.left.push_back(i);
-  const Options options;
-  if (!found.counts.whole()) return found;
-  found.triangles = hull.triangles(found.counts, Run(options));
-  hull.keep(found.counts);
-  return found;
-}
-
 // Frames that follow one another, that break off (a sudden turn, another number of points, a point
 // that dies), and that come back.
 TEST(StarHull, MovingPointsKeepTheSurface) {
@@ -206,11 +212,11 @@ TEST(StarHull, MovingPointsKeepTheSurface) {
       if (index == 151) points[300] = std::numeric_limits<double>::quiet_NaN();
       const PointView view = PointView::row_major(points.data(), points.size() / 3, 3);
       std::vector<PseudoHullRound> rounds, rounds_there;
-      const Found found = next_frame(serial, view, rounds);
-      const Found there = next_frame(emulated, view, rounds_there);
-      EXPECT_EQ(found.left, there.left) << motion << index;
-      EXPECT_EQ(found.triangles.vertices, there.triangles.vertices) << motion << index;
-      EXPECT_EQ(found.triangles.order, there.triangles.order) << motion << index;
+      const Found found = found_by<double>(serial, view, rounds);
+      const Found there = found_by<double>(emulated, view, rounds_there);
+      if (found.counts.whole()) serial.keep(found.counts);
+      if (there.counts.whole()) emulated.keep(there.counts);
+      expect_same(found, there, motion + std::to_string(index));
       EXPECT_EQ(found.counts.moved, there.counts.moved) << motion << index;
       moved += found.counts.moved;
       if (found.counts.moved) {
@@ -222,8 +228,7 @@ TEST(StarHull, MovingPointsKeepTheSurface) {
         EXPECT_TRUE(std::ranges::binary_search(found.left, 100U));
         continue;
       }
-      bool holds = false;
-      EXPECT_EQ(canonical_hash(hull_of_left(view, found, holds)),
+      EXPECT_EQ(canonical_hash(hull_of_left(view, found)),
                 canonical_hash(convex_hull(view, options_of(1, CullMethod::none))))
           << motion << index;
     }
@@ -261,8 +266,9 @@ TEST(StarHull, HostileSets) {
     if (HasFailure()) break;
   }
   RecordProperty("tally", said(tally));
-  // Where the engine's coordinates are not the points' own, the triangles are not tried.
-  EXPECT_GT(2 * tally.held, tally.whole) << said(tally);
+  // Of the others some planes need exact arithmetic, or the coordinates span too many powers of
+  // two.
+  EXPECT_GT(4 * tally.held, 3 * tally.whole) << said(tally);
   EXPECT_GT(20 * tally.with_points_aside, sets) << said(tally);
   EXPECT_GT(20 * tally.with_uncertain_edges, sets) << said(tally);
 }

@@ -3,16 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "agreement/canonical_hash.hpp"
 #include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
+#include "cullhull/device_hull.hpp"
 #include "cullhull/generate.hpp"
 #include "cullhull/hull.hpp"
 #include "cullhull/options.hpp"
 #include "gpu/device.hpp"
+#include "gpu/same_batch.hpp"
 #include "reference/same_rounds.hpp"
+#include "result/write/star_result.hpp"
 #include "tests/made_sets.hpp"
 
 namespace cullhull::internal {
@@ -34,9 +38,9 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   std::vector<PseudoHullRound> rounds, expected;
   const StarHullThere there = star_hull_there(device.view(host, stream), run, {.rounds = &rounds});
   StarHull<SerialExecutor, RowsInPlace<3, T>> here(SerialExecutor{});
-  const StarCounts counts =
-      here.run(rows_in_place<3, T>(host, {host.count, 0, 1}),
-               static_cast<std::uint32_t>(host.count), 64, run.control, expected);
+  const auto in_place = rows_in_place<3, T>(host, {host.count, 0, 1});
+  const auto count = static_cast<std::uint32_t>(host.count);
+  const StarCounts counts = here.run(in_place, count, 64, run.control, expected);
   std::vector<std::uint64_t> ids(there.ids.count), wanted;
   download(ids.data(), there.ids.ids.data(), there.ids.count, stream);
   for (std::uint64_t i = 0; i < host.count; ++i)
@@ -47,10 +51,15 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   EXPECT_EQ(there.counts.end.facets, counts.end.facets) << name;
   EXPECT_EQ(there.counts.end.reflex, counts.end.reflex) << name;
   EXPECT_EQ(there.counts.end.uncertain, counts.end.uncertain) << name;
-  const StarTriangles triangles = counts.whole() ? here.triangles(counts, run) : StarTriangles{};
+  StarResult<SerialExecutor, RowsInPlace<3, T>> result;
+  TriangleLists triangles;
+  if (result.compute(here, in_place, count, counts)) triangles = result.fetch(here.executor(), run);
   EXPECT_EQ(there.triangles.vertices, triangles.vertices) << name;
   EXPECT_EQ(there.triangles.neighbours, triangles.neighbours) << name;
-  EXPECT_EQ(there.triangles.order, triangles.order) << name;
+  EXPECT_EQ(there.triangles.planes, triangles.planes) << name;
+  EXPECT_EQ(there.triangles.exponent, triangles.exponent) << name;
+  EXPECT_EQ(there.triangles.sums.volume.value(), triangles.sums.volume.value()) << name;
+  EXPECT_EQ(there.triangles.sums.area.value(), triangles.sums.area.value()) << name;
   testing_support::expect_same_rounds(rounds, expected, name);
 }
 
@@ -127,6 +136,64 @@ TEST(StarHullGpu, HullsAreTheCpus) {
               canonical_hash(convex_hull(host, here)))
         << shape;
   }
+}
+
+/// What is left on the device is what the CPU's hull has, bit for bit.
+void expect_left_there(const DeviceHull& there, const Hull& here, const std::string& name) {
+  const auto same = [&](const auto* found, const auto& expected, const char* what) {
+    testing::expect_same_bits(testing::fetched(found, expected.size()), expected, what);
+  };
+  ASSERT_EQ(there.affine_dimension, here.affine_dimension) << name;
+  ASSERT_EQ(there.vertex_count, here.vertices.size()) << name;
+  ASSERT_EQ(there.simplex_count, here.simplex_count()) << name;
+  EXPECT_EQ(there.point_count, here.point_count) << name;
+  EXPECT_EQ(there.volume, here.volume) << name;
+  EXPECT_EQ(there.area, here.area) << name;
+  EXPECT_EQ(there.centroid, here.centroid) << name;
+  std::vector<double> planes;
+  for (std::uint64_t i = 0; i < here.simplex_count(); ++i)
+    for (const double v : here.plane(here.simplex_facets[i])) planes.push_back(v);
+  const auto ids = [](const auto& list) {
+    return std::vector<std::int64_t>(list.begin(), list.end());
+  };
+  const auto& across = here.simplex_neighbours;
+  same(there.vertices, ids(here.vertices), name.c_str());
+  same(there.simplices, ids(here.simplices), name.c_str());
+  same(there.neighbours, std::vector<std::int32_t>(across.begin(), across.end()), name.c_str());
+  same(there.planes, planes, name.c_str());
+}
+
+// Left on the device: found there, with a map before or of all points; found by the CPU, in any
+// dimension; and of no, one and few points.
+TEST(StarHullGpu, HullsLeftOnTheDevice) {
+  CULLHULL_NEEDS_DEVICE();
+  const std::size_t most = testing::short_run() ? 20000 : 400000;
+  Options there, here;
+  here.backend = Backend::cpu;
+  const auto expect_same = [&](const std::vector<float>& points, unsigned d, Backend backend,
+                               bool found, const std::string& name) {
+    const OnDevice device(points);
+    const Stream stream;
+    const PointView host = PointView::row_major(points.data(), points.size() / d, d);
+    there.backend = backend;
+    const DeviceHull hull = convex_hull_on_device(device.view(host, stream), there);
+    expect_left_there(hull, convex_hull(host, here), name);
+    EXPECT_EQ(hull.statistics.cull_reason.ends_with("which is the hull"), found) << name;
+  };
+  // Of a ball's points the map leaves some 35,000, as many as a surface is worth.
+  for (const auto& [shape, n] :
+       {std::pair("ball", std::size_t{250000}), std::pair("sphere", most)}) {
+    const std::vector<double> p = generate(shape, n, 3, 8);
+    expect_same({p.begin(), p.end()}, 3, Backend::cuda, true, shape);
+  }
+  const std::vector<double> gauss = generate("gauss", most, 3, 8);
+  expect_same({gauss.begin(), gauss.end()}, 3, Backend::cpu, false, "gauss");
+  expect_same(normal_points<float>(most, 3, 3, 0.25), 3, Backend::cuda, false, "lattice");
+  for (const unsigned d : {2U, 3U, 4U})
+    for (const std::size_t n : {0, 1, 2, 10, 600}) {
+      expect_same(normal_points<float>(n, d, 5 + n, 0), d, Backend::automatic, false, "few");
+      expect_same(std::vector<float>(n * d, 2), d, Backend::automatic, false, "equal");
+    }
 }
 
 }  // namespace star_hull_gpu_test

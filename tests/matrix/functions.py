@@ -288,7 +288,8 @@ _ERRORS = """BackendUnavailable BadFile Cancelled Error FileError InternalError 
     NotCertified NotFinite OutOfBudget QhullError""".split()
 _RESULTS = """AlphaShape Certificate ClippedCells ConcaveHull ConstrainedTriangulation GroupHulls
     Hull HullBatch Lists Mesh NearestFacets Rays Simplified Triangulation VoronoiDiagram""".split()
-_OF_DEVICES = ("DeviceArray", "DeviceHullBatch", "convex_hulls_on_device", "cuda_status")
+_OF_DEVICES = """DeviceArray DeviceHull DeviceHullBatch convex_hull_on_device convex_hulls_on_device
+    cuda_status""".split()
 ELSEWHERE = {
     **dict.fromkeys(_ERRORS, "an error: the cells hold which set raises which"),
     "OptionWarning": "a warning: test_qhull_options",

@@ -77,6 +77,7 @@ void options(const std::vector<std::array<double, 3>>& points,
   (void)alpha_shape(points, cells, 1, Options{.threads = 2});
   (void)gabriel_graph(points, cells, options_as<TriangulationOptions>(RunOptions{.threads = 2}));
   (void)convex_hulls_on_device({}, nullptr, 0, {.device = 1}, {.planes = true, .padded = true});
+  (void)convex_hull_on_device({}, {.device = 1}).memory;
   (void)open_points("a.csv", {.columns = "x,y", .threads = 2, .decimal = ','});
   (void)visit_blocks({}, {.pause_seconds = 1}, {.read = {.skip_nan = true}, .readers = 2});
   (void)write_group_shapes({}, "a.geojson", {.alpha = 1}, {.readers = 2}, {.threads = 2},

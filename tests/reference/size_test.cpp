@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
-    {"include", 3670},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
-    {"src/cuda", 5470},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
+    {"include", 3715},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
+    {"src/cuda", 5575},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8665},
     {"src/flow", 1545},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
-    {"src/io", 16640},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7225},
-    {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 860},   {"bindings", 28180},
-    {"tests", 51520},    {"docs", 9675},         {"apps", 9510},         {"bench", 7560},
+    {"src/io", 16640},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7595},
+    {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 860},   {"bindings", 28405},
+    {"tests", 51540},    {"docs", 9675},         {"apps", 9510},         {"bench", 7560},
     {"viewer", 3430},    {"scripts", 3560},
 };
 

@@ -29,6 +29,7 @@ _NAMES = {
     "._clipped_cells": "ClippedCells",
     "._constrained": "ConstrainedTriangulation constrained_delaunay",
     "._device": "DeviceArray cuda_status",
+    "._device_hull": "DeviceHull convex_hull_on_device",
     "._errors": (
         "BackendUnavailable BadFile Cancelled Error FileError InternalError InvalidArgument "
         "NotCertified NotFinite OptionWarning OutOfBudget ShapeWarning"

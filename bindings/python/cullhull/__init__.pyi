@@ -22,6 +22,10 @@ from ._constrained import (
 )
 from ._core import version as __version__
 from ._device import DeviceArray as DeviceArray, cuda_status as cuda_status
+from ._device_hull import (
+    DeviceHull as DeviceHull,
+    convex_hull_on_device as convex_hull_on_device,
+)
 from ._errors import (
     BackendUnavailable as BackendUnavailable,
     BadFile as BadFile,

@@ -93,7 +93,7 @@ def as_device_offsets(offsets: Any) -> tuple[int, int] | None:
 
 
 class DeviceArray(Made):
-    """An array in a CUDA device's memory: part of a `DeviceHullBatch`, or answers of a `Hull`.
+    """An array in a CUDA device's memory, of a `DeviceHull` or `DeviceHullBatch`, or answers.
 
     It has no arithmetic of its own: ``torch.as_tensor(a)`` or ``torch.from_dlpack(a)``,
     ``cupy.asarray(a)``, ``numba.cuda.as_cuda_array(a)`` and ``jax.dlpack.from_dlpack(a)`` view it

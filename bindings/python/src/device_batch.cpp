@@ -1,4 +1,4 @@
-// Batches of points in a device's memory, and results that stay there.
+// Batches of points in a device's memory, and hulls that stay there.
 #include "cullhull/device_batch.hpp"
 
 #include <nanobind/nanobind.h>
@@ -7,7 +7,9 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,12 +17,15 @@
 
 #include "arrays.hpp"
 #include "batch.hpp"
+#include "cullhull/device_hull.hpp"
 #include "device_items.hpp"
 #include "device_points.hpp"
 #include "solid.hpp"
+#include "statistics.hpp"
 
 namespace binding {
 
+using cullhull::DeviceHull;
 using cullhull::DeviceHullBatch;
 using cullhull::Options;
 
@@ -150,6 +155,49 @@ DeviceItems centroids(const DeviceHullBatch& b) {
   return items_of(b, b.centroids, {b.sets, b.dimension});
 }
 
+/// One hull.
+DeviceHull convex_hull_on_device(const DevicePoints& points, const Settings* settings) {
+  DeviceHull hull = computed(settings, Length::long_, [&](const Options& options) {
+    return cullhull::convex_hull_on_device(points.view, options);
+  });
+  hull.memory = freed_without_gil(std::move(hull.memory));
+  return hull;
+}
+
+/// An array with `width` numbers for each simplex.
+template <class T>
+DeviceItems by_simplex(const DeviceHull& h, const T* data, std::size_t width) {
+  return {data, {h.simplex_count, width}, nb::dtype<T>(), h.device, h.memory};
+}
+std::size_t corners(const DeviceHull& h) {
+  return static_cast<std::size_t>(std::max(h.affine_dimension, 0));
+}
+
+void bind_device_hull(nb::module_& m) {
+  nb::class_<DeviceHull>(m, "DeviceHull", "A hull: cullhull.DeviceHull wraps it.")
+      .def_ro("dimension", &DeviceHull::dimension)
+      .def_ro("affine_dimension", &DeviceHull::affine_dimension)
+      .def_ro("point_count", &DeviceHull::point_count)
+      .def_ro("volume", &DeviceHull::volume)
+      .def_ro("area", &DeviceHull::area)
+      .def_ro("centroid", &DeviceHull::centroid)
+      .def_prop_ro("statistics", [](const DeviceHull& h) { return dict_of(h.statistics); })
+      .def_prop_ro(
+          "vertices",
+          [](const DeviceHull& h) {
+    return DeviceItems{h.vertices, {h.vertex_count}, nb::dtype<std::int64_t>(), h.device, h.memory};
+          })
+      .def_prop_ro("simplices",
+                   [](const DeviceHull& h) { return by_simplex(h, h.simplices, corners(h)); })
+      .def_prop_ro("simplex_neighbours",
+                   [](const DeviceHull& h) { return by_simplex(h, h.neighbours, corners(h)); })
+      .def_prop_ro("planes", [](const DeviceHull& h) {
+        return by_simplex(h, h.planes, std::size_t{h.dimension} + 1);
+      });
+  m.def("convex_hull_on_device", convex_hull_on_device, nb::arg("points"),
+        nb::arg("settings").none());
+}
+
 }  // namespace
 
 void bind_device_batch(nb::module_& m) {
@@ -180,6 +228,7 @@ void bind_device_batch(nb::module_& m) {
         nb::arg("offsets").none(), nb::arg("address"), nb::arg("count"), nb::arg("planes"),
         nb::arg("measures"), nb::arg("padded"), nb::arg("most_vertices"), nb::arg("most_simplices"),
         nb::arg("settings").none());
+  bind_device_hull(m);
 }
 
 }  // namespace binding

@@ -179,6 +179,7 @@ def test_everything_that_reads_device_arrays_says_that_there_is_none():
         lambda: cullhull.convex_hulls(sets),
         lambda: cullhull.convex_hulls_on_device(Device(), [0, 4, 8]),
         lambda: cullhull.convex_hulls_on_device(sets),
+        lambda: cullhull.convex_hull_on_device(Device()),
         lambda: cullhull.HullTracker().update(Device()),
         lambda: ASKED.contains(Device()),
         lambda: ASKED.sides(Device(stream=1)),
@@ -193,11 +194,13 @@ def test_everything_that_reads_device_arrays_says_that_there_is_none():
             call()
     with pytest.raises(TypeError, match="device's memory"):
         cullhull.convex_hulls_on_device(CUBE, [0, 8])
+    with pytest.raises(TypeError, match="device's memory"):
+        cullhull.convex_hull_on_device(CUBE)
     for question in (ASKED.contains, ASKED.sides, ASKED.distance, ASKED.support):
         with pytest.raises(TypeError, match="`on_device` needs .* device's memory"):
             question(CUBE, on_device=True)
-    for made in (cullhull.DeviceHullBatch, cullhull.DeviceArray):
-        with pytest.raises(TypeError, match="convex_hulls_on_device"):
+    for made in (cullhull.DeviceHull, cullhull.DeviceHullBatch, cullhull.DeviceArray):
+        with pytest.raises(TypeError, match="convex_hulls?_on_device"):
             made()
 
 
@@ -477,6 +480,34 @@ def batch_left_there(cupy, points, offsets, expected):
                 getattr(rows, name)
     with pytest.raises(cullhull.InvalidArgument, match=r"set \d+ has \d+ vertices"):
         cullhull.convex_hulls_on_device(points, offsets, padded=(most - 1, 2 * most))
+
+
+@pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_hulls_left_on_a_device(dtype):
+    """Found there, and by the CPU: of a sphere, a polygon, a line in space, a cube, no points."""
+    cupy = pytest.importorskip("cupy")
+    line = np.outer(np.arange(5), [1, 2, 3])
+    for points in (
+        cullhull.generate("sphere", 20_000, 3), cullhull.generate("disk", 500, 2), line, CUBE, line[:0]
+    ):  # fmt: skip
+        points = np.asarray(points).astype(dtype)
+        expected = cullhull.convex_hull(points)
+        left = cullhull.convex_hull_on_device(cupy.asarray(points), backend="cuda")
+        arrays = left.vertices, left.simplices, left.simplex_neighbours, left.planes
+        for name in ("dimension", "affine_dimension", "point_count", "volume", "area"):
+            assert getattr(left, name) == getattr(expected, name), name
+        assert np.array_equal(left.centroid, expected.centroid)
+        assert left.statistics["cull_reason"].endswith("the hull") == (len(points) == 20_000)
+        assert repr(left).endswith(f"{len(expected.simplices)} simplices>")
+        del left  # the arrays keep the memory
+        planes = expected.facet_planes[expected.simplex_facets]
+        members = expected.vertices, expected.simplices, expected.simplex_neighbours, planes
+        for there, here in zip(arrays, members):
+            assert there.shape == here.shape and there.dtype == str(here.dtype)
+            if here.size:
+                for array in (cupy.asarray(there), cupy.from_dlpack(there)):
+                    assert np.array_equal(cupy.asnumpy(array), here)
 
 
 @pytest.mark.skipif(not cullhull.cuda_status()["available"], reason="needs a CUDA device")

@@ -2,6 +2,7 @@
 #include "cuda/kernels/executor.cuh"
 #include "cuda/kernels/star_hull.hpp"
 #include "cullhull/error.hpp"
+#include "result/write/star_result.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -24,16 +25,32 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
   const PseudoSubset all{points.count, 0, 1};
   const auto count = static_cast<std::uint32_t>(points.count);
   StarHullThere there;
-  there.counts =
-      hull.run(rows_in_place<3, T>(as_point_view(points), all), count, most_rounds, run.control,
-               request.rounds != nullptr ? *request.rounds : unread, request.begin);
+  const auto rows = rows_in_place<3, T>(as_point_view(points), all);
+  there.counts = hull.run(rows, count, most_rounds, run.control,
+                          request.rounds != nullptr ? *request.rounds : unread, request.begin);
   there.ids.count = there.counts.left;
   there.ids.ids = DeviceArray<std::uint64_t>(there.ids.count, hull.executor().stream());
   const std::uint32_t listed =
       hull.executor().select(count, NotCulled{hull.culled()}, EmitId{all, there.ids.ids.data()});
   if (listed != there.counts.left)
     throw Error(ErrorCode::internal, "the device lost count of the survivors");
-  if (there.counts.whole()) there.triangles = hull.triangles(there.counts, run);
+  try {
+    const auto result = std::make_shared<StarResult<CudaExecutor, RowsInPlace<3, T>>>();
+    if (request.place == HullPlace::nowhere || !result->compute(hull, rows, count, there.counts))
+      return there;
+    Hull measured;
+    if (request.place == HullPlace::host || !write_measures(result->sums(), measured)) {
+      there.triangles = result->fetch(hull.executor(), run);
+      return there;
+    }
+    there.triangles = result->sums();
+    there.vertices = result->vertices();
+    there.neighbours = result->neighbours();
+    there.planes = result->planes();
+    there.left = result;
+  } catch (const OutOfMemory&) {
+    there.triangles = {};  // what is left is hulled on the host
+  }
   return there;
 }
 
@@ -61,6 +78,11 @@ StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
 }
 
 }  // namespace
+
+void name_corners(const std::uint32_t* corners, const DeviceIds& ids, std::uint32_t count,
+                  std::int64_t* named, cudaStream_t stream) {
+  CudaExecutor(stream).for_each(count, NameCorner{corners, ids.ids.data(), named});
+}
 
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               const StarRequest& request) {

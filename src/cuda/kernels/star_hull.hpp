@@ -7,14 +7,23 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
+#include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/star_hull/star_hull.hpp"
+#include "result/write/triangle_lists.hpp"
 
 namespace cullhull::internal {
 
+/// Where the hull is wanted that a surface may be.
+enum class HullPlace { nowhere, host, device };
+
 struct StarHullThere {
-  DeviceIds ids;            ///< of the points that are not culled, ascending, on the device
-  StarTriangles triangles;  ///< of these points, on the host, if the surface is whole
+  DeviceIds ids;  ///< of the points that are not culled, ascending, on the device
+  /// Their hull, if asked for and decided by doubles; without its lists where they are `left`.
+  TriangleLists triangles;
+  std::shared_ptr<const void> left;  ///< the lists on the device, if the hull is wanted there
+  const std::uint32_t *vertices = nullptr, *neighbours = nullptr;
+  const double* planes = nullptr;
   StarCounts counts;
 };
 
@@ -34,6 +43,7 @@ struct LastSurface {
 };
 
 struct StarRequest {
+  HullPlace place = HullPlace::host;
   StarBegin begin = StarBegin::any;
   std::shared_ptr<LastSurface>* last = nullptr;    ///< of a tracker's
   std::vector<PseudoHullRound>* rounds = nullptr;  ///< to report to
@@ -42,9 +52,17 @@ struct StarRequest {
 /// Grows a star-shaped surface from points in space, at most 2^28 of them, and makes it convex by
 /// flips, on points.stream; or, if request.last is given, on that surface's own stream, from that
 /// surface if as many points follow, and leaves there the new one if it is whole. Needs 100 bytes
-/// of device memory a point, and 190 more for each that becomes a vertex. Throws OutOfMemory if
-/// there is less, and Failure if the device fails.
+/// of device memory a point, and 190 more for each that becomes a vertex; 200 more if the hull is
+/// wanted, which there is none of without them. Throws OutOfMemory if there is less, and Failure if
+/// the device fails.
 StarHullThere star_hull_there(const DevicePointView& points, const Run& run,
                               const StarRequest& request = {});
+
+/// Makes a hull on the device of the lists in found.left and the ids of its vertices.
+void leave_there(const StarHullThere& found, const DeviceIds& ids, cudaStream_t stream,
+                 DeviceHull& hull);
+/// Kernel: the ids of `count` corners.
+void name_corners(const std::uint32_t* corners, const DeviceIds& ids, std::uint32_t count,
+                  std::int64_t* named, cudaStream_t stream);
 
 }  // namespace cullhull::internal

@@ -1,6 +1,6 @@
 // The hull of points in space as far as doubles decide it: a star-shaped surface grown from the
-// points and made convex by flips. What is culled is strictly inside, whatever else is true; that
-// the surface is the hull is for exact arithmetic to show. The same text for every executor.
+// points and made convex by flips. What is culled is strictly inside, whatever else is true. The
+// same text for every executor.
 #pragma once
 
 #include <algorithm>
@@ -10,16 +10,11 @@
 
 #include "filter/star_hull/star_flips.hpp"
 #include "filter/star_hull/star_growth.hpp"
-#include "filter/star_hull/star_triangles.hpp"
 
 namespace cullhull::internal {
 
-struct StarCentre {
-  double at[3];
-};
-
-// A surface that is whole() is handed to the CPU's proof; one that is not has still culled points,
-// and its vertices with those set aside are hulled like any filter's survivors.
+// A surface that is whole() is the hull (docs/exactness.md, H6); one that is not has still culled
+// points, and its vertices with those set aside are hulled like any filter's survivors.
 
 /// What was done, and what is left.
 struct StarCounts {
@@ -42,69 +37,6 @@ struct StarCounts {
 struct EmitItem {
   std::uint32_t* list;
   CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { list[k] = i; }
-};
-/// The place of a listed row along a Z-order curve around the centre. It only orders work and
-/// memory: any key would give the same hull.
-template <class Rows>
-struct CurveKey {
-  static constexpr unsigned bits = 30;
-  Rows rows;
-  StarCentre centre;
-  const std::uint32_t* listed;
-  CULLHULL_HD std::uint32_t operator()(std::uint32_t i) const {
-    double x[3];
-    rows.load(listed[i], x);
-    std::uint32_t key = 0;
-    for (unsigned k = 0; k < 3; ++k) {
-      // The extent of the frame is at most 1, and the centre is inside.
-      const double at = (x[k] - centre.at[k] + 1) * 512;
-      std::uint32_t v = at > 0 ? static_cast<std::uint32_t>(at < 1023 ? at : 1023) : 0;
-      // The bits apart by two others.
-      v = (v | v << 16) & 0x030000FFU;
-      v = (v | v << 8) & 0x0300F00FU;
-      v = (v | v << 4) & 0x030C30C3U;
-      v = (v | v << 2) & 0x09249249U;
-      key |= v << k;
-    }
-    return key;
-  }
-};
-struct LowestVertex {
-  const StarFacet* facet;
-  const std::uint32_t* listed;
-  const std::uint32_t* number;
-  CULLHULL_HD std::uint32_t operator()(std::uint32_t i) const {
-    const StarFacet& f = facet[listed[i]];
-    std::uint32_t lowest = number[f.vertex[0]];
-    for (unsigned k = 1; k < 3; ++k) {
-      const std::uint32_t n = number[f.vertex[k]];
-      lowest = n < lowest ? n : lowest;
-    }
-    return lowest;
-  }
-};
-/// number[item] of the listed items, in the sorted order.
-struct NumberItems {
-  const std::uint32_t* sorted;
-  const std::uint32_t* listed;
-  std::uint32_t* number;
-  CULLHULL_HD void operator()(std::uint32_t j) const { number[listed[sorted[j]]] = j; }
-};
-struct EmitTriangle {
-  const StarFacet* facet;
-  const std::uint32_t* sorted;
-  const std::uint32_t* listed;
-  const std::uint32_t* number;
-  const std::uint32_t* facet_number;
-  std::uint32_t* vertices;
-  std::uint32_t* neighbours;
-  CULLHULL_HD void operator()(std::uint32_t j) const {
-    const StarFacet& f = facet[listed[sorted[j]]];
-    for (unsigned k = 0; k < 3; ++k) {
-      vertices[3 * std::size_t{j} + k] = number[f.vertex[k]];
-      neighbours[3 * std::size_t{j} + k] = facet_number[f.across[k].facet()];
-    }
-  }
 };
 
 /// Finds the surface. Reusable: memory is kept.
@@ -139,44 +71,11 @@ class StarHull {
   const unsigned char* culled() { return growth_.culled(); }
   Executor& executor() { return growth_.executor(); }
 
-  /// The triangles of a surface that is whole(). Vertices are numbered along a Z-order curve, and
-  /// triangles by their lowest vertex, so that the host finds neighbours near in memory: of a
-  /// million points on a sphere the result is then written in half the time.
-  StarTriangles triangles(const StarCounts& done, const Run& run) {
-    Executor& executor = growth_.executor();
-    const std::uint32_t slots = growth_.facet_count(), left = done.left, facets = done.end.facets;
-    std::uint32_t* number = executor.reserve(number_, count_);
-    std::uint32_t* facet_number = executor.reserve(number_of_facet_, slots);
-    std::uint32_t* listed = executor.reserve(listed_, std::size_t{std::max(left, facets)} + 1);
-    StarTriangles found;
-    const auto rows_left = executor.select(count_, NotCulled{growth_.culled()}, EmitItem{listed});
-    const std::uint32_t* order = executor.sort(
-        left, CurveKey<Rows>{growth_.rows(), centre(), listed}, CurveKey<Rows>::bits, order_);
-    executor.for_each(left, NumberItems{order, listed, number});
-    found.order.resize(left);
-    executor.fetch_many(order, left, found.order.data(), run);
-    const auto live = executor.select(slots, FacetIsLive{growth_.facets()}, EmitItem{listed});
-    if (rows_left != left || live != facets) return {};
-    const std::uint32_t* sorted =
-        executor.sort(facets, LowestVertex{growth_.facets(), listed, number}, 32, order_);
-    executor.for_each(facets, NumberItems{sorted, listed, facet_number});
-    std::uint32_t* out = executor.reserve(out_, 6 * std::size_t{facets});
-    std::uint32_t* across = out + 3 * std::size_t{facets};
-    executor.for_each(
-        facets, EmitTriangle{growth_.facets(), sorted, listed, number, facet_number, out, across});
-    found.vertices.resize(3 * std::size_t{facets});
-    found.neighbours.resize(3 * std::size_t{facets});
-    executor.fetch_many(out, found.vertices.size(), found.vertices.data(), run);
-    executor.fetch_many(across, found.neighbours.size(), found.neighbours.data(), run);
-    return found;
-  }
+  /// The surface, in the executor's memory: slots() facets, some of which flips have removed.
+  const StarFacet* facets() { return growth_.facets(); }
+  std::uint32_t slots() const { return growth_.facet_count(); }
 
  private:
-  StarCentre centre() const {
-    const double* c = growth_.centre();
-    return {{c[0], c[1], c[2]}};
-  }
-
   // The order of events: rounds of flips until no side waits; a report of what is left; if reflex
   // edges are left, vertices at them are marked as doomed where that is proved, and rounds go on
   // with the sides around these. It ends when no reflex edge is left, when nothing can be marked,
@@ -261,7 +160,7 @@ class StarHull {
   std::uint32_t count_ = 0;
   Array<FlipClaim> claim_;
   Array<unsigned char> waiting_, proposal_, doomed_;
-  Array<std::uint32_t> number_, number_of_facet_, listed_, order_, flip_counts_, out_;
+  Array<std::uint32_t> number_of_facet_, listed_, order_, flip_counts_;
 };
 
 }  // namespace cullhull::internal

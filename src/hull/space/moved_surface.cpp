@@ -234,15 +234,4 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
       [&](std::size_t i) { return last.simplex_neighbours[i]; }, points, simplex, run);
 }
 
-std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
-                                       const std::uint32_t* simplex, const Run& run) {
-  if (points.dimension != 3 || triangles.count() + 4 != 2 * std::uint64_t{points.count} ||
-      triangles.order.size() != points.count || points.exact != points.coordinates)
-    return {};
-  return star_shaped(
-      triangles.count(), [&](std::size_t v) { return triangles.order[v]; },
-      [&](std::size_t i) { return triangles.vertices[i]; },
-      [&](std::size_t i) { return triangles.neighbours[i]; }, points, simplex, run);
-}
-
 }  // namespace cullhull::internal

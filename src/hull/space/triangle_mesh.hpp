@@ -10,7 +10,6 @@
 #include "cullhull/hull_fwd.hpp"
 #include "exact/orientation/orientation_3d.hpp"
 #include "exact/points/local_points.hpp"
-#include "filter/star_hull/star_triangles.hpp"
 #include "hull/engine.hpp"
 #include "hull/space/insertion_3d.hpp"
 #include "parallel/memory/raw_array.hpp"
@@ -78,12 +77,8 @@ std::optional<TriangleMesh> moved_surface(const Hull& last, const NearbyNumbers*
                                           const LocalPoints& points, const std::uint32_t* simplex,
                                           const Run& run);
 
-/// The same of triangles whose points are the local points; all of these are vertices.
-std::optional<TriangleMesh> surface_of(const StarTriangles& triangles, const LocalPoints& points,
-                                       const std::uint32_t* simplex, const Run& run);
-
-/// Makes the points' hull, as triangle_mesh() does, of a surface that moved_surface() or
-/// surface_of() gave. False where too much has changed; the surface is of no use then.
+/// Makes the points' hull, as triangle_mesh() does, of a surface that moved_surface() gave.
+/// False where too much has changed; the surface is of no use then.
 bool mend_surface(TriangleMesh& surface, const LocalPoints& points, const std::uint32_t* simplex,
                   const Run& run);
 

@@ -22,6 +22,7 @@
 #include "result/write/bucket_sort.hpp"
 #include "result/write/few_triangle_measures.hpp"
 #include "result/write/hull_lists.hpp"
+#include "result/write/triangle_lists.hpp"
 #include "result/write/triangle_sweep.hpp"
 #include "result/write/write_simplices.hpp"
 
@@ -498,6 +499,16 @@ void put_ids(const Number* from, std::size_t count, const std::uint64_t* names, 
   for (std::size_t i = 0; i < count; ++i) to[i] = names[from[i]];
 }
 
+/// The measures of hulls so thin that sums in doubles are not accurate, as finish_simplicial() has
+/// them.
+void measure_again(const TriangleLists& lists, const PointView& points, const Run& run,
+                   Hull& hull) {
+  std::vector<std::uint64_t> vertices(points.count);
+  std::iota(vertices.begin(), vertices.end(), std::uint64_t{0});
+  static constexpr unsigned axes[3] = {0, 1, 2};
+  measure_thin(points, vertices, {lists.vertices.begin(), lists.vertices.end()}, axes, run, hull);
+}
+
 }  // namespace
 
 template <class Points, class Small, class Target>
@@ -547,6 +558,37 @@ bool write_triangles(const ResultInput& input, TriangleMesh& surface, const Run&
   if (!TriangleWriter(input, surface, vertices, order, frame, run, hull).run()) return false;
   hull.vertices = std::move(vertices.ids());
   return true;
+}
+
+bool write_measures(const TriangleLists& lists, Hull& hull) {
+  Measures m;
+  if (!finish_plain<3>(PointView::row_major(lists.first, 1, 3), 0, lists.exponent, lists.sums, m))
+    return false;
+  write_measures(3, hull.point_count, m.volume, m.area, m.centroid, hull);
+  return true;
+}
+
+void write_lists(TriangleLists&& lists, const PointView& points, const std::uint64_t* ids,
+                 const Run& run, Hull& hull) {
+  const std::uint32_t count = lists.count();
+  const auto id = [ids](std::uint64_t v) { return ids != nullptr ? ids[v] : v; };
+  hull.affine_dimension = 3;
+  resize_big(hull.vertices, points.count);
+  run.each(hull.vertices.size(), grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t v = begin; v < end; ++v) hull.vertices[v] = id(v);
+  });
+  Array<std::uint64_t> simplices(lists.vertices.size());
+  Array<std::uint32_t> across(lists.neighbours.size());
+  run.each(count, grain, [&](std::uint64_t begin, std::uint64_t end) {
+    for (std::uint64_t i = 3 * begin; i < 3 * end; ++i) simplices[i] = id(lists.vertices[i]);
+    // The edge from vertex j is opposite to vertex j + 2.
+    for (std::uint64_t i = 3 * begin; i < 3 * end; i += 3)
+      for (unsigned j = 0; j < 3; ++j) across[i + j] = lists.neighbours[i + (j + 2) % 3];
+  });
+  if (!write_measures(lists, hull)) measure_again(lists, points, run, hull);
+  hull.facet_planes = std::move(lists.planes);
+  keep_simplicial(3, std::move(simplices), {}, std::move(lists.neighbours), std::move(across),
+                  hull);
 }
 
 }  // namespace cullhull::internal

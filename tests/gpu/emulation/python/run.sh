@@ -31,4 +31,5 @@ cd "$folder"
 PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 PYTHONPATH="$folder/package:$here" PYTHONDONTWRITEBYTECODE=1 \
   exec "$venv/bin/python" -m pytest -q -p no:cacheprovider -p emulated "$here/test_emulated.py" \
   "$tests/test_arrays.py::test_batches_and_questions_on_a_device" \
+  "$tests/test_arrays.py::test_hulls_left_on_a_device" \
   "$tests/test_recipes.py" -k "not test_recipe or cupy"

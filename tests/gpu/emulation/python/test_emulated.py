@@ -21,6 +21,7 @@ def test_results_on_the_device_are_freed_without_the_lock():
     flat = there.reshape(-1, 3)
     hull = cullhull.convex_hull(SETS[0])
     results = {
+        "hull": lambda: cullhull.convex_hull_on_device(flat),
         "batch": lambda: cullhull.convex_hulls_on_device(there),
         "array of a batch": lambda: cullhull.convex_hulls_on_device(there).simplices,
         "answers": lambda: hull.contains(flat, on_device=True),
@@ -46,6 +47,7 @@ def test_no_call_waits_with_the_lock_held():
     assert len(cullhull.cull(there, backend="cuda")) < len(points)
     solid = cupy.asarray(cullhull.generate("ball", 20_000, 3))
     assert cullhull.convex_hull(solid, backend="cuda", cull="gauge").statistics["backend"] == "cuda"
+    assert cullhull.convex_hull_on_device(solid).point_count == 20_000
     with stream:
         assert cullhull.convex_hull(cupy.asarray(points), backend="cuda").volume == hull.volume
     silent = type("Silent", (), {"__cuda_array_interface__": {**there.__cuda_array_interface__}})()
