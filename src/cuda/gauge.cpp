@@ -105,6 +105,13 @@ Array<std::uint64_t> survivors_of_host_points(const GaugeTable& table, const Poi
 
 // -------------------------------------------------------------- points of the device
 
+void sum_in_place(std::uint64_t* numbers, std::uint64_t count, cudaStream_t stream) {
+  std::size_t bytes = 0;
+  check(sum_counts(nullptr, bytes, numbers, numbers, count, stream), "counting");
+  const DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
+  check(sum_counts(scratch.data(), bytes, numbers, numbers, count, stream), "counting");
+}
+
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points) {
   const cudaStream_t stream = cuda_stream_of(points);
   const DeviceArray<float> nodes = uploaded(table.nodes, stream);
@@ -114,16 +121,10 @@ DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointV
 
   // One offset more than there are tiles: the last offset is the total.
   const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
-  const DeviceArray<std::uint64_t> counts(tiles + 1, stream);
   const DeviceArray<std::uint64_t> offsets(tiles + 1, stream);
-  check(cudaMemsetAsync(counts.data() + tiles, 0, sizeof(std::uint64_t), stream), "counting");
-  check(count_bits(mask.data(), words, counts.data(), stream), "counting");
-  std::size_t scratch_bytes = 0;
-  check(sum_counts(nullptr, scratch_bytes, counts.data(), offsets.data(), tiles + 1, stream),
-        "counting");
-  const DeviceArray<std::byte> scratch(std::max<std::size_t>(scratch_bytes, 1), stream);
-  check(sum_counts(scratch.data(), scratch_bytes, counts.data(), offsets.data(), tiles + 1, stream),
-        "counting");
+  check(cudaMemsetAsync(offsets.data() + tiles, 0, sizeof(std::uint64_t), stream), "counting");
+  check(count_bits(mask.data(), words, offsets.data(), stream), "counting");
+  sum_in_place(offsets.data(), tiles + 1, stream);
   DeviceIds result;
   download(&result.count, offsets.data() + tiles, 1, stream);
   result.ids = DeviceArray<std::uint64_t>(result.count, stream);

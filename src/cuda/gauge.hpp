@@ -57,6 +57,9 @@ struct DeviceIds {
   std::uint64_t count = 0;
 };
 
+/// Replaces each number by the sum of those before it.
+void sum_in_place(std::uint64_t* numbers, std::uint64_t count, cudaStream_t stream);
+
 /// The points on the device that are not provably inside: those that GaugeMap::survivors leaves.
 /// All work is on points.stream. Needs device memory for a bit a point and for the survivors' ids.
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points);

@@ -86,44 +86,24 @@ class Cutter {
   std::size_t bytes_ = 0;
 };
 
-/// The lengths of all sets' lists of one kind.
+/// The lists of one kind of all sets' hulls: how many items there are, and of how many the longest
+/// has. `most`: the room of a padded row; 0: any.
 struct Lengths {
-  std::vector<std::uint64_t> lengths;
-  std::uint64_t total = 0;
+  const std::uint64_t most;
+  std::uint64_t total = 0, longest = 0, over = 0, length_over = 0;
 
-  void add(std::uint64_t length) {
-    lengths.push_back(length);
+  void add(std::uint64_t set, std::uint64_t length) {
     total += length;
+    longest = std::max(longest, length);
+    if (most == 0 || length <= most || length_over != 0) return;
+    over = set;
+    length_over = length;
   }
-  /// The length of a padded row: `most`, or that of the longest list if that is 0.
-  std::uint64_t width(std::uint64_t most, const char* what) const {
-    std::uint64_t longest = 0;
-    for (std::size_t i = 0; i < lengths.size(); ++i) {
-      longest = std::max(longest, lengths[i]);
-      if (most != 0 && lengths[i] > most)
-        throw Error(ErrorCode::invalid_argument, "set ", i, " has ", lengths[i], " ", what,
-                    ", and a padded row has room for ", most);
-    }
+  std::uint64_t width(const char* what) const {
+    if (length_over != 0)
+      throw Error(ErrorCode::invalid_argument, "set ", over, " has ", length_over, " ", what,
+                  ", and a padded row has room for ", most);
     return most != 0 ? most : longest;
-  }
-  /// Where each set's list begins, and the last one's end: without gaps if `width` is 0.
-  std::vector<std::int64_t> places(std::uint64_t width) const {
-    std::vector<std::int64_t> at{0};
-    for (const std::uint64_t length : lengths)
-      at.push_back(at.back() + static_cast<std::int64_t>(width != 0 ? width : length));
-    return at;
-  }
-  std::vector<std::int32_t> counts() const { return {lengths.begin(), lengths.end()}; }
-};
-
-struct ListLengths {
-  Lengths vertices, simplices;
-  std::vector<std::int32_t> affine_dimensions;
-
-  void add(std::uint64_t vertex_count, std::uint64_t simplex_count, std::int32_t dimension) {
-    vertices.add(vertex_count);
-    simplices.add(simplex_count);
-    affine_dimensions.push_back(dimension);
   }
 };
 
@@ -200,11 +180,11 @@ class SetsThere final : public SetsOnDevice {
     return {measures.data(), measures.data() + count, measures.data() + 2 * std::size_t{count},
             exponents.data()};
   }
-  ListLengths lengths(const HullBatch& rest) const;
-  void write(const HullBatch& rest, const ListLengths& listed, const DeviceBatchOptions& wanted,
-             const DeviceHullBatch& all, const ResultArrays& to) const;
-  void copy_rest(const HullBatch& rest, const std::vector<std::int64_t>& vertex_at,
-                 const std::vector<std::int64_t>& simplex_at, const ResultArrays& to) const;
+  template <class Use>
+  void each_set(const HullBatch& rest, const Use& use) const;
+  void write(const HullBatch& rest, const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
+             const ResultArrays& to) const;
+  void copy_rest(const HullBatch& rest, const DeviceHullBatch& all, const ResultArrays& to) const;
 
   const DevicePointView points;
   const Run& run;
@@ -310,12 +290,15 @@ FoundLists SetsThere::fetch() {
   const std::uint64_t vertex_count = found.vertex_at.back(),
                       corners = found.simplex_at.back() * d();
   if (vertex_count == 0) return found;
-  const DeviceArray<std::uint64_t> vertex_at = uploaded(found.vertex_at, stream),
-                                   simplex_at = uploaded(found.simplex_at, stream);
+  const DeviceArray<std::uint64_t> vertex_at(count + 1, stream), simplex_at(count + 1, stream);
+  const PlacedLists at{vertex_at.data(), simplex_at.data()};
+  check(place_lists(this_sets(), 0, nullptr, 0, at, stream), "placing lists");
+  sum_in_place(vertex_at.data(), count + 1, stream);
+  sum_in_place(simplex_at.data(), count + 1, stream);
   const DeviceArray<std::byte> rows(vertex_count * row_bytes(), stream);
   const DeviceArray<std::uint8_t> ids(vertex_count, stream), lists(corners, stream);
-  check(pack_set_hulls(from(offsets[0]), this_sets(), {vertex_at.data(), simplex_at.data()},
-                       ids.data(), lists.data(), rows.data(), stream),
+  check(pack_set_hulls(from(offsets[0]), this_sets(), at, ids.data(), lists.data(), rows.data(),
+                       stream),
         "packing hulls");
   const bool space = d() == 3;  // in 2D the order of the vertices determines the edges
   const std::shared_ptr<std::byte> memory =
@@ -395,34 +378,40 @@ SetRows SetsThere::rows_by_copies(const std::vector<std::uint32_t>& which, SetRo
   return std::move(rows);
 }
 
-/// The lengths of all sets' lists: of those found, and of the others from `rest`.
-ListLengths SetsThere::lengths(const HullBatch& rest) const {
-  ListLengths all;
+/// Calls use(set, found) for all sets in turn; `found` has the lengths of its lists, those of open
+/// sets from `rest`.
+template <class Use>
+void SetsThere::each_set(const HullBatch& rest, const Use& use) const {
   std::size_t k = 0;
-  for (const std::uint16_t c : counts) {
-    if (c != 0) {
-      all.add(c & 0xFF, c >> 8, static_cast<std::int32_t>(d()));
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (const unsigned c = counts[i]; c != 0) {
+      use(i, SetLengths{i, c & 0xFF, c >> 8, static_cast<std::int32_t>(d())});
       continue;
     }
     const bool full = rest.affine_dimensions[k] == static_cast<std::int32_t>(d());
-    all.add(rest.vertices[k].size(), full ? rest.simplices[k].size() / d() : 0,
-            rest.affine_dimensions[k]);
+    use(i, SetLengths{i, static_cast<std::uint32_t>(rest.vertices[k].size()),
+                      full ? static_cast<std::uint32_t>(rest.simplices[k].size() / d()) : 0,
+                      rest.affine_dimensions[k]});
     ++k;
   }
-  return all;
 }
 
 DeviceHullBatch SetsThere::join(const HullBatch& rest, const DeviceBatchOptions& wanted) const {
-  const ListLengths listed = lengths(rest);
+  Lengths vertex_lengths{wanted.padded ? wanted.most_vertices : 0};
+  Lengths simplex_lengths{wanted.padded ? wanted.most_simplices : 0};
+  each_set(rest, [&](std::uint32_t i, const SetLengths& found) {
+    vertex_lengths.add(i, found.vertices);
+    simplex_lengths.add(i, found.simplices);
+  });
   DeviceHullBatch all;
   all.dimension = d();
   all.sets = count;
   all.device = this_device().ordinal;
-  all.vertex_count = listed.vertices.total;
-  all.simplex_count = listed.simplices.total;
+  all.vertex_count = vertex_lengths.total;
+  all.simplex_count = simplex_lengths.total;
   if (wanted.padded) {
-    all.vertex_width = listed.vertices.width(wanted.most_vertices, "vertices");
-    all.simplex_width = listed.simplices.width(wanted.most_simplices, "simplices");
+    all.vertex_width = vertex_lengths.width("vertices");
+    all.simplex_width = simplex_lengths.width("simplices");
     const double row = std::max(static_cast<double>(all.vertex_width),
                                 static_cast<double>(all.simplex_width) * (d() + 1.0));
     if (row * count > 0x1p50) throw OutOfMemory("no device has memory for rows of this length");
@@ -434,7 +423,7 @@ DeviceHullBatch SetsThere::join(const HullBatch& rest, const DeviceBatchOptions&
       result_memory(std::max<std::size_t>(size.bytes(), 1), stream);
   Cutter cutter(memory.get());
   const ResultArrays to(all, wanted, cutter);
-  write(rest, listed, wanted, all, to);
+  write(rest, wanted, all, to);
   all.vertex_offsets = to.vertex_offsets;
   all.simplex_offsets = to.simplex_offsets;
   all.vertices = to.vertices;
@@ -452,65 +441,76 @@ DeviceHullBatch SetsThere::join(const HullBatch& rest, const DeviceBatchOptions&
   return all;
 }
 
-void SetsThere::write(const HullBatch& rest, const ListLengths& listed,
-                      const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
-                      const ResultArrays& to) const {
-  const std::vector<std::int64_t> vertex_at = listed.vertices.places(all.vertex_width),
-                                  simplex_at = listed.simplices.places(all.simplex_width);
-  DeviceArray<std::int64_t> vertex_rows, simplex_rows;
+void SetsThere::write(const HullBatch& rest, const DeviceBatchOptions& wanted,
+                      const DeviceHullBatch& all, const ResultArrays& to) const {
+  std::vector<SetLengths> open;
+  each_set(rest, [&](std::uint32_t i, const SetLengths& found) {
+    if (counts[i] == 0) open.push_back(found);
+  });
+  DeviceArray<std::uint64_t> vertex_rows, simplex_rows;
+  PlacedLists placed{reinterpret_cast<std::uint64_t*>(to.vertex_offsets),
+                     reinterpret_cast<std::uint64_t*>(to.simplex_offsets),
+                     to.vertex_counts,
+                     to.simplex_counts,
+                     to.affine_dimensions,
+                     all.vertex_width,
+                     all.simplex_width};
   if (wanted.padded) {
-    vertex_rows = uploaded(vertex_at, stream);
-    simplex_rows = uploaded(simplex_at, stream);
-    upload(to.vertex_counts, listed.vertices.counts().data(), count, stream);
-    upload(to.simplex_counts, listed.simplices.counts().data(), count, stream);
+    vertex_rows = DeviceArray<std::uint64_t>(count + 1, stream);
+    simplex_rows = DeviceArray<std::uint64_t>(count + 1, stream);
+    placed.vertex_at = vertex_rows.data();
+    placed.simplex_at = simplex_rows.data();
     fill(to.vertices, to.vertex_room, 0xFF, stream);
     fill(to.simplices, to.simplex_room * d(), 0xFF, stream);
     fill(to.planes, wanted.planes ? to.simplex_room * (d() + 1) : 0, 0, stream);
-  } else {
-    upload(to.vertex_offsets, vertex_at.data(), vertex_at.size(), stream);
-    upload(to.simplex_offsets, simplex_at.data(), simplex_at.size(), stream);
   }
-  upload(to.affine_dimensions, listed.affine_dimensions.data(), count, stream);
+  const DeviceArray<SetLengths> open_there = uploaded(open, stream);
+  check(place_lists(this_sets(), static_cast<std::int32_t>(d()), open_there.data(),
+                    static_cast<std::uint32_t>(open.size()), placed, stream),
+        "placing lists");
+  if (!wanted.padded) {
+    sum_in_place(placed.vertex_at, count + 1, stream);
+    sum_in_place(placed.simplex_at, count + 1, stream);
+  }
   if (rest.size() < count) {
-    const PackedLists at{reinterpret_cast<const std::uint64_t*>(wanted.padded ? vertex_rows.data()
-                                                                              : to.vertex_offsets),
-                         reinterpret_cast<const std::uint64_t*>(
-                             wanted.padded ? simplex_rows.data() : to.simplex_offsets)};
     const DevicePointView there = from(offsets[0]);
-    check(pack_set_hulls(there, this_sets(), at, to.vertices, to.simplices, nullptr, stream),
+    check(pack_set_hulls(there, this_sets(), placed, to.vertices, to.simplices, nullptr, stream),
           "packing hulls");
     if (wanted.planes)
-      check(
-          write_set_planes(there, this_sets(), exponents.data(), at.simplex_at, to.planes, stream),
-          "writing planes");
+      check(write_set_planes(there, this_sets(), exponents.data(), placed.simplex_at, to.planes,
+                             stream),
+            "writing planes");
     if (wanted.measures)
       check(cudaMemcpyAsync(to.measures, measures.data(), measures.size() * sizeof(double),
                             cudaMemcpyDeviceToDevice, stream),
             "copying measures");
   }
-  copy_rest(rest, vertex_at, simplex_at, to);
+  copy_rest(rest, all, to);
   synchronise(stream, "packing hulls");
 }
 
 /// Copies what the result has of the open sets' hulls from `rest`.
-void SetsThere::copy_rest(const HullBatch& rest, const std::vector<std::int64_t>& vertex_at,
-                          const std::vector<std::int64_t>& simplex_at,
+void SetsThere::copy_rest(const HullBatch& rest, const DeviceHullBatch& all,
                           const ResultArrays& to) const {
   RunsOf<std::int32_t> ids, corners;
   RunsOf<double> planes, numbers;
   const std::size_t n = d();
   std::size_t k = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (counts[i] != 0) continue;
-    ids.add(rest.vertices[k], static_cast<std::uint64_t>(vertex_at[i]));
-    if (rest.affine_dimensions[k] == static_cast<std::int32_t>(n)) {
-      const auto at = static_cast<std::uint64_t>(simplex_at[i]);
+  std::uint64_t vertex_at = 0, simplex_at = 0;
+  each_set(rest, [&](std::uint32_t i, const SetLengths& found) {
+    const std::uint64_t vertex = all.vertex_width != 0 ? i * all.vertex_width : vertex_at;
+    std::uint64_t at = all.simplex_width != 0 ? i * all.simplex_width : simplex_at;
+    vertex_at += found.vertices;
+    simplex_at += found.simplices;
+    if (counts[i] != 0) return;
+    ids.add(rest.vertices[k], vertex);
+    if (found.simplices != 0) {
       corners.add(rest.simplices[k], at * n);
       if (to.planes != nullptr)
-        for (std::size_t j = 0; const std::uint32_t f : rest.simplex_facets[k])
+        for (const std::uint32_t f : rest.simplex_facets[k])
           planes.add(
               std::span(rest.facet_planes).subspan((rest.facet_starts[k] + f) * (n + 1), n + 1),
-              (at + j++) * (n + 1));
+              at++ * (n + 1));
     }
     if (to.measures != nullptr) {
       numbers.add(std::span(&rest.volumes[k], 1), i);
@@ -518,7 +518,7 @@ void SetsThere::copy_rest(const HullBatch& rest, const std::vector<std::int64_t>
       numbers.add(std::span(rest.centroids).subspan(k * n, n), 2 * std::uint64_t{count} + i * n);
     }
     ++k;
-  }
+  });
   ids.copy(to.vertices, stream);
   corners.copy(to.simplices, stream);
   planes.copy(to.planes, stream);

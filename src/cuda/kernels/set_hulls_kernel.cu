@@ -137,7 +137,7 @@ class FoundHullOfSet {
 template <unsigned D, class T, class Id>
 __global__ void pack_lists(const __grid_constant__ DevicePointView points,
                            const __grid_constant__ WarpSets sets,
-                           const __grid_constant__ PackedLists at, Id* __restrict__ vertices,
+                           const __grid_constant__ PlacedLists at, Id* __restrict__ vertices,
                            Id* __restrict__ simplices, T* __restrict__ rows) {
   const std::uint64_t set = warp_of();
   if (set >= sets.sets) return;
@@ -157,6 +157,30 @@ __global__ void pack_lists(const __grid_constant__ DevicePointView points,
   if (rows == nullptr) return;
   for (unsigned e = lane_of(); e < (counts & 0xFF) * D; e += lanes)
     rows[vertex_at * D + e] = coordinate<T>(points, first + ids[step * (e / D)], e % D);
+}
+
+__device__ void place_list(const PlacedLists& out, const SetLengths& s) {
+  out.vertex_at[s.set] = out.vertex_width != 0 ? s.set * out.vertex_width : s.vertices;
+  out.simplex_at[s.set] = out.simplex_width != 0 ? s.set * out.simplex_width : s.simplices;
+  if (out.vertex_counts != nullptr) {
+    out.vertex_counts[s.set] = static_cast<std::int32_t>(s.vertices);
+    out.simplex_counts[s.set] = static_cast<std::int32_t>(s.simplices);
+  }
+  if (out.affine_dimensions != nullptr) out.affine_dimensions[s.set] = s.affine_dimension;
+}
+
+__global__ void place_found(const __grid_constant__ WarpSets sets, std::int32_t dimension,
+                            const __grid_constant__ PlacedLists out) {
+  const std::uint32_t set = blockIdx.x * blockDim.x + threadIdx.x;
+  if (set >= sets.sets) return;
+  const unsigned counts = sets.counts[set];  // 0 for sets that are not decided
+  place_list(out, {set, counts & 0xFF, counts >> 8, dimension});
+}
+
+__global__ void place_others(const SetLengths* __restrict__ others, std::uint32_t count,
+                             const __grid_constant__ PlacedLists out) {
+  const std::uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
+  if (k < count) place_list(out, others[k]);
 }
 
 /// A thread a set: a hull's shares are added one after another.
@@ -242,6 +266,22 @@ cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, 
   return cudaGetLastError();
 }
 
+cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetLengths* others,
+                        std::uint32_t other_count, const PlacedLists& out, cudaStream_t stream) {
+  constexpr unsigned threads = 256;
+  for (std::uint64_t* const list : {out.vertex_at, out.simplex_at})
+    if (const cudaError_t status =
+            cudaMemsetAsync(list + sets.sets, 0, sizeof(std::uint64_t), stream);
+        status != cudaSuccess)
+      return status;
+  if (sets.counts != nullptr && sets.sets != 0)
+    place_found<<<blocks_for(sets.sets, threads), threads, 0, stream>>>(sets, dimension, out);
+  if (other_count != 0)
+    place_others<<<blocks_for(other_count, threads), threads, 0, stream>>>(others, other_count,
+                                                                           out);
+  return cudaGetLastError();
+}
+
 cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
                          const SetMeasures& measures, cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
@@ -265,7 +305,7 @@ cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets
 
 template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, Id* vertices, Id* simplices, void* rows,
+                           const PlacedLists& at, Id* vertices, Id* simplices, void* rows,
                            cudaStream_t stream) {
   if (sets.sets == 0) return cudaSuccess;
   with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
@@ -275,9 +315,9 @@ cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
   });
   return cudaGetLastError();
 }
-template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PackedLists&,
+template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PlacedLists&,
                                     std::uint8_t*, std::uint8_t*, void*, cudaStream_t);
-template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PackedLists&,
+template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PlacedLists&,
                                     std::int32_t*, std::int32_t*, void*, cudaStream_t);
 
 cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,

@@ -39,17 +39,30 @@ struct WarpSets {
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream);
 
-/// Where pack_set_hulls() writes the lists of set i, without gaps between sets: the vertices from
-/// vertex_at[i] on, and the simplices from simplex_at[i] on (counted in simplices, not numbers).
-struct PackedLists {
-  const std::uint64_t* vertex_at;
-  const std::uint64_t* simplex_at;
+/// The lengths of a set's lists.
+struct SetLengths {
+  std::uint32_t set, vertices, simplices;
+  std::int32_t affine_dimension;
 };
+/// Where the lists of set i begin: the vertices at vertex_at[i], the simplices at simplex_at[i]
+/// (counted in simplices, not numbers).
+struct PlacedLists {
+  std::uint64_t *vertex_at = nullptr, *simplex_at = nullptr;         ///< of all sets and one more
+  std::int32_t *vertex_counts = nullptr, *simplex_counts = nullptr;  ///< null: not wanted
+  std::int32_t* affine_dimensions = nullptr;                         ///< likewise
+  std::uint64_t vertex_width = 0, simplex_width = 0;                 ///< of padded rows
+};
+/// Writes what `out` wants of the decided sets, whose dimension is `dimension`, and of the
+/// `others`; a set that is neither has empty lists. Without widths vertex_at and simplex_at get
+/// lengths, and a 0 at the end: their sums are wanted.
+cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetLengths* others,
+                        std::uint32_t other_count, const PlacedLists& out, cudaStream_t stream);
+
 /// Copies the lists of the decided sets as numbers of type Id, std::uint8_t or std::int32_t. With
 /// `rows`, vertices ascend, and their packed rows in the points' scalar type are written there.
 template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
-                           const PackedLists& at, Id* vertices, Id* simplices, void* rows,
+                           const PlacedLists& at, Id* vertices, Id* simplices, void* rows,
                            cudaStream_t stream);
 
 /// Volume, area and centroid of each set's hull, and the exponent by which its coordinates are
