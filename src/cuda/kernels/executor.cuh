@@ -36,8 +36,17 @@ __global__ void __launch_bounds__(block_size, 1)
   kernel.run(here());
 }
 
+/// The blocks on a multiprocessor that a body asks for, if it does. Before sm_90 ptxas would spill.
+template <class Body>
+constexpr unsigned resident_blocks() {
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 900
+  if constexpr (requires { Body::resident_blocks; }) return Body::resident_blocks;
+#endif
+  return 1;
+}
+
 template <class Keep, class Body>
-__global__ void __launch_bounds__(block_size, 1)
+__global__ void __launch_bounds__(block_size, resident_blocks<Body>())
     tiles(const __grid_constant__ TileKernel<Keep, Body> kernel) {
   using Kernel = TileKernel<Keep, Body>;
   __shared__ std::uint32_t list[Kernel::items_a_thread * block_size];
