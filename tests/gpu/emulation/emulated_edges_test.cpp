@@ -396,6 +396,25 @@ TEST_F(EmulatedEdges, APseudoHullThatFindsNoMemoryIsReplaced) {
   }
 }
 
+// Where the device is slow, they are copied, and the ways are those of points on the host.
+TEST_F(EmulatedEdges, PointsThatAreTheCpusGoTheHostsWay) {
+  const testing_support::WithRates slow_device({.device_copy = 1});
+  Options cpu;
+  cpu.backend = Backend::cpu;
+  for (const std::size_t n : {1U, 10U, 500U, 5000U, 20000U}) {
+    const auto rows = ball<double>(3, n, 7);
+    const OnDevice there(rows);
+    const auto here = PointView::row_major(rows.data(), n, 3);
+    const auto view = DevicePointView::row_major(there.data<double>(), n, 3);
+    const Hull expected = convex_hull(here, cpu), found = convex_hull(view);
+    EXPECT_EQ(canonical_hash(found), canonical_hash(expected)) << n;
+    EXPECT_EQ(found.statistics.cull_reason.find(expected.statistics.cull_reason), 0U)
+        << found.statistics.cull_reason << " for " << expected.statistics.cull_reason;
+    EXPECT_EQ(found.statistics.survivors, expected.statistics.survivors) << n;
+    EXPECT_EQ(cull(view).ids, cull(here, cpu).ids) << n;
+  }
+}
+
 // They are uploaded at the first call that needs them, once for each device, and are read by
 // threads whose streams did not upload them.
 TEST_F(EmulatedEdges, TablesOfAHullStayOnTheDevice) {
