@@ -20,6 +20,8 @@ bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners
   constexpr double never = std::numeric_limits<double>::infinity();
   rows_ = n;
   rest_ = never;
+  inverse_.resize(std::size_t{n} * n);
+  allowed_.resize(n);
   // Inverts A by Gauss-Jordan elimination of [A I]; A's columns are the corners with a 1 below.
   std::vector<double> a(std::size_t{n} * 2 * n, 0.0);
   const auto at = [&](unsigned i, unsigned j) -> double& { return a[std::size_t{i} * 2 * n + j]; };
@@ -45,8 +47,6 @@ bool SimplexInverse::set(const LocalPoints& points, const std::uint32_t* corners
       for (unsigned j = k; j < 2 * n; ++j) at(i, j) -= f * at(k, j);
     }
   }
-  inverse_.resize(std::size_t{n} * n);
-  allowed_.resize(n);
   double rest = 0;
   for (unsigned i = 0; i < n; ++i) {
     double size = 0, worst = 0;

@@ -59,6 +59,19 @@ TEST(ExtremePoints, Degenerate) {
   expect_hull_vertices(all_magnitudes(40, 4, 5));
 }
 
+// The first simplex of some chunks is of five points of one facet, and has no inverse.
+TEST(ExtremePoints, NearlyAllOnTwoFacets) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<int> place(-512, 512);
+  for (unsigned run = 0; run < 100; ++run) {
+    PointSet s = named("two facets", 4);
+    for (unsigned i = 0; i < 56; ++i)
+      s.add({place(random) * 0x1p-9, place(random) * 0x1p-9, place(random) * 0x1p-9,
+             (i % 2 == 0 ? -1.0 : 1.0) + (i % 7 == 0 ? place(random) * 0x1p-49 : 0)});
+    expect_hull_vertices(s);
+  }
+}
+
 TEST(ExtremePoints, DuplicatesGiveTheLowestId) {
   PointSet s = generated("ball", 100, 7, 2);
   const std::vector<double> once = s.coordinates;
