@@ -47,6 +47,19 @@ std::vector<std::uint64_t> mark_leaders(const std::vector<std::uint64_t>& surviv
   return missing;
 }
 
+/// Adds the missing leaders, marked, to the survivors.
+void add_leaders(const std::vector<std::uint64_t>& missing, std::vector<std::uint64_t>& survivors,
+                 std::vector<char>& marks) {
+  std::size_t from = survivors.size(), left = missing.size(), to = from + left;
+  survivors.resize(to);
+  marks.resize(to);
+  while (left > 0) {
+    const bool leads = from == 0 || survivors[from - 1] < missing[left - 1];
+    marks[--to] = leads ? 1 : marks[from - 1];
+    survivors[to] = leads ? missing[--left] : survivors[--from];
+  }
+}
+
 /// The last hull's surface with its vertices at their new positions, `rows`. `leaders`, ascending,
 /// are the vertices' ids: vertex i of the surface is leader i.
 InnerPolytope moved_surface(const Hull& hull, const std::vector<std::uint64_t>& leaders,
@@ -83,9 +96,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
         moved_surface(last, leaders, std::vector<double>(rows.begin(), rows.end()), run), settings);
   if (map == nullptr) {
     settings.convex = true;
-    InnerPolytope polytope = inner_polytope(std::move(rows), d, run);
-    if (polytope.dimension == 0) return false;
-    map = GaugeMap::build(std::move(polytope), settings);
+    map = GaugeMap::build(inner_polytope(std::move(rows), d, run), settings);
     if (map == nullptr) return false;
   }
   result.survivors.filter = UsedFilter::gauge;
@@ -94,13 +105,7 @@ bool filter_by_leaders(FramePoints& points, const Hull& last,
   // All leaders survive where the last hull may be mended, even those that are inside now.
   std::vector<char> marks;
   const auto missing = mark_leaders(result.survivors.ids, leaders, run, marks);
-  const bool mendable = d == 3 && points.on_host() != nullptr;
-  if (mendable && !missing.empty()) {
-    std::vector<std::uint64_t>& ids = result.survivors.ids;
-    const auto middle = ids.insert(ids.end(), missing.begin(), missing.end());
-    std::inplace_merge(ids.begin(), middle, ids.end());
-    (void)mark_leaders(result.survivors.ids, leaders, run, marks);
-  }
+  if (d == 3 && points.on_host() != nullptr) add_leaders(missing, result.survivors.ids, marks);
   scan_seconds = seconds_since(start);
   points.fetch(result);
   const auto left = static_cast<double>(result.pass_survivors);
