@@ -106,33 +106,6 @@ bool around_their_mean(const Array<double>& rows, unsigned d) {
   return 4 * std::count(met.begin(), met.end(), 1) >= 3 * static_cast<std::ptrdiff_t>(met.size());
 }
 
-struct Sampled {
-  InnerPolytope polytope;
-  std::uint64_t size = 0;
-  bool suits_leaders = false;
-  std::uint64_t extreme() const {
-    return polytope.dimension == 0 ? 0 : polytope.vertices.size() / polytope.dimension;
-  }
-};
-
-Sampled hull_of_sample(const SampledPoints& points, std::uint64_t size, const Run& run) {
-  const Array<std::uint64_t> ids = sample_ids(points.count, size);
-  // In 3D few points of a sample are extreme (else no map is built), so its hull takes less than a
-  // millisecond: dividing the surface between two threads takes longer than they save.
-  constexpr std::uint64_t worth_threads = 1 << 15;
-  const unsigned threads = points.dimension == 3 && size < worth_threads ? 1 : run.threads;
-  Sampled s;
-  s.size = ids.size();
-  Array<double> rows = points.gather(ids);
-  // Below these counts the hull of a sample takes less time; from 5D on a sample of some hundred
-  // points has none in most cells.
-  const std::uint64_t least = points.dimension == 3 ? 1 << 18 : 1 << 16;
-  s.suits_leaders = points.dimension > 2 && points.count >= least &&
-                    (points.dimension > 4 || around_their_mean(rows, points.dimension));
-  s.polytope = inner_polytope(std::move(rows), points.dimension, run.with_threads(threads));
-  return s;
-}
-
 /// The least number of nodes of a 3D map. A hull of few facets has long creases, which a coarse map
 /// cuts off, so more nodes than the facet count suggests are worthwhile. A node takes as long as
 /// testing some 40 points, or as the engine on one point: hence a node per 1,024 points in the
@@ -166,100 +139,127 @@ LeaderCells cells_of_leaders(double outside, std::uint64_t tested, unsigned d,
 
 namespace {
 
-/// The map of the leaders of a sample, if it keeps fewer of its points than that of the probe's
-/// hull does, tested with an eighth of them: a body must have points in most directions
-/// from its centre, which a scan of the ground has not. `kept`: how many of the sample it keeps.
-std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, const Array<double>& sample,
-                               const LeaderCells& cells, const Run& run, std::uint64_t& kept) {
-  const unsigned d = probe.table().dimension;
-  auto rows = PointView::row_major(sample.data(), sample.size() / d, d);
-  auto map = GaugeMap::of_leaders(sample, probe, cells, run);
-  if (map == nullptr) return nullptr;
-  rows.count /= 8;
-  rows.point_stride *= 8;
-  std::uint64_t left[2];
-  run.each_item(2, [&](std::uint64_t i) {
-    left[i] = (i == 0 ? probe : *map).survivors(rows, run.with_threads(1)).size();
-  });
-  if (left[1] > left[0]) return nullptr;
-  kept = 8 * left[1];
-  return map;
-}
+/// A probe of some hundred points tells whether a filter pays. From 3D on its hull's map tells
+/// which points of a larger sample are outermost, and these leaders make the map: only the probe's
+/// hull is one thread's. Where leaders do not suit, and in the plane, the map is that of the hull
+/// of a sample. In the plane that takes as long as sorting it and leaves fewer points: of a disc of
+/// 10^7 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
+struct MapSearch {
+  const SampledPoints& points;
+  const Insist insist;
+  const std::uint32_t most_nodes;
+  const Run& run;
+  const std::uint64_t most_probes;
+  // The last sample's hull, until a map is made of it; what is known of the sample.
+  InnerPolytope polytope{};
+  std::uint64_t size = 0, kept = 0;
+  bool suits_leaders = false;
+  std::string found{};
+  std::unique_ptr<GaugeMap> map{};  ///< of leaders
+
+  SampledMap find() {
+    const unsigned d = points.dimension;
+    const char* const flat = "a sample lies in a flat or its hull is too large";
+    if (!take_sample(probe_sample_size(points.count, d))) return {nullptr, flat};
+    if (insist == Insist::no && !cull_pays(points.count, d, size, kept))
+      return {nullptr, found + ", so a filter does not pay"};
+    if (suits_leaders && insist != Insist::late && wanted(true) > size && !try_leaders())
+      return {nullptr, found + ", leaders leave nearly all, so a map does not pay"};
+    const bool led = map != nullptr;
+    if (!led && wanted(false) > size && !take_sample(wanted(false))) return {nullptr, flat};
+    if (insist != Insist::yes && !map_pays(points.count, d, size, kept))
+      return {nullptr, found + ", so a map does not pay"};
+    if (!led) map = map_of_polytope(std::move(polytope), points.count, insist, most_nodes, run);
+    found += map == nullptr          ? ", but the centre is not safely inside their hull"
+             : insist == Insist::yes ? ", filter as asked"
+                                     : ", so the filter pays";
+    return {std::move(map), std::move(found), led};
+  }
+
+  /// Finds a sample's hull. False if it gives no map.
+  bool take_sample(std::uint64_t most) {
+    const unsigned d = points.dimension;
+    const Array<std::uint64_t> ids = sample_ids(points.count, most);
+    // In 3D few points of a sample are extreme (else no map is built), so its hull takes less than
+    // a millisecond: dividing the surface between two threads takes longer than they save.
+    constexpr std::uint64_t worth_threads = 1 << 15;
+    const unsigned threads = d == 3 && most < worth_threads ? 1 : run.threads;
+    Array<double> rows = points.gather(ids);
+    // Below these counts the hull of a sample takes less time; from 5D on a sample of some hundred
+    // points has none in most cells.
+    const std::uint64_t least = d == 3 ? 1 << 18 : 1 << 16;
+    suits_leaders = d > 2 && points.count >= least && (d > 4 || around_their_mean(rows, d));
+    polytope = inner_polytope(std::move(rows), d, run.with_threads(threads));
+    if (polytope.dimension == 0) return false;
+    size = ids.size();
+    kept = polytope.vertices.size() / d;
+    found = sample_finding(size, kept);
+    return true;
+  }
+
+  /// The size of the map's own sample.
+  std::uint64_t wanted(bool leaders) const {
+    const std::uint64_t best = map_sample_size(points.count, points.dimension, size, kept, leaders);
+    const std::uint64_t most = run.budget / (32 * points.dimension * sizeof(double));
+    return std::max(size,
+                    std::min({best, most, best / most_probes >= size ? most_probes * size : best}));
+  }
+
+  // Where a fifth of the probe is extreme, the points may lie on a surface with relief, on which
+  // leaders in valleys bound little: of a scanned body's 2 million points they leave 23 %, the hull
+  // of a sample 6 %. An eighth of the sample tells: of a body it leaves less than 0.8 of the
+  // probe's share, as more points lie nearer to the surface.
+
+  /// Finds the map of leaders, if these suit. False if they leave nearly all points: no map pays.
+  bool try_leaders() {
+    const std::uint64_t most = wanted(true);
+    const auto probe = map_of_polytope(InnerPolytope(polytope), most, insist, most_nodes, run);
+    if (probe == nullptr) return true;
+    std::uint64_t count = 0, left = 0;
+    if (points.dimension == 3 && 5 * kept >= size) {
+      const bool suit =
+          lead(*probe, most / 8, count, left) != nullptr && 5 * left * size <= 4 * kept * count;
+      if (left > 0 && insist == Insist::no && !map_pays(points.count, 3, count, left)) return false;
+      if (!suit) return true;
+    }
+    map = lead(*probe, most, count, left);
+    if (map == nullptr) return true;
+    size = count;
+    kept = left;
+    found += ", the leaders of " + std::to_string(size) + " leave " + std::to_string(kept);
+    return true;
+  }
+
+  /// The map of the leaders of a sample of `count` points, if it keeps fewer of them, `left`, than
+  /// that of the probe's hull does, tested with an eighth of them: a body must have points in most
+  /// directions from its centre, which a scan of the ground has not.
+  std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, std::uint64_t most, std::uint64_t& count,
+                                 std::uint64_t& left) const {
+    const unsigned d = points.dimension;
+    const Array<double> sample = points.gather(sample_blocks(points.count, most, run));
+    count = sample.size() / d;
+    const double outside =
+        static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
+    auto led = GaugeMap::of_leaders(sample, probe,
+                                    cells_of_leaders(outside, points.count, d, most_nodes), run);
+    if (led == nullptr) return nullptr;
+    auto rows = PointView::row_major(sample.data(), count / 8, d);
+    rows.point_stride *= 8;
+    std::uint64_t by[2];
+    run.each_item(2, [&](std::uint64_t i) {
+      by[i] = (i == 0 ? probe : *led).survivors(rows, run.with_threads(1)).size();
+    });
+    if (by[1] > by[0]) return nullptr;
+    left = 8 * by[1];
+    return led;
+  }
+};
 
 }  // namespace
 
-// A probe of some hundred points tells whether a filter pays. From 3D on its hull's map tells which
-// points of a larger sample are outermost, and these leaders make the map: only the probe's hull is
-// one thread's. Where leaders do not suit, and in the plane, the map is that of the hull of a
-// sample. In the plane that takes as long as sorting it and leaves fewer points: of a disc of 10^7
-// 10,800, in 9.0 ms; leaders leave 82,000 in 10.0 ms.
-//
-// Where a fifth of the probe is extreme, the points may lie on a surface with relief, on which
-// leaders in valleys bound little: of a scanned body's 2 million points they leave 23 %, the hull
-// of a sample 6 %. An eighth of the sample tells: of a body it leaves less than 0.8 of the probe's
-// share, as more points lie nearer to the surface.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {
-  const unsigned d = points.dimension;
-  const char* const none = "a sample lies in a flat or its hull is too large";
-  Sampled sample = hull_of_sample(points, probe_sample_size(points.count, d), run);
-  if (sample.polytope.dimension == 0) return {nullptr, none};
-  std::uint64_t kept = sample.extreme(), size = sample.size;
-  if (insist == Insist::no && !cull_pays(points.count, d, size, kept))
-    return {nullptr, sample_finding(size, kept) + ", so a filter does not pay"};
-  const auto wanted = [&](bool leaders) {
-    const std::uint64_t best = map_sample_size(points.count, d, size, kept, leaders);
-    const std::uint64_t most = run.budget / (32 * d * sizeof(double));
-    return std::max(size,
-                    std::min({best, most, best / most_probes >= size ? most_probes * size : best}));
-  };
-  std::string found = sample_finding(size, kept);
-  SampledMap result;
-  if (sample.suits_leaders && insist != Insist::late && wanted(true) > size) {
-    const auto probe =
-        map_of_polytope(InnerPolytope(sample.polytope), wanted(true), insist, most_nodes, run);
-    if (probe != nullptr) {
-      const auto lead_by = [&](std::uint64_t most, std::uint64_t& count, std::uint64_t& left) {
-        const Array<double> rows = points.gather(sample_blocks(points.count, most, run));
-        count = rows.size() / d;
-        const double outside =
-            static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
-        return lead(*probe, rows, cells_of_leaders(outside, points.count, d, most_nodes), run,
-                    left);
-      };
-      std::uint64_t count = 0, left = 0;
-      bool suit = true;
-      if (d == 3 && 5 * kept >= size) {
-        suit = lead_by(wanted(true) / 8, count, left) != nullptr &&
-               5 * left * size <= 4 * kept * count;
-        if (left > 0 && insist == Insist::no && !map_pays(points.count, d, count, left))
-          return {nullptr, found + ", leaders leave nearly all, so a map does not pay"};
-      }
-      if (suit) result.map = lead_by(wanted(true), count, left);
-      result.led = result.map != nullptr;
-      if (result.led) {
-        kept = left;
-        size = count;
-        found += ", the leaders of " + std::to_string(size) + " leave " + std::to_string(kept);
-      }
-    }
-  }
-  if (!result.led && wanted(false) > size) {
-    sample = hull_of_sample(points, wanted(false), run);
-    if (sample.polytope.dimension == 0) return {nullptr, none};
-    kept = sample.extreme();
-    size = sample.size;
-    found = sample_finding(size, kept);
-  }
-  if (insist != Insist::yes && !map_pays(points.count, d, size, kept))
-    return {nullptr, found + ", so a map does not pay"};
-  if (!result.led)
-    result.map = map_of_polytope(std::move(sample.polytope), points.count, insist, most_nodes, run);
-  result.reason =
-      found + (result.map == nullptr   ? ", but the centre is not safely inside their hull"
-               : insist == Insist::yes ? ", filter as asked"
-                                       : ", so the filter pays");
-  return result;
+  return MapSearch{points, insist, most_nodes, run, most_probes}.find();
 }
 
 }  // namespace cullhull::internal
