@@ -328,7 +328,7 @@ class LeaderGrid {
   /// it bounds the gauge halfway between them, too.
   void level(GaugeTable& t) const {
     const auto before = t.nodes;
-    const std::uint64_t line = t.cells + 1, face = t.face_stride;
+    const std::uint64_t line = t.cells + 1, face = static_cast<std::uint64_t>(t.face_stride);
     run_.each(before.size(), 2048, [&](std::uint64_t begin, std::uint64_t end) {
       for (std::uint64_t node = begin; node < end; ++node) {
         std::uint64_t rest = node % face, stride = 1;
