@@ -23,17 +23,38 @@
 
 namespace cullhull::internal {
 
-#ifdef CULLHULL_SPAN_ACCOUNT
-
 /// The place in the text that starts a loop. (clang 14 has no std::source_location.)
 struct CodePlace {
+#ifdef CULLHULL_SPAN_ACCOUNT
   const char* file;
   unsigned line;
   static constexpr CodePlace current(const char* file = __builtin_FILE(),
                                      unsigned line = __builtin_LINE()) {
     return {file, line};
   }
+#else
+  static constexpr CodePlace current() { return {}; }
+#endif
 };
+
+/// Counts the time until its destruction as time in which `lock` is held.
+class LockSpan {
+ public:
+#ifdef CULLHULL_SPAN_ACCOUNT
+  explicit LockSpan(const void* lock);
+  ~LockSpan();
+  LockSpan(const LockSpan&) = delete;
+  LockSpan& operator=(const LockSpan&) = delete;
+
+ private:
+  const void* lock_;
+  double begin_;
+#else
+  explicit constexpr LockSpan(const void*) {}
+#endif
+};
+
+#ifdef CULLHULL_SPAN_ACCOUNT
 
 /// A loop of the text, or the stretch of one thread from one loop to the next.
 struct SpanStretch {
@@ -64,30 +85,9 @@ bool counts_loop();
 void run_counted_loop(std::uint64_t count, unsigned workers, const CodePlace& where,
                       const std::function<void(std::uint64_t)>& item);
 
-/// Counts the time until its destruction as time in which `lock` is held.
-class LockSpan {
- public:
-  explicit LockSpan(const void* lock);
-  ~LockSpan();
-  LockSpan(const LockSpan&) = delete;
-  LockSpan& operator=(const LockSpan&) = delete;
-
- private:
-  const void* lock_;
-  double begin_;
-};
-
 #else
 
-struct CodePlace {
-  static constexpr CodePlace current() { return {}; }
-};
-
 inline constexpr bool counting_spans() { return false; }
-
-struct LockSpan {
-  explicit constexpr LockSpan(const void*) {}
-};
 
 #endif
 
