@@ -116,12 +116,14 @@ struct HullStream::Impl {
     NumberedPoints all;
     std::vector<NumberedPoints> taken;
     std::shared_ptr<const StreamMap> before;
-    std::uint64_t seen_now, others;
+    std::uint64_t count, seen_now, others;
     bool reduced_already;
     {
       const Guard lock(*this);
       reduced_already = exact && unreduced() == 0;
-      if (reduced_already && hull == nullptr && (block == nullptr || !map_is_late)) {
+      const bool unasked =
+          hull == nullptr || extreme.dimension == 0;  // a push may set it meanwhile
+      if (reduced_already && unasked && (block == nullptr || !map_is_late)) {
         reduced = seen;
         return;
       }
@@ -134,7 +136,6 @@ struct HullStream::Impl {
       before = map;
     }
     std::shared_ptr<const StreamMap> next;
-    std::uint64_t count;
     bool exactly = false;
     try {
       Options step = options;

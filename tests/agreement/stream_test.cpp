@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <thread>
+#include <utility>
 
 #include "agreement/all_paths.hpp"
 #include "agreement/point_sets.hpp"
@@ -486,6 +487,25 @@ TEST(Stream, StatesWhileOthersPush) {
   }
   pusher.join();
   EXPECT_EQ(stream.state().ids(), sorted_vertices(convex_hull(view_of(s))));
+}
+
+// The first block comes while hull() is under way: the stream has its dimension from then on.
+TEST(Stream, TheFirstBlockWhileAHullIsAsked) {
+  const PointSet ball = generated("ball", 600, 3, 9);
+  const PointView whole = view_of(ball);
+  HullStream* pushes = nullptr;
+  const auto push = [&] {
+    if (HullStream* const stream = std::exchange(pushes, nullptr))
+      std::thread([&] { stream->push(part_of(whole, 0, 300), 0); }).join();
+  };
+  Options options = options_of(1);
+  options.poll = push;
+  HullStream stream(options);
+  pushes = &stream;
+  EXPECT_THROW(stream.hull(), Error);
+  push();
+  stream.push(part_of(whole, 300, 600), 300);
+  EXPECT_EQ(canonical_hash(stream.hull()), canonical_hash(convex_hull(whole)));
 }
 
 TEST(Stream, BytesAreReadBackAndNothingElseIs) {
