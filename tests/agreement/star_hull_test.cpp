@@ -289,6 +289,22 @@ TEST(StarHull, LargerSets) {
   EXPECT_FALSE(cut_off.counts.whole());
 }
 
+TEST(StarHull, ScaledAndOffCentre) {
+  Tally tally;
+  for (const char* shape : {"ball", "sphere", "cube"})
+    for (const double scale : {1e-100, 1e-30, 1.0, 1e30, 1e100})
+      for (const double offset : {-3.0, 1e3, 1e6}) {
+        PointSet set = testing_support::random_set(shape, 500, 3, 12);
+        for (double& v : set.coordinates) v = (v + offset) * scale;
+        const std::string name = std::string(shape) + " times " + std::to_string(scale);
+        expect_the_engines(set.coordinates, name, tally);
+        if (scale > 1e-40 && scale < 1e31)
+          expect_the_engines(std::vector<float>(set.coordinates.begin(), set.coordinates.end()),
+                             name + ", f32", tally);
+      }
+  EXPECT_GT(4 * tally.held, 3 * tally.sets) << said(tally);
+}
+
 TEST(StarHull, FlatTinyHugeAndNotFinite) {
   Tally tally;
   for (const double scale : {1e-322, 1e-300, 1e-150, 1e150, 1e307}) {
