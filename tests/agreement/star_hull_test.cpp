@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -234,6 +236,28 @@ TEST(StarHull, MovingPointsKeepTheSurface) {
     }
     // Frames 51, 52, and of 150 to 153 those that follow one of the same points.
     EXPECT_GE(moved, std::string_view(motion) == "teleport" ? 1U : 4U) << motion;
+  }
+}
+
+// A ring between two apexes that winds twice in the next frame, convex at every edge: the last
+// surface is closed and seen from inside everywhere, but not the hull.
+TEST(StarHull, ASurfaceThatWindsTwiceIsNotKept) {
+  constexpr unsigned ring = 15;
+  StarHull<SerialExecutor, RowsInPlace<3, double>> hull(SerialExecutor{});
+  for (const unsigned turns : {1U, 2U}) {
+    std::vector<double> points = {0, 0, 1, 0, 0, -1};
+    for (unsigned i = 0; i < ring; ++i) {
+      const double angle = 2 * std::numbers::pi * turns * i / ring;
+      points.insert(points.end(), {std::cos(angle), std::sin(angle), 0.01 * std::sin(5 * angle)});
+    }
+    const PointView view = PointView::row_major(points.data(), ring + 2, 3);
+    std::vector<PseudoHullRound> rounds;
+    const Found found = found_by<double>(hull, view, rounds);
+    EXPECT_FALSE(found.counts.moved);
+    EXPECT_TRUE(found.counts.whole());
+    EXPECT_EQ(canonical_hash(hull_of_left(view, found)),
+              canonical_hash(convex_hull(view, options_of(1, CullMethod::none))));
+    hull.keep(found.counts);
   }
 }
 

@@ -129,14 +129,17 @@ struct StarPlaces {
   }
 };
 
-/// Of a first surface: facets without a cone, edges that are certainly reflex, and how many of some
-/// rows are not certainly inside.
+/// Of a first surface: facets without a cone, those that a ray through the first facet may meet,
+/// edges that are certainly reflex, and how many of some rows are not certainly inside.
 struct StarCheck {
-  std::uint32_t open = 0, reflex = 0, outside = 0;
+  std::uint32_t open = 0, met = 0, reflex = 0, outside = 0;
+
+  /// It covers each direction once (docs/exactness.md, H7).
+  bool good() const { return open == 0 && met == 1; }
 };
 struct AddChecks {
   CULLHULL_HD StarCheck operator()(StarCheck a, const StarCheck& b) const {
-    return {a.open + b.open, a.reflex + b.reflex, a.outside + b.outside};
+    return {a.open + b.open, a.met + b.met, a.reflex + b.reflex, a.outside + b.outside};
   }
 };
 /// Items are the facets, then rows `stride` apart.
@@ -155,6 +158,7 @@ struct CheckStart {
     }
     const StarCone& here = places.cone[i];
     found.open = !here.certain();
+    found.met = may_meet(here);
     for (unsigned k = 0; k < 3; ++k) {
       const StarSide beyond = places.facet[i].across[k];
       const std::uint32_t opposite = places.facet[beyond.facet()].vertex[beyond.corner()];
@@ -163,6 +167,23 @@ struct CheckStart {
       found.reflex += pseudo_distance<3>(here.plane.normal, here.base, x) > here.plane.error;
     }
     return found;
+  }
+
+ private:
+  /// Whether the ray from the centre through the middle of the first facet is not certainly outside
+  /// of a cone.
+  CULLHULL_HD bool may_meet(const StarCone& here) const {
+    double middle[3] = {0, 0, 0};
+    for (const std::uint32_t v : places.facet[0].vertex) {
+      double x[3];
+      if (v == no_item) return false;  // which is open
+      rows.load(v, x);
+      for (unsigned k = 0; k < 3; ++k) middle[k] += x[k] / 3;
+    }
+    for (unsigned k = 0; k < 3; ++k)
+      if (pseudo_distance<3>(here.side[k].normal, places.centre, middle) > here.side[k].error)
+        return false;
+    return true;
   }
 };
 
@@ -491,8 +512,8 @@ class StarGrowth {
       const FromNearestNode from{grid, frame};
       constexpr std::uint32_t sample = 1024;  // at least 2^11 rows are there
       const StarCheck found = make_cones(from, sample);
-      if (found.open != 0 && !refined) return false;
-      if (found.open != 0) {
+      if (!found.good() && !refined) return false;
+      if (!found.good()) {
         grid.m /= 2;  // which had no open facet
       } else if (!refined && 2 * found.outside > sample && count_ / (4 * grid.cells()) >= 64) {
         grid.m *= 2;
@@ -512,7 +533,7 @@ class StarGrowth {
     kept_ = 0;
     if (first_ == 0 || kept_rows_ != count_) return false;
     const FromNode from{{nodes_, frame}, facet_of_node_.data()};
-    if (make_cones(from, 0).open != 0) return false;
+    if (!make_cones(from, 0).good()) return false;
     executor_.for_each(nodes_.facets(), WalkNode{places(from), facet_of_node_.data()});
     place(from, true, rounds);
     return true;
@@ -583,7 +604,7 @@ class StarGrowth {
       for (auto& v : f.vertex) v = simplex.row[v];
     first_ = 4;
     executor_.upload(facet, 4, facet_.data());
-    if (make_cones(FromFirstFacet{}, 0).open != 0) return false;
+    if (!make_cones(FromFirstFacet{}, 0).good()) return false;
     place(FromFirstFacet{}, true, rounds);
     return true;
   }
