@@ -34,6 +34,7 @@
 #include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
 #include "cullhull/cullhull.hpp"
+#include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "cullhull/generate.hpp"
 #include "filter/gauge/gauge_map.hpp"
@@ -550,8 +551,11 @@ class Passes {
     const auto here = PointView::row_major(rows.data(), n, 3);
     Hull device, host;
     const double d = wall([&] { device = convex_hull(view, on(Backend::cuda)); });
+    DeviceHull left;
+    const double l = wall([&] { left = convex_hull_on_device(view, on(Backend::cuda)); });
     const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
+    if (left.volume != host.volume) throw std::runtime_error("a hull left there is another one");
     const Options options = on(Backend::cuda);
     const StarHullThere found =
         star_hull_there(view, internal::Run(options), {.place = internal::HullPlace::nowhere});
@@ -563,6 +567,7 @@ class Passes {
             {"star_aside", found.counts.aside},
             {"device_seconds", d},
             {"of_that_cull", device.statistics.cull_seconds},
+            {"left_there_seconds", l},
             {"survivors", device.statistics.survivors},
             {"filter", filter_name(device.statistics.filter)},
             {"reason", device.statistics.cull_reason},
