@@ -28,7 +28,7 @@ constexpr const char* cull_footer =
     "  -o .npy .csv .txt   ids of the survivors in ascending order (.npy: int64; -o -: .npy)\n"
     "  -o .ply .xyz        coordinates of the survivors\n"
     "  -o .geojson         2D and 3D: a Point with its id for each survivor\n"
-    "  -o .las             of one .las: the survivors' complete records, scale and offset\n"
+    "  -o .las             of one .las or .laz: the survivors' records, scale and offset\n"
     "  --points            coordinates as .npy .ply .csv .xyz .txt .geojson, or .las; .npy and "
     ".ply\n"
     "                      keep the scalar type\n"
@@ -90,7 +90,9 @@ std::string wrote_lines(const CullArguments& arguments) {
 bool has_las_name(const std::string& path) {
   const std::string ending = ending_of(path);
   const bool packed = ending == ".gz" || ending == ".zst";
-  return (packed ? ending_of(path.substr(0, path.size() - ending.size())) : ending) == ".las";
+  const std::string inner =
+      packed ? ending_of(path.substr(0, path.size() - ending.size())) : ending;
+  return inner == ".las" || inner == ".laz";
 }
 
 /// Records are copied from one file: those of several may differ in scale and point format.

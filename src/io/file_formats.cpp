@@ -133,10 +133,11 @@ std::vector<FileFormat> table() {
   add(only_written("glb"), "", {hull, triangulation}, Shape::mesh);
   add(only_written("vtp"), "", {hull, triangulation, cells}, Shape::mesh);
   add(only_written("vtk"), "", {triangulation});
-  add(of_records("las laz", las_records, "LASF"),  // its error names a reader for .laz
-      "  .las             LAS 1.0 to 1.4, all point formats; other fields (classification,\n"
-      "                   intensity, gps_time, red, ...) are columns\n",
-      {records});
+  add(of_records("las laz copc", las_records, "LASF"),
+      "  .las .laz        LAS 1.0 to 1.4, all point formats, also compressed (LAZ, COPC); other\n"
+      "                   fields (classification, intensity, gps_time, red, ...) are columns\n",
+      {records})
+      .chunks = las_chunks;
   add(of_records("pcd", pcd_records, "# .PCD", read_pcd),
       "  .pcd             fields x, y, z: ascii, binary (memory-mapped), binary_compressed\n");
   add(of_text("geojson geojsonl geojsons geojsonseq", read_geojson, begins_with_json),
@@ -180,7 +181,7 @@ std::vector<FileFormat> table() {
       {made})
       .axes = false;
   add(of_others("e57 parquet gpkg shp fgb gml kml", Reader::program)).name = {};
-  add(of_others("zarr copc", Reader::package)).name = {};
+  add(of_others("zarr", Reader::package)).name = {};
   return all;
 }
 
@@ -216,7 +217,9 @@ std::string format_of_content(const Source& s) {
 /// The points of a file that is no text of rows.
 PointData points_of(const Source& file, const FileFormat& format, const ReadOptions& options) {
   if (format.read != nullptr) return format.read(file, options);
-  const RecordLayout layout = *format.records(file, file.size, options);
+  std::optional<RecordLayout> found = format.records(file, file.size, options);
+  if (!found) found = format.chunks(file, file.size, reader_of(file), options);
+  const RecordLayout layout = *std::move(found);
   return layout.decode({file.name, file.data + layout.offset, file.size - layout.offset}, 0,
                        layout.count);
 }
@@ -346,6 +349,30 @@ std::optional<RecordLayout> layout_of(const std::string& format, const Source& h
                                       std::uint64_t size, const ReadOptions& options) {
   const FileFormat* const f = format_named(format);
   return f != nullptr && f->records != nullptr ? f->records(head, size, options) : std::nullopt;
+}
+
+ReadAt reader_of(const Source& file) {
+  return [&file](char* out, std::size_t size, std::uint64_t offset) {
+    std::copy_n(file.data + offset, size, out);
+  };
+}
+
+std::pair<std::size_t, std::size_t> chunks_with(const std::vector<RecordChunk>& chunks,
+                                                std::uint64_t first, std::uint64_t count) {
+  if (count == 0) return {0, 0};
+  const auto from = std::partition_point(chunks.begin(), chunks.end(), [&](const RecordChunk& c) {
+    return c.first + c.count <= first;
+  });
+  const auto to = std::partition_point(
+      from, chunks.end(), [&](const RecordChunk& c) { return c.first < first + count; });
+  return {from - chunks.begin(), to - chunks.begin()};
+}
+
+std::optional<RecordLayout> chunks_of(const std::string& format, const Source& head,
+                                      std::uint64_t size, const ReadAt& read,
+                                      const ReadOptions& options) {
+  const FileFormat* const f = format_named(format);
+  return f != nullptr && f->chunks != nullptr ? f->chunks(head, size, read, options) : std::nullopt;
 }
 
 PointData read_points(const Source& file, const ReadOptions& options) {

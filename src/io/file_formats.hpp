@@ -67,6 +67,9 @@ struct FileFormat {
   /// others.
   std::optional<RecordLayout> (*records)(const Source& head, std::uint64_t size,
                                          const ReadOptions& options) = nullptr;
+  /// Its points in compressed chunks, which are read in blocks where the file can be read anywhere.
+  std::optional<RecordLayout> (*chunks)(const Source& head, std::uint64_t size, const ReadAt& read,
+                                        const ReadOptions& options) = nullptr;
   /// Whether it is a text with one point a line, which is read in blocks, too.
   bool rows = false;
   /// Whether its columns are called x, y and z.

@@ -10,15 +10,30 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "cullhull/point_view.hpp"
+#include "io/packed/archive.hpp"
 #include "io/source.hpp"
 
 namespace cullhull::internal {
 
 /// The size of a pipe, which is unknown.
 inline constexpr std::uint64_t unknown_size = std::numeric_limits<std::uint64_t>::max();
+
+/// Reads from the memory that holds a whole file; `file` must outlive it.
+ReadAt reader_of(const Source& file);
+
+/// Records that are compressed together.
+struct RecordChunk {
+  std::uint64_t first = 0, count = 0;   ///< of points
+  std::uint64_t offset = 0, bytes = 0;  ///< in the file
+};
+
+/// The chunks [first, second) that have some of `count` points from `first` on.
+std::pair<std::size_t, std::size_t> chunks_with(const std::vector<RecordChunk>& chunks,
+                                                std::uint64_t first, std::uint64_t count);
 
 struct RecordLayout {
   std::string format;
@@ -28,8 +43,11 @@ struct RecordLayout {
   /// The number of arrays of `count` records, one after the other; a point has a record in each.
   std::uint32_t columns = 1;
   bool ends_file = true;  ///< nothing follows the records
-  Placement placement;    ///< of the numbers in the file, by axis of what decode() makes
-  Grid grid;              ///< as PointFile::grid()
+  /// Where records are compressed: all chunks, one after the other. decode() then takes the bytes
+  /// of those that have some of the points.
+  std::vector<RecordChunk> chunks;
+  Placement placement;  ///< of the numbers in the file, by axis of what decode() makes
+  Grid grid;            ///< as PointFile::grid()
   /// Makes points of `count` points' records (columns one after the other), the first of which has
   /// index `first` in the file; in place where possible.
   std::function<PointData(const Source& records, std::uint64_t first, std::uint64_t count)> decode;
@@ -48,6 +66,10 @@ std::optional<RecordLayout> pcd_records(const Source& head, std::uint64_t size,
 std::optional<RecordLayout> raw_records(const Source& head, std::uint64_t size,
                                         const ReadOptions& options);
 
+/// Of a file whose points are in chunks, such as LAZ; empty for others. `read`: of all its bytes.
+std::optional<RecordLayout> las_chunks(const Source& head, std::uint64_t size, const ReadAt& read,
+                                       const ReadOptions& options);
+
 /// The format by options, name or content: "npy", ..., or "text".
 std::string choose_format(const Source& head, const ReadOptions& options);
 
@@ -56,6 +78,10 @@ bool is_text(std::string_view format);
 /// The layout of a format of records; nothing for other formats and files.
 std::optional<RecordLayout> layout_of(const std::string& format, const Source& head,
                                       std::uint64_t size, const ReadOptions& options);
+/// The same of a format of chunks.
+std::optional<RecordLayout> chunks_of(const std::string& format, const Source& head,
+                                      std::uint64_t size, const ReadAt& read,
+                                      const ReadOptions& options);
 /// The line, from 1, of a point of a text that is not compressed; nothing if it has none.
 std::optional<std::uint64_t> line_in_file(const Source& file, std::uint64_t point);
 /// The names of the columns that every file of the format has; empty for most formats.

@@ -143,6 +143,31 @@ class Las(Files):
                         self.assertEqual(got.evlrs[0].record_data, b"x" * 99)
                     self.assertEqual(self.hull_vertices(fewer), self.hull_vertices(path))
 
+    def test_laz_is_the_las(self):
+        """Every command's output, and the records of survivors; the same hull from a pipe."""
+        las, laz = self.folder / "a.las", self.folder / "a.laz"
+        for point_format in (0, 1, 2, 3, 6, 7, 8):
+            for count in (1, 10, 49_999, 50_000, 50_001):
+                scan = self.las(point_format, "1.4" if point_format > 5 else "1.2", count)
+                scan.write(str(las))
+                scan.write(str(laz))
+                with self.subTest(point_format=point_format, count=count):
+                    for words in (("--columns", "x,y"), ("--by", "return_number")):
+                        self.assertEqual(self.hull_of(laz, options=words),
+                                         self.hull_of(las, options=words))
+                    for stream in ("off", "on"):
+                        got = []
+                        for path in (las, laz):
+                            out = self.folder / (path.stem + "-fewer.las")
+                            done = run("cull", path, "-o", out, "--stream", stream)
+                            self.assertEqual(done.returncode, 0, done.stderr.decode())
+                            got.append(laspy.read(str(out)).points.array)
+                        self.assertTrue((got[0] == got[1]).all())
+                    with open(laz, "rb") as pipe:
+                        done = subprocess.run([PROGRAM, "hull", "-", "-q", "-o", "-"],
+                                              stdin=pipe, capture_output=True, timeout=120)
+                    self.assertEqual(done.stdout, self.hull_of(las), done.stderr)
+
     def hull_vertices(self, path):
         done = run("hull", path, "--format", "p")
         self.assertEqual(done.returncode, 0, done.stderr.decode())

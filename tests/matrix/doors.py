@@ -442,5 +442,6 @@ ELSEWHERE = {
     ".json": "the ending of the doors geojson-features and json-rows",
     ".hullstate": "holds extreme points alone: the tests of streams compare states",
     ".h5 .nc": "needs h5py to be written: foreign_files",
-    ".laz .e57 .parquet .zarr .gpkg .shp .fgb .gml .kml": "read by the Python package: its tests",
+    ".laz .copc": "needs lazrs to be written: foreign_files",
+    ".e57 .parquet .zarr .gpkg .shp .fgb .gml .kml": "read by the Python package: its tests",
 }

@@ -224,7 +224,7 @@ TEST(IoLas, HeadersThatLie) {
   };
   expect_error({.minor = 5}, "byte 24: LAS version 1.5");
   expect_error({.format = 11, .record = 80}, "byte 104: LAS point format 11");
-  expect_error({.format = 0x80}, "LAZ");
+  expect_error({.format = 0x80}, "the points are compressed (LAZ), but no record");
   expect_error({.format = 1, .record = 27}, "byte 105: records of 27 bytes");
   expect_error({.header = 100, .offset = 400}, "byte 94: LAS header of 100 bytes");
   expect_error({.minor = 4, .header = 300}, "byte 94: LAS header of 300 bytes");

@@ -164,6 +164,18 @@ TEST_F(Files, CompressedRawNumbersAndNumbersThatLookCompressed) {
   EXPECT_EQ(rows_in_blocks(file("p.raw.gz", gz(numbers)), raw), want);
 }
 
+/// A stream's chunk table is at its end: it is read whole, and placed as other scans are.
+TEST_F(Files, CompressedLaz) {
+  for (const char* name : {"format-3", "format-8", "variable"}) {
+    const std::string laz = std::string(CULLHULL_ROOT) + "/fuzz/corpus/laz/" + name + ".laz";
+    const Rows want = in_memory(laz);
+    ASSERT_EQ(want.size(), 240U);
+    const std::string packed = file("p.laz.gz", gz(slurp(laz)));
+    EXPECT_EQ(in_memory(packed), want);
+    EXPECT_EQ(rows_in_blocks(packed), want);
+  }
+}
+
 TEST_F(Files, CompressedPolygons) {
   const std::string plain = R"({"type": "Polygon", "coordinates": [[[0,0],[4,0],[0,4],[0,0]]]})";
   const Polygons want = read_polygons(file("p.geojson", plain));

@@ -22,14 +22,14 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/cuda", 5575},  {"src/delaunay", 4320}, {"src/diagrams", 6900}, {"src/distributed", 250},
     {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8665},
     {"src/flow", 1545},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
-    {"src/io", 16640},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7595},
+    {"src/io", 18280},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7595},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 860},   {"bindings", 28405},
-    {"tests", 51585},    {"docs", 9675},         {"apps", 9510},         {"bench", 7560},
+    {"tests", 51710},    {"docs", 9675},         {"apps", 9510},         {"bench", 7560},
     {"viewer", 3430},    {"scripts", 3560},
 };
 
 bool is_text(const fs::path& file) {
-  static const std::set<std::string> others{".png", ".gz",  ".xz", ".npy", ".las",
+  static const std::set<std::string> others{".png", ".gz",  ".xz", ".npy", ".las",  ".laz",
                                             ".ply", ".pyc", ".h5", ".svg", ".jsonl"};
   return others.count(file.extension().string()) == 0;
 }

@@ -74,6 +74,8 @@ class CountedBlocks : public BlockSource {
     empty_ = count == 0;
   }
   virtual PointData read(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const = 0;
+  /// How many points the block takes that begins with this one, about `wanted`.
+  virtual std::uint64_t block_at(std::uint64_t, std::uint64_t wanted) const { return wanted; }
   /// The bytes of the file up to this point.
   virtual std::uint64_t bytes_before(std::uint64_t point) const = 0;
 
@@ -107,6 +109,69 @@ class RecordBlocks : public CountedBlocks {
   }
 
   OpenedBytes from_;
+  RecordLayout layout_;
+};
+
+[[noreturn]] void refuse_whole(const std::string& name, std::uint64_t bytes) {
+  throw Error(ErrorCode::out_of_budget, name, ": this format is read whole, and it has more than ",
+              bytes >> 20, " MiB, a quarter of the memory budget; .npy or text come in pieces");
+}
+
+/// Reads all bytes to `out` and returns how many there are.
+std::size_t read_whole(const OpenedBytes& from, RawArray<char>& out, const ReadOptions& options) {
+  // As documented, a quarter of the memory: as much for the points, and the rest for the hull.
+  const std::uint64_t limit = resolve_budget(options.memory_budget) / 4;
+  std::size_t size = 0, capacity = from.head.size() + 1;
+  out.reserve(capacity);
+  for (;;) {
+    size += read_pieces(*from.stream, out.data() + size, capacity - size, options);
+    if (size > limit) refuse_whole(from.name, size);
+    if (size < capacity) return size;
+    capacity *= 2;
+    out.reserve(capacity);
+  }
+}
+
+/// Records that are compressed in chunks: a block is the rest of a chunk and perhaps more chunks.
+/// `whole`: all bytes of what is no regular file, else null.
+class ChunkBlocks : public CountedBlocks {
+ public:
+  ChunkBlocks(OpenedBytes&& from, RawArray<char>&& whole, RecordLayout&& layout,
+              std::size_t block_bytes)
+      : from_(std::move(from)), whole_(std::move(whole)), layout_(std::move(layout)) {
+    describe(from_.name, layout_);
+    std::string().swap(from_.head);
+    divide(layout_.count, block_bytes / layout_.record_bytes);
+  }
+
+ private:
+  PointData read(std::uint64_t first, std::uint64_t count, BlockMemory& memory) const override {
+    const auto [from, to] = chunks_with(layout_.chunks, first, count);
+    if (from == to) return layout_.decode({name_, nullptr, 0}, first, count);
+    const std::uint64_t begin = layout_.chunks[from].offset;
+    const std::size_t bytes = end_of(layout_.chunks[to - 1]) - begin;
+    if (whole_.data() != nullptr)
+      return layout_.decode({name_, whole_.data() + begin, bytes}, first, count);
+    char* const out = memory.room(bytes);
+    read_at(from_, out, bytes, begin);
+    return layout_.decode({name_, out, bytes}, first, count);
+  }
+  std::uint64_t block_at(std::uint64_t first, std::uint64_t wanted) const override {
+    const auto [from, to] = chunks_with(layout_.chunks, first, wanted);
+    if (from == to) return wanted;
+    const RecordChunk& last = layout_.chunks[to - 1];
+    return last.first + last.count - first;
+  }
+  std::uint64_t bytes_before(std::uint64_t point) const override {
+    if (whole_.data() != nullptr) return from_.stream->taken();
+    if (point == layout_.count) return from_.size;
+    const auto [from, to] = chunks_with(layout_.chunks, point, 1);
+    return from == to ? layout_.offset : layout_.chunks[from].offset;
+  }
+  static std::uint64_t end_of(const RecordChunk& c) { return c.offset + c.bytes; }
+
+  OpenedBytes from_;
+  RawArray<char> whole_;
   RecordLayout layout_;
 };
 
@@ -331,17 +396,7 @@ class WholeInput : public BlockSource {
 
   bool next(BlockTask& task, BlockMemory&) override {
     if (std::exchange(done_, true)) return false;
-    // As documented, a quarter of the memory: as much for the points, and the rest for the hull.
-    const std::uint64_t limit = resolve_budget(options_.memory_budget) / 4;
-    std::size_t size = 0, capacity = from_.head.size() + 1;
-    bytes_.reserve(capacity);
-    for (;;) {
-      size += read_pieces(*from_.stream, bytes_.data() + size, capacity - size, options_);
-      if (size > limit) refuse(size);
-      if (size < capacity) break;
-      capacity *= 2;
-      bytes_.reserve(capacity);
-    }
+    const std::size_t size = read_whole(from_, bytes_, options_);
     task.count.reset();
     task.taken = from_.stream->taken();
     task.load = [this, size] { return load({name_, bytes_.data(), size}); };
@@ -386,11 +441,6 @@ class WholeInput : public BlockSource {
         std::max(state.decimals(), state.places()),
         " decimals, which does not contain all other inputs, or of these one is a pipe; read "
         "the files that it was made from");
-  }
-  [[noreturn]] void refuse(std::uint64_t bytes) const {
-    throw Error(ErrorCode::out_of_budget, name_,
-                ": this format is read whole, and it has more than ", bytes >> 20,
-                " MiB, a quarter of the memory budget; .npy or text come in pieces");
   }
   LoadedBlock load(const Source& source) const {
     ReadOptions quarter = options_;
@@ -544,10 +594,26 @@ std::unique_ptr<BlockSource> open_source(const std::string& path, const BlockOpt
   // checks for cancellation between blocks.
   ReadOptions uninterrupted = read;
   uninterrupted.stop = {};
-  if (auto layout = layout_of(format, head, from.size, uninterrupted)) {
+  auto layout = layout_of(format, head, from.size, uninterrupted);
+  RawArray<char> whole;
+  const bool chunked = !layout && format_named(format)->chunks != nullptr;
+  if (chunked && from.file.get() >= 0) {
+    const ReadAt read_file = [&](char* out, std::size_t size, std::uint64_t at) {
+      read_at(from, out, size, at);
+    };
+    layout = chunks_of(format, head, from.size, read_file, uninterrupted);
+  } else if (chunked) {
+    const std::size_t size = read_whole(from, whole, read);
+    const Source bytes{from.name, whole.data(), size};
+    layout = chunks_of(format, bytes, bytes.size, reader_of(bytes), uninterrupted);
+  }
+  if (layout) {
     if (!read.columns.empty() || !read.key.empty())
       choose_columns_of(*layout, head.name, column_names(format), read);
     place_points_of(*layout, read);
+    if (chunked)
+      return std::make_unique<ChunkBlocks>(std::move(from), std::move(whole), std::move(*layout),
+                                           options.block_bytes);
     if (from.file.get() >= 0)
       return std::make_unique<RecordBlocks>(std::move(from), std::move(*layout),
                                             options.block_bytes);

@@ -80,7 +80,13 @@ bool worth_streaming(const std::vector<std::string>& files, const Options& optio
     if (packed || (beyond && internal::comes_in_blocks({path, seen.data(), seen.size()}, {}, true)))
       return true;
   }
-  return input_bytes(files) > half;
+  std::uint64_t unpacked = input_bytes(files);
+  constexpr std::uint64_t most = 8;  // bytes of records in a byte of LAZ, but for what is constant
+  for (const std::string& file : files)
+    if (const std::string ending = internal::extension_of(file);
+        ending == "laz" || ending == "copc")
+      unpacked += (most - 1) * input_bytes({file});
+  return unpacked > half;
 }
 
 }  // namespace cullhull

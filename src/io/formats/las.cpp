@@ -1,11 +1,15 @@
-// LAS 1.0 to 1.4, all point formats: x y z as stored in the file, 32-bit integers; and
-// some of a file's records as another.
+// LAS 1.0 to 1.4, all point formats, also compressed (LAZ, COPC): x y z as stored in the file,
+// 32-bit integers; and some of a file's records as another.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "io/formats/las_fields.hpp"
+#include "io/formats/laz.hpp"
 #include "io/mapped_file.hpp"
 #include "io/packed/unpack.hpp"
 #include "io/records.hpp"
@@ -13,6 +17,8 @@
 #include "io/write/mesh.hpp"
 #include "io/write/output_file.hpp"
 #include "parallel/byte_order.hpp"
+#include "parallel/memory/raw_array.hpp"
+#include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
@@ -21,12 +27,6 @@ template <class T>
 T field(const Source& head, std::size_t at) {
   return load_little_endian<T>(head.data + at);
 }
-
-struct LasHeader {
-  unsigned minor = 0, format = 0;
-  std::uint64_t offset = 0, record = 0, count = 0;
-  Placement placement;
-};
 
 /// Bytes that each point format has at least (ASPRS LAS 1.4 R15).
 constexpr std::uint64_t least_record[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
@@ -67,13 +67,12 @@ LasHeader parse_header(const Source& head, Numbers numbers) {
   const unsigned header_size = field<std::uint16_t>(head, 94);
   if (header_size < oldest || (h.minor == 4 && header_size < with_wide_count))
     fail_at_byte(head, 94, "LAS header of ", header_size, " bytes");
+  h.header_size = header_size;
   h.offset = field<std::uint32_t>(head, 96);
+  h.vlrs = field<std::uint32_t>(head, 100);
   const unsigned format = field<std::uint8_t>(head, 104);
   h.format = format & 0x3F;
-  if (format != h.format)
-    fail(head,
-         "holds compressed points (LAZ), which the Python package unpacks: python3 -m cullhull ... "
-         "in the place of cullhull ..., or cullhull.read(path) (pip install 'laspy[lazrs]')");
+  h.compressed = format != h.format;
   if (h.format >= std::size(least_record))
     fail_at_byte(head, 104, "LAS point format ", h.format, "; 0 to 10 are known");
   h.record = field<std::uint16_t>(head, 105);
@@ -88,8 +87,7 @@ LasHeader parse_header(const Source& head, Numbers numbers) {
   if (h.offset < header_size)
     fail_at_byte(head, 96, "points at byte ", h.offset, ", within the header");
   h.placement = placement_of(head, numbers);
-  if (!h.placement.empty())
-    h.placement.unit = las_unit(head, header_size, field<std::uint32_t>(head, 100));
+  if (!h.placement.empty()) h.placement.unit = las_unit(head, header_size, h.vlrs);
   return h;
 }
 
@@ -105,7 +103,8 @@ void check_room(const Source& head, const LasHeader& h, std::uint64_t size) {
 PointData points_of_records(const std::string& file, const char* records, std::uint64_t count,
                             const LasHeader& h, const ReadOptions& options) {
   PointData data;
-  data.format = "las 1." + std::to_string(h.minor) + ", point format " + std::to_string(h.format);
+  data.format = "las 1." + std::to_string(h.minor) + ", point format " + std::to_string(h.format) +
+                (h.compressed ? ", LAZ" : "");
   data.in_place = true;
   data.placement = h.placement;
   data.view = {reinterpret_cast<const std::byte*>(records),
@@ -119,12 +118,7 @@ PointData points_of_records(const std::string& file, const char* records, std::u
   return data;
 }
 
-}  // namespace
-
-std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
-                                        const ReadOptions& options) {
-  const LasHeader h = parse_header(head, options.numbers);
-  check_room(head, h, size);
+RecordLayout layout_of_header(const Source& head, const LasHeader& h, const ReadOptions& options) {
   RecordLayout layout;
   const PointData none = points_of_records(head.name, nullptr, 0, h, options);
   layout.format = none.format;
@@ -133,6 +127,57 @@ std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
   layout.record_bytes = h.record;
   layout.ends_file = false;
   layout.placement = none.placement;
+  return layout;
+}
+
+/// The points [first, first + count) of a LAZ file, from the bytes of their chunks.
+PointData points_of_chunks(const LazLayout& laz, const LasHeader& h, const Source& bytes,
+                           std::uint64_t first, std::uint64_t count, const ReadOptions& options) {
+  LazRows rows;
+  rows.record = h.record;
+  rows.needed = las_bytes(h.format, h.record, bytes.name, options);
+  LasHeader decoded = h;
+  if (!rows.needs(12, h.record - 12)) decoded.record = 12;  // x, y and z are what is needed
+  rows.stride = decoded.record;
+  const auto [from, to] = chunks_with(laz.chunks, first, count);
+  std::uint64_t size = 0;
+  for (std::size_t i = from; i < to; ++i) size += laz.chunks[i].count;
+  std::optional<ReadLimit> limit;  // else what a header promises might exceed the memory
+  if (ReadLimit::current() == nullptr) limit.emplace(bytes.name, options);
+  if (!multiply(size, rows.stride, size)) ReadLimit::current()->refuse(size);
+  Buffer room(std::max<std::uint64_t>(1, size));
+  rows.out = room.as<char>();
+  decode_chunks(laz, from, to, bytes, rows, options);
+  const std::uint64_t skip = from < to ? first - laz.chunks[from].first : 0;
+  PointData data =
+      points_of_records(bytes.name, rows.out + skip * rows.stride, count, decoded, options);
+  if (data.in_place) data.storage = std::move(room);
+  data.in_place = false;
+  return data;
+}
+
+}  // namespace
+
+std::optional<RecordLayout> las_chunks(const Source& head, std::uint64_t size, const ReadAt& read,
+                                       const ReadOptions& options) {
+  const LasHeader h = parse_header(head, options.numbers);
+  if (!h.compressed) return std::nullopt;
+  const auto laz = std::make_shared<const LazLayout>(laz_layout(head.name, h, size, read));
+  RecordLayout layout = layout_of_header(head, h, options);
+  layout.chunks = laz->chunks;
+  if (!laz->chunks.empty()) layout.offset = laz->chunks[0].offset;
+  layout.decode = [laz, h, options](const Source& bytes, std::uint64_t first, std::uint64_t count) {
+    return points_of_chunks(*laz, h, bytes, first, count, options);
+  };
+  return layout;
+}
+
+std::optional<RecordLayout> las_records(const Source& head, std::uint64_t size,
+                                        const ReadOptions& options) {
+  const LasHeader h = parse_header(head, options.numbers);
+  if (h.compressed) return std::nullopt;
+  check_room(head, h, size);
+  RecordLayout layout = layout_of_header(head, h, options);
   layout.decode = [h, options](const Source& records, std::uint64_t, std::uint64_t count) {
     return points_of_records(records.name, records.data, count, h, options);
   };
@@ -150,9 +195,8 @@ void put(std::string& head, std::size_t at, T value) {
 /// What a header says of the points: how many, how many of each return, where they are.
 class Census {
  public:
-  Census(const LasHeader& h, const Source& las) : h_(h), records_(las.data + h.offset) {}
+  explicit Census(const LasHeader& h) : h_(h) {}
 
-  const char* record(std::uint64_t id) const { return records_ + id * h_.record; }
   void count(const char* record) {
     ++count_;
     const unsigned bits = static_cast<unsigned char>(record[14]);
@@ -188,39 +232,92 @@ class Census {
 
  private:
   const LasHeader& h_;
-  const char* records_;
   std::uint64_t count_ = 0, returns_[15] = {};
   std::int32_t least_[3] = {}, greatest_[3] = {};
 };
 
-/// Records behind the points (waveforms, extended ones) come nearer by what was left out.
-void move_up(std::string& head, const LasHeader& h, std::uint64_t kept) {
-  const std::uint64_t end = h.offset + h.count * h.record, moved = (h.count - kept) * h.record;
-  for (const std::size_t at : {std::size_t{227}, std::size_t{235}}) {
-    if (h.minor < (at == 227 ? 3U : 4U) || at + 8 > field<std::uint16_t>({"", head.data(), 0}, 94))
-      continue;
-    const auto where = load_little_endian<std::uint64_t>(head.data() + at);
-    if (where >= end) put(head, at, where - moved);
-  }
+/// The header's places of records behind the points: waveforms, extended ones.
+std::vector<std::size_t> places_behind(const std::string& head, const LasHeader& h) {
+  std::vector<std::size_t> places;
+  for (const std::size_t at : {std::size_t{227}, std::size_t{235}})
+    if (h.minor >= (at == 227 ? 3U : 4U) && at + 8 <= h.header_size &&
+        load_little_endian<std::uint64_t>(head.data() + at) > h.offset)
+      places.push_back(at);
+  return places;
 }
 
-void write_records(OutputFile& out, const Source& las, const std::vector<std::uint64_t>& ids) {
-  const LasHeader h = parse_header(las, Numbers::raw);
-  check_room(las, h, las.size);
-  std::string head(las.data, h.offset);
-  Census census(h, las);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] >= h.count || (i > 0 && ids[i] <= ids[i - 1]))
-      throw Error(ErrorCode::invalid_argument, las.name, ": ids must ascend below ", h.count);
-    census.count(census.record(ids[i]));
+/// What is written: the header, records and what is behind them.
+class Kept {
+ public:
+  Kept(const Source& las, const std::vector<std::uint64_t>& ids)
+      : las_(las), ids_(ids), h_(parse_header(las, Numbers::raw)) {
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (ids[i] >= h_.count || (i > 0 && ids[i] <= ids[i - 1]))
+        throw Error(ErrorCode::invalid_argument, las.name, ": ids must ascend below ", h_.count);
+    if (!h_.compressed) check_room(las, h_, las.size);
+    head_.assign(las.data, std::min<std::uint64_t>(h_.offset, las.size));
+    end_ = h_.offset + h_.count * h_.record;
+    if (h_.compressed) unpack();
   }
-  census.write(head);
-  move_up(head, h, ids.size());
-  out.write(head);
-  for (const std::uint64_t id : ids) out.write({census.record(id), h.record});
-  const std::uint64_t end = h.offset + h.count * h.record;
-  out.write({las.data + end, las.size - end});
-}
+
+  void write(OutputFile& out) {
+    Census census(h_);
+    for (std::size_t i = 0; i < ids_.size(); ++i) census.count(record(i));
+    census.write(head_);
+    const std::uint64_t end = head_.size() + ids_.size() * h_.record;
+    for (const std::size_t at : places_behind(head_, h_)) {
+      const auto where = load_little_endian<std::uint64_t>(head_.data() + at);
+      if (where >= end_) put(head_, at, where - end_ + end);
+    }
+    out.write(head_);
+    for (std::size_t i = 0; i < ids_.size(); ++i) out.write({record(i), h_.record});
+    out.write({las_.data + end_, las_.size - end_});
+  }
+
+ private:
+  const char* record(std::size_t i) const {
+    return h_.compressed ? records_.data() + i * h_.record
+                         : las_.data + h_.offset + ids_[i] * h_.record;
+  }
+
+  /// Decodes the records of a LAZ file and takes from its header that it is one.
+  void unpack() {
+    const LazLayout laz = laz_layout(las_.name, h_, las_.size, reader_of(las_));
+    records_.resize(ids_.size() * h_.record);
+    for_each_chunk(laz.chunks.size(), 1, resolve_threads(0),
+                   [&](std::uint64_t c, std::uint64_t, std::uint64_t) { unpack(laz, c); });
+    end_ = las_.size;
+    for (const std::size_t at : places_behind(head_, h_))
+      end_ = std::min(end_, load_little_endian<std::uint64_t>(head_.data() + at));
+    head_.erase(laz.vlr, laz.vlr_bytes);
+    put(head_, 96, static_cast<std::uint32_t>(head_.size()));
+    put(head_, 100, static_cast<std::uint32_t>(h_.vlrs - 1));
+    put(head_, 104, static_cast<std::uint8_t>(h_.format));
+  }
+  void unpack(const LazLayout& laz, std::size_t number) {
+    const RecordChunk& chunk = laz.chunks[number];
+    const auto from = std::lower_bound(ids_.begin(), ids_.end(), chunk.first);
+    const auto to = std::lower_bound(from, ids_.end(), chunk.first + chunk.count);
+    if (from == to) return;
+    const Buffer room(chunk.count * h_.record);
+    const LazRows rows{room.as<char>(), h_.record, h_.record, std::vector<bool>(h_.record, true)};
+    ReadOptions alone;
+    alone.threads = 1;
+    decode_chunks(laz, number, number + 1,
+                  {las_.name, las_.data + chunk.offset, static_cast<std::size_t>(chunk.bytes)},
+                  rows, alone);
+    char* out = records_.data() + (from - ids_.begin()) * static_cast<std::ptrdiff_t>(h_.record);
+    for (auto id = from; id < to; ++id, out += h_.record)
+      std::copy_n(room.as<char>() + (*id - chunk.first) * h_.record, h_.record, out);
+  }
+
+  const Source& las_;
+  const std::vector<std::uint64_t>& ids_;
+  LasHeader h_;
+  std::string head_;
+  std::string records_;    ///< of LAZ
+  std::uint64_t end_ = 0;  ///< of the points in the file
+};
 
 }  // namespace
 }  // namespace cullhull::internal
@@ -238,8 +335,9 @@ void write_las_records(const std::string& path, const std::string& las,
   ReadOptions options;
   RawArray<char> unpacked;
   unwrap(input, source, options, unpacked);
+  Kept kept(source, ids);
   OutputFile out(path);
-  write_records(out, source, ids);
+  kept.write(out);
   out.commit();
 }
 

@@ -155,6 +155,30 @@ double LasField::of(const char* record) const {
   return 0;
 }
 
+unsigned LasField::bytes() const {
+  if (kind == Kind::f64) return 8;
+  return kind == Kind::i16 || kind == Kind::u16 ? 2 : 1;
+}
+
+std::vector<bool> las_bytes(unsigned format, std::size_t record, const std::string& file,
+                            const ReadOptions& options) {
+  std::vector<bool> bytes(record);
+  const auto need = [&](std::size_t at, std::size_t size) {
+    std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), size, true);
+  };
+  const Columns all(format);
+  constexpr std::uint32_t axes = 3, axis_bytes = 4;
+  std::vector<std::uint32_t> columns =
+      find_columns(options.columns.empty() ? ":" : options.columns, file, all.names(), axes);
+  if (!options.key.empty()) columns.push_back(find_key(options, file, all.names(), axes, columns));
+  for (const std::uint32_t c : columns)
+    if (Columns::is_axis(c))
+      need(std::size_t{axis_bytes} * c, axis_bytes);
+    else
+      need(all.field(c).offset, all.field(c).bytes());
+  return bytes;
+}
+
 void choose_las_columns(PointData& data, const char* records, std::size_t record, unsigned format,
                         const std::string& file, const ReadOptions& options) {
   data.chosen = true;

@@ -18,10 +18,15 @@ struct LasField {
   unsigned shift = 0, width = 8;  ///< of Kind::bits within a byte
 
   double of(const char* record) const;
+  unsigned bytes() const;
 };
 
 /// Those of a point format from 0 to 10, after x, y and z.
 const std::vector<LasField>& las_fields(unsigned format);
+
+/// Which bytes of a record of `record` bytes hold the axes, columns and keys that are asked for.
+std::vector<bool> las_bytes(unsigned format, std::size_t record, const std::string& file,
+                            const ReadOptions& options);
 
 /// choose_columns for `data.view.count` records of `record` bytes whose x, y and z `data` views:
 /// columns and keys may be fields, too. If one of them is not an integer (gps_time), all become
