@@ -15,7 +15,6 @@ constexpr const char* formats_tail =
     "  -                standard input; its format is detected from the content\n"
     "\n"
     "The program of the Python package, 'python3 -m cullhull', also reads:\n"
-    "  .laz             with laspy\n"
     "  .gpkg .shp .fgb .gml .kml   vertices of all geometries, with pyogrio; FILE.gpkg:LAYER;\n"
     "                   it writes .gpkg .shp .fgb where .geojson is written\n"
     "  .parquet .e57    with pyarrow, with pye57\n"

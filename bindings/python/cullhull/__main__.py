@@ -1,4 +1,4 @@
-"""``python -m cullhull ...``: the command line, shipped with the package. It also reads .laz, vector
+"""``python -m cullhull ...``: the command line, shipped with the package. It also reads vector
 files such as .gpkg and .shp, .parquet and .e57, with other packages: block by block into files of a
 temporary folder, so that the program's ``--memory`` holds for them, too. It also writes .gpkg, .shp
 and .fgb, from the program's .geojson. The program is told which files are whose, so that it names
@@ -21,7 +21,7 @@ from .geo import _vectors
 _MANY = 1 << 20
 _CANCELLED = 130
 #: Endings of files that are converted for the program, which does not read them.
-_CONVERTED = (".laz", ".parquet", ".e57", *_vectors.ENDINGS)
+_CONVERTED = (".parquet", ".e57", *_vectors.ENDINGS)
 #: Options by what their values are: files that are written, files of polygons or lines, a column or a
 #: file of numbers, columns.
 _OUTPUTS = ("-o", "--output", "--vertices", "--points")
@@ -85,25 +85,6 @@ class _Folder:
         return {**os.environ, "CULLHULL_CONVERTED": str(listed)}
 
 
-def _unpack(path: str, target: Path) -> None:
-    """A .laz as a .las."""
-    from ._errors import BadFile
-    from ._extras import needed
-
-    laspy = needed("laspy", "reading .laz files", "laz")
-    try:
-        with laspy.open(path) as scan, open(target, "wb") as file:
-            with laspy.open(file, mode="w", header=scan.header, closefd=False) as out:
-                for points in scan.chunk_iterator(1 << 20):
-                    # As records: points with a scale are rescaled where it differs from the file's,
-                    # and NaN differs from NaN.
-                    out.write_points(laspy.PackedPointRecord(points.array, points.point_format))
-    except (KeyboardInterrupt, SystemExit):
-        raise
-    except BaseException as error:  # lazrs panics on some damaged files
-        raise BadFile(f"{path}: {error}") from None
-
-
 def _write_crs(target: Path, crs: str | None) -> None:
     """Beside a file, where the program looks for it."""
     if crs:
@@ -127,10 +108,6 @@ def _convert(word: str, folder: _Folder, columns: list[str] | None, asked: list[
 
     path = _file_of(word)
     ending = os.path.splitext(path)[1].lower()
-    if ending == ".laz":
-        target = folder.place(word, ".las", format="laz")
-        _unpack(path, target)
-        return str(target)
     if ending in _vectors.ENDINGS:
         about = _vectors.describe(word, all_layers="info" in sys.argv[1:2])
         crs = about.pop("crs")

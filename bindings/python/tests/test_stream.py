@@ -428,7 +428,7 @@ def _write_by_fsspec(fsspec, name, ending, points):
             scan(points).write(file)
 
 
-def test_the_package_reads_laz_for_the_program(tmp_path):
+def test_the_program_reads_laz(tmp_path):
     numbers = (cullhull.generate("ball", 900) * 1e6).astype(np.int32)
     las = scan(numbers, "laz", 6, "1.4", [0.01, 0.1, 0.001], [484000, -200.5, 300])
     las.classification = np.arange(900) % 3

@@ -1,5 +1,5 @@
-"""Points from files: by the program's own readers, or by Python packages (LAZ, E57, Parquet, HDF5,
-Zarr, GeoPackage and other vector files)."""
+"""Points from files: by the program's own readers, or by Python packages (E57, Parquet, HDF5, Zarr,
+ GeoPackage and other vector files)."""
 
 from __future__ import annotations
 
@@ -36,10 +36,9 @@ def read(
 ) -> Any:
     """The points of a file.
 
-    .npy, .ply, .las, .pcd, .obj, .off, .stl, .xyz, .txt, .csv, .pts, .ptx, .node, .asc, .geojson
+    .npy, .ply, .las, .laz (COPC, too), .pcd, .obj, .off, .stl, .xyz, .txt, .csv, .pts, .ptx, .node, .asc, .geojson
     and .wkt, and these compressed (.gz, .zst, .npz) need no other package; what holds records of
-    numbers is mapped, and the array is a view of the file that is not to be changed meanwhile. .laz and COPC need laspy (``pip install
-    'cullhull[laz]'``), .e57 pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
+    numbers is mapped, and the array is a view of the file that is not to be changed meanwhile. .e57 needs pye57 (extra ``e57``), .parquet pyarrow (``parquet``), FOLDER.zarr or
     FOLDER.zarr/NAME (an array) zarr (``zarr``), FILE.h5:/GROUP/NAME (a dataset) or FILE.nc:x,y,z (a
     column each) h5py (``hdf5``); NetCDF of the classic format needs SciPy. .gpkg (also FILE.gpkg:LAYER), .shp, .fgb, .gml and .kml need
     pyogrio and pyarrow (``vector``); the points are the vertices of all geometries, without the
@@ -49,7 +48,7 @@ def read(
     to number * scale + offset, else what laspy computes. The two differ by laspy's roundings.
 
     Names with a protocol (``s3://bucket/a.parquet``) are opened by fsspec (extra ``remote``):
-    .npy, .las, .laz, .parquet, .zarr and .h5.
+    .npy, .las, .laz, .parquet, .zarr and .h5. There .las and .laz need laspy (``laz``).
 
     Parameters
     ----------
@@ -119,7 +118,7 @@ def read(
         ending = ".gpkg"
     remote = "://" in name
     reader = _READERS.get(ending, _native)
-    if ending == ".las" and not remote:
+    if ending in (".las", ".laz") and not remote:
         reader = _native
     if remote and reader in (_native, _e57_scans, _vector):
         known = [e for e, of in _READERS.items() if of not in (_e57_scans, _vector)]
