@@ -77,6 +77,7 @@ inline void read_once(const std::uint8_t* data, std::size_t size, ReadOptions op
     touch_all(view);
     if (!options.key.empty() && points.keys.size() != view.count) std::abort();
   } catch (const Error& error) {
+    if (options.memory_budget != 0 && error.code() == ErrorCode::out_of_budget) return;
     check_refusal(error, !options.columns.empty() || !options.key.empty() || options.decimal != 0);
   }
 }
@@ -87,6 +88,7 @@ inline void read_all(const std::uint8_t* data, std::size_t size, const ReadOptio
   ReadOptions chosen = choose_columns(data, size);
   chosen.format = options.format;
   chosen.decimal = options.decimal;
+  chosen.memory_budget = options.memory_budget;
   chosen.raw_dimension = options.raw_dimension;
   chosen.raw_scalar = options.raw_scalar;
   read_once(data, size, chosen);
