@@ -344,10 +344,10 @@ void write_points(const std::string& path, const PointView& points,
 void write_points(const std::string& path, const HullState& state, const std::string& format = "",
                   const MapExtras& extras = {});
 
-/// Writes the records of the LAS file `las` (any name that open_points accepts) with these ids,
-/// ascending, as a LAS file. All fields of these records, scale, offset, point format and other
-/// records are copied byte for byte; the header's counts and box describe the new file. Throws
-/// Error{bad_file} unless `las` is LAS, Error{invalid_argument} for an id out of range or another
+/// Writes the records of the LAS or LAZ file `las` (any name that open_points accepts) with these
+/// ids, ascending, as a LAS file. All fields of these records, scale, offset, point format and
+/// other records are the same bytes; the header's counts and box describe the new file. Throws
+/// Error{bad_file} unless `las` is one, Error{invalid_argument} for an id out of range or another
 /// extension than .las.
 void write_las_records(const std::string& path, const std::string& las,
                        const std::vector<std::uint64_t>& ids);
