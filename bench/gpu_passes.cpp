@@ -1,25 +1,27 @@
-// Times of a device's steps for each kind of points: gpu_passes [--out FILE] [--scale S] [--seconds
-// T]
+// Times of a device's calls and of their steps: gpu_passes [--out FILE] [--scale S] [--seconds T]
+// [--part PART]
 //
 // Prints one JSON object per line as soon as it is measured, and appends it to FILE, so that an
 // interrupted run reports what it has done. A kernel's time is a tenth of that of ten calls between
-// two events of their stream; the stages of a whole call are the times between events at their
-// borders; everything else is timed by the host's clock. Medians of five after a first run that is
-// not counted. Parts that do not fit into the device's memory, or would start after T seconds, are
-// skipped and reported as skipped. Exit status 5: no device.
+// two events of their stream; everything else is timed by the host's clock. First, least, median
+// and most of a first run and five others. Beside a call stand what was predicted for it and what
+// it should take, and the median's ratio to each. Parts that do not fit into the device's memory,
+// or would start after T seconds, are skipped and reported as skipped; with --part all but those
+// whose name begins so are. Exit status 5: no device.
 #include <cuda_runtime_api.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -29,7 +31,6 @@
 #include "cuda/kept_tables.hpp"
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cuda/kernels/hull_questions_kernel.hpp"
-#include "cuda/kernels/pseudo_hull.hpp"
 #include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/kernels/star_hull.hpp"
 #include "cuda/runtime.hpp"
@@ -39,7 +40,6 @@
 #include "cullhull/generate.hpp"
 #include "filter/gauge/gauge_map.hpp"
 #include "filter/planner.hpp"
-#include "flow/pipeline.hpp"
 #include "flow/sample_map.hpp"
 #include "geometry/gather.hpp"
 #include "json_lines.hpp"
@@ -58,24 +58,41 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
+/// Of calls after a first one, which also loads and allocates.
+struct Times {
+  double first = 0, least = 0, median = 0, most = 0;
+};
+
+Times times_of(double first, std::vector<double> others) {
+  if (others.empty()) others.push_back(first);
+  std::sort(others.begin(), others.end());
+  return {first, others.front(), others[others.size() / 2], others.back()};
+}
+
+ordered_json told(const Times& times) {
+  return {{"first", times.first},
+          {"least", times.least},
+          {"median", times.median},
+          {"most", times.most}};
 }
 
 /// Timed runs, and calls between two events; a run of smaller sets, which is a test, makes fewer.
 unsigned repeats = 5, calls = 10;
 
-double wall(const std::function<void()>& work) {
+double seconds_of(const std::function<void()>& work) {
+  const auto start = Clock::now();
   work();
-  std::vector<double> times;
-  for (unsigned k = 0; k < repeats; ++k) {
-    const auto start = Clock::now();
-    work();
-    times.push_back(seconds_since(start));
-  }
-  return median(times);
+  return seconds_since(start);
 }
+
+Times timed(const std::function<void()>& work, unsigned others = repeats) {
+  const double first = seconds_of(work);
+  std::vector<double> times;
+  for (unsigned k = 0; k < others; ++k) times.push_back(seconds_of(work));
+  return times_of(first, std::move(times));
+}
+
+double wall(const std::function<void()>& work) { return timed(work).median; }
 
 /// Seconds between two events of a stream around the work that `work` queues on it.
 double between_events(cudaStream_t stream, const std::function<void()>& work) {
@@ -102,125 +119,110 @@ double by_events(cudaStream_t stream, const std::function<void()>& work) {
   std::vector<double> times;
   (void)between_events(stream, several);
   for (unsigned k = 0; k < repeats; ++k) times.push_back(between_events(stream, several) / calls);
-  return median(times);
+  return times_of(0, std::move(times)).median;
 }
 
-/// Points uniform in the ball.
-template <class T>
-std::vector<T> ball(unsigned d, std::uint64_t n) {
-  const std::vector<double> rows = generate("ball", n, d);
+std::vector<float> points_of(const char* shape, std::uint64_t n, unsigned d) {
+  const std::vector<double> rows = generate(shape, n, d);
   return {rows.begin(), rows.end()};
 }
 
-/// The stages of a call that is made several times: each ends at an event of the stream. The host
-/// waits for the stream at the end of each, so that a stage of the CPU lasts from event to event,
-/// too.
-class Stages {
- public:
-  explicit Stages(cudaStream_t stream) : stream_(stream) {}
-  ~Stages() {
-    for (const Mark& m : marks_) (void)cudaEventDestroy(m.event);
-  }
-  Stages(const Stages&) = delete;
-  Stages& operator=(const Stages&) = delete;
+enum class Kind { hull, host, frames, sets };
 
-  void begin() { mark(""); }
-  /// The stage that ends here.
-  void end(const char* name) { mark(name); }
-
-  /// The median of each stage over the calls but the first; a stage that occurs twice in a call
-  /// counts with its sum. In the order in which they end, and last their sum.
-  ordered_json medians() {
-    check(cudaStreamSynchronize(stream_), "waiting for a stream");
-    std::vector<std::string> order;
-    std::map<std::string, std::vector<double>> times;
-    unsigned call = 0;
-    for (std::size_t i = 0; i < marks_.size(); ++i) {
-      const std::string& name = marks_[i].name;
-      if (name.empty()) {
-        ++call;
-        continue;
-      }
-      float milliseconds = 0;
-      check(cudaEventElapsedTime(&milliseconds, marks_[i - 1].event, marks_[i].event),
-            "reading an event");
-      std::vector<double>& of = times[name];
-      if (of.empty()) order.push_back(name);
-      of.resize(call);
-      of[call - 1] += 1e-3 * milliseconds;
-    }
-    ordered_json json;
-    double sum = 0;
-    for (const std::string& name : order) {
-      const std::vector<double>& of = times[name];
-      const double seconds = median({of.begin() + (of.size() > 1 ? 1 : 0), of.end()});
-      json[name] = seconds;
-      sum += seconds;
-    }
-    json["sum"] = sum;
-    return json;
-  }
-
- private:
-  struct Mark {
-    std::string name;
-    cudaEvent_t event;
-  };
-
-  void mark(const char* name) {
-    check(cudaStreamSynchronize(stream_), "waiting for a stream");
-    cudaEvent_t event = nullptr;
-    check(cudaEventCreate(&event), "making an event");
-    marks_.push_back({name, event});
-    check(cudaEventRecord(event, stream_), "recording an event");
-  }
-
-  cudaStream_t stream_;
-  std::vector<Mark> marks_;
+/// Milliseconds: predicted for an H200 from counts and rates of earlier runs (bench/notes/gpu.md,
+/// "The next run: predictions"), and wanted; 0: neither.
+struct Goal {
+  double predicted, wanted;
 };
+
+/// What is measured whole: points of a shape, f32; of frames the motion, too.
+struct Row {
+  Kind kind;
+  const char* shape;
+  unsigned d;
+  double count;
+  Goal to_host, left_there;
+  const char* motion = "";
+};
+
+/// `count` is divided by 50 for sets of that size.
+constexpr Row rows_of_run[] = {
+    {Kind::hull, "ball", 3, 8e6, {1.9, 1.5}, {1.8, 0}},
+    {Kind::hull, "ball", 3, 1e8, {7, 3.5}, {}},
+    {Kind::hull, "sphere", 3, 1e6, {15, 12}, {10, 7}},
+    {Kind::hull, "sphere", 3, 1e5, {2.9, 0}, {2.4, 0}},
+    {Kind::hull, "shell", 3, 1e6, {1.6, 0}, {}},
+    {Kind::hull, "cube", 3, 2e6, {2.3, 0}, {}},
+    {Kind::hull, "gauss", 3, 2e6, {1.5, 0}, {}},
+    {Kind::hull, "scan", 3, 1e6, {3.1, 0}, {}},
+    {Kind::hull, "bumpy", 3, 3.6e6, {4.2, 0}, {}},
+    {Kind::hull, "ball", 3, 65536, {1.1, 0.8}, {}},
+    {Kind::hull, "ball", 3, 131072, {1.1, 0}, {}},
+    {Kind::hull, "ball", 4, 8e6, {373, 190}, {}},
+    {Kind::frames, "ball", 3, 1e6, {0.8, 0.6}, {}, "spin"},
+    {Kind::frames, "bumpy", 3, 1e6, {0.8, 0.6}, {}, "twist"},
+    {Kind::frames, "bumpy", 3, 1e6, {0.8, 0.6}, {}, "fracture"},
+    {Kind::host, "ball", 3, 2e7, {18, 20}, {}},
+    {Kind::sets, "ball", 3, 5e6, {47.5, 16}, {3, 2.8}},
+    {Kind::sets, "ball", 2, 5e6, {}, {1.3, 0}},
+    {Kind::hull, "sphere", 3, 2e7, {}, {170, 0}},
+};
+
+ordered_json told(const Times& times, Goal goal) {
+  ordered_json json = told(times);
+  const auto beside = [&](const char* name, const char* ratio, double milliseconds) {
+    if (milliseconds == 0) return;
+    json[name] = 1e-3 * milliseconds;
+    json[ratio] = times.median / (1e-3 * milliseconds);
+  };
+  beside("predicted", "of_predicted", goal.predicted);
+  beside("wanted", "of_wanted", goal.wanted);
+  return json;
+}
 
 class Passes {
  public:
-  Passes(double scale, double seconds, const std::string& file)
-      : scale_(scale), lines_(file, seconds) {
+  Passes(double scale, double seconds, const std::string& file, std::string only)
+      : scale_(scale), only_(std::move(only)), lines_(file, seconds) {
     if (scale < 1) repeats = 1, calls = 2;
   }
 
   void run() {
     part("device", [&] { return about(); });
-    part("copy on the device", [&] { return copy_rate(); });
-    part("pass, f32", [&] { return pass<float>(3, Layout::packed); });
-    part("stages of a hull, points on the device", [&] { return stages(); });
-    part("hull, points on the device", [&] { return hull_there(ball<float>(3, scaled(8e6))); });
-    for (const double n : {1e5, 1e6})
-      part("hull, a sphere's points on the device", [&] { return hull_there(sphere(scaled(n))); });
-    part("pseudo-hull", [&] { return pseudo_hull(); });
-    for (const unsigned d : {3U, 2U}) part("batch of sets of 50", [&] { return batch(d); });
+    part("first call", [&] { return first_call(); });
+    for (const Row& row : rows_of_run) {
+      switch (row.kind) {
+        case Kind::hull:
+          part("hull, points on the device", [&] { return hull(row); });
+          break;
+        case Kind::host:
+          part("hull, points on the host", [&] { return hull_from_host(row); });
+          break;
+        case Kind::frames:
+          part("moving points", [&] { return frames(row); });
+          break;
+        case Kind::sets:
+          part("batch of sets of 50", [&] { return batch(row); });
+      }
+    }
     part("questions to a hull", [&] { return questions(); });
     part("questions to a hull, by cells", [&] { return questions_by_cells(); });
-    part("moving points", [&] { return tracker(); });
+    part("copy on the device", [&] { return copy_rate(); });
     part("link, pinned memory", [&] { return link(); });
-    for (const unsigned d : {2U, 4U, 5U, 6U})
-      part("pass, f32", [&] { return pass<float>(d, Layout::packed); });
-    part("pass, f64", [&] { return pass<double>(3, Layout::packed); });
-    part("pass, f32, columns", [&] { return pass<float>(3, Layout::columns); });
-    part("pass, f32, misaligned", [&] { return pass<float>(3, Layout::misaligned); });
-    part("hull, points on the host", [&] { return hull_from_host(); });
+    for (const unsigned d : {3U, 4U}) part("pass, f32", [&] { return pass(d); });
     part("hulls on threads beside one another", [&] { return hulls_on_threads(); });
     part("pass, more than 2^31 points", [&] { return many_points(); });
-    part("pass, more than 2^32 words of mask", [&] { return many_words(); });
   }
   bool failed() const { return lines_.failed(); }
 
  private:
-  enum class Layout { packed, columns, misaligned };
-
   std::uint64_t scaled(double n) const {
-    return std::max<std::uint64_t>(5000, static_cast<std::uint64_t>(n * scale_));
+    return std::min(static_cast<std::uint64_t>(n),
+                    std::max<std::uint64_t>(2500, static_cast<std::uint64_t>(n * scale_)));
   }
 
   void part(const char* name, const std::function<ordered_json()>& work) {
-    lines_.part({{"part", name}}, work);
+    if (std::string_view(name).starts_with(only_)) lines_.part({{"part", name}}, work);
   }
 
   ordered_json about() const {
@@ -263,15 +265,14 @@ class Passes {
   }
 
   /// `n` values on the device: the given values, repeated.
-  template <class T>
-  DeviceArray<T> repeated(const std::vector<T>& values, std::uint64_t n,
-                          cudaStream_t stream) const {
-    DeviceArray<T> all(n, stream);
+  static DeviceArray<float> repeated(const std::vector<float>& values, std::uint64_t n,
+                                     cudaStream_t stream) {
+    DeviceArray<float> all(n, stream);
     std::uint64_t have = std::min<std::uint64_t>(n, values.size());
     upload(all.data(), values.data(), have, stream);
     while (have < n) {
       const std::uint64_t more = std::min(have, n - have);
-      check(cudaMemcpyAsync(all.data() + have, all.data(), more * sizeof(T),
+      check(cudaMemcpyAsync(all.data() + have, all.data(), more * sizeof(float),
                             cudaMemcpyDeviceToDevice, stream),
             "copying");
       have += more;
@@ -280,8 +281,7 @@ class Passes {
     return all;
   }
 
-  template <class T>
-  static std::unique_ptr<internal::GaugeMap> map_of(const std::vector<T>& rows, unsigned d) {
+  static std::unique_ptr<internal::GaugeMap> map_of(const std::vector<float>& rows, unsigned d) {
     const Options options;
     const auto run = internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
     const auto view = PointView::row_major(rows.data(), rows.size() / d, d);
@@ -341,32 +341,22 @@ class Passes {
     return json;
   }
 
-  template <class T>
-  ordered_json pass(unsigned d, Layout layout) const {
-    const std::vector<T> rows = ball<T>(d, scaled(1e6));
+  ordered_json pass(unsigned d) const {
+    const std::vector<float> rows = points_of("ball", scaled(1e6), d);
     const auto map = map_of(rows, d);
-    const std::uint64_t n = scaled(layout == Layout::packed && d == 3 ? 1e8 : 3e7);
+    const std::uint64_t n = scaled(d == 3 ? 1e8 : 3e7);
     const CudaStream stream;
-    const bool shifted = layout == Layout::misaligned;
-    const DeviceArray<T> there = repeated(rows, n * d + (shifted ? d : 0), stream.get());
-    // Read as columns, this memory holds other points in the same box; the pass takes as long.
-    DevicePointView view =
-        layout == Layout::columns
-            ? DevicePointView::column_major(there.data(), n, d, stream.get())
-            : DevicePointView::row_major(there.data() + (shifted ? d : 0), n, d, stream.get());
-    std::optional<std::uint64_t> expected;
-    if (layout != Layout::columns) {
-      const std::uint64_t period = rows.size() / d;
-      const auto ids =
-          survivors(*map, DevicePointView::row_major(there.data(), period, d, stream.get()));
-      expected = kept_of_repeated(ids, period, shifted ? 1 : 0, n);
-    }
-    return time_pass(*map, view, expected);
+    const DeviceArray<float> there = repeated(rows, n * d, stream.get());
+    const std::uint64_t period = rows.size() / d;
+    const auto ids =
+        survivors(*map, DevicePointView::row_major(there.data(), period, d, stream.get()));
+    return time_pass(*map, DevicePointView::row_major(there.data(), n, d, stream.get()),
+                     kept_of_repeated(ids, period, 0, n));
   }
 
   ordered_json many_points() const {
     const std::uint64_t n = scale_ < 1 ? scaled(1e6) + 777 : (std::uint64_t{1} << 31) + 1001;
-    const std::vector<float> rows = ball<float>(3, scaled(1e6));
+    const std::vector<float> rows = points_of("ball", scaled(1e6), 3);
     const auto map = map_of(rows, 3);
     const CudaStream stream;
     const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
@@ -375,155 +365,6 @@ class Passes {
         survivors(*map, DevicePointView::row_major(there.data(), period, 3, stream.get()));
     return time_pass(*map, DevicePointView::row_major(there.data(), n, 3, stream.get()),
                      kept_of_repeated(ids, period, 0, n));
-  }
-
-  /// One point, read so often that the mask has more than 2^32 words (17 GB): an inner one into a
-  /// mask of ones, an outer one into a mask of zeros. Word and tile numbers are counted.
-  ordered_json many_words() const {
-    const std::uint64_t words = scale_ < 1 ? 3000 : (std::uint64_t{1} << 32) + 3000;
-    const std::uint64_t n = words * 32 - 5;
-    const auto map = map_of(ball<float>(3, scaled(1e6)), 3);
-    const internal::GaugeTable& table = map->table();
-    const CudaStream stream;
-    const DeviceArray<float> nodes(table.nodes.size(), stream.get());
-    upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream.get());
-    const DeviceArray<std::uint32_t> mask(mask_room(n), stream.get());
-    ordered_json json = {{"words", words}, {"count", n}};
-    for (const bool inner : {true, false}) {
-      const std::vector<float> point =
-          inner ? std::vector<float>{0.1F, 0.05F, 0.02F} : std::vector<float>{2, 1, 0.5F};
-      const DeviceArray<float> there(3, stream.get());
-      upload(there.data(), point.data(), point.size(), stream.get());
-      DevicePointView view = DevicePointView::row_major(there.data(), n, 3, stream.get());
-      view.point_stride = 0;
-      check(cudaMemsetAsync(mask.data(), inner ? 0xFF : 0, words * sizeof(std::uint32_t),
-                            stream.get()),
-            "clearing");
-      const double took = between_events(stream.get(), [&] {
-        check(gauge_mask(table, nodes.data(), view, mask.data(), this_device(), stream.get()),
-              "culling");
-      });
-      const std::uint64_t kept = bits_of(mask.data(), words, stream.get());
-      if (kept != (inner ? 0 : n))
-        throw std::runtime_error("the mask has " + std::to_string(kept) + " points");
-      json[inner ? "inner_seconds" : "outer_seconds"] = took;
-    }
-    return json;
-  }
-
-  /// Offsets of a mask's tiles in the list of its bits; the last one is how many there are.
-  struct Offsets {
-    DeviceArray<std::uint64_t> there;
-    std::uint64_t total = 0;
-  };
-
-  static Offsets offsets_of(const std::uint32_t* mask, std::uint64_t words, cudaStream_t stream) {
-    const std::uint64_t tiles = (words + tile_words - 1) / tile_words;
-    const DeviceArray<std::uint64_t> counts(tiles + 1, stream);
-    Offsets offsets;
-    offsets.there = DeviceArray<std::uint64_t>(tiles + 1, stream);
-    check(cudaMemsetAsync(counts.data() + tiles, 0, sizeof(std::uint64_t), stream), "counting");
-    check(count_bits(mask, words, counts.data(), stream), "counting");
-    std::size_t bytes = 0;
-    check(sum_counts(nullptr, bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
-          "counting");
-    const DeviceArray<std::byte> scratch(std::max<std::size_t>(bytes, 1), stream);
-    check(sum_counts(scratch.data(), bytes, counts.data(), offsets.there.data(), tiles + 1, stream),
-          "counting");
-    download(&offsets.total, offsets.there.data() + tiles, 1, stream);
-    return offsets;
-  }
-
-  static std::uint64_t bits_of(const std::uint32_t* mask, std::uint64_t words,
-                               cudaStream_t stream) {
-    return offsets_of(mask, words, stream).total;
-  }
-
-  /// The stages of convex_hull for points of a ball on the device, one after another as
-  /// src/cuda/device_filter.cpp runs them; the hull and the survivors must be that call's.
-  ordered_json stages() const {
-    const std::uint64_t n = scaled(8e6);
-    const std::vector<float> rows = ball<float>(3, n);
-    const CudaStream stream;
-    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
-    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
-    Hull hull, call;
-    Stages stages(stream.get());
-    std::uint64_t passed = 0, kept = 0;
-    for (unsigned k = 0; k <= repeats; ++k) hull = by_stages(view, stages, passed, kept);
-    const double seconds = wall([&] { call = convex_hull(view, on(Backend::cuda)); });
-    require_same(hull, call);
-    if (call.statistics.filter == UsedFilter::gauge_pseudo_hull &&
-        call.statistics.survivors != kept)
-      throw std::runtime_error("the stages are not those of the call");
-    return {{"count", n},
-            {"left_by_the_pass", passed},
-            {"survivors", kept},
-            {"stage_seconds", stages.medians()},
-            {"call_seconds", seconds}};
-  }
-
-  static Hull by_stages(const DevicePointView& view, Stages& stages, std::uint64_t& passed,
-                        std::uint64_t& kept) {
-    const auto stream = static_cast<cudaStream_t>(view.stream);
-    const std::uint64_t n = view.count;
-    const Options options = on(Backend::cuda);
-    const internal::Run run(options);
-    const auto one_thread =
-        internal::Run(options).with_threads(1).with_budget(std::uint64_t{4} << 30);
-    stages.begin();
-    internal::InnerPolytope polytope;
-    std::uint64_t size = internal::probe_sample_size(n, 3);
-    for (const bool last : {false, true}) {  // a small sample, then that of the map
-      const Array<std::uint64_t> ids = internal::sample_ids(n, size);
-      Array<double> sample = download_points(view, ids.data(), ids.size(), run);
-      stages.end("sample");
-      polytope = internal::inner_polytope(std::move(sample), 3, one_thread);
-      stages.end("hull of sample");
-      if (last) break;
-      size =
-          std::min(internal::map_sample_size(n, 3, ids.size(), polytope.vertices.size() / 3, false),
-                   ids.size());
-    }
-    const auto map = internal::map_of_polytope(std::move(polytope), n, internal::Insist::no,
-                                               most_gauge_nodes(this_device()), run);
-    if (map == nullptr) throw std::runtime_error("no map");
-    const internal::GaugeTable& table = map->table();
-    stages.end("map");
-    const DeviceArray<float> nodes(table.nodes.size(), stream);
-    upload(nodes.data(), table.nodes.data(), table.nodes.size(), stream);
-    const std::uint64_t words = mask_words(n);
-    const DeviceArray<std::uint32_t> mask(mask_room(n), stream);
-    check(gauge_mask(table, nodes.data(), view, mask.data(), this_device(), stream), "culling");
-    stages.end("pass");
-    const Offsets offsets = offsets_of(mask.data(), words, stream);
-    passed = offsets.total;
-    const DeviceArray<std::uint64_t> left(passed, stream);
-    if (passed > 0)
-      check(list_bits(mask.data(), words, offsets.there.data(), left.data(), stream), "listing");
-    const DeviceArray<float> left_rows(passed * 3, stream);
-    check(gather_rows(view, left.data(), passed, left_rows.data(), stream), "gathering points");
-    const auto left_view = DevicePointView::row_major(left_rows.data(), passed, 3, view.stream);
-    stages.end("list");
-    StarHullThere found = star_hull_there(left_view, run, {});
-    const DeviceIds& inner = found.ids;
-    kept = inner.count;
-    stages.end("pseudo-hull, convex");
-    const DeviceArray<std::uint64_t> ids(kept, stream);
-    check(gather_ids(left.data(), inner.ids.data(), kept, ids.data(), stream), "gathering ids");
-    const DeviceArray<float> kept_rows(kept * 3, stream);
-    check(gather_rows(left_view, inner.ids.data(), kept, kept_rows.data(), stream),
-          "gathering points");
-    internal::Filtered filtered;
-    filtered.survivors.ids.resize(kept);
-    download(filtered.survivors.ids.data(), ids.data(), kept, stream);
-    filtered.rows = download_points(
-        DevicePointView::row_major(kept_rows.data(), kept, 3, view.stream), nullptr, kept, run);
-    filtered.triangles = std::move(found.triangles);
-    stages.end("download");
-    Hull hull = internal::hull_of_rows(std::move(filtered), view, options);
-    stages.end("hull");
-    return hull;
   }
 
   static Options on(Backend backend) {
@@ -537,68 +378,142 @@ class Passes {
       throw std::runtime_error("the device's hull is not the CPU's");
   }
 
-  /// The hull of points on the device, compared with the CPU's from host memory.
-  static std::vector<float> sphere(std::uint64_t n) {
-    const std::vector<double> rows = generate("sphere", n, 3, 1);
-    return {rows.begin(), rows.end()};
+  /// Half of space is empty of them, as of an airborne scan: heights over a square, in steps of a
+  /// centimetre.
+  static std::vector<float> scan(std::uint64_t n) {
+    std::vector<float> rows;
+    const std::vector<double> places = generate("cube", n, 3);
+    for (std::uint64_t i = 0; i < n; ++i) {
+      const double x = 500 * places[3 * i], y = 500 * places[3 * i + 1];
+      const double z = 20 * std::sin(0.01 * x) * std::cos(0.013 * y) + 5 * places[3 * i + 2];
+      for (const double v : {x, y, z}) rows.push_back(static_cast<float>(std::round(100 * v)));
+    }
+    return rows;
   }
 
-  ordered_json hull_there(const std::vector<float>& rows) const {
-    const std::uint64_t n = rows.size() / 3;
+  std::vector<float> points_of_row(const Row& row) const {
+    const std::uint64_t n = scaled(row.count);
+    if (row.shape == std::string_view("scan")) return scan(n);
+    return points_of(row.shape, n, row.d);
+  }
+
+  static ordered_json head_of(const Row& row, std::uint64_t n) {
+    return {{"set", row.shape}, {"dimension", row.d}, {"count", n}};
+  }
+
+  /// What a process pays once: its context, then the kernels that a call loads.
+  ordered_json first_call() const {
+    const double context = seconds_of([] { check(cudaFree(nullptr), "making a context"); });
+    const std::vector<float> rows = points_of_row(rows_of_run[0]);
     const CudaStream stream;
-    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
-    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
-    const auto here = PointView::row_major(rows.data(), n, 3);
-    Hull device, host;
-    const double d = wall([&] { device = convex_hull(view, on(Backend::cuda)); });
-    DeviceHull left;
-    const double l = wall([&] { left = convex_hull_on_device(view, on(Backend::cuda)); });
-    const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
-    require_same(device, host);
-    if (left.volume != host.volume) throw std::runtime_error("a hull left there is another one");
-    const Options options = on(Backend::cuda);
-    const StarHullThere found =
-        star_hull_there(view, internal::Run(options), {.place = internal::HullPlace::nowhere});
-    return {{"count", n},
-            {"star_growth_seconds", found.counts.growth_seconds},
-            {"star_flip_seconds", found.counts.flip_seconds},
-            {"star_vertices", found.counts.vertices},
-            {"star_flip_rounds", found.counts.flip_rounds},
-            {"star_aside", found.counts.aside},
-            {"device_seconds", d},
-            {"of_that_cull", device.statistics.cull_seconds},
-            {"left_there_seconds", l},
-            {"survivors", device.statistics.survivors},
-            {"filter", filter_name(device.statistics.filter)},
-            {"reason", device.statistics.cull_reason},
-            {"cpu_seconds", h},
-            {"cpu_survivors", host.statistics.survivors},
-            {"threads", host.statistics.threads}};
+    const DeviceArray<float> there = repeated(rows, rows.size(), stream.get());
+    const auto view = DevicePointView::row_major(there.data(), rows.size() / 3, 3, stream.get());
+    const Times times = timed([&] { (void)convex_hull(view, on(Backend::cuda)); });
+    return {{"context_seconds", context}, {"seconds", told(times)}};
   }
 
-  ordered_json hull_from_host() const {
-    const std::uint64_t n = scaled(2e7);
-    const std::vector<float> rows = ball<float>(3, n);
+  static ordered_json counts_of(const StarCounts& counts,
+                                const std::vector<internal::PseudoHullRound>& rounds,
+                                std::uint64_t n) {
+    std::uint64_t exterior = 0;
+    for (const auto& round : rounds) exterior += round.exterior;
+    return {{"leaders", counts.leaders},
+            {"from_last_frame", counts.moved},
+            {"growth_rounds", rounds.size()},
+            {"exterior_by_n", static_cast<double>(exterior) / static_cast<double>(n)},
+            {"vertices_grown", counts.vertices},
+            {"flip_rounds", counts.flip_rounds},
+            {"aside", counts.aside},
+            {"whole", counts.whole()}};
+  }
+
+  /// Steps of the surface of all points, which is the whole of a call where doubles decide it.
+  static ordered_json surface_stages(const DevicePointView& view) {
+    const Options options = on(Backend::cuda);
+    const internal::Run run(options);
+    std::vector<double> growth, flips, result;
+    ordered_json counts;
+    for (unsigned k = 0; k <= repeats; ++k) {
+      std::vector<internal::PseudoHullRound> rounds;
+      StarHullThere found;
+      const double all =
+          seconds_of([&] { found = star_hull_there(view, run, {.rounds = &rounds}); });
+      counts = counts_of(found.counts, rounds, view.count);
+      growth.push_back(found.counts.growth_seconds);
+      flips.push_back(found.counts.flip_seconds);
+      result.push_back(all - growth.back() - flips.back());
+    }
+    const auto stage = [](const std::vector<double>& of) {
+      return told(times_of(of.front(), {of.begin() + 1, of.end()}));
+    };
+    counts["stage_seconds"] = {{"leaders and growth", stage(growth)},
+                               {"flips", stage(flips)},
+                               {"list, result and its copy", stage(result)}};
+    return counts;
+  }
+
+  /// The hull of points on the device, compared with the CPU's from the host's memory.
+  ordered_json hull(const Row& row) const {
+    const std::vector<float> rows = points_of_row(row);
+    const std::uint64_t n = rows.size() / row.d;
+    const CudaStream stream;
+    const DeviceArray<float> there = repeated(rows, rows.size(), stream.get());
+    const auto view = DevicePointView::row_major(there.data(), n, row.d, stream.get());
+    const auto here = PointView::row_major(rows.data(), n, row.d);
+    ordered_json json = head_of(row, n);
+    // Of the largest result the CPU's first is enough to compare with.
+    const bool only_there = row.left_there.predicted > 0 && row.to_host.predicted == 0;
+    Hull host;
+    const Times cpu =
+        timed([&] { host = convex_hull(here, on(Backend::cpu)); }, only_there ? 0 : repeats);
+    if (!only_there) {
+      Hull device;
+      json["to_host"] =
+          told(timed([&] { device = convex_hull(view, on(Backend::cuda)); }), row.to_host);
+      require_same(device, host);
+      json["on_device_seconds"] = device.statistics.cull_seconds;
+      json["survivors"] = device.statistics.survivors;
+      json["filter"] = filter_name(device.statistics.filter);
+      json["reason"] = device.statistics.cull_reason;
+    }
+    if (row.left_there.predicted > 0) {
+      DeviceHull left;
+      json["left_there"] = told(
+          timed([&] { left = convex_hull_on_device(view, on(Backend::cuda)); }), row.left_there);
+      if (left.vertex_count != host.vertices.size() || left.volume != host.volume)
+        throw std::runtime_error("the hull left on the device is not the CPU's");
+    }
+    json["cpu"] = told(cpu);
+    json["threads"] = host.statistics.threads;
+    if (row.d == 3) json["surface"] = surface_stages(view);
+    return json;
+  }
+
+  ordered_json hull_from_host(const Row& row) const {
+    const std::vector<float> rows = points_of_row(row);
+    const std::uint64_t n = rows.size() / 3;
     const auto here = PointView::row_major(rows.data(), n, 3);
     const auto map = map_of(rows, 3);
     const Options options;
     const internal::Run run(options);
     const double pass = wall([&] { (void)survivors_of_host_points(map->table(), here, run); });
     Hull device, host;
-    const double d = wall([&] { device = convex_hull(here, on(Backend::cuda)); });
-    const double h = wall([&] { host = convex_hull(here, on(Backend::cpu)); });
+    const Times d = timed([&] { device = convex_hull(here, on(Backend::cuda)); });
+    const Times h = timed([&] { host = convex_hull(here, on(Backend::cpu)); });
     require_same(device, host);
-    return {{"count", n},
-            {"pass_seconds", pass},
-            {"pass_bytes_per_second", 12 * static_cast<double>(n) / pass},
-            {"device_seconds", d},
-            {"cpu_seconds", h}};
+    ordered_json json = head_of(row, n);
+    json["to_host"] = told(d, row.to_host);
+    json["cpu"] = told(h);
+    json["reason"] = device.statistics.cull_reason;
+    json["pass_seconds"] = pass;
+    json["pass_bytes_per_second"] = 12 * static_cast<double>(n) / pass;
+    return json;
   }
 
   ordered_json hulls_on_threads() const {
     constexpr unsigned count = 4;
     const std::uint64_t n = scaled(2e6);
-    const std::vector<float> rows = ball<float>(3, n);
+    const std::vector<float> rows = points_of("ball", n, 3);
     std::vector<CudaStream> streams(count);
     std::vector<DeviceArray<float>> there;
     for (const CudaStream& s : streams) there.push_back(repeated(rows, n * 3, s.get()));
@@ -622,60 +537,55 @@ class Passes {
             {"together_seconds", together}};
   }
 
-  ordered_json pseudo_hull() const {
-    const std::uint64_t n = scaled(8e6);
-    const std::vector<float> rows = ball<float>(3, n);
-    const CudaStream stream;
-    const DeviceArray<float> there = repeated(rows, n * 3, stream.get());
-    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
-    const Options options;
-    const internal::Control control(options);
-    std::vector<internal::PseudoHullRound> rounds;
-    std::uint64_t kept = 0;
-    const double took = wall(
-        [&] { kept = internal::pseudo_hull_survivors_cuda(view, {}, control, &rounds).size(); });
-    ordered_json json = {{"count", n}, {"seconds", took}, {"kept", kept}};
-    for (const auto& r : rounds) json["rounds"].push_back({r.facets, r.exterior, r.culled, r.kept});
-    return json;
-  }
-
-  /// A rotating ball, in device and in host memory.
-  ordered_json tracker() const {
-    const std::uint64_t n = scaled(1e6);
-    constexpr unsigned frames = 12;
-    std::vector<float> rows = ball<float>(3, n);
+  /// Frames of points that are on the device already, each compared with the CPU's.
+  ordered_json frames(const Row& row) const {
+    constexpr unsigned frames = 30, measured = 12;
+    const std::uint64_t n = scaled(row.count);
+    const MovingPoints moving(row.shape, row.motion, n, 3, frames);
+    std::vector<double> numbers(n * 3);
     const CudaStream stream;
     const DeviceArray<float> there(n * 3, stream.get());
+    const auto view = DevicePointView::row_major(there.data(), n, 3, stream.get());
     HullTracker device(on(Backend::cuda)), host(on(Backend::cpu));
+    const Options options = on(Backend::cuda);
+    const internal::Run run(options);
+    std::shared_ptr<LastSurface> last;
     std::vector<double> on_device, on_host;
-    for (unsigned f = 0; f < frames; ++f) {
-      for (std::uint64_t i = 0; i < n; ++i) {
-        float* p = rows.data() + 3 * i;
-        const float x = p[0], y = p[1];
-        p[0] = x - 0.01F * y;
-        p[1] = y + 0.01F * x;
-      }
+    ordered_json surfaces, json = head_of(row, n);
+    for (unsigned f = 0; f < measured; ++f) {
+      moving.frame(f, numbers.data());
+      const std::vector<float> rows(numbers.begin(), numbers.end());
       upload(there.data(), rows.data(), rows.size(), stream.get());
-      auto start = Clock::now();
-      (void)device.update(DevicePointView::row_major(there.data(), n, 3, stream.get()));
-      on_device.push_back(seconds_since(start));
-      start = Clock::now();
-      (void)host.update(PointView::row_major(rows.data(), n, 3));
-      on_host.push_back(seconds_since(start));
+      synchronise(stream.get(), "copying");
+      on_device.push_back(seconds_of([&] { (void)device.update(view); }));
+      on_host.push_back(
+          seconds_of([&] { (void)host.update(PointView::row_major(rows.data(), n, 3)); }));
       require_same(device.hull(), host.hull());
+      std::vector<internal::PseudoHullRound> rounds;
+      const StarHullThere found = star_hull_there(
+          view, run, {.place = internal::HullPlace::nowhere, .last = &last, .rounds = &rounds});
+      surfaces.push_back(counts_of(found.counts, rounds, n));
+      surfaces.back()["method"] = device.report().method;
+      surfaces.back()["growth_seconds"] = found.counts.growth_seconds;
+      surfaces.back()["flip_seconds"] = found.counts.flip_seconds;
     }
-    return {{"count", n},
-            {"frames", frames},
-            {"device_seconds", median({on_device.begin() + 2, on_device.end()})},
-            {"cpu_seconds", median({on_host.begin() + 2, on_host.end()})}};
+    const auto later = [](const std::vector<double>& of) {
+      return times_of(of.front(), {of.begin() + 2, of.end()});
+    };
+    json["motion"] = row.motion;
+    json["to_host"] = told(later(on_device), row.to_host);
+    json["cpu"] = told(later(on_host));
+    json["surfaces"] = surfaces;
+    return json;
   }
 
   /// 100,000 sets of 50 points of a ball: the kernels by events, both kinds of results, and the
   /// CPU.
-  ordered_json batch(unsigned d) const {
+  ordered_json batch(const Row& row) const {
     constexpr std::uint64_t size = 50;
-    const auto sets = std::max<std::uint64_t>(200, static_cast<std::uint64_t>(1e5 * scale_));
-    const std::vector<float> rows = ball<float>(d, sets * size);
+    const unsigned d = row.d;
+    const std::uint64_t sets = scaled(row.count) / size;
+    const std::vector<float> rows = points_of("ball", sets * size, d);
     std::vector<std::uint64_t> offsets(sets + 1);
     for (std::uint64_t i = 0; i <= sets; ++i) offsets[i] = i * size;
     const CudaStream stream;
@@ -702,10 +612,10 @@ class Passes {
       check(measure_sets(there, task, measures, stream.get()), "measuring hulls");
     });
     HullBatch device, host;
-    const double to_host =
-        wall([&] { device = convex_hulls(there, offsets.data(), sets, on(Backend::cuda)); });
+    const Times to_host =
+        timed([&] { device = convex_hulls(there, offsets.data(), sets, on(Backend::cuda)); });
     DeviceHullBatch left;
-    const double on_device = wall(
+    const Times on_device = timed(
         [&] { left = convex_hulls_on_device(there, offsets.data(), sets, on(Backend::cuda)); });
     DeviceHullBatch measured;
     const double with_measures = wall([&] {
@@ -721,8 +631,8 @@ class Passes {
     return {{"dimension", d},
             {"sets", sets},
             {"kernel_seconds", kernel},
-            {"to_host_seconds", to_host},
-            {"left_there_seconds", on_device},
+            {"to_host", told(to_host, row.to_host)},
+            {"left_there", told(on_device, row.left_there)},
             {"measures_kernel_seconds", measuring},
             {"left_there_with_planes_and_measures_seconds", with_measures},
             {"cpu_seconds", cpu}};
@@ -731,7 +641,7 @@ class Passes {
   /// Queries for points in and around a ball to the hull of some of its points.
   ordered_json questions() const {
     const std::uint64_t n = scaled(1e6);
-    std::vector<float> rows = ball<float>(3, n);
+    std::vector<float> rows = points_of("ball", n, 3);
     const auto some = PointView::row_major(rows.data(), std::min<std::uint64_t>(n, 100000), 3);
     const HullQuery query(some, convex_hull(some));
     for (float& v : rows) v *= 1.1F;
@@ -767,7 +677,7 @@ class Passes {
   /// of 10,000 facets.
   ordered_json questions_by_cells() const {
     const std::uint64_t n = scaled(1e7);
-    std::vector<float> rows = ball<float>(3, n);
+    std::vector<float> rows = points_of("ball", n, 3);
     for (float& v : rows) v *= 1.1F;
     const std::vector<double> sphere = generate("sphere", std::min<std::uint64_t>(n, 5000), 3);
     const auto corners = PointView::row_major(sphere.data(), sphere.size() / 3, 3);
@@ -809,19 +719,22 @@ class Passes {
   }
 
   double scale_, copy_rate_ = 0;
+  std::string only_;
   bench::JsonLines lines_;
 };
 
 [[noreturn]] void bad_usage(const std::string& what) {
-  std::fprintf(stderr, "gpu_passes: %s\nusage: gpu_passes [--out FILE] [--scale S] [--seconds T]\n",
-               what.c_str());
+  std::fprintf(
+      stderr,
+      "gpu_passes: %s\nusage: gpu_passes [--out FILE] [--scale S] [--seconds T] [--part PART]\n",
+      what.c_str());
   std::exit(2);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string file;
+  std::string file, part;
   double scale = 1, seconds = 300;
   for (int i = 1; i < argc; ++i) {
     const std::string a = argv[i];
@@ -831,6 +744,8 @@ int main(int argc, char** argv) {
       file = value;
     else if (a == "--scale")
       scale = std::atof(value);
+    else if (a == "--part")
+      part = value;
     else if (a == "--seconds")
       seconds = std::atof(value);
     else
@@ -843,7 +758,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "gpu_passes: %s\n", status.reason.c_str());
       return 5;
     }
-    Passes passes(scale, seconds, file);
+    Passes passes(scale, seconds, file, part);
     passes.run();
     return passes.failed() ? 1 : 0;
   } catch (const std::exception& e) {

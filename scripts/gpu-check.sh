@@ -9,18 +9,21 @@
 #       first Python 3.12 that starts. Without one the bundle is not made.
 #   scripts/gpu-check.sh run [--call 1|2] [--only PART,...] [--tool TOOL,...] [--suite SUITE,...]
 #                            [--done FILE] [--seconds T] [--results FOLDER] [BUNDLE.tar.gz]
-#       there: unpacks and runs, within T seconds (400), these parts in this order:
-#         passes     every kind of points, kernels by events, the stages of a whole call
+#       there: unpacks and runs, within T seconds (360), these parts in this order:
+#         changed    the tests of what changed since a device last ran them
+#         passes     whole calls of many kinds of points and their steps, beside predictions
+#         ncu        Nsight Compute on the heaviest kernels, where it is installed
+#         hulls      hulls from Python, of many kinds and sizes, beside the CPU's: the same bits
+#         tests      every suite of the tests of a device, but those that `changed` ran
+#         python     arrays of CuPy and PyTorch
 #         bench      whole hulls beside our CPU and Qhull on the same points
 #         scaling    1, 2, 4, 8 and 16 threads of the CPU (needs no device)
-#         tests      every suite of the tests of a device
-#         python     arrays of CuPy and PyTorch
-#         hulls      hulls from Python, of many kinds and sizes, beside the CPU's: the same bits
 #         cpu        the tests' host twins and a hull (needs no device)
 #         recipes    those of docs/how-to/frameworks.md for PyTorch and CuPy
 #         sanitizer  compute-sanitizer's tools (--tool: memcheck, racecheck, initcheck, synccheck)
 #                    over the suites with short sets, an hour in all
-#       Call 1 is all but the last part, call 2 the last. --suite limits tests and sanitizer.
+#       Call 1 is the parts up to python, then memcheck and racecheck over what changed; call 2 is
+#       the others. --suite limits tests and sanitizer.
 #       Writes to FOLDER, default bench/results, each line as soon as it is known:
 #       gpu-check-DATE.txt (device, CPU, clocks, what passed), gpu-check-DATE.log (all output),
 #       gpu-passes-, gpu-bench- and cpu-scaling-DATE.jsonl, and gpu-check-done.txt: the runs of
@@ -40,8 +43,12 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 suite_seconds=${GPU_CHECK_SUITE_SECONDS:-90}
 sanitizer_seconds=${GPU_CHECK_SANITIZER_SECONDS:-60}
 passes_seconds=${GPU_CHECK_PASSES_SECONDS:-100}
+ncu_seconds=${GPU_CHECK_NCU_SECONDS:-45}
 bench_seconds=${GPU_CHECK_BENCH_SECONDS:-110}
 scaling_seconds=${GPU_CHECK_SCALING_SECONDS:-80}
+
+# Suites of what changed since a device last ran them.
+changed_suites=${GPU_CHECK_CHANGED_SUITES:-StarHullGpu GpuTracker GpuSets CudaGauge GpuQuestions}
 
 fail() { # STATUS MESSAGE
   echo "$me: $2" >&2
@@ -321,8 +328,8 @@ find_device() {
   fi
 }
 
-# Sets `suites`: those of gpu_tests that --suite leaves.
-list_suites() {
+# Sets `suites`: those of gpu_tests, of KIND (changed, others or all), that --suite leaves.
+list_suites() { # KIND
   local names suite
   suites=()
   limited 30 "${launcher[@]}" "$root/bin/gpu_tests" --gtest_list_tests >"$scratch/suites.txt" 2>>"$log" || true
@@ -335,18 +342,39 @@ list_suites() {
     [[ $'\n'$names$'\n' == *$'\n'"$suite"$'\n'* ]] || failed "FAILED  there is no suite $suite"
   done
   for suite in $names; do
+    local kind=others
+    [[ " $changed_suites " != *" $suite "* ]] || kind=changed
+    [[ $1 == all || $1 == "$kind" ]] || continue
     [[ -n $only_suites && ,$only_suites, != *",$suite,"* ]] || suites+=("$suite")
   done
 }
 
-run_tests() {
+run_suites() { # KIND
   local suites suite
-  make_points
-  step 30 "gpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
-  list_suites
+  list_suites "$1"
   for suite in "${suites[@]}"; do
     step_of_all "$suite_seconds" "gpu $suite" "${launcher[@]}" "$root/bin/gpu_tests" --gtest_filter="$suite.*" --gtest_brief=0
   done
+}
+
+run_changed() {
+  make_points
+  step 30 "gpu hull" "${launcher[@]}" "$root/bin/cullhull" hull "$scratch/p.npy" --backend cuda --certify
+  run_suites changed
+}
+
+run_tests() { run_suites "$(wants changed && echo others || echo all)"; }
+
+# The kernels of a ball: leaders, places, growth, both steps of flips, the block that ends them.
+run_ncu() {
+  local ncu
+  if ! ncu=$(command -v ncu); then
+    note "no ncu here"
+    return
+  fi
+  step "$ncu_seconds" ncu "$ncu" --set basic --kernel-name-base demangled --launch-count 60 --kernel-name \
+    'regex:OfferLeader|AssignToCones|ReassignToCones|SplitStarFacet|FlipStep|rounds_of_block' \
+    "${launcher[@]}" "$root/bin/gpu_passes" --part "first call"
 }
 
 # By the machine's own Python, and so its C library. A test that skips has not passed.
@@ -389,7 +417,7 @@ run_sanitizer() {
     failed "FAILED  compute-sanitizer is not here"
     return
   fi
-  list_suites
+  list_suites "$sanitized"
   local bundle
   bundle="bundle $(cksum <"$root/about.txt")"
   if [[ -f $done_before ]]; then
@@ -457,8 +485,9 @@ check_list() {
 }
 
 run() {
-  local all_tools="memcheck racecheck initcheck synccheck" figures_and_tests=passes,bench,scaling,tests,python,hulls,cpu,recipes
-  local only="" bundle="" words="$0 run $*" seconds=400 part
+  local all_tools="memcheck racecheck initcheck synccheck"
+  local parts="changed passes ncu hulls tests python bench scaling cpu recipes sanitizer"
+  local only="" bundle="" words="$0 run $*" seconds=360 part sanitized=all
   results="" tools="" only_suites="" done_before=""
   while (($#)); do
     case "$1" in
@@ -468,8 +497,8 @@ run() {
       --only) only=$2 && shift ;;
       --call)
         case "$2" in
-          1) only=$figures_and_tests ;;
-          2) only=sanitizer ;;
+          1) only=changed,passes,ncu,hulls,tests,python,sanitizer sanitized=changed tools=memcheck,racecheck ;;
+          2) only=bench,scaling,cpu,recipes,sanitizer ;;
           *) fail 2 "there are calls 1 and 2" ;;
         esac
         shift
@@ -488,8 +517,9 @@ run() {
   [[ -z $done_before || -f $done_before ]] || fail 2 "there is no file $done_before"
   # Who names a tool wants that.
   : "${only:=${tools:+sanitizer}}"
-  : "${only:=$figures_and_tests,sanitizer}" "${tools:=${all_tools// /,}}"
-  check_list "$only" passes bench scaling tests python hulls cpu recipes sanitizer
+  : "${only:=${parts// /,}}" "${tools:=${all_tools// /,}}"
+  # shellcheck disable=SC2086
+  check_list "$only" $parts
   # shellcheck disable=SC2086
   check_list "$tools" $all_tools
   deadline=$((SECONDS + seconds))
@@ -524,9 +554,14 @@ run() {
   record_cpu
   find_launcher
   no_device=""
-  if wants passes || wants bench || wants tests || wants python || wants hulls || wants recipes || wants sanitizer; then find_device; fi
+  for part in $parts; do
+    if [[ $part != scaling && $part != cpu ]] && wants "$part"; then
+      find_device
+      break
+    fi
+  done
   # What gives figures comes first: a call may be cut off.
-  for part in passes bench scaling tests python hulls cpu recipes sanitizer; do
+  for part in $parts; do
     wants "$part" || continue
     if [[ -n $no_device && $part != scaling && $part != cpu ]]; then
       note "LEFT OUT: no device  $part"

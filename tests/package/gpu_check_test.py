@@ -94,6 +94,7 @@ class Run(Case):
         shutil.copy(script, self.bundle)
         program(self.folder / "path/compute-sanitizer", sanitizer)
         program(self.folder / "path/nvidia-smi", smi)
+        program(self.folder / "path/ncu", "#!/usr/bin/env bash\n")
         program(self.folder / "path/python3", python)
         self.calls = self.folder / "calls"
         self.results = self.bundle / "results"
@@ -101,13 +102,14 @@ class Run(Case):
     def start(self, *words: str, **does: str) -> subprocess.Popen:
         limits = {
             f"GPU_CHECK_{part}_SECONDS": "4"
-            for part in ("SUITE", "SANITIZER", "PASSES", "BENCH", "SCALING")
+            for part in ("SUITE", "SANITIZER", "PASSES", "NCU", "BENCH", "SCALING")
         }
         environment = {
             **os.environ,
             "PATH": f"{self.folder / 'path'}:{os.environ['PATH']}",
             "STUB_calls": str(self.calls),
             **limits,
+            "GPU_CHECK_CHANGED_SUITES": "GpuB/0",
             **{f"STUB_{name}": what for name, what in does.items()},
         }
         self.said = self.folder / "said"
@@ -135,22 +137,37 @@ class Run(Case):
             self.assertGreaterEqual(found, 0, f"{line!r} is missing, or too early, in\n{summary}")
             at = found + 1
 
-    def test_all_passes_figures_first(self) -> None:
+    def test_both_calls_pass(self) -> None:
         status, summary = self.run_it("--call", "1")
         self.assertEqual(status, 0, self.said.read_text())
         self.assert_lines(
-            summary, "cpu ", "nvidia-smi at the start: a device, 1980", "passed  passes",
-            '{"part":"last of gpu_passes"}', "passed  bench", '{"part":"last of gpu_bench"}',
-            "passed  scaling", '{"part":"last of scaling_bench"}', "passed  gpu hull",
-            "passed  gpu GpuA", "passed  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
-            "passed  hulls", "passed  cpu twin_tests", "passed  recipes",
+            summary, "cpu ", "nvidia-smi at the start: a device, 1980", "passed  gpu hull",
+            "passed  gpu GpuB/0", "passed  passes", '{"part":"last of gpu_passes"}', "passed  ncu",
+            "passed  hulls", "passed  gpu GpuA", "passed  gpu GpuLarge", "passed  python",
+            "passed  memcheck GpuB/0", "passed  racecheck GpuB/0",
         )  # fmt: skip
+        self.assertEqual(summary.count("passed  gpu GpuB/0"), 1)
+        self.assertEqual(summary.count("check Gpu"), 2)
         self.assertIn("all passed", self.said.read_text())
+        status, summary = self.run_it("--call", "2")
+        self.assertEqual(status, 0, self.said.read_text())
+        self.assert_lines(
+            summary, "passed  bench", '{"part":"last of gpu_bench"}', "passed  scaling",
+            '{"part":"last of scaling_bench"}', "passed  cpu twin_tests", "passed  recipes",
+            "passed before  memcheck GpuB/0", "passed  memcheck GpuA",
+        )  # fmt: skip
+
+    @unittest.skipIf(shutil.which("ncu"), "this machine has one")
+    def test_no_profiler_is_no_failure(self) -> None:
+        (self.folder / "path/ncu").unlink()
+        status, summary = self.run_it("--only", "ncu")
+        self.assertEqual(status, 0, self.said.read_text())
+        self.assert_lines(summary, "no ncu here")
 
     def test_each_failure_is_its_own(self) -> None:
         status, summary = self.run_it(
-            "--call",
-            "1",
+            "--only",
+            "passes,bench,scaling,tests,python,cpu",
             gpu_passes="hang",
             gpu_bench="crash",
             GpuA="skip",
@@ -160,9 +177,9 @@ class Run(Case):
         self.assertEqual(status, 1)
         self.assert_lines(
             summary, "FAILED: not done within 4 s  passes", '{"part":"first of gpu_passes"}',
-            "FAILED with status 139  bench", '{"part":"first of gpu_bench"}', "passed  scaling",
             "passed  gpu GpuA", "FAILED: skipped  gpu GpuA",
             "FAILED: not done within 4 s  gpu GpuB/0", "passed  gpu GpuLarge", "passed  python",
+            "FAILED with status 139  bench", '{"part":"first of gpu_bench"}', "passed  scaling",
             "FAILED with status 139  cpu twin_tests", "passed  cpu hull",
         )  # fmt: skip
         self.assertNotIn("all passed", self.said.read_text())
@@ -189,10 +206,10 @@ class Run(Case):
             self.assert_lines(summary, f"passed  {name}", "SKIPPED [1]", f"FAILED: skipped  {name}")
 
     def test_no_device_leaves_the_figures_of_the_processor(self) -> None:
-        status, summary = self.run_it("--call", "1", no_device="1")
+        status, summary = self.run_it("--call", "2", no_device="1")
         self.assertEqual(status, 5)
         self.assert_lines(
-            summary, "no device: no driver was found", "LEFT OUT: no device  passes",
+            summary, "no device: no driver was found", "LEFT OUT: no device  bench",
             "passed  scaling", '{"part":"last of scaling_bench"}', "passed  cpu twin_tests",
         )  # fmt: skip
 
@@ -208,7 +225,7 @@ class Run(Case):
         for number in (signal.SIGTERM, signal.SIGKILL):
             with self.subTest(number.name):
                 shutil.rmtree(self.results, ignore_errors=True)
-                run = self.start("--call", "1", scaling_bench="hang")
+                run = self.start("--only", "passes,bench,scaling", scaling_bench="hang")
                 self.wait_for("passed  bench", run)
                 for _ in range(100):
                     if self.figures("cpu-scaling"):

@@ -24,8 +24,8 @@ const std::map<std::string, std::size_t> budgets = {
     {"src/flow", 1545},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
     {"src/io", 18280},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7595},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 860},   {"bindings", 28405},
-    {"tests", 51710},    {"docs", 9675},         {"apps", 9510},         {"bench", 7560},
-    {"viewer", 3430},    {"scripts", 3560},
+    {"tests", 51710},    {"docs", 9735},         {"apps", 9510},         {"bench", 7560},
+    {"viewer", 3430},    {"scripts", 3585},
 };
 
 bool is_text(const fs::path& file) {
