@@ -64,25 +64,25 @@ std::string unit_of_keys(std::string_view keys) {
 
 /// The unit of the projected system that a WKT names, else of the geographic one: the last among
 /// its direct members and those of its axes.
-std::string unit_of_wkt(std::string_view wkt) {
-  std::size_t at = horizontal_system(wkt);
+std::string unit_of_wkt(std::string_view text) {
+  std::size_t at = horizontal_system(text);
   if (at == std::string_view::npos) return "";
   std::string unit;
   bool quoted = false, of_axis = false;
   int depth = 0;
-  for (; at < wkt.size(); ++at) {
-    if (wkt[at] == '"') quoted = !quoted;
+  for (; at < text.size(); ++at) {
+    if (text[at] == '"') quoted = !quoted;
     if (quoted) continue;
-    if (wkt[at] == '[') {
+    if (text[at] == '[') {
       ++depth;
-      const std::string_view word = at >= 4 ? wkt.substr(at - 4, 4) : "";
+      const std::string_view word = at >= 4 ? text.substr(at - 4, 4) : "";
       if (depth == 2) of_axis = word == "AXIS";
       const bool member = (depth == 2 || (depth == 3 && of_axis)) && word == "UNIT";
-      const std::size_t end = wkt.find('"', at + 2);
-      if (member && wkt.substr(at + 1, 1) == "\"" && end != std::string_view::npos)
-        unit = wkt.substr(at + 2, end - at - 2);
+      const std::size_t end = text.find('"', at + 2);
+      if (member && text.substr(at + 1, 1) == "\"" && end != std::string_view::npos)
+        unit = text.substr(at + 2, end - at - 2);
     }
-    if (wkt[at] == ']' && --depth == 0) break;
+    if (text[at] == ']' && --depth == 0) break;
   }
   const auto printable = [](char c) { return std::isprint(static_cast<unsigned char>(c)) != 0; };
   constexpr std::size_t longest = 40;
