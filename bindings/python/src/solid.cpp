@@ -58,6 +58,12 @@ const std::vector<std::uint64_t>& Solid::ids() const {
   return ids_;
 }
 
+Solid::~Solid() {
+  if (query_ == nullptr) return;
+  const nanobind::gil_scoped_release release;  // freeing waits for all work of the device
+  query_.reset();
+}
+
 const HullQuery& Solid::query() const {
   std::call_once(prepared_, [this] {
     Hull own = hull();

@@ -36,6 +36,8 @@ class Solid {
   /// Of a hull that something else keeps as well.
   Solid(std::shared_ptr<const cullhull::Hull> hull, const cullhull::PointView& points);
   Solid(std::shared_ptr<const cullhull::Hull> hull, std::vector<double> vertex_rows);
+  /// With the GIL if there was a query(), which may have tables on a device.
+  ~Solid();
 
   const cullhull::Hull& hull() const noexcept { return shared_ ? *shared_ : own_; }
   const std::vector<double>& vertex_rows() const noexcept { return vertex_rows_; }

@@ -31,6 +31,10 @@ class Tracker {
       : options_(settings_or_default(settings).options), frames_(frames) {
     start();
   }
+  ~Tracker() {
+    const nb::gil_scoped_release release;  // freeing a device's memory may wait
+    tracker_.reset();
+  }
   Tracker(const Tracker&) = delete;
   Tracker& operator=(const Tracker&) = delete;
 

@@ -59,6 +59,10 @@ def test_no_call_waits_with_the_lock_held():
     tracker = cullhull.HullTracker()
     for _ in range(3):
         tracker.update(there)
+    tracker = cullhull.HullTracker(backend="cuda")  # keeps a surface on the device
+    for _ in range(3):
+        assert tracker.update(solid).statistics["backend"] == "cuda"
+    del tracker
     for question in (hull.contains, hull.sides, hull.distance, hull.support):
         question(there, backend="cuda"), question(there, on_device=True)
     gc.collect()
