@@ -67,10 +67,7 @@ class PseudoHullGrowth {
     growth_.begin(count);
     corners_.clear();
     if (recording_) simplex_of_.assign(count, no_item);
-    constexpr std::uint32_t grain = Executor::grain;
-    const AxisExtremes<D> e =
-        executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
-                         ExtremesOfStep<D, Rows>{rows_, count, grain}, TakeExtremes<D>{});
+    const AxisExtremes<D> e = extremes_of<D>(executor_, rows_, count);
     double scale[D];
     if (!axis_scales(e, scale)) return false;
     rows_.rescale(executor_, count, scale);

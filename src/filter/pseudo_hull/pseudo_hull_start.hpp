@@ -85,6 +85,13 @@ struct ExtremesOfStep {
   }
 };
 
+template <unsigned D, class Executor, class Rows>
+AxisExtremes<D> extremes_of(Executor& executor, const Rows& rows, std::uint32_t count) {
+  constexpr std::uint32_t grain = Executor::grain;
+  return executor.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
+                         ExtremesOfStep<D, Rows>{rows, count, grain}, TakeExtremes<D>{});
+}
+
 // From h = fl(high / 2 - low / 2) < 2^e follows high - low <= 2^(e + 1): halving is exact but for
 // subnormal numbers, the difference is rounded once, and rounding does not cross a power of two.
 // Example: an axis from 1e6 to 1e6 + 3 has h = 1.5 and the scale 2^-2: the extent is 0.75. Nothing

@@ -461,10 +461,7 @@ class StarGrowth {
     count_ = count;
     listed_ = false;
     growth_.begin(count);
-    constexpr std::uint32_t grain = Executor::grain;
-    const AxisExtremes<3> e =
-        executor_.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<3>{},
-                         ExtremesOfStep<3, Rows>{rows_, count, grain}, TakeExtremes<3>{});
+    const AxisExtremes<3> e = extremes_of<3>(executor_, rows_, count);
     double scale[3];
     if (!axis_scales(e, scale)) return false;
     rows_.rescale(executor_, count, scale);
