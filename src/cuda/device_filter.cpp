@@ -52,13 +52,14 @@ class DeviceFilter {
     }
   }
 
-  /// What a map and a second filter leave, both on the device; without a map, what the hull's
-  /// surface of all points leaves. None: all points stay. `where`: why on the device.
-  std::optional<Kept> kept_by(const GaugeMap* map, const std::string& where,
+  /// What a map and, if it is `refined`, a second filter leave, both on the device; without a map,
+  /// what the hull's surface of all points leaves. None: all points stay. `where`: why on the
+  /// device.
+  std::optional<Kept> kept_by(const GaugeMap* map, bool refined, const std::string& where,
                               Filtered& result) const {
     if (map == nullptr && !surface_of_all_pays(d_, points_.count, run_)) return {};
     result.survivors.reason += "; " + where;
-    return map != nullptr ? kept_by_map(map->table(), result)
+    return map != nullptr ? kept_by_map(*map, refined, result)
                           : kept_by_surface(StarBegin::any, result);
   }
 
@@ -91,7 +92,7 @@ class DeviceFilter {
     result.survivors.reason = sampled.reason;
     const Survivors before = result.survivors;
     try {
-      const std::optional<Kept> kept = kept_by(sampled.map.get(), where, result);
+      const std::optional<Kept> kept = kept_by(sampled.map.get(), !sampled.of_all, where, result);
       if (!kept) return all_points(std::move(result));
       copy_survivors(*kept, result);
       return result;
@@ -197,12 +198,34 @@ class DeviceFilter {
     return all_points(std::move(result));
   }
 
-  /// Fetches samples of `points`. The first of all points that is not finite is refused, not the
-  /// first of a sample.
+  /// Fetches samples of `points`; from 4D on the device finds the leaders of all. The first of all
+  /// points that is not finite is refused, not the first of a sample.
   SampledPoints sampled_points(const DevicePointView& points) const {
-    return {points.count, d_, [this, points](std::span<const std::uint64_t> ids) {
-              return gather_from_device(points, ids, points_, run_);
-            }};
+    SampledPoints sampled{points.count, d_, [this, points](std::span<const std::uint64_t> ids) {
+                            return gather_from_device(points, ids, points_, run_);
+                          }};
+    if (d_ >= 4 && points.count <= pseudo_hull_most_points)
+      sampled.lead = [this, points](const GaugeMap& before, const LeaderCells& cells) {
+        return map_of_leaders(points, before, cells);
+      };
+    return sampled;
+  }
+
+  /// The device finds the outermost points of all, the CPU makes the map of these few rows. Null
+  /// where half of the directions have no points, as in a scan, and where the device's memory does
+  /// not suffice.
+  std::unique_ptr<GaugeMap> map_of_leaders(const DevicePointView& points, const GaugeMap& before,
+                                           LeaderCells cells) const {
+    cells.filled = 0.5;
+    try {
+      run_.check();
+      const DeviceIds ids = outermost_there(before.table(), cells.leaders, points);
+      const DeviceArray<std::byte> rows = rows_of(points, ids);
+      return GaugeMap::of_leaders(
+          download_points(packed(rows, ids.count), nullptr, ids.count, run_), before, cells, run_);
+    } catch (const OutOfMemory&) {
+      return nullptr;
+    }
   }
 
   /// What flips made of a star-shaped surface, in words.
@@ -217,7 +240,8 @@ class DeviceFilter {
   /// The indices of the rows of `view` that the second filter keeps; in space also the surface that
   /// it `found`. Null ids if a second filter is
   /// not worthwhile: all rows stay.
-  DeviceIds kept_of(const DevicePointView& view, Filtered& result, StarHullThere& found) const {
+  DeviceIds kept_of(const DevicePointView& view, const GaugeMap& first, Filtered& result,
+                    StarHullThere& found) const {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds
     // survive.
     constexpr unsigned most_rounds = 24;
@@ -238,26 +262,27 @@ class DeviceFilter {
       return kept;
     }
     const SampledMap finer =
-        map_of_sample(sampled_points(view), Insist::late, most_gauge_nodes(this_device()), run_);
+        map_of_left(sampled_points(view), &first, most_gauge_nodes(this_device()), run_);
     result.survivors.reason += "; a second map: " + finer.reason;
     if (finer.map == nullptr) return {};
     result.survivors.filter = UsedFilter::gauge_twice;
     return survivors_of_device_points(finer.map->table(), view);
   }
 
-  Kept kept_by_map(const GaugeTable& table, Filtered& result) const {
+  Kept kept_by_map(const GaugeMap& map, bool refined, Filtered& result) const {
     result.survivors.backend = Backend::cuda;
     result.survivors.filter = UsedFilter::gauge;
     result.survivors.all = false;
     Kept kept;
-    kept.ids = survivors_of_device_points(table, points_);
+    kept.ids = survivors_of_device_points(map.table(), points_);
     require_room_for_survivors(kept.ids.count, d_, run_);
     kept.rows = rows_of(points_, kept.ids);
     run_.report("cull", 0.8);
-    if (kept.ids.count < (d_ <= 3 ? least_grown : smallest_worth_refining(d_))) return kept;
+    if (!refined || kept.ids.count < (d_ <= 3 ? least_grown : smallest_worth_refining(d_)))
+      return kept;
     const DevicePointView view = packed(kept.rows, kept.ids.count);
     StarHullThere found;
-    const DeviceIds second = kept_of(view, result, found);
+    const DeviceIds second = kept_of(view, map, result, found);
     if (second.ids.data() == nullptr) return kept;
     const cudaStream_t stream = cuda_stream_of(points_);
     Kept fewer;
@@ -341,7 +366,8 @@ void filter_there(const PointView& points, const GaugeMap* map, const std::strin
     found.survivors.all = true;
     found.survivors.reason = result.survivors.reason;
     const DeviceRequest request{.hull = n == points.count};
-    const std::optional<Kept> kept = DeviceFilter(there, run, request).kept_by(map, where, found);
+    const std::optional<Kept> kept =
+        DeviceFilter(there, run, request).kept_by(map, true, where, found);
     if (!kept) return;
     const std::size_t before = all.size();
     all.resize(before + kept->ids.count);

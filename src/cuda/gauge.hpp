@@ -64,6 +64,11 @@ void sum_in_place(std::uint64_t* numbers, std::uint64_t count, cudaStream_t stre
 /// All work is on points.stream. Needs device memory for a bit a point and for the survivors' ids.
 DeviceIds survivors_of_device_points(const GaugeTable& table, const DevicePointView& points);
 
+/// The points that `map` finds outermost, one in each of the cells of directions that have points,
+/// in the order of the cells, so many along an edge (filter/gauge/outermost_offers.hpp). From 4D
+/// on, at most 2^28 points. Needs 16 bytes of device memory a cell.
+DeviceIds outermost_there(const GaugeTable& map, unsigned cells, const DevicePointView& points);
+
 /// The same ids in the host's memory, piece by piece, for a device with hardly any free memory:
 /// needs half a megabyte, the table's nodes, and 8 bytes for each survivor of a piece.
 Array<std::uint64_t> survivors_by_pieces(const GaugeTable& table, const DevicePointView& points,

@@ -37,6 +37,8 @@ struct LeaderCounts {
   double leaders, nodes;
 };
 LeaderCounts leader_counts(double outside, std::uint64_t tested, unsigned d);
+/// The same of a map after which no other follows, whose leaders a device finds among all points.
+LeaderCounts leader_counts_of_all(double outside, unsigned d);
 /// Cells along an edge of a cube that has about this many cells or nodes.
 unsigned cells_for(double nodes, unsigned d);
 

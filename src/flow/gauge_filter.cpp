@@ -23,14 +23,11 @@ SampledPoints host_points(const PointView& points, const Run& run) {
 Array<std::uint64_t> pass_again(Filtered& result, unsigned d, const Run& run) {
   const PointView left = view_of_rows(result, d);
   if (left.count < smallest_worth_refining(d)) return {};
-  SampledMap finer;
-  if (d > 2 && result.map != nullptr) {
-    finer.map = GaugeMap::of_leaders(
-        result.rows, *result.map,
-        cells_of_leaders(static_cast<double>(left.count), left.count, d, 0), run);
-    finer.reason = "of the leaders of all " + std::to_string(left.count) + " left";
-  }
-  if (finer.map == nullptr) finer = map_of_sample(host_points(left, run), Insist::late, 0, run);
+  SampledPoints all = host_points(left, run);
+  all.lead = [&](const GaugeMap& before, const LeaderCells& cells) {
+    return GaugeMap::of_leaders(result.rows, before, cells, run);
+  };
+  const SampledMap finer = map_of_left(all, result.map.get(), 0, run);
   result.map.reset();
   result.survivors.reason += "; a second map: " + finer.reason;
   if (finer.map == nullptr) return {};

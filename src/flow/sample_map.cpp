@@ -173,7 +173,7 @@ struct MapSearch {
     found += map == nullptr          ? ", but the centre is not safely inside their hull"
              : insist == Insist::yes ? ", filter as asked"
                                      : ", so the filter pays";
-    return {std::move(map), std::move(found), led};
+    return {std::move(map), std::move(found), led, led && points.lead != nullptr};
   }
 
   /// Finds a sample's hull. False if it gives no map.
@@ -226,36 +226,55 @@ struct MapSearch {
     if (map == nullptr) return true;
     size = count;
     kept = left;
-    found += ", the leaders of " + std::to_string(size) + " leave " + std::to_string(kept);
+    found += std::string(", the leaders of ") + (points.lead ? "all points, tested with " : "") +
+             std::to_string(size) + " leave " + std::to_string(kept);
     return true;
   }
 
-  /// The map of the leaders of a sample of `count` points, if it keeps fewer of them, `left`, than
-  /// that of the probe's hull does, tested with an eighth of them: a body must have points in most
-  /// directions from its centre, which a scan of the ground has not.
+  /// The map of the leaders of a sample of `most` points or, by points.lead, of all. Null unless it
+  /// keeps fewer of `count` sampled points, `left`, than that of the probe's hull does, tested with
+  /// most / 8 of them: a body must have points in most directions from its centre, which a scan of
+  /// the ground has not.
   std::unique_ptr<GaugeMap> lead(const GaugeMap& probe, std::uint64_t most, std::uint64_t& count,
                                  std::uint64_t& left) const {
     const unsigned d = points.dimension;
-    const Array<double> sample = points.gather(sample_blocks(points.count, most, run));
+    const bool all = points.lead != nullptr;
+    const unsigned apart = all ? 1 : 8;  // of the sample, the points that are tested
+    const Array<double> sample = points.gather(sample_blocks(points.count, most * apart / 8, run));
     count = sample.size() / d;
-    const double outside =
-        static_cast<double>(kept) / static_cast<double>(size) * static_cast<double>(count);
-    auto led = GaugeMap::of_leaders(sample, probe,
-                                    cells_of_leaders(outside, points.count, d, most_nodes), run);
+    const double outside = static_cast<double>(kept) / static_cast<double>(size) *
+                           static_cast<double>(all ? points.count : count);
+    const LeaderCounts counts = leader_counts_of_all(outside, d);
+    const LeaderCells cells =
+        all ? LeaderCells{cells_for(counts.leaders, d), cells_for(counts.nodes, d)}
+            : cells_of_leaders(outside, points.count, d, most_nodes);
+    auto led = all ? points.lead(probe, cells) : GaugeMap::of_leaders(sample, probe, cells, run);
     if (led == nullptr) return nullptr;
-    auto rows = PointView::row_major(sample.data(), count / 8, d);
-    rows.point_stride *= 8;
+    auto rows = PointView::row_major(sample.data(), count / apart, d);
+    rows.point_stride *= apart;
     std::uint64_t by[2];
     run.each_item(2, [&](std::uint64_t i) {
       by[i] = (i == 0 ? probe : *led).survivors(rows, run.with_threads(1)).size();
     });
     if (by[1] > by[0]) return nullptr;
-    left = 8 * by[1];
+    left = apart * by[1];
     return led;
   }
 };
 
 }  // namespace
+
+SampledMap map_of_left(const SampledPoints& points, const GaugeMap* before,
+                       std::uint32_t most_nodes, const Run& run) {
+  if (before != nullptr && points.lead != nullptr) {
+    const auto all = static_cast<double>(points.count);
+    auto map = points.lead(*before, cells_of_leaders(all, points.count, points.dimension, 0));
+    if (map != nullptr)
+      return {std::move(map), "of the leaders of all " + std::to_string(points.count) + " left",
+              true};
+  }
+  return map_of_sample(points, Insist::late, most_nodes, run);
+}
 
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes) {

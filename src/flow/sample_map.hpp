@@ -31,12 +31,16 @@ struct SampledPoints {
   unsigned dimension = 0;
   /// Returns packed rows of the points with these ids, which must ascend.
   std::function<Array<double>(std::span<const std::uint64_t> ids)> gather;
+  /// Returns the map of the leaders of all points, which a map of some of them finds, or null.
+  /// None: leaders are those of a sample.
+  std::function<std::unique_ptr<GaugeMap>(const GaugeMap& before, LeaderCells cells)> lead = {};
 };
 
 struct SampledMap {
   std::unique_ptr<GaugeMap> map;  ///< null: culling is not worthwhile, or no map exists
   std::string reason;             ///< one line, with or without a map
   bool led = false;               ///< leaders made it, and may make a second one
+  bool of_all = false;            ///< leaders of all points: a second one leaves hardly fewer
 };
 
 enum class Insist {
@@ -59,6 +63,11 @@ LeaderCells cells_of_leaders(double outside, std::uint64_t tested, unsigned d,
 /// map's sample is at most `most_probes` times as large as the first.
 SampledMap map_of_sample(const SampledPoints& points, Insist insist, std::uint32_t most_nodes,
                          const Run& run, std::uint64_t most_probes = ~std::uint64_t{0});
+
+/// The second map, of points that `before` left: of the leaders among all of them, if there is such
+/// a map and points.lead; else of the hull of a sample, with at most `most_nodes`.
+SampledMap map_of_left(const SampledPoints& points, const GaugeMap* before,
+                       std::uint32_t most_nodes, const Run& run);
 
 /// most_probes for the first map of a device. In 2D and 3D a pseudo-hull follows there, which needs
 /// no large sample. In 3D, of 100M points of a ball, the map of a probe leaves 6 %, that of four

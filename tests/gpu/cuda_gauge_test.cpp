@@ -12,7 +12,9 @@
 #include "cuda/kernels/gauge_kernel.hpp"
 #include "cullhull/cullhull.hpp"
 #include "filter/gauge/gauge_map.hpp"
+#include "parallel/dispatch.hpp"
 #include "tests/agreement/canonical_hash.hpp"
+#include "tests/agreement/outermost_of_cells.hpp"
 #include "tests/gpu/device.hpp"
 #include "tests/made_sets.hpp"
 #include "tests/thrown.hpp"
@@ -176,6 +178,40 @@ TEST_F(CudaGauge, HullsAreTheSameBitForBit) {
   for (std::size_t i = 0; i < flat.size(); i += 3) flat[i] = 0.5F;
   expect_same_hull(flat, flat.size() / 3, 3, "flat");
   expect_same_hull(std::vector<float>{-0.0F, 1, 2}, 1, 3, "a point");
+}
+
+TEST_F(CudaGauge, LeadersAreTheOutermostOfTheirCells) {
+  for (unsigned d = 4; d <= 6; ++d) {
+    const std::size_t n = 5003;
+    const auto map = GaugeMap::build(cross_polytope(d, 0.125, 1));
+    auto rows = uniform_points<double>(d, n, 0.125, 1.2 / d + 0.2, d);
+    rows[7] = NAN;
+    const OnDevice there(rows), turned(transposed(rows, d));
+    const auto expected = with_dimension<4, 5, 6>(
+        d, [&](auto D) { return outermost_of_cells<D()>(map->table(), 4, rows); });
+    ASSERT_GT(expected.size(), 100U);
+    for (const auto& view : {DevicePointView::row_major(there.data<double>(), n, d),
+                             DevicePointView::column_major(turned.data<double>(), n, d)}) {
+      const auto found = on_host(outermost_there(map->table(), 4, view));
+      EXPECT_EQ(std::vector<std::uint64_t>(found.begin(), found.end()), expected) << d;
+    }
+  }
+}
+
+// The least number of points for which leaders are looked for.
+TEST_F(CudaGauge, LeadersOfAllPointsMakeTheMap) {
+  const std::size_t n = 1 << 16;
+  for (const auto& [shape, d] : {std::pair{"ball", 4U}, {"gauss", 5U}}) {
+    const auto rows = made<float>(shape, n, d, d);
+    const OnDevice there(rows);
+    Options options;
+    const Hull expected = convex_hull(PointView::row_major(rows.data(), n, d), options);
+    options.backend = Backend::cuda;
+    const Hull hull = convex_hull(DevicePointView::row_major(there.data<float>(), n, d), options);
+    EXPECT_EQ(canonical_hash(hull), canonical_hash(expected));
+    EXPECT_TRUE(has(hull.statistics.cull_reason, "the leaders of all points"));
+    EXPECT_FALSE(has(hull.statistics.cull_reason, "a second map")) << hull.statistics.cull_reason;
+  }
 }
 
 TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {

@@ -165,10 +165,17 @@ CULLHULL_HD void sort_descending(float (&key)[K], std::int32_t (&step)[K]) {
 
 }  // namespace lanes
 
-/// Returns whether the point is provably strictly inside; false if it has a NaN or an infinity.
-template <unsigned D, class C, class Nodes>
-CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
-                              const float (&y)[D]) {
+/// Where the ray through a point leaves the cube: in which cell, and where in it.
+template <unsigned D>
+struct GaugePlace {
+  float norm;            ///< of the point
+  std::uint32_t corner;  ///< the cell's lowest corner; any node for a point that is not finite
+  float fraction[D - 1];
+};
+
+/// Reads no node.
+template <unsigned D, class C>
+CULLHULL_HD GaugePlace<D> gauge_place(const GaugeConstants<D, C>& t, const float (&y)[D]) {
   constexpr float tiny = 0x1p-100F;  // the smallest divisor: quotients stay finite in floats
   constexpr std::uint32_t shift_bits = 0x4B000000U;  // the bits of 2^23
 
@@ -176,12 +183,13 @@ CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
   float prefix[D];
   prefix[0] = std::fabs(y[0]);
   for (unsigned k = 1; k < D; ++k) prefix[k] = lanes::larger(prefix[k - 1], std::fabs(y[k]));
-  const float norm = prefix[D - 1];
+  GaugePlace<D> at;
+  at.norm = prefix[D - 1];
   float other[D - 1];
   float dominant = y[D - 1];
   float corner = t.face_base[D - 1];
   for (unsigned k = D - 1; k-- > 0;) {
-    const bool reached = prefix[k] == norm;
+    const bool reached = prefix[k] == at.norm;
     other[k] = reached ? y[k + 1] : y[k];
     dominant = reached ? y[k] : dominant;
     corner = reached ? t.face_base[k] : corner;
@@ -189,21 +197,28 @@ CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
   corner += static_cast<std::int32_t>(lanes::bits_of(dominant)) < 0 ? t.face_stride : 0.0F;
 
   // Cell and fractions.
-  const float inverse = lanes::reciprocal(lanes::larger(norm, tiny));
-  float fraction[D - 1];
-  std::int32_t step[D - 1];
+  const float inverse = lanes::reciprocal(lanes::larger(at.norm, tiny));
   for (unsigned k = 0; k < D - 1; ++k) {
     const float place = other[k] * inverse * t.half_cells + t.middle;
     const float cell = lanes::floor_and_shift(place) - 0x1p23F;
-    fraction[k] = place - cell;
+    at.fraction[k] = place - cell;
     corner += cell * t.stride[k];  // integers: exact
-    step[k] = t.step[k];
   }
   const std::uint32_t node_bits = lanes::bits_of(corner) - shift_bits;
-  std::uint32_t node = node_bits < t.last_corner ? node_bits : t.last_corner;
+  at.corner = node_bits < t.last_corner ? node_bits : t.last_corner;
+  return at;
+}
 
+/// What the test compares with the threshold: an upper bound of the gauge, up to rounding; NaN or
+/// infinite for a point that is not finite.
+template <unsigned D, class C, class Nodes>
+CULLHULL_HD float gauge_bound(const GaugeConstants<D, C>& t, const Nodes& nodes, GaugePlace<D> at) {
+  std::int32_t step[D - 1];
+  for (unsigned k = 0; k < D - 1; ++k) step[k] = t.step[k];
   // Kuhn's simplex: from the lowest corner one step per axis, in the order of falling fractions.
+  std::uint32_t node = at.corner;
   const std::uint32_t last = node + static_cast<std::uint32_t>(t.all_steps);
+  float(&fraction)[D - 1] = at.fraction;
   lanes::sort_descending(fraction, step);
   float sum = (1.0F - fraction[0]) * nodes[node];
   for (unsigned k = 0; k + 2 < D; ++k) {
@@ -211,7 +226,14 @@ CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
     sum += (fraction[k] - fraction[k + 1]) * nodes[node];
   }
   sum += fraction[D - 2] * nodes[last];
-  return norm * sum < t.threshold;
+  return at.norm * sum;
+}
+
+/// Returns whether the point is provably strictly inside; false if it has a NaN or an infinity.
+template <unsigned D, class C, class Nodes>
+CULLHULL_HD bool gauge_inside(const GaugeConstants<D, C>& t, const Nodes& nodes,
+                              const float (&y)[D]) {
+  return gauge_bound(t, nodes, gauge_place(t, y)) < t.threshold;
 }
 
 // A warp reads `group_points` points at a time and returns as many bits, in words of 32 in the

@@ -547,5 +547,30 @@ TEST_F(EmulatedEdges, EveryAllocationMayFail) {
       }
 }
 
+// Without the memory to find the leaders of all points, the map is a sample's.
+TEST_F(EmulatedEdges, LeadersMayFindNoMemory) {
+  constexpr std::size_t n = 1 << 16;
+  const auto rows = testing_support::made<float>("gauss", n, 4, 5);
+  const std::uint64_t expected =
+      canonical_hash(convex_hull(PointView::row_major(rows.data(), n, 4)));
+  const OnDevice there(rows);
+  std::uint64_t led = 0, sampled = 0;
+  fail_at_every_step(&emulation::Settings::failing_allocation, [&] {
+    keep_memory(0);
+    try {
+      const Hull hull =
+          convex_hull(DevicePointView::row_major(there.data<float>(), n, 4), on_device());
+      EXPECT_EQ(canonical_hash(hull), expected);
+      const bool of_all =
+          testing_support::has(hull.statistics.cull_reason, "the leaders of all points");
+      (of_all ? led : sampled) += hull.statistics.filter == UsedFilter::gauge;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::out_of_budget) << e.what();
+    }
+  });
+  EXPECT_GT(led, 0U);
+  EXPECT_GT(sampled, 0U);
+}
+
 }  // namespace emulated_edges_test
 }  // namespace cullhull::testing
