@@ -406,7 +406,7 @@ class StarGrowth {
   /// not certain.
   bool run(const Rows& rows, std::uint32_t count, unsigned max_rounds, const Control& control,
            std::vector<PseudoHullRound>& rounds, StarBegin begin = StarBegin::any) {
-    if (!start(rows, count, rounds, begin)) {
+    if (!start(rows, count, begin)) {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
@@ -448,6 +448,8 @@ class StarGrowth {
   bool moved() const { return moved_; }                  ///< whether it began with the last surface
   std::uint32_t first_facets() const { return first_; }  ///< of the surface that it began with
   const double* centre() const { return centre_; }
+  /// Of the rows, as they were given.
+  const AxisExtremes<3>& box() const { return box_; }
   /// The rows, scaled.
   const Rows& rows() const { return rows_; }
   Executor& executor() { return executor_; }
@@ -455,13 +457,13 @@ class StarGrowth {
  private:
   using Count = typename Executor::Count;
 
-  bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds,
-             StarBegin begin) {
+  bool start(const Rows& rows, std::uint32_t count, StarBegin begin) {
     rows_ = rows;
     count_ = count;
     listed_ = false;
     growth_.begin(count);
-    const AxisExtremes<3> e = extremes_of<3>(executor_, rows_, count);
+    box_ = extremes_of<3>(executor_, rows_, count);
+    const AxisExtremes<3>& e = box_;
     double scale[3];
     if (!axis_scales(e, scale)) return false;
     rows_.rescale(executor_, count, scale);
@@ -476,14 +478,14 @@ class StarGrowth {
     executor_.reserve(culled_, count);
     executor_.reserve(facet_, 2 * std::size_t{count});
     executor_.reserve(number_, 2 * std::size_t{count});
-    moved_ = start_from_last(frame, rounds);
+    moved_ = start_from_last(frame);
     if (moved_) return true;
     nodes_.m = leaders_.m = 0;
-    if (start_from_leaders(frame, rounds)) return true;
+    if (start_from_leaders(frame)) return true;
     if (begin == StarBegin::leaders && !listed_) return false;
     StartSimplex<3> simplex;
     return choose_simplex(executor_, reader_, rows_, count, e, simplex) &&
-           start_from_simplex(simplex, rounds);
+           start_from_simplex(simplex);
   }
 
   // Leaders cut off what is inside in one pass, whatever the points are. Where most of them are
@@ -496,7 +498,7 @@ class StarGrowth {
   // 8M, 30 and 51 for an ellipsoid, 121 and 59 for a cube, 529 and 149 for a bumpy body (0.36).
 
   /// Returns whether the surface begins with leaders. If not, points may have been culled.
-  bool start_from_leaders(const LeaderFrame& frame, std::vector<PseudoHullRound>& rounds) {
+  bool start_from_leaders(const LeaderFrame& frame) {
     LeaderGrid3 grid{2};
     while (grid.m < 16 && 8 * std::pow(2.0 * grid.m, 4) <= count_) grid.m *= 2;
     if (grid.m == 2) return false;
@@ -517,7 +519,7 @@ class StarGrowth {
       } else {
         const bool grows = found.reflex < first_ / 2;  // a third of the edges
         if (grows) leaders_ = grid;
-        place(from, grows, rounds);
+        place(from, grows);
         return grows;
       }
       refined = true;
@@ -525,14 +527,14 @@ class StarGrowth {
   }
 
   /// Begins with the surface of the last frame, if there is one that is still star-shaped.
-  bool start_from_last(const LeaderFrame& frame, std::vector<PseudoHullRound>& rounds) {
+  bool start_from_last(const LeaderFrame& frame) {
     first_ = kept_;
     kept_ = 0;
     if (first_ == 0 || kept_rows_ != count_) return false;
     const FromNode from{{nodes_, frame}, facet_of_node_.data()};
     if (!make_cones(from, 0).good()) return false;
     executor_.for_each(nodes_.facets(), WalkNode{places(from), facet_of_node_.data()});
-    place(from, true, rounds);
+    place(from, true);
     return true;
   }
 
@@ -558,7 +560,7 @@ class StarGrowth {
   /// Finds the facet of each row that is not culled. If the surface does not grow, what is inside
   /// is culled, and the rest listed.
   template <class From>
-  void place(const From& from, bool grows, std::vector<PseudoHullRound>& rounds) {
+  void place(const From& from, bool grows) {
     const ExteriorPoint* points = listed_ ? points_.data() : nullptr;
     const Count culled =
         executor_.scatter_max(growth_.exterior(), first_,
@@ -573,10 +575,9 @@ class StarGrowth {
       growth_.add(0, culled, 0, left);
       listed_ = true;
     }
-    growth_.read(rounds);
   }
 
-  bool start_from_simplex(const StartSimplex<3>& simplex, std::vector<PseudoHullRound>& rounds) {
+  bool start_from_simplex(const StartSimplex<3>& simplex) {
     for (unsigned k = 0; k < 3; ++k)
       centre_[k] = 0.25 * (simplex.corner[0][k] + simplex.corner[1][k]) +
                    0.25 * (simplex.corner[2][k] + simplex.corner[3][k]);
@@ -602,7 +603,7 @@ class StarGrowth {
     first_ = 4;
     executor_.upload(facet, 4, facet_.data());
     if (!make_cones(FromFirstFacet{}, 0).good()) return false;
-    place(FromFirstFacet{}, true, rounds);
+    place(FromFirstFacet{}, true);
     return true;
   }
 
@@ -660,6 +661,7 @@ class StarGrowth {
   Executor executor_;
   Rows rows_{};
   double centre_[3] = {};
+  AxisExtremes<3> box_;
   std::uint32_t count_ = 0;
   std::uint32_t first_ = 0;                 ///< how many facets the first surface has
   std::uint32_t kept_ = 0, kept_rows_ = 0;  ///< facets of the last surface, and of how many rows

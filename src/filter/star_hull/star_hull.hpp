@@ -68,6 +68,7 @@ class StarHull {
   /// Keeps a surface that is whole() for the next run(), which begins with it if as many rows are
   /// given and it is star-shaped where they are now: moving points.
   void keep(const StarCounts& done) { growth_.keep(done.end.facets); }
+  const AxisExtremes<3>& box() const { return growth_.box(); }  ///< of the rows as given to run()
   const unsigned char* culled() { return growth_.culled(); }
   Executor& executor() { return growth_.executor(); }
 
@@ -132,13 +133,17 @@ class StarHull {
     const std::uint32_t sides = 3 * facets;
     std::uint32_t* const list[2] = {executor.reserve(listed_, std::size_t{facets} + 1),
                                     executor.reserve(order_, std::size_t{facets} + 1)};
-    while (round <= most_rounds) {
+    // At first all sides wait, and a look would take as long as a round.
+    constexpr bool lists_all = Executor::few_items == no_item;
+    for (bool look = lists_all || round > 1; round <= most_rounds; look = true) {
       control.check();
       const std::uint32_t waiting =
-          executor.append(facets, FacetWaits{rounds.waiting},
-                          ListForRound{list[round % 2], rounds.listed_for, round});
+          look ? std::uint32_t{executor.append(
+                     facets, FacetWaits{rounds.waiting},
+                     ListForRound{list[round % 2], rounds.listed_for, round})}
+               : no_item;
       if (waiting == 0) break;
-      if (waiting <= Executor::few_items) {
+      if (look && waiting <= Executor::few_items) {
         Rounds listed = rounds;
         std::copy_n(list, 2, listed.listed);
         round += executor.rounds(listed, round, most_rounds, waiting, control);

@@ -132,6 +132,21 @@ struct SumChunk {
   }
 };
 
+/// Leaves vertex 0, as given, behind the chunks' sums: one copy to the host for both.
+template <class Rows>
+struct FirstVertex {
+  Rows rows;
+  const std::uint32_t* row;
+  Share<3, DoubleDouble>* behind;
+  CULLHULL_HD void operator()(std::uint32_t) const {
+    double x[3];
+    rows.load(row[0], x);
+    Share<3, DoubleDouble> kept;
+    for (unsigned k = 0; k < 3; ++k) kept.moment[k] = DoubleDouble{x[k], 0};
+    *behind = kept;
+  }
+};
+
 /// The ids of corners, from their vertices' numbers.
 struct NameCorner {
   const std::uint32_t* vertices;
@@ -160,7 +175,9 @@ class StarResult {
     (void)executor.enumerate(count, NotCulled{hull.culled()}, place,
                              RowOfVertex{hull.culled(), place, row});
     order(executor, hull);
-    return scale(executor, rows, count) && measure(executor, rows);
+    auto* last = executor.reserve(chunks_, chunk_count(facets_, measure_chunk) + 1);
+    executor.for_each(1, FirstVertex<Rows>{rows, row, last + chunk_count(facets_, measure_chunk)});
+    return scale(executor, hull.box(), rows, count) && measure(executor, rows);
   }
 
   /// What is not a list, and the lists in the executor's memory.
@@ -184,15 +201,7 @@ class StarResult {
  private:
   /// Scales the rows as make_frame() does; false where that is far from 1 or the hull thin along an
   /// axis.
-  bool scale(Executor& executor, Rows& rows, std::uint32_t count) {
-    constexpr std::uint32_t grain = Executor::grain;
-    // Of all rows: the extreme ones are vertices.
-    const AxisExtremes<3> box =
-        executor.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<3>{},
-                        ExtremesOfStep<3, Rows>{rows, count, grain}, TakeExtremes<3>{});
-    std::uint32_t first = 0;
-    executor.fetch(row_.data(), 1, &first);
-    reader_.read(executor, rows, &first, 1, sums_.first);
+  bool scale(Executor& executor, const AxisExtremes<3>& box, Rows& rows, std::uint32_t count) {
     double largest = 0;
     for (unsigned k = 0; k < 3; ++k)
       largest = std::max({largest, std::fabs(box.low[k]), std::fabs(box.high[k])});
@@ -233,9 +242,11 @@ class StarResult {
         runs,
         MeasureRun<Rows>{rows, row_.data(), vertices_.data(), facets_, scale_by(1, sums_.exponent),
                          executor.reserve(planes_, 4 * std::size_t{facets_}), sums});
-    executor.for_each(chunks, SumChunk{sums, runs, executor.reserve(chunks_, chunks)});
-    std::vector<Share<3, DoubleDouble>> parts(chunks);
-    executor.fetch(chunks_.data(), chunks, parts.data());
+    executor.for_each(chunks, SumChunk{sums, runs, chunks_.data()});
+    std::vector<Share<3, DoubleDouble>> parts(chunks + std::size_t{1});
+    executor.fetch(chunks_.data(), parts.size(), parts.data());
+    for (unsigned k = 0; k < 3; ++k) sums_.first[k] = parts.back().moment[k].value();
+    parts.pop_back();
     sums_.sums = {};
     for (const auto& part : parts) sums_.sums.add(part);
     return std::isfinite(sums_.sums.error);
@@ -251,7 +262,6 @@ class StarResult {
   Array<double> planes_;
   Array<Share<3>> runs_;
   Array<Share<3, DoubleDouble>> chunks_;
-  RowReader<3, Rows, Executor> reader_;
 };
 
 }  // namespace cullhull::internal

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cuda/gauge.hpp"
+#include "cullhull/device_hull.hpp"
 #include "device_sets.hpp"
 #include "emulation.hpp"
 #include "filter/gauge/gauge_map.hpp"
@@ -180,6 +181,26 @@ TEST_F(EmulatedEdges, AnErrorThatTheCallerLeftUnreadIsReportedAndStays) {
   for (const CullMethod method : {CullMethod::gauge, CullMethod::pseudo_hull})
     EXPECT_EQ(canonical_hash(convex_hull(view, on_device(method))), expected);
   EXPECT_EQ(cudaPeekAtLastError(), cudaSuccess);
+}
+
+/// How often a call waits for the device.
+template <class Call>
+std::uint64_t waits_of(const Call& call) {
+  const std::uint64_t before = emulation::counters().waits;
+  call();
+  return emulation::counters().waits - before;
+}
+
+// Each wait takes some 10 us of a device's time, as a round of flips does.
+TEST_F(EmulatedEdges, CallsWaitSeldom) {
+  const auto rows = ball(3, 20000, 5);
+  const OnDevice there(rows);
+  const auto view = DevicePointView::row_major(there.data<float>(), 20000, 3);
+  HullTracker tracker(on_device(CullMethod::automatic));
+  EXPECT_LE(waits_of([&] { convex_hull(view, on_device(CullMethod::automatic)); }), 17U);
+  EXPECT_LE(waits_of([&] { convex_hull_on_device(view, on_device(CullMethod::automatic)); }), 13U);
+  tracker.update(view);
+  EXPECT_LE(waits_of([&] { tracker.update(view); }), 15U);
 }
 
 // Nor is memory lost where a result is freed while the caller has an unread error.
