@@ -205,13 +205,28 @@ TEST_F(CudaGauge, LeadersOfAllPointsMakeTheMap) {
     const auto rows = made<float>(shape, n, d, d);
     const OnDevice there(rows);
     Options options;
-    const Hull expected = convex_hull(PointView::row_major(rows.data(), n, d), options);
+    const auto view = PointView::row_major(rows.data(), n, d);
+    const Hull expected = convex_hull(view, options);
     options.backend = Backend::cuda;
     const Hull hull = convex_hull(DevicePointView::row_major(there.data<float>(), n, d), options);
     EXPECT_EQ(canonical_hash(hull), canonical_hash(expected));
     EXPECT_TRUE(has(hull.statistics.cull_reason, "the leaders of all points"));
     EXPECT_FALSE(has(hull.statistics.cull_reason, "a second map")) << hull.statistics.cull_reason;
   }
+}
+
+// Of points of the host the CPU makes the first map, of a sample.
+TEST_F(CudaGauge, LeadersOfWhatAMapLeft) {
+  const std::size_t n = 1 << 18;
+  const auto rows = made<float>("ball", n, 4, 6);
+  const auto view = PointView::row_major(rows.data(), n, 4);
+  Options options;
+  const Hull expected = convex_hull(view, options);
+  options.backend = Backend::cuda;
+  const Hull hull = convex_hull(view, options);
+  EXPECT_EQ(canonical_hash(hull), canonical_hash(expected));
+  EXPECT_TRUE(has(hull.statistics.cull_reason, "a second map: of the leaders of all"));
+  EXPECT_LE(hull.statistics.survivors, expected.statistics.survivors * 11 / 10);
 }
 
 TEST_F(CudaGauge, TheFirstPointThatIsNotFiniteIsNamed) {
