@@ -80,7 +80,7 @@ Hull hull_of_rows(Filtered&& filtered, const DevicePointView& points, const Opti
   const PointView rows = PointView::row_major(filtered.rows.data(), count, points.dimension);
   Hull hull;
   if (!filtered.triangles.empty()) {
-    const Array<double> kept = std::move(filtered.rows);
+    Array<double> kept = std::move(filtered.rows);
     hull = hull_of_lists(std::move(filtered), rows, points.count, run);
     if (options.with_coordinates) hull.vertex_coordinates = std::move(kept);
   } else {
