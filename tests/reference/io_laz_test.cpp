@@ -106,6 +106,18 @@ TEST(IoLaz, SomeRecords) {
   EXPECT_TRUE(has(error_of([&] { unpacked(folder, file_of("format-0"), {points}); }), "below 240"));
 }
 
+// No chunk is decoded for two blocks.
+TEST(IoLaz, BlocksAreWholeChunks) {
+  std::vector<std::uint64_t> counts;
+  BlockOptions options;
+  options.block_bytes = 1;
+  options.readers = 1;
+  BlockVisitor visitor;
+  visitor.points = [&](const PointView& view, std::uint64_t) { counts.push_back(view.count); };
+  visit_blocks({file_of("variable")}, visitor, options);
+  EXPECT_EQ(counts, (std::vector<std::uint64_t>{7, 1, 192, 40}));
+}
+
 TEST(IoLaz, PartsOfRowsBeginWithinChunks) {
   const std::vector<std::string> files{file_of("format-7"), file_of("variable")};
   std::vector<int> seen(2 * points);

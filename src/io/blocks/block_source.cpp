@@ -53,7 +53,8 @@ class CountedBlocks : public BlockSource {
 
   bool next(BlockTask& task, BlockMemory& memory) override {
     if (next_ >= end_ && !std::exchange(empty_, false)) return false;
-    const std::uint64_t first = next_, count = std::min(per_block_, end_ - first);
+    const std::uint64_t first = next_, most = end_ - first,
+                        count = std::min(block_at(first, std::min(per_block_, most)), most);
     next_ += count;
     task.count = count;
     task.file_points = next_;
