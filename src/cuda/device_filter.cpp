@@ -130,7 +130,7 @@ class DeviceFilter {
       Filtered found;
       found.survivors.reason = where;
       const std::optional<Kept> kept =
-          kept_by_surface(request_.last == nullptr ? StarBegin::leaders : StarBegin::any, found);
+          kept_by_surface(begins_anyhow() ? StarBegin::any : StarBegin::leaders, found);
       if (found.survivors.filter != UsedFilter::pseudo_hull) return false;
       if (!kept)
         found = all_points(std::move(found));
@@ -141,6 +141,11 @@ class DeviceFilter {
     } catch (const OutOfMemory&) {
       return false;
     }
+  }
+
+  /// A surface that later frames begin with is worth a simplex, unless the last one was not whole.
+  bool begins_anyhow() const {
+    return request_.last != nullptr && (*request_.last == nullptr || (*request_.last)->kept);
   }
 
   /// What is not finite is not culled, and found when the rest is copied. None: all points stay, as

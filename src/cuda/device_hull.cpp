@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "cuda/device_rows.hpp"
@@ -42,7 +43,8 @@ ListsThere room_for(DeviceHull& hull, cudaStream_t stream) {
 }  // namespace
 
 void leave_there(const StarHullThere& found, const DeviceIds& ids, cudaStream_t stream,
-                 DeviceHull& hull) {
+                 DeviceHull& left) {
+  DeviceHull hull;  // what is left is whole
   hull.dimension = 3;
   hull.affine_dimension = 3;
   hull.vertex_count = ids.count;
@@ -59,6 +61,7 @@ void leave_there(const StarHullThere& found, const DeviceIds& ids, cudaStream_t 
   copy(to.neighbours, found.neighbours, corners);
   copy(to.planes, found.planes, 4 * hull.simplex_count);
   synchronise(stream, "writing a hull on the device");
+  left = std::move(hull);
 }
 
 DeviceHull copied_to_device(const Hull& hull, const DevicePointView& points) {

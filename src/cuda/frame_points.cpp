@@ -59,7 +59,8 @@ class DeviceFrame final : public FramePoints {
     return here_ ? here_->most_nodes() : most_gauge_nodes(this_device());
   }
 
-  bool keeps_surface() const override {
+  bool keeps_surface() const override { return has_surface() && (!last_ || last_->kept); }
+  bool has_surface() const {
     return !here_ && run_.options.cull == CullMethod::automatic &&
            surface_of_all_pays(dimension, count, run_);
   }
@@ -81,7 +82,7 @@ class DeviceFrame final : public FramePoints {
   Filtered filter_afresh() override {
     if (!here_) {
       Filtered filtered =
-          run_device_filter(points_, run_, {.last = keeps_surface() ? &last_ : nullptr});
+          run_device_filter(points_, run_, {.last = has_surface() ? &last_ : nullptr});
       if (!filtered.on_host) return filtered;
       keep(filtered.survivors.reason, std::move(filtered.rows));
     }

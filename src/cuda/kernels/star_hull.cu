@@ -1,7 +1,14 @@
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "cuda/kernels/device_subset.hpp"
 #include "cuda/kernels/executor.cuh"
 #include "cuda/kernels/star_hull.hpp"
 #include "cullhull/error.hpp"
+#include "hull/engine.hpp"
+#include "parallel/memory/memory.hpp"
 #include "result/write/star_result.hpp"
 
 namespace cullhull::internal {
@@ -36,8 +43,12 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
     throw Error(ErrorCode::internal, "the device lost count of the survivors");
   try {
     const auto result = std::make_shared<StarResult<CudaExecutor, RowsInPlace<3, T>>>();
-    if (request.place == HullPlace::nowhere || !result->compute(hull, rows, count, there.counts))
+    if (request.place == HullPlace::nowhere || !result->compute(hull, rows, count, there.counts)) {
+      const Settled settled(hull.executor().stream());  // what was begun reads the points
       return there;
+    }
+    require_budget(run.budget, there.counts.end.facets * result_bytes_per_facet(3, 3),
+                   std::to_string(there.counts.end.facets) + " facets");
     Hull measured;
     if (request.place == HullPlace::host || !write_measures(result->sums(), measured)) {
       there.triangles = result->fetch(hull.executor(), run);
@@ -49,6 +60,7 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
     there.planes = result->planes();
     there.left = result;
   } catch (const OutOfMemory&) {
+    const Settled settled(hull.executor().stream());
     there.triangles = {};  // what is left is hulled on the host
   }
   return there;
@@ -65,14 +77,34 @@ StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
   std::shared_ptr<LastSurface> surface = std::move(*request.last);
   const int device = this_device().ordinal;
   if (surface == nullptr || surface->device != device || surface->scalar != points.scalar) {
-    surface = std::make_shared<LastSurfaceOf<T>>();
+    surface = {new LastSurfaceOf<T>, [device](LastSurface* last) {
+                 std::optional<DeviceScope> scope;  // of the memory that is freed
+                 try {
+                   scope.emplace(device, Unread::ignored);
+                 } catch (const Error&) {
+                   // The context is lost, and its memory with it.
+                 }
+                 delete last;
+               }};
     surface->device = device;
     surface->scalar = points.scalar;
   }
   check(cudaStreamSynchronize(static_cast<cudaStream_t>(points.stream)), "waiting for the points");
   StarHullOf<T>& hull = static_cast<LastSurfaceOf<T>&>(*surface).hull;
-  StarHullThere there = star_hull_of<T>(points, run, request, hull);
-  if (there.counts.whole()) hull.keep(there.counts);
+  StarHullThere there;
+  try {
+    there = star_hull_of<T>(points, run, request, hull);
+  } catch (...) {
+    const Settled settled(surface->stream.get());  // what was begun reads the points
+    throw;
+  }
+  surface->kept = false;
+  try {
+    if (there.counts.whole()) hull.keep(there.counts);
+    surface->kept = there.counts.whole();
+  } catch (const OutOfMemory&) {
+    // The next frame begins anew.
+  }
   *request.last = std::move(surface);  // in any case: the ids are freed on its stream
   return there;
 }

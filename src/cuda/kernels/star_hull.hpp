@@ -39,6 +39,7 @@ struct LastSurface {
   CudaStream stream;  ///< its own: the caller's may end before the next frame
   int device = -1;
   ScalarType scalar = ScalarType::f32;
+  bool kept = false;  ///< else memory alone: the last frame's was not whole
   virtual ~LastSurface() = default;
 };
 
