@@ -136,6 +136,7 @@ class DeviceFilter {
         found = all_points(std::move(found));
       else
         copy_survivors(*kept, found);
+      found.pass_survivors = found.survivors.size(points_.count);
       result = std::move(found);
       return true;
     } catch (const OutOfMemory&) {
@@ -243,8 +244,7 @@ class DeviceFilter {
   }
 
   /// The indices of the rows of `view` that the second filter keeps; in space also the surface that
-  /// it `found`. Null ids if a second filter is
-  /// not worthwhile: all rows stay.
+  /// it `found`. Null ids if a second filter is not worthwhile: all rows stay.
   DeviceIds kept_of(const DevicePointView& view, const GaugeMap& first, Filtered& result,
                     StarHullThere& found) const {
     // Points in a ball take 13 to 16 rounds. Points still outside the pseudo-hull after 24 rounds

@@ -109,6 +109,7 @@ TEST_F(GpuTracker, FramesKeepTheSurface) {
                                  "the last frame's pseudo-hull, which flips made convex");
   }
   EXPECT_EQ(kept, 3U);
+  EXPECT_EQ(tracker.report().scan_survivors, tracker.report().survivors);
   EXPECT_STREQ(tracker.report().method, "pseudo-hull");
 }
 
