@@ -30,11 +30,8 @@
 #include "filter/pseudo_hull/growth_rounds.hpp"
 #include "filter/pseudo_hull/primitives.hpp"
 #include "filter/pseudo_hull/pseudo_hull.hpp"
-#include "filter/pseudo_hull/pseudo_hull_math.hpp"
 #include "filter/pseudo_hull/pseudo_hull_start.hpp"
-#include "filter/pseudo_hull/pseudo_hull_steps.hpp"
-#include "filter/star_hull/star_leaders.hpp"
-#include "filter/star_hull/star_math.hpp"
+#include "filter/star_hull/star_places.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
@@ -45,233 +42,6 @@ namespace cullhull::internal {
 struct alignas(16) StarFan {
   double apex[3];
   PseudoPlane<3> between[3], plane[3];
-};
-
-/// The cone of a facet of the first surface. Plane `side[k]` goes through the centre and the other
-/// vertices than k, with vertex k on its inner side; all are uncertain where one is.
-struct alignas(16) StarCone {
-  double base[3];
-  PseudoPlane<3> side[3], plane;
-
-  CULLHULL_HD bool certain() const {
-    return plane.normal[0] != 0 || plane.normal[1] != 0 || plane.normal[2] != 0;
-  }
-};
-
-CULLHULL_HD_INLINE Place star_place(std::uint32_t facet, double at, double error) {
-  if (at > error) return {facet, at};
-  return {at < -error ? place_inside : place_uncertain, 0};
-}
-
-template <class Rows>
-struct MakeCone {
-  Rows rows;
-  double centre[3];
-  const StarFacet* facet;
-  StarCone* cone;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    const StarFacet& of = facet[f];
-    StarCone made;
-    double at[3][3];
-    bool certain = true;
-    for (unsigned k = 0; k < 3; ++k) certain = certain && of.vertex[k] != no_item;
-    if (certain) {
-      for (unsigned k = 0; k < 3; ++k) rows.load(of.vertex[k], at[k]);
-      const double* corner[3] = {at[0], at[1], at[2]};
-      for (unsigned k = 0; k < 3; ++k) {
-        made.base[k] = at[0][k];
-        const double* through[3] = {centre, at[next_corner(k)], at[last_corner(k)]};
-        certain = make_plane<3>(through, at[k], made.side[k]) && certain;
-      }
-      certain = make_plane<3>(corner, centre, made.plane) && certain &&
-                star_sign(centre, at[0], at[1], at[2]) > 0;
-    }
-    if (!certain)
-      for (unsigned k = 0; k < 4; ++k) set_uncertain(k < 3 ? made.side[k] : made.plane);
-    cone[f] = made;
-  }
-};
-
-// A walk crosses a side that the point is certainly beyond, not always the first: else it could go
-// round in a ring of facets.
-
-/// Finds the cones of points by walking over the first surface.
-template <class From>
-struct StarPlaces {
-  From from;
-  double centre[3];
-  const StarFacet* facet;
-  const StarCone* cone;
-
-  CULLHULL_HD Place of(const double* x) const {
-    constexpr unsigned most_steps = 64;
-    std::uint32_t f = from(x);
-    return walk(x, most_steps, f);
-  }
-  /// Begins at f, which becomes the last facet that was reached.
-  CULLHULL_HD Place walk(const double* x, unsigned most_steps, std::uint32_t& f) const {
-    for (unsigned step = 0; step < most_steps; ++step) {
-      const StarCone& here = cone[f];
-      unsigned beyond = 3;
-      bool certain = true;
-      for (unsigned j = 0; j < 3; ++j) {
-        const unsigned k = (j + step) % 3;
-        const double at = pseudo_distance<3>(here.side[k].normal, centre, x);
-        if (at > here.side[k].error && beyond == 3) beyond = k;
-        certain = certain && at < -here.side[k].error;
-      }
-      if (certain)
-        return star_place(f, pseudo_distance<3>(here.plane.normal, here.base, x), here.plane.error);
-      if (beyond == 3) break;
-      f = facet[f].across[beyond].facet();
-    }
-    return {place_uncertain, 0};
-  }
-};
-
-/// Of a first surface: facets without a cone, those that a ray through the first facet may meet,
-/// edges that are certainly reflex, and how many of some rows are not certainly inside.
-struct StarCheck {
-  std::uint32_t open = 0, met = 0, reflex = 0, outside = 0;
-
-  /// It covers each direction once (docs/exactness.md, H7).
-  bool good() const { return open == 0 && met == 1; }
-};
-struct AddChecks {
-  CULLHULL_HD StarCheck operator()(StarCheck a, const StarCheck& b) const {
-    return {a.open + b.open, a.met + b.met, a.reflex + b.reflex, a.outside + b.outside};
-  }
-};
-/// Items are the facets, then rows `stride` apart.
-template <class Rows, class From>
-struct CheckStart {
-  Rows rows;
-  StarPlaces<From> places;
-  std::uint32_t facets, stride;
-  CULLHULL_HD StarCheck operator()(std::uint32_t i) const {
-    StarCheck found;
-    double x[3];
-    if (i >= facets) {
-      rows.load((i - facets) * stride, x);
-      found.outside = places.of(x).facet != place_inside;
-      return found;
-    }
-    const StarCone& here = places.cone[i];
-    found.open = !here.certain();
-    found.met = may_meet(here);
-    for (unsigned k = 0; k < 3; ++k) {
-      const StarSide beyond = places.facet[i].across[k];
-      const std::uint32_t opposite = places.facet[beyond.facet()].vertex[beyond.corner()];
-      if (beyond.facet() < i || opposite == no_item) continue;
-      rows.load(opposite, x);
-      found.reflex += pseudo_distance<3>(here.plane.normal, here.base, x) > here.plane.error;
-    }
-    return found;
-  }
-
- private:
-  /// Whether the ray from the centre through the middle of the first facet is not certainly outside
-  /// of a cone.
-  CULLHULL_HD bool may_meet(const StarCone& here) const {
-    double middle[3] = {0, 0, 0};
-    for (const std::uint32_t v : places.facet[0].vertex) {
-      double x[3];
-      if (v == no_item) return false;  // which is open
-      rows.load(v, x);
-      for (unsigned k = 0; k < 3; ++k) middle[k] += x[k] / 3;
-    }
-    for (unsigned k = 0; k < 3; ++k)
-      if (pseudo_distance<3>(here.side[k].normal, places.centre, middle) > here.side[k].error)
-        return false;
-    return true;
-  }
-};
-
-/// Assigns rows to the facets in whose cones they are: item i is row i, or that of points[i].
-template <class Rows, class From>
-struct AssignToCones {
-  Rows rows;
-  StarPlaces<From> places;
-  const ExteriorPoint* points;
-  PlaceArrays arrays;
-
-  CULLHULL_HD Offer operator()(std::uint32_t i) const {
-    const std::uint32_t row = points == nullptr ? i : points[i].row;
-    double x[3];
-    rows.load(row, x);
-    return arrays.settle(i, row, places.of(x));
-  }
-};
-struct FromFirstFacet {
-  CULLHULL_HD std::uint32_t operator()(const double* /*x*/) const { return 0; }
-};
-/// The walk of a row begins at the facet that the walk of the nearest node ended at.
-struct FromNode {
-  FromNearestNode nearest;
-  const std::uint32_t* facet_of;  ///< by the node's first facet in the grid
-  CULLHULL_HD std::uint32_t operator()(const double* x) const { return facet_of[nearest(x)]; }
-};
-/// Item f of the grid's facets, where it is the first of its node: finds the facet in the direction
-/// of the node. Far walks are those of the first frame.
-struct WalkNode {
-  StarPlaces<FromNode> places;
-  std::uint32_t* facet_of;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    constexpr unsigned most_steps = 4096;
-    const FromNearestNode& nearest = places.from.nearest;
-    const LeaderGrid3::Node p = nearest.grid.node_of(f);
-    if (nearest.grid.first_facet(p) != f) return;
-    double x[3];
-    for (unsigned k = 0; k < 3; ++k)
-      x[k] = nearest.frame.centre[k] + (2.0 * p.at[k] / nearest.grid.m - 1) / nearest.frame.unit[k];
-    std::uint32_t at = facet_of[f];
-    places.walk(x, most_steps, at);
-    facet_of[f] = at;
-  }
-};
-struct FacetIsLive {
-  const StarFacet* facet;
-  CULLHULL_HD bool operator()(std::uint32_t f) const { return facet[f].live(); }
-};
-/// The facets that are left, without gaps.
-struct CompactFacet {
-  const StarFacet* facet;
-  const std::uint32_t* number;
-  StarFacet* to;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    if (!facet[f].live()) return;
-    StarFacet moved = facet[f];
-    for (auto& side : moved.across) side = side_of_facet(number[side.facet()], side.corner());
-    to[number[f]] = moved;
-  }
-};
-struct CopyFacet {
-  const StarFacet* from;
-  StarFacet* to;
-  CULLHULL_HD void operator()(std::uint32_t f) const { to[f] = from[f]; }
-};
-struct RenumberNode {
-  const std::uint32_t* number;
-  std::uint32_t facets;
-  std::uint32_t* facet_of;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    const std::uint32_t n = number[facet_of[f]];
-    facet_of[f] = n < facets ? n : facets - 1;
-  }
-};
-/// At first the facet that stands where the node's of the leaders was, which is near.
-struct FirstOfNode {
-  LeaderGrid3 nodes, leaders;
-  std::uint32_t* facet_of;
-  CULLHULL_HD void operator()(std::uint32_t f) const {
-    LeaderGrid3::Node p = nodes.node_of(f);
-    for (auto& at : p.at) at = at * leaders.m / nodes.m;
-    facet_of[f] = leaders.m == 0 ? 0 : leaders.first_facet(p);
-  }
-};
-struct EmitPoint {
-  ExteriorPoint* points;
-  CULLHULL_HD void operator()(std::uint32_t i, std::uint32_t k) const { points[k] = {i, 0}; }
 };
 
 /// Where the round's new facets go: the first takes the place of the facet that it replaces.
@@ -428,13 +198,10 @@ class StarGrowth {
     executor_.enumerate(slots, FacetIsLive{facet_.data()}, number,
                         CompactFacet{facet_.data(), number, kept});
     executor_.for_each(live, CopyFacet{kept, facet_.data()});
-    if (nodes_.m == 0) {
-      nodes_.m = leaders_.m == 0 ? 16 : 2 * leaders_.m;
-      executor_.for_each(
-          nodes_.facets(),
-          FirstOfNode{nodes_, leaders_, executor_.reserve(facet_of_node_, nodes_.facets())});
-    }
-    executor_.for_each(nodes_.facets(), RenumberNode{number, live, facet_of_node_.data()});
+    const bool fresh = nodes_.m == 0;
+    if (fresh) nodes_.m = leaders_.m == 0 ? 16 : 2 * leaders_.m;
+    std::uint32_t* of = executor_.reserve(facet_of_node_, nodes_.facets());
+    executor_.for_each(nodes_.facets(), RenumberNode{nodes_, leaders_, fresh, number, live, of});
     kept_ = live;
     kept_rows_ = count_;
   }
@@ -463,14 +230,13 @@ class StarGrowth {
     listed_ = false;
     growth_.begin(count);
     box_ = extremes_of<3>(executor_, rows_, count);
-    const AxisExtremes<3>& e = box_;
     double scale[3];
-    if (!axis_scales(e, scale)) return false;
+    if (!axis_scales(box_, scale)) return false;
     rows_.rescale(executor_, count, scale);
     LeaderFrame frame;
     for (unsigned k = 0; k < 3; ++k) {
-      frame.centre[k] = 0.5 * (scale[k] * e.low[k]) + 0.5 * (scale[k] * e.high[k]);
-      frame.unit[k] = 2 / (scale[k] * e.high[k] - scale[k] * e.low[k]);
+      frame.centre[k] = 0.5 * scale[k] * box_.low[k] + 0.5 * scale[k] * box_.high[k];
+      frame.unit[k] = 2 / (scale[k] * box_.high[k] - scale[k] * box_.low[k]);
     }
     std::copy_n(frame.centre, 3, centre_);
     executor_.reserve(place_, count);
@@ -484,7 +250,7 @@ class StarGrowth {
     if (start_from_leaders(frame)) return true;
     if (begin == StarBegin::leaders && !listed_) return false;
     StartSimplex<3> simplex;
-    return choose_simplex(executor_, reader_, rows_, count, e, simplex) &&
+    return choose_simplex(executor_, reader_, rows_, count, box_, simplex) &&
            start_from_simplex(simplex);
   }
 
@@ -494,8 +260,7 @@ class StarGrowth {
   //
   // About 1.5 sqrt(n) leaders serve best, more where most points are near the surface. Share of
   // reflex edges: balls and spheres 0.16 to 0.29, with four times as many leaders 0.37; a cube or
-  // normal points 0.45. Flip rounds with leaders, and with a simplex again: 30 and 56 for a ball of
-  // 8M, 30 and 51 for an ellipsoid, 121 and 59 for a cube, 529 and 149 for a bumpy body (0.36).
+  // normal points 0.45 (docs/gpu.md, "The hull in space", counts rounds).
 
   /// Returns whether the surface begins with leaders. If not, points may have been culled.
   bool start_from_leaders(const LeaderFrame& frame) {
@@ -540,21 +305,19 @@ class StarGrowth {
 
   template <class From>
   StarPlaces<From> places(const From& from) const {
-    StarPlaces<From> p{from, {}, facet_.data(), cone_.data()};
-    std::copy_n(centre_, 3, p.centre);
-    return p;
+    return {from, {centre_[0], centre_[1], centre_[2]}, facet_.data(), cone_.data()};
   }
 
   /// Makes the cones of the first surface, and checks them, with so many of the rows.
   template <class From>
   StarCheck make_cones(const From& from, std::uint32_t sample) {
-    MakeCone<Rows> make{rows_, {}, facet_.data(), executor_.reserve(cone_, first_)};
-    std::copy_n(centre_, 3, make.centre);
-    executor_.for_each(first_, make);
-    const std::uint32_t stride = sample == 0 ? 0 : count_ / sample;
-    return executor_.reduce(first_ + sample, StarCheck{},
-                            CheckStart<Rows, From>{rows_, places(from), first_, stride},
-                            AddChecks{});
+    StarCone* cones = executor_.reserve(cone_, first_);
+    const double* c = centre_;
+    executor_.for_each(first_, MakeCone<Rows>{rows_, {c[0], c[1], c[2]}, facet_.data(), cones});
+    return executor_.reduce(
+        first_ + sample, StarCheck{},
+        CheckStart<Rows, From>{rows_, places(from), first_, count_ / std::max(sample, 1U)},
+        AddChecks{});
   }
 
   /// Finds the facet of each row that is not culled. If the surface does not grow, what is inside
@@ -614,21 +377,22 @@ class StarGrowth {
     const std::uint32_t most_cells = Executor::most(cells);
     const StarSlots slots{active_.data(), Executor::items(growth_.facets()),
                           facets_before_.data() + r};
-    SplitStarFacet<Rows> split{rows_,
-                               slots,
-                               {},
-                               facet_.data(),
-                               number_.data(),
-                               apex_.data(),
-                               executor_.reserve(fan_, Executor::most(growth_.facets())),
-                               executor_.reserve(made_, most_cells)};
-    std::copy_n(centre_, 3, split.centre);
-    executor_.for_each(cells, split);
-    ReassignToCones<Rows> assign{rows_, {}, points_.data(), fan_.data(), arrays()};
-    std::copy_n(centre_, 3, assign.centre);
-    const Count culled = executor_.scatter_max(growth_.exterior(), cells, assign,
-                                               executor_.reserve(best_, most_cells));
-    regroup(r, cells, culled, points_.data(), made_.data(), slots);
+    StarFan* fan = executor_.reserve(fan_, Executor::most(growth_.facets()));
+    StarFacet* made = executor_.reserve(made_, most_cells);
+    const double* c = centre_;
+    executor_.for_each(cells, SplitStarFacet<Rows>{rows_,
+                                                   slots,
+                                                   {c[0], c[1], c[2]},
+                                                   facet_.data(),
+                                                   number_.data(),
+                                                   apex_.data(),
+                                                   fan,
+                                                   made});
+    const Count culled = executor_.scatter_max(
+        growth_.exterior(), cells,
+        ReassignToCones<Rows>{rows_, {c[0], c[1], c[2]}, points_.data(), fan, arrays()},
+        executor_.reserve(best_, most_cells));
+    regroup(r, cells, culled, points_.data(), made, slots);
   }
 
   /// Finds the facets that have points outside of them, those points, and each facet's apex.
