@@ -5,6 +5,7 @@
 
 #include "batch/batch_maker.hpp"
 #include "cullhull/hull.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal {
 
@@ -72,6 +73,7 @@ HullBatch convex_hulls(const PointView& points, std::span<const std::uint64_t> o
                        const Options& options) {
   const std::uint64_t set_count = offsets.empty() ? 0 : offsets.size() - 1;
   check_offsets(points.count, offsets.empty() ? nullptr : offsets.data(), set_count);
+  if (points.count > 0) require_points(points);
   const Run run(options);
   BatchMaker maker(points.dimension, points.scalar, set_count, offsets[set_count] - offsets[0],
                    run);

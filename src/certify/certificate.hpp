@@ -33,9 +33,6 @@ template <class... Parts>
   throw Fault{std::move(text)};
 }
 
-/// Throws Error{invalid_argument} for dimension 0 and for points without data.
-void require_certifiable(const PointView& points);
-
 /// The simplices of each facet, ascending.
 using FacetSimplices = Adjacency<std::uint32_t, std::uint32_t>;
 

@@ -9,6 +9,7 @@
 #include "cullhull/hull.hpp"
 #include "exact/determinants/cofactors.hpp"
 #include "exact/orientation/orientation.hpp"
+#include "geometry/gather.hpp"
 #include "parallel/dispatch.hpp"
 #include "result/vertex_coordinates.hpp"
 
@@ -46,6 +47,7 @@ QueryPoints make_query_points(const PointView* points, const Hull& hull, const C
   if (points != nullptr &&
       (points->dimension != hull.dimension || points->count != hull.point_count))
     throw Error(ErrorCode::invalid_argument, "these are not the points the hull was computed from");
+  if (points != nullptr) require_points(*points);
   QueryPoints q;
   q.dimension = hull.dimension;
   q.k = static_cast<unsigned>(hull.affine_dimension);
@@ -67,6 +69,10 @@ QueryPoints make_query_points(const PointView* points, const Hull& hull, const C
     copy(*points, [&](std::size_t i) { return q.ids[i]; });
   else
     copy(OwnVertices(hull).points(), [](std::size_t i) { return i; });
+  for (std::size_t i = 0; i < q.full.size(); ++i)
+    if (!std::isfinite(q.full[i]))
+      throw Error(ErrorCode::not_finite, "point ", q.ids[i / d], ", coordinate ", i % d,
+                  " is not finite, and no point of this hull");
   q.low.assign(q.full.begin(), q.full.begin() + d);
   q.high = q.low;
   for (std::size_t i = 0; i < q.full.size(); ++i) {

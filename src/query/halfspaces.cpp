@@ -267,6 +267,7 @@ HalfspaceIntersection intersect_halfspaces(const PointView& halfspaces,
   if (halfspaces.dimension < 2)
     throw Error(ErrorCode::invalid_argument,
                 "a halfspace is a row of d coefficients and an offset");
+  require_points(halfspaces);
   HalfspaceIntersection h;
   const unsigned d = halfspaces.dimension - 1;
   h.dimension = d;

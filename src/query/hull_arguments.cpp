@@ -6,6 +6,7 @@
 
 #include "cullhull/error.hpp"
 #include "cullhull/hull.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal {
 
@@ -18,6 +19,7 @@ void check_hull_arguments(const PointView& points, const Hull& hull, double dist
   require(points.dimension == hull.dimension,
           "points of dimension " + std::to_string(points.dimension) + " with a hull in dimension " +
               std::to_string(hull.dimension));
+  if (points.count > 0) require_points(points);
   for (const std::uint64_t id : hull.vertices)
     require(id < points.count, "the hull's vertex " + std::to_string(id) + " is not one of the " +
                                    std::to_string(points.count) + " points");

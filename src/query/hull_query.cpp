@@ -153,7 +153,7 @@ struct HullQuery::State {
   }
   DeviceQuestions there(const DevicePointView& view, const Options& options,
                         AnswersIn answers_in) const {
-    check_dimension(view);
+    check(view);
     return {view, tables(), kept_there, options, answers_in};
   }
   RayHit ray(const double* origin, const double* direction) const;
@@ -163,7 +163,8 @@ struct HullQuery::State {
   double end_of_line(const std::vector<double>& x, const std::vector<double>& u,
                      std::uint32_t& facet) const;
   template <class View>
-  void check_dimension(const View& view) const {
+  void check(const View& view) const {
+    require_points(view.dimension, view.data, view.count);
     if (view.dimension != points.dimension)
       throw Error(ErrorCode::invalid_argument, "points of dimension ", view.dimension,
                   " asked of a hull in dimension ", points.dimension);
@@ -348,7 +349,7 @@ double HullQuery::State::end_of_line(const std::vector<double>& x, const std::ve
 /// Calls body(i, coordinates) for every point, in parallel, once all are known to be finite.
 template <class Body>
 void HullQuery::State::each(const PointView& view, const Options& options, Body&& body) const {
-  check_dimension(view);
+  check(view);
   const Run run(options);
   const unsigned d = points.dimension;
   check_finite(view, nullptr, run);
@@ -434,7 +435,7 @@ struct HullQuery::State::ManySides {
 template <class Out, class Of>
 void HullQuery::State::sides(const PointView& view, Out* out, const Options& options,
                              Of&& of) const {
-  check_dimension(view);
+  check(view);
   const Run run(options);
   const ManySides many{
       *this, view, worth_a_map <= view.count ? map() : nullptr,
@@ -601,7 +602,7 @@ void HullQuery::signed_distances_on_device(const DevicePointView& points, double
 
 void HullQuery::rays(const PointView& origins, const PointView& directions, RayHit* out,
                      const Options& options) const {
-  state_->check_dimension(directions);
+  state_->check(directions);
   if (origins.count != directions.count)
     throw Error(ErrorCode::invalid_argument, "there must be as many directions as origins");
   check_finite(directions, nullptr, Run(options));

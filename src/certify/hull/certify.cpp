@@ -10,13 +10,9 @@
 
 #include "certify/certificate.hpp"
 #include "certify/hull/cones.hpp"
+#include "geometry/gather.hpp"
 
 namespace cullhull::internal::certify {
-
-void require_certifiable(const PointView& points) {
-  if (points.dimension == 0 || (points.count > 0 && points.data == nullptr))
-    throw Error(ErrorCode::invalid_argument, "certify needs points of at least one dimension");
-}
 
 void check_chunks(const Run& run, std::uint64_t count, std::uint64_t chunk_size,
                   const std::function<void(std::uint64_t begin, std::uint64_t end)>& body,
@@ -182,7 +178,7 @@ void check_hull(Subject& s, std::optional<Cones>& cones, Certificate& out) {
 
 void check_all(Subject& s, Certificate& out) {
   const std::uint64_t n = s.points.count;
-  require_certifiable(s.points);
+  require_points(s.points);
   std::optional<Cones> cones;
   check_hull(s, cones, out);
   if (s.k > 0)
@@ -282,7 +278,7 @@ CertifyStream::~CertifyStream() = default;
 
 void CertifyStream::push(const PointView& block, std::uint64_t first_id) {
   Impl& m = *impl_;
-  internal::certify::require_certifiable(block);
+  internal::require_points(block);
   {
     const std::lock_guard lock(m.mutex);
     m.checked += block.count;

@@ -546,7 +546,7 @@ class TriangulationSubject {
 
 Certificate certify_triangulation(const PointView& points, std::span<const double> weights,
                                   const Triangulation& t, const TriangulationOptions& o) {
-  require_certifiable(points);
+  require_points(points);
   const Call call(o);
   const Run& run = call.run;
   Certificate out;

@@ -417,6 +417,7 @@ void NearestPoint::nearest(const PointView& queries, std::uint32_t* out,
                            const RunOptions& options) const {
   const Call call(options);
   const Run& run = call.run;
+  require_points(queries);
   if (queries.dimension != state_->tree->dimension())
     refuse("points of dimension ", queries.dimension, " asked of points in dimension ",
            state_->tree->dimension());

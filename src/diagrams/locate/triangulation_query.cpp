@@ -238,6 +238,7 @@ struct TriangulationQuery::State {
     return row;
   }
   void check(const PointView& view, const Run& run) const {
+    require_points(view);
     if (view.dimension != mesh.dimension)
       throw Error(ErrorCode::invalid_argument, "points of dimension ", view.dimension,
                   " asked of a triangulation in dimension ", mesh.dimension);

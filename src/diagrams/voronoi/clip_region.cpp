@@ -87,6 +87,7 @@ struct Outline {
 Outline outline_of(const PointView& corners, std::span<const std::uint64_t> offsets) {
   if (corners.dimension != 2)
     refuse("a polygon has corners in dimension 2, not in ", corners.dimension);
+  require_points(corners);
   if (offsets.empty() || offsets.front() != 0 || offsets.back() != corners.count ||
       !std::is_sorted(offsets.begin(), offsets.end()))
     refuse("the rings' offsets do not ascend from 0 to the number of corners");

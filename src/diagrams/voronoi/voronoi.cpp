@@ -118,6 +118,7 @@ void require_points_of(const Triangulation& t, const PointView& points,
     throw Error(ErrorCode::invalid_argument, "the triangulation is of ", t.point_count,
                 " points in dimension ", t.dimension, ", not of ", points.count, " in dimension ",
                 points.dimension);
+  if (points.count > 0) require_points(points);
   if (!weights.empty()) require_weights(weights, points.count);
   require_lists(t, run);
 }
