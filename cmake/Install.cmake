@@ -17,6 +17,21 @@ install(TARGETS ${_libraries} EXPORT cullhullTargets
     NAMELINK_COMPONENT development
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY include/cullhull DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+if(TARGET cullhull_c)
+  install(TARGETS cullhull_c EXPORT cullhullTargets
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
+      NAMELINK_COMPONENT development
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+  install(FILES bindings/c/cullhull.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+    COMPONENT development)
+endif()
+# In a folder of its own, which users name: Qhull's stays what it is. Not in packages, which would
+# promise others a whole Qhull.
+if(TARGET cullhull_qhull AND NOT CULLHULL_SHARED)
+  install(TARGETS cullhull_qhull LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cullhull
+    COMPONENT runtime)
+endif()
 install(EXPORT cullhullTargets NAMESPACE cullhull:: DESTINATION ${_package}
   COMPONENT development)
 if(CULLHULL_HAVE_MPI)

@@ -48,7 +48,7 @@ class Cullhull(ConanFile):
         dependencies.set_property("fast_float", "cmake_file_name", "FastFloat")
         dependencies.generate()
         toolchain = CMakeToolchain(self)
-        for part in ("APPS", "TESTS", "BENCH", "EXAMPLES"):
+        for part in ("C", "APPS", "TESTS", "BENCH", "EXAMPLES"):
             toolchain.cache_variables[f"CULLHULL_BUILD_{part}"] = False
         toolchain.cache_variables["CULLHULL_SHARED"] = bool(self.options.shared)
         toolchain.cache_variables["CULLHULL_WITH_HDF5"] = "OFF"
