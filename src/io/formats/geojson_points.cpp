@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +12,7 @@
 
 #include "io/columns.hpp"
 #include "io/formats/geometry_positions.hpp"
+#include "io/json/json_events.hpp"
 #include "io/text/text_scan.hpp"
 
 namespace cullhull::internal {
@@ -34,31 +34,7 @@ constexpr GeometryType geometry_types[] = {{"Point", 1, false},
                                            {"Feature", 0, false},
                                            {"FeatureCollection", 0, false}};
 
-using nlohmann::json;
-
 constexpr std::string_view points_key = "\"points\"";
-
-/// Reads a text for the parser, and keeps where that is: its events have no place.
-class Cursor {
- public:
-  using iterator_category = std::input_iterator_tag;
-  using value_type = char;
-  using difference_type = std::ptrdiff_t;
-  using pointer = const char*;
-  using reference = const char&;
-
-  Cursor(const char* at, const char*& read) : at_(at), read_(&read) {}
-  reference operator*() const { return *at_; }
-  Cursor& operator++() {
-    *read_ = ++at_;
-    return *this;
-  }
-  friend bool operator==(const Cursor& a, const Cursor& b) { return a.at_ == b.at_; }
-
- private:
-  const char* at_;
-  const char** read_;
-};
 
 /// Properties of features as columns: the value of each is that of all positions of its feature.
 class PropertyColumns {
@@ -78,16 +54,16 @@ class PropertyColumns {
   bool any() const { return !wanted_.empty(); }
   /// The number of a property of this name, or not_asked_for. Case is compared when the columns are
   /// chosen.
-  std::size_t number_of(const std::string& name) {
+  std::size_t number_of(std::string_view name) {
     const auto is_it = [&](const std::string& other) { return alike(name, other); };
     const bool asked = std::any_of(wanted_.begin(), wanted_.end(), is_it);
     constexpr std::size_t most_named = 100;  // in a message
     if ((asked || names_.size() < most_named) &&
         std::find(names_.begin(), names_.end(), name) == names_.end())
-      names_.push_back(name);
+      names_.emplace_back(name);
     if (!asked) return not_asked_for;
     const std::size_t number = number_asked(name);
-    if (number == asked_.size()) asked_.push_back(name);
+    if (number == asked_.size()) asked_.emplace_back(name);
     return number;
   }
   /// Adds the values of the feature at `at`, which has the positions [first, end).
@@ -127,7 +103,7 @@ class PropertyColumns {
     const char* at;
   };
 
-  std::size_t number_asked(const std::string& name) const {
+  std::size_t number_asked(std::string_view name) const {
     return static_cast<std::size_t>(std::find(asked_.begin(), asked_.end(), name) - asked_.begin());
   }
   /// Empty where the feature has no such property.
@@ -206,7 +182,7 @@ class PropertyColumns {
 
 /// Follows the parser's events through the members that hold geometries, and skips all others
 /// (properties may hold anything). No document is built: memory goes to the positions alone.
-class PositionReader : public nlohmann::json_sax<json> {
+class PositionReader {
  public:
   PositionReader(const Source& source, const ReadOptions& options)
       : source_(source),
@@ -216,99 +192,87 @@ class PositionReader : public nlohmann::json_sax<json> {
 
   PointData read() {
     const char* const end = source_.data + source_.size;
-    const char* ignored = end;
     skip_separators(end);
     do {
-      begin_ = read_;
-      const char* const first = begin_;
-      json::sax_parse(Cursor(first, read_), Cursor(end, ignored), this,
-                      nlohmann::detail::input_format_t::json, false);
+      JsonEvents events(read_, end, *this);
+      events.read();
+      read_ = events.next();
     } while (another_text(end));
     return std::move(properties_).points(std::move(positions_), source_, options_);
   }
 
-  bool null() override {
+  bool null() {
     if (in_properties()) return property("");
-    if (in_coordinates()) fail_at(token(), "null among coordinates");
+    if (in_coordinates()) fail_at(read_, "null among coordinates");
     if (places_.empty()) not_geojson();
     return true;
   }
-  bool boolean(bool value) override {
+  bool boolean(bool value) {
     if (in_properties()) return property(value ? "true" : "false");
     return other("true or false");
   }
-  bool number_integer(number_integer_t value) override {
+  bool number_integer(std::int64_t value) {
     if (in_properties()) return property(std::to_string(value));
     return number(static_cast<double>(value));
   }
-  bool number_unsigned(number_unsigned_t value) override {
+  bool number_unsigned(std::uint64_t value) {
     if (in_properties()) return property(std::to_string(value));
     return number(static_cast<double>(value));
   }
-  bool number_float(number_float_t value, const string_t& text) override {
+  bool number_float(double value, std::string_view text) {
     if (in_properties()) return property(text);
     return number(value);
   }
-  bool string(string_t& value) override {
+  bool string(std::string_view value) {
     if (in_properties()) return property(value);
     if (places_.empty() || places_.back() != Place::object || key_ != "type")
       return other("a string");
     objects_.back().type = value;
     return true;
   }
-  bool binary(binary_t&) override { return other("bytes"); }
 
-  bool start_object(std::size_t) override {
+  bool start_object() {
     check_stop_sometimes();
     const Place place = expected();
-    if (place == Place::coordinates) fail_at(token(), "an object among coordinates");
+    if (place == Place::coordinates) fail_at(read_, "an object among coordinates");
     if (place == Place::objects)
-      fail_at(token(), "not GeoJSON: ", quoted_text(key_), " is not a list");
+      fail_at(read_, "not GeoJSON: ", quoted_text(key_), " is not a list");
     if (place == Place::object)
-      objects_.push_back({{}, false, 0, positions_.size(), {}, token(), {}});
+      objects_.push_back({{}, false, 0, positions_.size(), {}, read_, {}});
     places_.push_back(place);
     return true;
   }
-  bool key(string_t& name) override {
+  bool key(std::string_view name) {
     if (places_.back() == Place::object) key_ = name;
     if (places_.back() == Place::properties) property_ = properties_.number_of(name);
     return true;
   }
-  bool end_object() override {
+  bool end_object() {
     if (places_.back() == Place::object) end_geometry();
     places_.pop_back();
     return true;
   }
-  bool start_array(std::size_t) override {
+  bool start_array() {
     check_stop_sometimes();
     const Place place = expected();
     if (place == Place::object) not_geojson();
     if (place == Place::coordinates) {
       if (!in_coordinates()) objects_.back().has_coordinates = true;
       if (!levels_.empty() && levels_.back().numbers > 0)
-        fail_at(token(), "position ", seen_, " has a list among its coordinates");
+        fail_at(read_, "position ", seen_, " has a list among its coordinates");
       if (!levels_.empty()) levels_.back().lists = true;
-      levels_.push_back({0, false, positions_.size(), token()});
+      levels_.push_back({0, false, positions_.size(), read_});
     }
     places_.push_back(place);
     return true;
   }
-  bool end_array() override {
+  bool end_array() {
     if (places_.back() == Place::coordinates) end_level();
     places_.pop_back();
     return true;
   }
-  bool parse_error(std::size_t byte, const std::string&,
-                   const nlohmann::detail::exception& error) override {
-    const auto before = static_cast<std::size_t>(begin_ - source_.data);
-    const char* const at =
-        source_.data + std::min(before + (byte > 0 ? byte - 1 : 0), source_.size);
-    constexpr int out_of_range = 406;
-    if (error.id == out_of_range) fail_at(at, "a number exceeds the range of doubles");
-    if (at < source_.data + source_.size && (*at == 'N' || *at == 'I'))
-      fail_at(at, "not valid JSON, which has no NaN and no infinity");
-    fail_at(at, "not valid JSON");
-  }
+  void at(const char* token) { read_ = token; }
+  [[noreturn]] void fault(const char* at, std::string_view why) const { fail_at(at, why); }
 
  private:
   enum class Place { object, objects, coordinates, properties, skipped };
@@ -334,11 +298,8 @@ class PositionReader : public nlohmann::json_sax<json> {
                  parts...);
   }
 
-  /// The last character of the current event's text; of a number the one after it.
-  const char* token() const { return read_ == source_.data ? read_ : read_ - 1; }
-
   bool in_properties() const { return !places_.empty() && places_.back() == Place::properties; }
-  bool property(const std::string& value) {
+  bool property(std::string_view value) {
     std::vector<std::string>& values = objects_.back().properties;
     if (property_ == PropertyColumns::not_asked_for) return true;
     values.resize(std::max(values.size(), property_ + 1));
@@ -379,7 +340,7 @@ class PositionReader : public nlohmann::json_sax<json> {
 
   bool other(const char* what) {
     const Place place = expected();
-    if (place == Place::coordinates) fail_at(token(), what, " among coordinates");
+    if (place == Place::coordinates) fail_at(read_, what, " among coordinates");
     if (place != Place::skipped) not_geojson();
     return true;
   }
@@ -387,7 +348,7 @@ class PositionReader : public nlohmann::json_sax<json> {
   bool number(double value) {
     if (!in_coordinates()) return other("a number");
     Level& level = levels_.back();
-    if (level.lists) fail_at(token(), "position ", seen_, ": a number beside lists of coordinates");
+    if (level.lists) fail_at(read_, "position ", seen_, ": a number beside lists of coordinates");
     if (level.numbers == 3)
       fail_at(level.at, "position ", seen_, " has more than three coordinates");
     position_[level.numbers++] = value;
@@ -456,8 +417,7 @@ class PositionReader : public nlohmann::json_sax<json> {
   }
 
   const Source& source_;
-  const char* read_ = source_.data;   ///< up to where the parser has read
-  const char* begin_ = source_.data;  ///< of the text that it reads
+  const char* read_ = source_.data;  ///< where the current event's text begins
   Positions positions_;
   PropertyColumns properties_;
   std::size_t property_ = 0;  ///< the current one
@@ -472,48 +432,41 @@ class PositionReader : public nlohmann::json_sax<json> {
 
 /// Reads rows, [[0, 0], [1, 0]], of any dimension; of an object its member "points". No document is
 /// built. Ends without a result where the text is an object of another kind.
-class RowsReader : public nlohmann::json_sax<json> {
+class RowsReader {
  public:
   RowsReader(const Source& source, const ReadOptions& options)
       : source_(source), options_(options) {}
 
   /// Empty: an object without such rows.
   std::optional<PointData> read() {
-    const char* const end = source_.data + source_.size;
-    const char* ignored = end;
-    if (!json::sax_parse(Cursor(source_.data, read_), Cursor(end, ignored), this) || !found_)
-      return std::nullopt;
+    JsonEvents events(source_.data, source_.data + source_.size, *this);
+    if (!events.read_all() || !found_) return std::nullopt;
     if (numbers_.empty()) fail(source_, "no points");
     PointData data = parsed_points(numbers_.size() / dimension_, dimension_, "json");
     std::copy(numbers_.begin(), numbers_.end(), data.storage.as<double>());
     return data;
   }
 
-  bool null() override { return other("null"); }
-  bool boolean(bool) override { return other("true or false"); }
-  bool number_integer(number_integer_t value) override {
-    return number(static_cast<double>(value));
-  }
-  bool number_unsigned(number_unsigned_t value) override {
-    return number(static_cast<double>(value));
-  }
-  bool number_float(number_float_t value, const string_t&) override { return number(value); }
-  bool string(string_t&) override { return other("a string"); }
-  bool binary(binary_t&) override { return other("bytes"); }
-  bool start_object(std::size_t) override {
+  bool null() { return other("null"); }
+  bool boolean(bool) { return other("true or false"); }
+  bool number_integer(std::int64_t value) { return number(static_cast<double>(value)); }
+  bool number_unsigned(std::uint64_t value) { return number(static_cast<double>(value)); }
+  bool number_float(double value, std::string_view) { return number(value); }
+  bool string(std::string_view) { return other("a string"); }
+  bool start_object() {
     if (depth_ > 0 && rows_ == 0 && !named_) return skip();
     if (rows_ > 0) return other("an object");
     if (named_) return false;  // "points" of a hull's report
     ++depth_;
     return true;
   }
-  bool end_object() override { return close(); }
-  bool key(string_t& name) override {
+  bool end_object() { return close(); }
+  bool key(std::string_view name) {
     if (depth_ != 1) return true;
     named_ = name == "points";
     return name != "type" && name != "features" && name != "geometry";
   }
-  bool start_array(std::size_t) override {
+  bool start_array() {
     if (rows_ == 0 && depth_ > 0 && !named_) return skip();
     if (rows_ == 2) return other("a list");
     found_ = true;
@@ -521,24 +474,21 @@ class RowsReader : public nlohmann::json_sax<json> {
     row_ = 0;
     return true;
   }
-  bool end_array() override {
+  bool end_array() {
     if (rows_ == 0) return close();
     if (rows_-- == 2) end_row();
     if (rows_ == 0) named_ = false;
     return true;
   }
-  bool parse_error(std::size_t byte, const std::string&,
-                   const nlohmann::detail::exception& error) override {
-    constexpr int out_of_range = 406;
-    if (depth_ > 0 && !found_) return false;  // the other reader says what is wrong
-    const char* const at = source_.data + std::min(byte > 0 ? byte - 1 : 0, source_.size);
-    fail_at_line(
-        source_, 1 + static_cast<std::uint64_t>(std::count(source_.data, at, '\n')),
-        error.id == out_of_range ? "a number exceeds the range of doubles" : "not valid JSON");
+  void at(const char* token) { read_ = token; }
+  void fault(const char* at, std::string_view why) {
+    if (depth_ > 0 && !found_) return;  // the other reader says what is wrong
+    read_ = at;
+    fail_here(why);
   }
 
  private:
-  [[noreturn]] void fail_here(const std::string& message) const {
+  [[noreturn]] void fail_here(std::string_view message) const {
     fail_at_line(source_, 1 + static_cast<std::uint64_t>(std::count(source_.data, read_, '\n')),
                  message);
   }

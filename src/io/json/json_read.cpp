@@ -1,19 +1,17 @@
-// Reads a hull. Streaming (SAX), so that memory is that of the lists and not of a document tree;
-// then every size, offset and index is checked, because certify() relies on them.
+// Reads a hull from events, so that memory is that of the lists and not of a document tree; then
+// every size, offset and index is checked, because certify() relies on them.
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "cullhull/hull.hpp"
+#include "io/json/json_events.hpp"
 #include "io/mapped_file.hpp"
 #include "io/source.hpp"
 #include "parallel/threads/parallel.hpp"
 
 namespace cullhull::internal {
 namespace {
-
-using nlohmann::json;
 
 /// The members of a hull, in the order of `fields`.
 enum class Field {
@@ -90,14 +88,14 @@ struct RawHull {
   double measure(Field field) const { return measures[static_cast<int>(field)]; }
 };
 
-class HullReader final : public nlohmann::json_sax<json> {
+class HullReader {
  public:
   HullReader(const Source& source, RawHull& raw, const Control& control)
       : source_(source), raw_(raw), control_(control) {}
 
-  bool null() override { return unexpected(); }
-  bool boolean(bool) override { return unexpected(); }
-  bool number_integer(std::int64_t v) override {
+  bool null() { return unexpected(); }
+  bool boolean(bool) { return unexpected(); }
+  bool number_integer(std::int64_t v) {
     poll();
     if (top_level() && field_ == Field::affine_dimension) {
       raw_.affine_dimension = v;
@@ -105,15 +103,15 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
     return real(static_cast<double>(v), true);
   }
-  bool number_unsigned(std::uint64_t v) override {
+  bool number_unsigned(std::uint64_t v) {
     poll();
     return whole(v);
   }
-  bool number_float(double v, const std::string&) override {
+  bool number_float(double v, std::string_view) {
     poll();
     return real(v, true);
   }
-  bool string(std::string& v) override {
+  bool string(std::string_view v) {
     poll();
     if (top_level() && field_ == Field::kind) return check_kind(v);
     // A measure or an offset that overflows doubles.
@@ -130,19 +128,18 @@ class HullReader final : public nlohmann::json_sax<json> {
       }
     fault("unknown scalar " + quoted_text(v));
   }
-  bool binary(json::binary_t&) override { return unexpected(); }
 
-  bool start_object(std::size_t) override {
+  bool start_object() {
     ++depth_;
     if (depth_ == 1) return true;
     if (depth_ == 2 && field_ == Field::points) return true;
     return unexpected();
   }
-  bool end_object() override {
+  bool end_object() {
     --depth_;
     return true;
   }
-  bool key(std::string& name) override {
+  bool key(std::string_view name) {
     if (depth_ == 1) {
       field_ = Field::ignored;
       for (std::size_t i = 1; i < field_total; ++i)
@@ -155,20 +152,20 @@ class HullReader final : public nlohmann::json_sax<json> {
     }
     return true;
   }
-  bool start_array(std::size_t) override {
+  bool start_array() {
     ++depth_;
     if (depth_ == 1) fault("the text is a list, not a hull");
     const bool ok = (depth_ == 2 && (is_flat() || is_nested())) || (depth_ == 3 && is_nested());
     return ok || unexpected();
   }
-  bool end_array() override {
+  bool end_array() {
     if (depth_ == 3 && is_nested()) end_row();
     --depth_;
     return true;
   }
-  bool parse_error(std::size_t position, const std::string&,
-                   const nlohmann::detail::exception&) override {
-    fail_at_byte(source_, position, "is not valid JSON");
+  void at(const char*) {}
+  [[noreturn]] void fault(const char* at, std::string_view why) const {
+    fail_at_byte(source_, static_cast<std::uint64_t>(at - source_.data), why);
   }
 
  private:
@@ -199,7 +196,7 @@ class HullReader final : public nlohmann::json_sax<json> {
     if (field_ == Field::simplices) end(raw_.simplices);
     if (field_ == Field::simplex_neighbours) end(raw_.simplex_neighbours);
   }
-  bool check_kind(const std::string& kind) const {
+  bool check_kind(std::string_view kind) const {
     if (kind == "hull" || kind == "hull_report") return true;
     fail(source_, "JSON of the kind ", quoted_text(kind), ", which is not a hull");
   }
@@ -285,7 +282,7 @@ class HullReader final : public nlohmann::json_sax<json> {
   RawHull& raw_;
   const Control& control_;
   std::uint64_t values_ = 0;
-  int depth_ = 0;
+  std::uint64_t depth_ = 0;
   Field field_ = Field::ignored;
   std::string inner_;
 };
@@ -445,7 +442,7 @@ Hull read_hull_json(const Source& source, std::vector<double>* vertex_coordinate
   const Control control(options);
   control.check();
   HullReader reader(source, raw, control);
-  json::sax_parse(source.data, source.data + source.size, &reader);
+  JsonEvents(source.data, source.data + source.size, reader).read_all();
   Hull hull = HullChecker(source, raw).check();
   if (vertex_coordinates != nullptr)
     vertex_coordinates->assign(raw.coordinates.items.begin(), raw.coordinates.items.end());
