@@ -303,6 +303,8 @@ ELSEWHERE = {
     "generate": "makes points: across.py",
     "shapes": "makes points: across.py",
     "read": "takes files: the cells 'read' of across.py",
+    "patch": "changes other packages: test_patch",
+    "unpatch": "changes other packages: test_patch",
     "load_hull": "takes files: test_hull",
 }
 

@@ -9,7 +9,7 @@
 True
 
 `convex_hull` is the native function; `ConvexHull` and `HalfspaceIntersection` stand in for SciPy's
-classes of the same names, `TolerantConvexHull`, `TolerantDelaunay` and `TolerantVoronoi` for
+classes of the same names (`patch` puts them there), `TolerantConvexHull`, `TolerantDelaunay` and `TolerantVoronoi` for
 programs that assume tolerances. docs/python.md in the source tree has the rest.
 """
 
@@ -40,6 +40,7 @@ _NAMES = {
     "._hull": "Hull Simplified load_hull",
     "._lists": "Lists",
     "._native": "Certificate",
+    "._patch": "patch unpatch",
     "._streams": "HullState HullStream",
     "._tracker": "HullTracker",
     "._triangulation": "Triangulation delaunay",

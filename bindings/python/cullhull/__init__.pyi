@@ -56,6 +56,7 @@ from ._groups import GroupHulls as GroupHulls, hulls_by as hulls_by
 from ._hull import Hull as Hull, Simplified as Simplified, load_hull as load_hull
 from ._lists import Lists as Lists
 from ._native import Certificate as Certificate
+from ._patch import patch as patch, unpatch as unpatch
 from ._streams import HullState as HullState, HullStream as HullStream
 from ._tracker import HullTracker as HullTracker
 from ._triangulation import Triangulation as Triangulation, delaunay as delaunay

@@ -1,4 +1,5 @@
-"""A pytest plugin that puts our classes in the place of SciPy's for SciPy's own tests.
+"""A pytest plugin that puts our classes in the place of SciPy's for SciPy's own tests: by `patch`,
+and in the private modules that these tests use.
 
 SciPy's tests assert the order of rows in a few places, which is Qhull's order of work and no
 property of a hull or a triangulation. There, and only there (ROW_ORDER), our classes come with
@@ -9,6 +10,7 @@ SciPy's test's.
 from __future__ import annotations
 
 import importlib.util
+from unittest import mock
 
 import numpy as np
 import scipy.spatial
@@ -48,12 +50,10 @@ ROW_ORDER = {
     "test_gh_19653_smaller_aspect",
 }
 
-#: Classes and functions that test modules import by name.
-IMPORTED = (
-    *("ConvexHull", "Delaunay", "Voronoi", "SphericalVoronoi"),
-    *("griddata", "LinearNDInterpolator", "NearestNDInterpolator"),
-    *("convex_hull_plot_2d", "delaunay_plot_2d", "voronoi_plot_2d"),
-)
+#: Functions that `patch` leaves as they are: SciPy's draw our objects, too.
+PLOTS = ("convex_hull_plot_2d", "delaunay_plot_2d", "voronoi_plot_2d")
+
+cullhull.patch("scipy")  # before test modules import names; private ones are replaced below
 
 
 def permutation(theirs, ours):
@@ -113,7 +113,8 @@ class SphericalVoronoi(cullhull.SphericalVoronoi):
 
     def sort_vertices_of_regions(self):
         super().sort_vertices_of_regions()
-        theirs = ScipySphericalVoronoi(self.points, self.radius, self.center)
+        with mock.patch.object(scipy.spatial, "ConvexHull", Scipy):  # which theirs asks for
+            theirs = ScipySphericalVoronoi(self.points, self.radius, self.center)
         place = np.argsort(permutation(theirs._simplices, self._simplices))
         theirs.sort_vertices_of_regions()
         found = []
@@ -169,13 +170,12 @@ def pytest_runtest_setup(item):
         setattr(interpnd, name, getattr(cullhull, name))
     if item.name == "test_square":
         interpnd.LinearNDInterpolator = LinearNDInterpolator
-    for name in IMPORTED:  # what test modules have imported by name
+    for name in PLOTS:  # what test modules have imported by name
         if hasattr(item.module, name):
             setattr(item.module, name, getattr(cullhull, name))
-    if sorted_rows and hasattr(item.module, "Voronoi"):
-        item.module.Voronoi = Voronoi
-    if sorted_rows and hasattr(item.module, "SphericalVoronoi"):
-        item.module.SphericalVoronoi = SphericalVoronoi
+    for ours in (Voronoi, SphericalVoronoi):
+        if hasattr(item.module, name := ours.__name__):
+            setattr(item.module, name, ours if sorted_rows else getattr(cullhull, name))
     parameters = getattr(getattr(item, "callspec", None), "params", {})
     for name, value in parameters.items():  # classes that tests are run with
         if isinstance(value, type) and value.__module__.startswith("scipy."):

@@ -18,13 +18,9 @@ from made_models import CAD  # noqa: E402
 
 
 @pytest.fixture
-def in_place(monkeypatch):
-    import trimesh.bounds
-    import trimesh.convex
-
-    for module in (trimesh.convex, trimesh.bounds):
-        monkeypatch.setattr(module, "ConvexHull", cullhull.TolerantConvexHull)
-    monkeypatch.setattr(trimesh.convex, "QhullError", cullhull.QhullError)
+def in_place():
+    with cullhull.patch("trimesh"):
+        yield
 
 
 def test_trimeshs_own_tests():

@@ -15,17 +15,13 @@ import unittest  # noqa: F401
 
 import numpy as np
 import trimesh
-import trimesh.bounds
-import trimesh.convex
 from made_models import CAD, MODELS
 from trimesh.transformations import random_rotation_matrix
 
 if os.environ.get("CULLHULL_STAND_IN") != "scipy":
     import cullhull
 
-    trimesh.convex.ConvexHull = cullhull.TolerantConvexHull
-    trimesh.convex.QhullError = cullhull.QhullError
-    trimesh.bounds.ConvexHull = cullhull.TolerantConvexHull
+    cullhull.patch("trimesh")
 
 log = logging.getLogger("trimesh")
 PY3 = True
