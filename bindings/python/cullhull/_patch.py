@@ -70,9 +70,10 @@ def _of_trimesh() -> list[_Place]:
 def _of_pyvista() -> list[_Place]:
     pyvista = needed("pyvista", "patch('pyvista')", "mesh")
     filters = needed("pyvista.core.filters", "patch('pyvista')", "mesh")
+    of_objects = getattr(filters, "DataObjectFilters", filters.DataSetFilters)  # since PyVista 0.45
     makers = (
         (filters.DataSetFilters, "delaunay_3d", _delaunay_3d),
-        (filters.DataObjectFilters, "convex_hull", _hull_of_mesh),  # since PyVista 0.49
+        (of_objects, "convex_hull", _hull_of_mesh),  # since PyVista 0.49
     )
     return [
         _Place(owner, name, make(vars(owner)[name], pyvista))
@@ -96,8 +97,11 @@ def _hull_of_mesh(theirs: Any, pyvista: Any) -> Any:
         corners = np.sort(hull.vertices)
         faces = np.searchsorted(corners, hull.simplices)
         mesh = pyvista.PolyData.from_regular_faces(points[corners], faces)
-        given = pyvista.PointSet(points) if many else self
-        pyvista.core.filters._match_points_dtype(mesh, given, algorithm="cullhull.convex_hull")
+        if match := getattr(pyvista.core.filters, "_match_points_dtype", None):  # a setting of 0.49
+            given = pyvista.PointSet(points) if many else self
+            match(mesh, given, algorithm="cullhull.convex_hull")
+        if not many:
+            mesh.field_data.update(self.field_data)
         return mesh
 
     return convex_hull
@@ -117,9 +121,9 @@ def _delaunay_3d(theirs: Any, pyvista: Any) -> Any:
             return theirs(self, alpha=alpha, tol=tol, offset=offset, progress_bar=progress_bar)
         cells = {pyvista.CellType.TETRA: found.cells}
         grid = pyvista.UnstructuredGrid(cells, np.array(self.points))
-        grid.copy_meta_from(self, deep=True)
-        grid.point_data.update(self.point_data)
+        grid.GetPointData().ShallowCopy(self.GetPointData())  # and which arrays are active
         grid.field_data.update(self.field_data)
+        grid.copy_meta_from(self, deep=True)
         return grid
 
     return delaunay_3d
@@ -193,8 +197,19 @@ class Patched:
         with _lock:
             for package in self._packages.values():
                 package.blocks -= 1
-            for name, package in self._packages.items():
-                package.restore(name)
+            _restore(self._packages)
+
+
+def _restore(packages: dict[str, _Package]) -> None:
+    """Of all packages; then raises the first fault, of one whose names are no longer ours."""
+    faults = []
+    for name, package in packages.items():
+        try:
+            package.restore(name)
+        except InvalidArgument as fault:
+            faults.append(fault)
+    if faults:
+        raise faults[0]
 
 
 def _put(packages: dict[str, _Package]) -> None:
@@ -279,11 +294,15 @@ def unpatch(*packages: str) -> None:
     'scipy.spatial._qhull'
     """
     with _lock:
-        for name, package in _named(packages, "unpatch").items():
-            calls, package.calls = package.calls, 0
-            try:
-                package.restore(name)
-            except InvalidArgument:
-                package.calls = calls
-                raise
-            package.ended += 1
+        named = _named(packages, "unpatch")
+        calls = {name: package.calls for name, package in named.items()}
+        for package in named.values():
+            package.calls = 0
+        try:
+            _restore(named)
+        finally:
+            for name, package in named.items():
+                if package.replaced and not package.blocks:
+                    package.calls = calls[name]  # refused: all of it is as it was
+                else:
+                    package.ended += 1
