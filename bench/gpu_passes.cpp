@@ -596,8 +596,8 @@ class Passes {
 
     const DeviceArray<std::uint64_t> starts(offsets.size(), stream.get());
     upload(starts.data(), offsets.data(), offsets.size(), stream.get());
-    const DeviceArray<std::uint16_t> counts(sets, stream.get());
-    const DeviceArray<std::uint8_t> vertices(sets * size, stream.get()),
+    const DeviceArray<SetCounts> counts(sets, stream.get());
+    const DeviceArray<std::uint16_t> vertices(sets * size, stream.get()),
         simplices(sets * size * simplex_room(d), stream.get());
     const WarpSets task{starts.data(), static_cast<std::uint32_t>(sets), counts.data(),
                         vertices.data(), simplices.data()};

@@ -17,13 +17,13 @@ namespace cullhull {
 /// and device memory). `vertex_coordinates`, if given, receives the coordinates of
 /// HullBatch::vertices, one row each, in that order.
 ///
-/// In 2D and 3D the device computes sets of up to 128 points, one warp per set; vertex coordinates,
-/// and in 3D simplices, are copied to the host, which computes planes and measures. The CPU
-/// computes larger and flat sets and those that arithmetic in doubles does not decide (four
-/// vertices in a plane, say); with Backend::cpu,  in other dimensions it computes
-/// all. The work is done in pieces of about two million points, smaller ones if the device's memory
-/// is full, and then, unless Backend::cuda was given, by the CPU. Throws what
-/// convex_hulls(PointView) throws, Error{backend_unavailable} without a device,
+/// The device computes sets of up to 128 points in 2D and 16,384 in 3D, one warp per set; vertex
+/// coordinates, and in 3D simplices, are copied to the host, which computes planes and measures.
+/// The CPU computes larger and flat sets, those with more than some 640 vertices and those that
+/// arithmetic in doubles does not decide (four vertices in a plane, say); with Backend::cpu and in
+/// other dimensions it computes all. The work is done in pieces of about two million points,
+/// smaller ones if the device's memory is full, and then, unless Backend::cuda was given, by the
+/// CPU. Throws what convex_hulls(PointView) throws, Error{backend_unavailable} without a device,
 /// Error{out_of_budget} if the device's memory is full, Error{invalid_argument} for unsupported
 /// memory or scalar types.
 HullBatch convex_hulls(const DevicePointView& points, const std::uint64_t* offsets,

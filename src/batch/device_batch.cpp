@@ -105,7 +105,8 @@ class DeviceBatch {
   /// Where memory is short, a piece of at most this many sets goes to the host instead of being
   /// halved: with a warp a set, smaller pieces would leave most of a device idle. Untested.
   static constexpr std::uint32_t least_sets = 64;
-  static constexpr unsigned most_vertices = 128;  ///< of a hull that a warp finds
+  /// The most vertices of a hull that is written from its simplices; of more, the CPU hulls them.
+  static constexpr unsigned most_listed = 128;
 
   static const DevicePointView& checked(const DevicePointView& points) {
     check_arguments(points);
@@ -202,8 +203,7 @@ class DeviceBatch {
   void append(const FoundLists& found, std::uint64_t first, std::uint64_t i, SetHuller& huller,
               HullBatch& part) const {
     const std::uint64_t at = found.vertex_at[i], vertices = found.vertex_at[i + 1] - at;
-    std::uint64_t ids[most_vertices];
-    std::copy_n(found.vertices + at, vertices, ids);
+    const std::vector<std::uint64_t> ids(found.vertices + at, found.vertices + at + vertices);
     FoundHull hull;
     hull.rows.data = found.rows + at * points_.dimension * scalar_size(points_.scalar);
     hull.rows.scalar = points_.scalar;
@@ -211,13 +211,13 @@ class DeviceBatch {
     hull.rows.count = vertices;
     hull.rows.coordinate_stride = static_cast<std::ptrdiff_t>(scalar_size(points_.scalar));
     hull.rows.point_stride = hull.rows.coordinate_stride * points_.dimension;
-    hull.ids = ids;
+    hull.ids = ids.data();
     hull.point_count = points_in(first + i, first + i + 1);
-    std::uint8_t place[most_vertices], corners[3 * 2 * most_vertices];
-    if (points_.dimension == 3) {
+    std::uint8_t place[std::numeric_limits<std::uint16_t>::max()], corners[3 * 2 * most_listed];
+    if (points_.dimension == 3 && vertices <= most_listed) {
       for (std::uint64_t k = 0; k < vertices; ++k) place[ids[k]] = static_cast<std::uint8_t>(k);
       hull.simplex_count = static_cast<unsigned>(found.simplex_at[i + 1] - found.simplex_at[i]);
-      const std::uint8_t* const from = found.simplices + 3 * found.simplex_at[i];
+      const std::uint16_t* const from = found.simplices + 3 * found.simplex_at[i];
       for (unsigned k = 0; k < 3 * hull.simplex_count; ++k) corners[k] = place[from[k]];
       hull.simplices = corners;
     }

@@ -26,25 +26,12 @@ void fill(T* to, std::size_t count, int byte, cudaStream_t stream) {
   check(cudaMemsetAsync(to, byte, count * sizeof(T), stream), "filling device memory");
 }
 
-/// Runs of items to copy within the device's memory: `length` items from `from` to `to`.
-struct Runs {
-  std::vector<std::uint64_t> from, to, length;
-
-  void add(std::uint64_t begin, std::uint64_t target, std::uint64_t count) {
-    from.push_back(begin);
-    to.push_back(target);
-    length.push_back(count);
-  }
-  /// Uploads the runs and calls launch(runs), which launches a kernel that copies them.
-  template <class Launch>
-  void run(cudaStream_t stream, const Launch& launch) const {
-    if (from.empty()) return;
-    const DeviceArray<std::uint64_t> f = uploaded(from, stream), t = uploaded(to, stream),
-                                     l = uploaded(length, stream);
-    check(launch(ItemRuns{f.data(), t.data(), l.data(), static_cast<std::uint32_t>(from.size())}),
-          "copying sets");
-  }
-};
+/// Calls launch(runs, count), which launches a kernel that copies within the device's memory.
+template <class Launch>
+void copy_all(const std::vector<ItemRun>& runs, cudaStream_t stream, const Launch& launch) {
+  const DeviceArray<ItemRun> there = uploaded(runs, stream);
+  check(launch(there.data(), static_cast<std::uint32_t>(runs.size())), "copying sets");
+}
 
 /// Runs of items of the host, to copy into the device's memory.
 template <class T>
@@ -52,19 +39,20 @@ class RunsOf {
  public:
   template <class Items>
   void add(const Items& items, std::uint64_t target) {
-    runs_.add(items_.size(), target, items.size());
+    runs_.push_back({items_.size(), target, items.size()});
     for (const auto item : items) items_.push_back(static_cast<T>(item));
   }
   void copy(T* to, cudaStream_t stream) const {
     if (items_.empty()) return;
     const DeviceArray<T> there = uploaded(items_, stream);
-    runs_.run(stream,
-              [&](const ItemRuns& all) { return copy_runs(there.data(), all, to, stream); });
+    copy_all(runs_, stream, [&](const ItemRun* all, std::uint32_t n) {
+      return copy_runs(there.data(), all, n, to, stream);
+    });
   }
 
  private:
   std::vector<T> items_;
-  Runs runs_;
+  std::vector<ItemRun> runs_;
 };
 
 /// Divides a block of memory into arrays, one after another; without a block it counts its bytes.
@@ -162,7 +150,7 @@ class SetsThere final : public SetsOnDevice {
   void wait() {
     if (!arriving) return;
     synchronise(stream, "hulling sets");
-    std::copy_n(reinterpret_cast<const std::uint16_t*>(arriving.get()), count, counts.begin());
+    std::copy_n(arriving.get(), count, counts.begin());
     arriving = {};
   }
 
@@ -176,10 +164,6 @@ class SetsThere final : public SetsOnDevice {
   }
   SetRows rows_by_kernel(const std::vector<std::uint32_t>& which, SetRows&& rows) const;
   SetRows rows_by_copies(const std::vector<std::uint32_t>& which, SetRows&& rows) const;
-  SetMeasures measures_of_sets() const {
-    return {measures.data(), measures.data() + count, measures.data() + 2 * std::size_t{count},
-            exponents.data()};
-  }
   template <class Use>
   void each_set(const HullBatch& rest, const Use& use) const;
   void write(const HullBatch& rest, const DeviceBatchOptions& wanted, const DeviceHullBatch& all,
@@ -193,12 +177,12 @@ class SetsThere final : public SetsOnDevice {
 
   const std::uint64_t* offsets = nullptr;
   std::uint32_t count = 0;
-  std::vector<std::uint16_t> counts;
-  std::shared_ptr<std::byte> arriving;        // where the counts are copied to, until wait()
+  std::vector<SetCounts> counts;
+  std::shared_ptr<SetCounts> arriving;        // where the counts are copied to, until wait()
   std::shared_ptr<std::byte> lists_arriving;  // where fetch() copies to, until settle()
   DeviceArray<std::uint64_t> starts;          // relative to the first set's first point
-  DeviceArray<std::uint16_t> device_counts;
-  DeviceArray<std::uint8_t> vertices, simplices;
+  DeviceArray<SetCounts> device_counts;
+  DeviceArray<std::uint16_t> vertices, simplices;
   DeviceArray<double> measures;  // volumes, areas, centroids
   DeviceArray<std::int8_t> exponents;
 };
@@ -225,7 +209,7 @@ std::vector<std::uint32_t> SetsThere::open_sets() {
   wait();
   std::vector<std::uint32_t> open;
   for (std::uint32_t i = 0; i < count; ++i)
-    if (counts[i] == 0) open.push_back(i);
+    if (counts[i].vertices == 0) open.push_back(i);
   return open;
 }
 
@@ -239,43 +223,45 @@ void SetsThere::find_nothing(const std::uint64_t* of, std::uint32_t sets) {
   exponents = {};
   offsets = of;
   count = sets;
-  counts.assign(sets, 0);
+  counts.assign(sets, {});
 }
 
 void SetsThere::find(const std::uint64_t* of, std::uint32_t sets, bool measured) {
   find_nothing(of, sets);
-  // One launch each for sets of up to 32, 64, 96 and 128 points, since the warps of a launch have
-  // the same amount of shared memory.
-  constexpr unsigned step = 32;
-  bool wanted[most_warp_points / step] = {};
+  const unsigned classes = d() == 2 ? near_classes : std::size(set_classes);
+  bool wanted[std::size(set_classes)] = {};
   for (std::uint32_t i = 0; i < sets; ++i) {
     const std::uint64_t n = offsets[i + 1] - offsets[i];
-    if (n > d() && n <= most_warp_points) wanted[(n - 1) / step] = true;
+    if (n > d() && n <= set_classes[classes - 1])
+      wanted[std::lower_bound(std::begin(set_classes), std::end(set_classes), n) - set_classes] =
+          true;
   }
-  if (std::none_of(std::begin(wanted), std::end(wanted), [](bool w) { return w; })) return;
+  if (std::count(std::begin(wanted), std::end(wanted), true) == 0) return;
 
   const std::uint64_t first = offsets[0], total = offsets[sets] - first;
   std::vector<std::uint64_t> starts_here(offsets, offsets + sets + 1);
   for (std::uint64_t& start : starts_here) start -= first;
   starts = uploaded(starts_here, stream);
-  device_counts = DeviceArray<std::uint16_t>(sets, stream);
-  vertices = DeviceArray<std::uint8_t>(total, stream);
-  simplices = DeviceArray<std::uint8_t>(total * simplex_room(d()), stream);
+  device_counts = DeviceArray<SetCounts>(sets, stream);
+  vertices = DeviceArray<std::uint16_t>(total, stream);
+  simplices = DeviceArray<std::uint16_t>(total * simplex_room(d()), stream);
   fill(device_counts.data(), sets, 0, stream);
   for (unsigned c = 0; c < std::size(wanted); ++c)
     if (wanted[c])
-      check(find_set_hulls(from(first), this_sets(), std::max(step * c + 1, d() + 1),
-                           step * (c + 1), stream),
+      check(find_set_hulls(from(first), this_sets(), c == 0 ? d() + 1 : set_classes[c - 1] + 1,
+                           set_classes[c], stream),
             "hulling sets");
   if (measured) {
     measures = DeviceArray<double>(std::size_t{sets} * (d() + 2), stream);
     // The kernel leaves out open sets; `write` copies all and then replaces theirs.
     fill(measures.data(), measures.size(), 0, stream);
     exponents = DeviceArray<std::int8_t>(sets, stream);
-    check(measure_sets(from(first), this_sets(), measures_of_sets(), stream), "measuring hulls");
+    const SetMeasures to{measures.data(), measures.data() + sets,
+                         measures.data() + 2 * std::size_t{sets}, exponents.data()};
+    check(measure_sets(from(first), this_sets(), to, stream), "measuring hulls");
   }
-  arriving = landing<std::byte>(sets * sizeof(std::uint16_t));
-  send_back(reinterpret_cast<std::uint16_t*>(arriving.get()), device_counts.data(), sets, stream);
+  arriving = landing<SetCounts>(sets);
+  send_back(arriving.get(), device_counts.data(), sets, stream);
 }
 
 FoundLists SetsThere::fetch() {
@@ -283,9 +269,9 @@ FoundLists SetsThere::fetch() {
   FoundLists found;
   found.vertex_at.assign(1, 0);
   found.simplex_at.assign(1, 0);
-  for (const std::uint16_t c : counts) {
-    found.vertex_at.push_back(found.vertex_at.back() + (c & 0xFF));
-    found.simplex_at.push_back(found.simplex_at.back() + (c >> 8));
+  for (const SetCounts c : counts) {
+    found.vertex_at.push_back(found.vertex_at.back() + c.vertices);
+    found.simplex_at.push_back(found.simplex_at.back() + c.simplices);
   }
   const std::uint64_t vertex_count = found.vertex_at.back(),
                       corners = found.simplex_at.back() * d();
@@ -296,18 +282,18 @@ FoundLists SetsThere::fetch() {
   sum_in_place(vertex_at.data(), count + 1, stream);
   sum_in_place(simplex_at.data(), count + 1, stream);
   const DeviceArray<std::byte> rows(vertex_count * row_bytes(), stream);
-  const DeviceArray<std::uint8_t> ids(vertex_count, stream), lists(corners, stream);
+  const DeviceArray<std::uint16_t> ids(vertex_count, stream), lists(corners, stream);
   check(pack_set_hulls(from(offsets[0]), this_sets(), at, ids.data(), lists.data(), rows.data(),
                        stream),
         "packing hulls");
   const bool space = d() == 3;  // in 2D the order of the vertices determines the edges
   const std::shared_ptr<std::byte> memory =
-      landing<std::byte>(rows.size() + vertex_count + (space ? corners : 0));
+      landing<std::byte>(rows.size() + 2 * (vertex_count + (space ? corners : 0)));
   lists_arriving = memory;
   Cutter cutter(memory.get());
   auto* const rows_here = cutter.take<std::byte>(rows.size());
-  auto* const ids_here = cutter.take<std::uint8_t>(vertex_count);
-  auto* const simplices_here = cutter.take<std::uint8_t>(space ? corners : 0);
+  auto* const ids_here = cutter.take<std::uint16_t>(vertex_count);
+  auto* const simplices_here = cutter.take<std::uint16_t>(space ? corners : 0);
   send_back(rows_here, rows.data(), rows.size(), stream);
   send_back(ids_here, ids.data(), vertex_count, stream);
   send_back(simplices_here, lists.data(), space ? corners : 0, stream);
@@ -341,13 +327,14 @@ SetRows SetsThere::fetch_rows(const std::vector<std::uint32_t>& which) const {
 
 /// Gathers the points of all these sets by one kernel, then copies them to the host at once.
 SetRows SetsThere::rows_by_kernel(const std::vector<std::uint32_t>& which, SetRows&& rows) const {
-  Runs runs;
+  std::vector<ItemRun> runs;
   for (std::size_t k = 0; k < which.size(); ++k)
-    runs.add(offsets[which[k]], rows.starts[k], rows.starts[k + 1] - rows.starts[k]);
+    runs.push_back({offsets[which[k]], rows.starts[k], rows.starts[k + 1] - rows.starts[k]});
   const std::size_t bytes = rows.points.count * row_bytes();
   const DeviceArray<std::byte> there(bytes, stream);
-  runs.run(stream,
-           [&](const ItemRuns& all) { return copy_point_runs(points, all, there.data(), stream); });
+  copy_all(runs, stream, [&](const ItemRun* all, std::uint32_t n) {
+    return copy_point_runs(points, all, n, there.data(), stream);
+  });
   const std::shared_ptr<std::byte> memory = landing<std::byte>(bytes);
   const Settled settled(stream);
   send_back(memory.get(), there.data(), bytes, stream);
@@ -384,8 +371,8 @@ template <class Use>
 void SetsThere::each_set(const HullBatch& rest, const Use& use) const {
   std::size_t k = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
-    if (const unsigned c = counts[i]; c != 0) {
-      use(i, SetLengths{i, c & 0xFF, c >> 8, static_cast<std::int32_t>(d())});
+    if (const SetCounts c = counts[i]; c.vertices != 0) {
+      use(i, SetLengths{i, c.vertices, c.simplices, static_cast<std::int32_t>(d())});
       continue;
     }
     const bool full = rest.affine_dimensions[k] == static_cast<std::int32_t>(d());
@@ -445,7 +432,7 @@ void SetsThere::write(const HullBatch& rest, const DeviceBatchOptions& wanted,
                       const DeviceHullBatch& all, const ResultArrays& to) const {
   std::vector<SetLengths> open;
   each_set(rest, [&](std::uint32_t i, const SetLengths& found) {
-    if (counts[i] == 0) open.push_back(found);
+    if (counts[i].vertices == 0) open.push_back(found);
   });
   DeviceArray<std::uint64_t> vertex_rows, simplex_rows;
   PlacedLists placed{reinterpret_cast<std::uint64_t*>(to.vertex_offsets),
@@ -502,7 +489,7 @@ void SetsThere::copy_rest(const HullBatch& rest, const DeviceHullBatch& all,
     std::uint64_t at = all.simplex_width != 0 ? i * all.simplex_width : simplex_at;
     vertex_at += found.vertices;
     simplex_at += found.simplices;
-    if (counts[i] != 0) return;
+    if (counts[i].vertices != 0) return;
     ids.add(rest.vertices[k], vertex);
     if (found.simplices != 0) {
       corners.add(rest.simplices[k], at * n);

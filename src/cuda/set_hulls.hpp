@@ -17,8 +17,8 @@ struct Run;
 /// the device could not decide has empty lists.
 struct FoundLists {
   std::vector<std::uint64_t> vertex_at, simplex_at;  ///< offsets, one more than sets
-  const std::uint8_t* vertices = nullptr;            ///< numbers within the set, ascending
-  const std::uint8_t* simplices = nullptr;           ///< in 3D: three numbers each
+  const std::uint16_t* vertices = nullptr;           ///< numbers within the set, ascending
+  const std::uint16_t* simplices = nullptr;          ///< in 3D: three numbers each
   const std::byte* rows = nullptr;                   ///< the vertices' rows, in the points' scalar
   std::shared_ptr<const void> memory;                ///< owns what the pointers refer to
 };

@@ -129,6 +129,52 @@ TEST_F(GpuSets, OrdinarySetsAreDecidedThere) {
   }
 }
 
+/// In one batch: ordinary sets of points in space that a warp reads where they are, of which some
+/// 640 may be vertices; what such a set may be but for that; sets that are larger or small.
+template <class T>
+Sets<T> larger_sets(const std::vector<std::size_t>& sizes) {
+  Sets<T> sets(3);
+  for (const std::size_t n : sizes) {
+    sets.add_ball(n, n);
+    sets.add_sphere(n, n + 1);
+    sets.add_sphere(n, n + 2, 0x1p-5, 0x1p10);  // equal points, and points in one plane
+    sets.add_lattice(n, 1U << 20, n + 3);
+    sets.add_lattice(n, 9, n + 4);
+    sets.add_ball(n, n + 5);
+    sets.stretch_last(n, 1, 0x1p-20);
+    sets.add_ball(n, n + 6);
+    sets.flatten_last(n, sizeof(T) == 8 ? 0x1p-30 : 0x1p-12);
+    sets.add_ball(n, n + 7);
+    sets.repeat_last_points(n / 10);
+    sets.add_ball(n, n + 8);
+    sets.stretch_last(n, 2, 0);  // a flat
+    for (const std::size_t few : {std::size_t{0}, n % 7, n % 101}) sets.add_ball(few, n + few);
+  }
+  return sets;
+}
+
+TEST_F(GpuSets, LargerSetsAreTheCpusBatch) {
+  std::vector<std::size_t> sizes{129, 256, 257, 512, 513};
+  if (!short_run()) sizes.insert(sizes.end(), {1000, 3000, 10000, 16384, 16385});
+  expect_the_cpus(larger_sets<float>(sizes), "f32");
+  if (!short_run()) sizes.push_back(5000);
+  expect_the_cpus(larger_sets<double>(sizes), "f64");
+}
+
+TEST_F(GpuSets, LargerSetsAreDecidedThere) {
+  Sets<float> balls(3);
+  for (const std::size_t n : {200, 400, 800, 3000}) balls.add_ball(n, n);
+  if (!short_run())
+    for (const std::size_t n : {5000, 10000, 16384}) balls.add_ball(n, n);
+  EXPECT_EQ(open_sets(balls), 0U);
+  Sets<double> spheres(3);
+  spheres.add_sphere(642, 1);
+  EXPECT_EQ(open_sets(spheres), 0U);  // 1,280 facets
+  spheres.add_sphere(643, 2);
+  EXPECT_EQ(open_sets(spheres), 1U);
+  expect_the_cpus(spheres, "as many facets as there is room for");
+}
+
 TEST_F(GpuSets, SetsThatNeedExactSigns) {
   for (const unsigned d : {2U, 3U}) {
     Sets<double> sets(d);
@@ -293,7 +339,7 @@ TEST_F(GpuSets, ErrorsAreTheCpus) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
     Sets<double> sets(3);
-    for (std::size_t i = 0; i < 90; ++i) sets.add_ball(10 + i, i);
+    for (std::size_t i = 0; i < 90; ++i) sets.add_ball(i % 2 == 0 ? 10 + i : 100 + i, i);
     sets.rows[3 * (sets.offsets[60] + 5) + 1] = bad;
     sets.rows[3 * (sets.offsets[33] + 7) + 2] = bad;
     const OnDevice there(sets.rows);

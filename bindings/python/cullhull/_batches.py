@@ -424,8 +424,9 @@ def convex_hulls_on_device(
     ----------
     points : (n, d) array, with `offsets`; or (b, m, d) array
         In a device's memory (``__cuda_array_interface__``, DLPack), float32 or float64. Sets of up
-        to 128 points in the plane and in space are hulled there; those that doubles do not decide
-        (coplanar points, say), larger ones and flats are hulled by the CPU and copied back.
+        to 128 points in the plane and 16,384 in space are hulled there; those that doubles do not
+        decide (coplanar points, say), hulls of more than some 640 vertices, larger sets and flats
+        are computed by the CPU and copied back.
     offsets : (b + 1,) integers, ascending
         Set i is ``points[offsets[i]:offsets[i + 1]]``. On a device: int64.
     planes : bool

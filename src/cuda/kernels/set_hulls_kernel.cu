@@ -1,5 +1,8 @@
 // Kernels for many small sets, a warp a set; a thread a set where sums have an order.
 
+#include <algorithm>
+#include <iterator>
+
 #include "cuda/kernels/coordinate.cuh"
 #include "cuda/kernels/set_hulls_kernel.hpp"
 #include "cuda/kernels/warp_hull.cuh"
@@ -14,35 +17,31 @@ constexpr unsigned most_warps = 4;
 /// Blocks may have so much shared memory without asking for more.
 constexpr std::size_t block_memory = 48 << 10;
 
-/// Warps of a block, each of which has its own part of the block's memory.
-template <unsigned D>
-unsigned warps_of(unsigned most) {
-  const auto fit = static_cast<unsigned>(block_memory / WarpMemory<D>::bytes(most));
-  return fit < most_warps ? fit : most_warps;
-}
+static_assert(WarpMemory<3, false>::bytes(std::end(set_classes)[-1]) <= block_memory);
 
 __device__ inline unsigned lane_of() { return threadIdx.x % lanes; }
 __device__ inline std::uint64_t warp_of() {
   return std::uint64_t{blockIdx.x} * (blockDim.x / lanes) + threadIdx.x / lanes;
 }
 
-/// `room`: most points of a set, a multiple of 32. All lanes of a warp leave together. One block a
+/// A warp has its own part of its block's memory. All lanes of a warp leave together. One block a
 /// processor is asked for so that ptxas spills nothing (before, 16 bytes on some architectures).
-template <unsigned D, class T>
+template <unsigned D, class T, bool Near>
 __global__ void __launch_bounds__(most_warps* lanes, 1)
     set_hulls(const __grid_constant__ DevicePointView points, const __grid_constant__ WarpSets sets,
-              unsigned least, unsigned most, unsigned room) {
+              unsigned least, unsigned most) {
   extern __shared__ double shared[];
   const std::uint64_t set = warp_of();
   if (set >= sets.sets) return;
   const std::uint64_t first = sets.starts[set], count = sets.starts[set + 1] - first;
   if (count < least || count > most) return;
-  const WarpMemory<D> memory(
-      reinterpret_cast<char*>(shared) + threadIdx.x / lanes * WarpMemory<D>::bytes(room), room);
-  WarpHull<D> hull(memory, static_cast<unsigned>(count), lane_of());
-  const unsigned found = hull.template run<T>(points, first, sets.vertices + first,
-                                              sets.simplices + simplex_room(D) * first);
-  if (lane_of() == 0) sets.counts[set] = static_cast<std::uint16_t>(found);
+  using Memory = WarpMemory<D, Near>;
+  const Memory memory(reinterpret_cast<char*>(shared) + threadIdx.x / lanes * Memory::bytes(most),
+                      most);
+  WarpHull<D, T, Near> hull(memory, points, first, static_cast<unsigned>(count), lane_of());
+  const SetCounts counts =
+      hull.run(sets.vertices + first, sets.simplices + simplex_room(D) * first);
+  if (lane_of() == 0) sets.counts[set] = counts;
 }
 
 // Planes and measures of the hulls found, in the CPU's operations and order, so that their bits are
@@ -53,8 +52,8 @@ template <unsigned D, class T>
 class FoundHullOfSet {
  public:
   __device__ FoundHullOfSet(const DevicePointView& points, const WarpSets& sets, std::uint64_t set)
-      : vertex_count(sets.counts[set] & 0xFF),
-        simplex_count(sets.counts[set] >> 8),
+      : vertex_count(sets.counts[set].vertices),
+        simplex_count(sets.counts[set].simplices),
         points_(points),
         first_(sets.starts[set]),
         vertices_(sets.vertices + first_),
@@ -130,7 +129,7 @@ class FoundHullOfSet {
 
   const DevicePointView& points_;
   const std::uint64_t first_;
-  const std::uint8_t *const vertices_, *const simplices_;
+  const std::uint16_t *const vertices_, *const simplices_;
   double scale_ = 1;
 };
 
@@ -141,21 +140,21 @@ __global__ void pack_lists(const __grid_constant__ DevicePointView points,
                            Id* __restrict__ simplices, T* __restrict__ rows) {
   const std::uint64_t set = warp_of();
   if (set >= sets.sets) return;
-  const unsigned counts = sets.counts[set];
-  if (counts == 0) return;
+  const SetCounts counts = sets.counts[set];
+  if (counts.vertices == 0) return;
   const std::uint64_t first = sets.starts[set], vertex_at = at.vertex_at[set],
                       simplex_at = at.simplex_at[set] * D;
-  const std::uint8_t* const corners = sets.simplices + simplex_room(D) * first;
-  for (unsigned i = lane_of(); i < (counts >> 8) * D; i += lanes)
+  const std::uint16_t* const corners = sets.simplices + simplex_room(D) * first;
+  for (unsigned i = lane_of(); i < counts.simplices * D; i += lanes)
     simplices[simplex_at + i] = corners[i];
   // With rows the vertices are listed ascending; in the plane they begin the edges in this order.
   const bool ascending = D == 2 && rows != nullptr;
-  const std::uint8_t* const ids = ascending ? corners : sets.vertices + first;
+  const std::uint16_t* const ids = ascending ? corners : sets.vertices + first;
   const unsigned step = ascending ? 2 : 1;
-  for (unsigned i = lane_of(); i < (counts & 0xFF); i += lanes)
+  for (unsigned i = lane_of(); i < counts.vertices; i += lanes)
     vertices[vertex_at + i] = ids[step * i];
   if (rows == nullptr) return;
-  for (unsigned e = lane_of(); e < (counts & 0xFF) * D; e += lanes)
+  for (unsigned e = lane_of(); e < counts.vertices * D; e += lanes)
     rows[vertex_at * D + e] = coordinate<T>(points, first + ids[step * (e / D)], e % D);
 }
 
@@ -173,8 +172,8 @@ __global__ void place_found(const __grid_constant__ WarpSets sets, std::int32_t 
                             const __grid_constant__ PlacedLists out) {
   const std::uint32_t set = blockIdx.x * blockDim.x + threadIdx.x;
   if (set >= sets.sets) return;
-  const unsigned counts = sets.counts[set];  // 0 for sets that are not decided
-  place_list(out, {set, counts & 0xFF, counts >> 8, dimension});
+  const SetCounts counts = sets.counts[set];  // none for sets that are not decided
+  place_list(out, {set, counts.vertices, counts.simplices, dimension});
 }
 
 __global__ void place_others(const SetLengths* __restrict__ others, std::uint32_t count,
@@ -189,11 +188,11 @@ __global__ void measure_hulls(const __grid_constant__ DevicePointView points,
                               const __grid_constant__ WarpSets sets,
                               const __grid_constant__ SetMeasures out) {
   const std::uint64_t set = std::uint64_t{blockIdx.x} * blockDim.x + threadIdx.x;
-  if (set >= sets.sets || sets.counts[set] == 0) return;
+  if (set >= sets.sets || sets.counts[set].vertices == 0) return;
   FoundHullOfSet<D, T> hull(points, sets, set);
   double volume, area, centroid[D];
   if (!hull.find_exponent() || !hull.measure(volume, area, centroid)) {
-    sets.counts[set] = 0;
+    sets.counts[set] = {};
     return;
   }
   out.volumes[set] = volume;
@@ -210,7 +209,7 @@ __global__ void write_planes(const __grid_constant__ DevicePointView points,
                              const std::uint64_t* __restrict__ simplex_at,
                              double* __restrict__ planes) {
   const std::uint64_t set = warp_of();
-  if (set >= sets.sets || sets.counts[set] == 0) return;
+  if (set >= sets.sets || sets.counts[set].vertices == 0) return;
   FoundHullOfSet<D, T> hull(points, sets, set);
   hull.scale_to(exponents[set]);
   for (unsigned i = lane_of(); i < hull.simplex_count; i += lanes) {
@@ -224,44 +223,42 @@ __global__ void write_planes(const __grid_constant__ DevicePointView points,
 
 template <class T>
 __global__ void point_runs(const __grid_constant__ DevicePointView points,
-                           const __grid_constant__ ItemRuns runs, T* __restrict__ rows) {
-  const std::uint64_t run = warp_of();
-  if (run >= runs.count) return;
-  const std::uint64_t from = runs.from[run], values = runs.length[run] * points.dimension;
-  T* const to = rows + runs.to[run] * points.dimension;
-  for (std::uint64_t e = lane_of(); e < values; e += lanes)
-    to[e] = coordinate<T>(points, from + e / points.dimension,
-                          static_cast<unsigned>(e % points.dimension));
+                           const ItemRun* __restrict__ runs, std::uint32_t count,
+                           T* __restrict__ rows) {
+  const unsigned d = points.dimension;
+  if (warp_of() >= count) return;
+  const ItemRun run = runs[warp_of()];
+  for (std::uint64_t e = lane_of(); e < run.length * d; e += lanes)
+    rows[run.to * d + e] = coordinate<T>(points, run.from + e / d, static_cast<unsigned>(e % d));
 }
 
 template <class Item>
-__global__ void item_runs(const Item* __restrict__ items, const __grid_constant__ ItemRuns runs,
-                          Item* __restrict__ out) {
-  const std::uint64_t run = warp_of();
-  if (run >= runs.count) return;
-  for (std::uint64_t i = lane_of(); i < runs.length[run]; i += lanes)
-    out[runs.to[run] + i] = items[runs.from[run] + i];
+__global__ void item_runs(const Item* __restrict__ items, const ItemRun* __restrict__ runs,
+                          std::uint32_t count, Item* __restrict__ out) {
+  if (warp_of() >= count) return;
+  const ItemRun run = runs[warp_of()];
+  for (std::uint64_t i = lane_of(); i < run.length; i += lanes)
+    out[run.to + i] = items[run.from + i];
 }
 
 constexpr unsigned copying_warps = 4;       // a guess
 constexpr unsigned measuring_threads = 64;  // few, so that small batches reach many processors
 
-template <unsigned D, class T>
-void launch_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
-                  unsigned most, cudaStream_t stream) {
-  const unsigned room = (most + lanes - 1) / lanes * lanes, warps = warps_of<D>(room);
-  const std::size_t shared = warps * WarpMemory<D>::bytes(room);
-  set_hulls<D, T><<<blocks_for(sets.sets, warps), warps * lanes, shared, stream>>>(
-      points, sets, least, most, room);
-}
-
 }  // namespace
 
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream) {
-  if (sets.sets == 0) return cudaSuccess;
   with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
-    launch_hulls<D, T>(points, sets, least, most, stream);
+    const auto launch = [&]<bool Near>() {
+      constexpr auto bytes = WarpMemory<D, Near>::bytes;
+      const auto warps = std::min(most_warps, static_cast<unsigned>(block_memory / bytes(most)));
+      set_hulls<D, T, Near>
+          <<<blocks_for(sets.sets, warps), warps * lanes, warps * bytes(most), stream>>>(
+              points, sets, least, most);
+    };
+    if constexpr (D == 3)
+      if (most > most_near_points) return launch.template operator()<false>();
+    launch.template operator()<true>();
   });
   return cudaGetLastError();
 }
@@ -284,7 +281,6 @@ cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetL
 
 cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
                          const SetMeasures& measures, cudaStream_t stream) {
-  if (sets.sets == 0) return cudaSuccess;
   with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
     measure_hulls<D, T><<<blocks_for(sets.sets, measuring_threads), measuring_threads, 0, stream>>>(
         points, sets, measures);
@@ -295,7 +291,6 @@ cudaError_t measure_sets(const DevicePointView& points, const WarpSets& sets,
 cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets,
                              const std::int8_t* exponents, const std::uint64_t* simplex_at,
                              double* planes, cudaStream_t stream) {
-  if (sets.sets == 0) return cudaSuccess;
   with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
     write_planes<D, T><<<blocks_for(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
         points, sets, exponents, simplex_at, planes);
@@ -307,7 +302,6 @@ template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
                            const PlacedLists& at, Id* vertices, Id* simplices, void* rows,
                            cudaStream_t stream) {
-  if (sets.sets == 0) return cudaSuccess;
   with_point_types<2, 3>(points, [&]<unsigned D, class T>() {
     pack_lists<D, T, Id>
         <<<blocks_for(sets.sets, copying_warps), copying_warps * lanes, 0, stream>>>(
@@ -316,28 +310,28 @@ cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
   return cudaGetLastError();
 }
 template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PlacedLists&,
-                                    std::uint8_t*, std::uint8_t*, void*, cudaStream_t);
+                                    std::uint16_t*, std::uint16_t*, void*, cudaStream_t);
 template cudaError_t pack_set_hulls(const DevicePointView&, const WarpSets&, const PlacedLists&,
                                     std::int32_t*, std::int32_t*, void*, cudaStream_t);
 
-cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
-                            cudaStream_t stream) {
-  if (runs.count == 0) return cudaSuccess;
+cudaError_t copy_point_runs(const DevicePointView& points, const ItemRun* runs, std::uint32_t count,
+                            void* rows, cudaStream_t stream) {
   with_device_scalar(points, [&]<class T>() {
-    point_runs<<<blocks_for(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(
-        points, runs, static_cast<T*>(rows));
+    point_runs<<<blocks_for(count, copying_warps), copying_warps * lanes, 0, stream>>>(
+        points, runs, count, static_cast<T*>(rows));
   });
   return cudaGetLastError();
 }
 
 template <class Item>
-cudaError_t copy_runs(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream) {
-  if (runs.count == 0) return cudaSuccess;
-  item_runs<<<blocks_for(runs.count, copying_warps), copying_warps * lanes, 0, stream>>>(items,
-                                                                                         runs, out);
+cudaError_t copy_runs(const Item* items, const ItemRun* runs, std::uint32_t count, Item* out,
+                      cudaStream_t stream) {
+  item_runs<<<blocks_for(count, copying_warps), copying_warps * lanes, 0, stream>>>(items, runs,
+                                                                                    count, out);
   return cudaGetLastError();
 }
-template cudaError_t copy_runs(const std::int32_t*, const ItemRuns&, std::int32_t*, cudaStream_t);
-template cudaError_t copy_runs(const double*, const ItemRuns&, double*, cudaStream_t);
+template cudaError_t copy_runs(const std::int32_t*, const ItemRun*, std::uint32_t, std::int32_t*,
+                               cudaStream_t);
+template cudaError_t copy_runs(const double*, const ItemRun*, std::uint32_t, double*, cudaStream_t);
 
 }  // namespace cullhull::internal

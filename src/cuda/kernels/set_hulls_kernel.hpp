@@ -11,31 +11,43 @@
 
 namespace cullhull::internal {
 
-/// The most points of a set that a warp processes. Numbers of points within a set, and numbers of
-/// simplices, then fit a byte.
-inline constexpr unsigned most_warp_points = 128;
+/// The most points of a set that a warp copies to shared memory. Numbers of points within a set,
+/// and numbers of simplices, then fit a byte.
+inline constexpr unsigned most_near_points = 128;
+/// The most simplices of a larger set, in space, so that a block needs no more shared memory than
+/// it may have without asking: a hull of some 640 vertices; 16,384 points of a ball have 580.
+inline constexpr unsigned most_far_facets = 1280;
 
-/// Bytes of room for simplices for each point of a set. A set of n points has at most n simplices
-/// in 2D and fewer than 2 n in 3D, of d bytes each.
+/// Sets are hulled by classes, as the warps of a launch have the same amount of shared memory: up
+/// to so many points. In the plane there are `near_classes`: there larger sets are the CPU's, which
+/// takes hardly longer than copying them.
+inline constexpr unsigned set_classes[] = {32, 64, 96, most_near_points, 256, 512, 1U << 14};
+inline constexpr unsigned near_classes = 4;
+
+/// Numbers of room for simplices for each point of a set. A set of n points has at most n simplices
+/// in 2D and fewer than 2 n in 3D, of d numbers each.
 constexpr unsigned simplex_room(unsigned dimension) { return dimension == 2 ? 2 : 6; }
 
+/// How many there are in a set's hull.
+struct SetCounts {
+  std::uint16_t vertices = 0, simplices = 0;
+};
 /// Sets and their hulls. All pointers refer to the device's memory.
 struct WarpSets {
   const std::uint64_t* starts;  ///< set i has the points [starts[i], starts[i + 1])
   std::uint32_t sets;
-  /// For each set the number of vertices | the number of simplices << 8. 0: the hull was not
-  /// decided, because the set has another size, a sign is too close to zero, or a point is not
-  /// finite.
-  std::uint16_t* counts;
+  /// None: the hull was not decided, because the set has another size, a sign is too close to zero,
+  /// a point is not finite, or the hull has too many simplices.
+  SetCounts* counts;
   /// The lists of vertices and of simplices (d numbers each), in the order of a HullBatch. A set's
-  /// lists begin at the index of its first point times the room for a point: 1 byte in `vertices`,
-  /// simplex_room() bytes in `simplices`.
-  std::uint8_t* vertices;
-  std::uint8_t* simplices;
+  /// lists begin at the index of its first point times the room for a point: 1 number in
+  /// `vertices`, simplex_room() in `simplices`.
+  std::uint16_t* vertices;
+  std::uint16_t* simplices;
 };
 
-/// Finds the hulls of the sets of `least` to `most` points, and leaves the counts of others
-/// unchanged. Dimension 2 or 3; most <= most_warp_points.
+/// Finds the hulls of the sets of `least` to `most` points, of one class, and leaves the counts of
+/// others unchanged. Dimension 2 or 3.
 cudaError_t find_set_hulls(const DevicePointView& points, const WarpSets& sets, unsigned least,
                            unsigned most, cudaStream_t stream);
 
@@ -58,7 +70,7 @@ struct PlacedLists {
 cudaError_t place_lists(const WarpSets& sets, std::int32_t dimension, const SetLengths* others,
                         std::uint32_t other_count, const PlacedLists& out, cudaStream_t stream);
 
-/// Copies the lists of the decided sets as numbers of type Id, std::uint8_t or std::int32_t. With
+/// Copies the lists of the decided sets as numbers of type Id, std::uint16_t or std::int32_t. With
 /// `rows`, vertices ascend, and their packed rows in the points' scalar type are written there.
 template <class Id>
 cudaError_t pack_set_hulls(const DevicePointView& points, const WarpSets& sets,
@@ -83,19 +95,16 @@ cudaError_t write_set_planes(const DevicePointView& points, const WarpSets& sets
                              const std::int8_t* exponents, const std::uint64_t* simplex_at,
                              double* planes, cudaStream_t stream);
 
-/// Runs of items to copy: run i has length[i] items, at from[i] in the source and at to[i] in the
-/// destination.
-struct ItemRuns {
-  const std::uint64_t* from;
-  const std::uint64_t* to;
-  const std::uint64_t* length;
-  std::uint32_t count;
+/// Items to copy: where they begin in the source and in the destination, and how many.
+struct ItemRun {
+  std::uint64_t from, to, length;
 };
 /// Copies runs of points to packed rows of the points' scalar type.
-cudaError_t copy_point_runs(const DevicePointView& points, const ItemRuns& runs, void* rows,
-                            cudaStream_t stream);
+cudaError_t copy_point_runs(const DevicePointView& points, const ItemRun* runs, std::uint32_t count,
+                            void* rows, cudaStream_t stream);
 /// Copies runs of numbers: std::int32_t or double.
 template <class Item>
-cudaError_t copy_runs(const Item* items, const ItemRuns& runs, Item* out, cudaStream_t stream);
+cudaError_t copy_runs(const Item* items, const ItemRun* runs, std::uint32_t count, Item* out,
+                      cudaStream_t stream);
 
 }  // namespace cullhull::internal

@@ -31,7 +31,7 @@ class RandomBatch : public RandomWork<RandomBatch> {
                         : 2 + static_cast<unsigned>(below(2)));
     const std::uint64_t count = one_in(8) ? below(3) : below(90);
     for (std::uint64_t i = 0; i < count; ++i) {
-      const std::size_t n = one_in(6) ? below(200) : below(70);
+      const std::size_t n = one_in(100) ? below(1500) : one_in(6) ? below(200) : below(70);
       if (one_in(8)) {
         s.add_lattice(n, 2 + static_cast<unsigned>(below(5)), random_());
         continue;
@@ -258,7 +258,7 @@ TEST(EmulatedSets, TheNextPieceIsFoundWhileTheCpuCompletesOne) {
   options.memory_budget = std::uint64_t{1} << 19;  // pieces of 5,461 points
   options.progress = [&](const char*, double) {
     auto launched = emulation::counters().launches;
-    launches.emplace_back(launched["set_hulls<D, T>"], launched["pack_lists<D, T, Id>"]);
+    launches.emplace_back(launched["set_hulls<D, T, Near>"], launched["pack_lists<D, T, Id>"]);
   };
   expect_same(convex_hulls(view, sets.offsets.data(), sets.count(), options), expected);
   EXPECT_EQ(launches,

@@ -95,13 +95,13 @@ ERRORS = {
     KERNELS + "warp_hull.cuh": {
         "plain-mark": Planted(
             "atomicOr made plain in `WarpHull::mark`",
-            "«atomicOr(m_.edges + row * (m_.most / 32) + bit / 32, 1U << bit % 32);»",
-            "m_.edges[row * (m_.most / 32) + bit / 32] |= 1U << bit % 32;",
+            "«atomicOr(m_.bits + i / 32, 1U << i % 32);»",
+            "m_.bits[i / 32] |= 1U << i % 32;",
             *SETS,
         ),
         "no-warp-wait": Planted(
-            "no `__syncwarp` between marking edges and testing them",
-            "      mark(c, a);\n    }\n    «__syncwarp();»",
+            "no `__syncwarp` between listing the facets that a point sees and reading them",
+            "if (seen == 0) return true;\n    «__syncwarp();»",
             "",
             *SETS,
         ),
