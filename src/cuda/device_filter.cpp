@@ -152,8 +152,9 @@ class DeviceFilter {
   /// What is not finite is not culled, and found when the rest is copied. None: all points stay, as
   /// vertices of the surface, or because there is none.
   std::optional<Kept> kept_by_surface(StarBegin begin, Filtered& result) const {
-    StarHullThere found =
-        star_hull_there(points_, run_, {.place = place_, .begin = begin, .last = request_.last});
+    StarHullThere found = star_hull_there(
+        points_, run_,
+        {.place = place_, .rows = request_.rows, .begin = begin, .last = request_.last});
     if (found.counts.end.facets == 0) return {};
     result.survivors.reason +=
         (found.counts.moved ? "; the last frame's pseudo-hull, " : "; a pseudo-hull, ") +
@@ -162,14 +163,22 @@ class DeviceFilter {
     result.survivors.filter = UsedFilter::pseudo_hull;
     result.survivors.backend = Backend::cuda;
     result.survivors.all = found.ids.count == points_.count;
-    result.triangles = std::move(found.triangles);
-    if (found.left != nullptr) {
-      leave_there(found, found.ids, cuda_stream_of(points_), *request_.there);
-      return Kept{std::move(found.ids), {}};
-    }
+    if (!result.survivors.all)
+      result.survivors.ids.assign(found.lists.rows.begin(), found.lists.rows.end());
+    if (take_hull(found, found.ids, result)) return Kept{std::move(found.ids), {}};
     if (result.survivors.all) return {};
     DeviceArray<std::byte> rows = rows_of(points_, found.ids);
     return Kept{std::move(found.ids), std::move(rows)};
+  }
+
+  /// Takes the hull of what was found, if there is one, and leaves it there if that is wanted.
+  /// False if the vertices' rows are still to be copied.
+  bool take_hull(StarHullThere& found, const DeviceIds& ids, Filtered& result) const {
+    const bool left = found.left != nullptr;
+    if (left) leave_there(found, ids, cuda_stream_of(points_), *request_.there);
+    result.triangles = std::move(found.lists.triangles);
+    result.rows = std::move(found.lists.coordinates);
+    return left || !result.triangles.empty();
   }
 
   /// Copies the rows of these points to the host.
@@ -178,7 +187,7 @@ class DeviceFilter {
     result.rows = download_finite(points_, ids.data(), ids.size(), ids.data(), run_);
   }
 
-  /// Nothing where the hull is left there.
+  /// Nothing where the hull is known.
   void copy_survivors(const Kept& kept, Filtered& result) const {
     if (kept.rows.data() == nullptr) return;
     const std::uint64_t count = kept.ids.count;
@@ -254,10 +263,9 @@ class DeviceFilter {
     // 2D it leaves only the hull's vertices. From 4D on it leaves more points than a second map.
     if (d_ <= 3 && view.count > pseudo_hull_most_points) return {};
     if (d_ == 3) {
-      found = star_hull_there(view, run_, {.place = place_});
+      found = star_hull_there(view, run_, {.place = place_, .rows = request_.rows});
       result.survivors.filter = UsedFilter::gauge_pseudo_hull;
       result.survivors.reason += "; a pseudo-hull of what it left, " + described(found.counts);
-      result.triangles = std::move(found.triangles);
       return std::move(found.ids);
     }
     if (d_ == 2) {
@@ -295,10 +303,13 @@ class DeviceFilter {
     check(gather_ids(kept.ids.ids.data(), second.ids.data(), second.count, fewer.ids.ids.data(),
                      stream),
           "gathering ids");
-    if (found.left != nullptr)
-      leave_there(found, fewer.ids, stream, *request_.there);
-    else
+    const bool left = found.left != nullptr;
+    if (!take_hull(found, fewer.ids, result)) {
       fewer.rows = rows_of(view, second);
+    } else if (!left && request_.rows) {
+      result.survivors.ids.resize(second.count);
+      download(result.survivors.ids.data(), fewer.ids.ids.data(), second.count, stream);
+    }
     return fewer;
   }
 
@@ -370,10 +381,10 @@ void filter_there(const PointView& points, const GaugeMap* map, const std::strin
     found = {};
     found.survivors.all = true;
     found.survivors.reason = result.survivors.reason;
-    const DeviceRequest request{.hull = n == points.count};
+    const DeviceRequest request{.hull = n == points.count, .rows = false};
     const std::optional<Kept> kept =
         DeviceFilter(there, run, request).kept_by(map, true, where, found);
-    if (!kept) return;
+    if (!kept || found.survivors.all) return;
     const std::size_t before = all.size();
     all.resize(before + kept->ids.count);
     download(all.data() + before, kept->ids.ids.data(), kept->ids.count, stream.get());

@@ -235,14 +235,13 @@ Array<double> download_as(const DevicePointView& points, const std::uint64_t* id
   const cudaStream_t stream = cuda_stream_of(points);
   const std::shared_ptr<T> here = landing<T>(std::min(piece, count) * d);
   Rows<T> source(points, ids, std::min(piece, count));
-  // Where a copy is refused, others may be on their way to `here`.
-  const Settled settled(stream);
   Array<double> rows(count * d);
   for (std::uint64_t first = 0; first < count; first += piece) {
     run.check();
     const std::uint64_t n = std::min(piece, count - first);
+    Settled settled(stream);  // where a copy is refused, others may be on their way to `here`
     source.copy(first, n, here.get());
-    synchronise(stream, "copying points from the device");
+    settled.wait("copying points from the device");
     run.each(n * d, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
       std::copy(here.get() + begin, here.get() + end, rows.data() + first * d + begin);
     });

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
+#include <cstring>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -365,6 +366,36 @@ void release_pinned(void* memory, std::size_t bytes) noexcept {
     // The list could not grow: free the block instead.
   }
   (void)cudaFreeHost(memory);
+}
+
+void download_many(const std::vector<Transfer>& transfers, cudaStream_t stream, const Run& run) {
+  constexpr std::size_t piece = std::size_t{4} << 20;
+  std::size_t bytes = 0;
+  for (const Transfer& t : transfers) bytes += t.bytes;
+  const std::shared_ptr<std::byte> here = landing<std::byte>(std::min(piece, bytes));
+  Transfer rest = {};
+  for (auto next = transfers.begin(); rest.bytes != 0 || next != transfers.end();) {
+    run.check();
+    std::vector<Transfer> landed;
+    Settled settled(stream);
+    for (std::size_t at = 0; at < piece && (rest.bytes != 0 || next != transfers.end());) {
+      if (rest.bytes == 0) rest = *next++;
+      const std::size_t n = std::min(piece - at, rest.bytes);
+      if (n == 0) continue;
+      check(cudaMemcpyAsync(here.get() + at, rest.from, n, cudaMemcpyDeviceToHost, stream),
+            "copying from the device");
+      landed.push_back({here.get() + at, rest.to, n});
+      at += n;
+      rest = {static_cast<const std::byte*>(rest.from) + n, static_cast<std::byte*>(rest.to) + n,
+              rest.bytes - n};
+    }
+    settled.wait("copying from the device");
+    for (const Transfer& t : landed)
+      run.each(t.bytes, 8 * light_grain, [&](std::uint64_t begin, std::uint64_t end) {
+        std::memcpy(static_cast<std::byte*>(t.to) + begin,
+                    static_cast<const std::byte*>(t.from) + begin, end - begin);
+      });
+  }
 }
 
 std::size_t kept_pinned_memory() noexcept { return pinned_pool().kept(); }

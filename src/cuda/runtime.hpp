@@ -13,9 +13,11 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "cuda/backend.hpp"
 #include "cullhull/array.hpp"
+#include "filter/pseudo_hull/primitives.hpp"
 #include "parallel/threads/run.hpp"
 
 namespace cullhull::internal {
@@ -150,21 +152,49 @@ class CudaStream {
   cudaStream_t stream_ = nullptr;
 };
 
+class CudaEvent {
+ public:
+  CudaEvent() {
+    check(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "creating an event");
+  }
+  CudaEvent(const CudaEvent&) = delete;
+  CudaEvent& operator=(const CudaEvent&) = delete;
+  ~CudaEvent() { (void)cudaEventDestroy(event_); }
+  cudaEvent_t get() const noexcept { return event_; }
+
+ private:
+  cudaEvent_t event_ = nullptr;
+};
+
+/// Orders what is submitted to a stream from now on after all work of `other`.
+inline void run_after(cudaStream_t stream, cudaStream_t other) {
+  const CudaEvent event;
+  check(cudaEventRecord(event.get(), other), "recording an event");
+  check(cudaStreamWaitEvent(stream, event.get(), 0), "waiting for an event");
+}
+
 /// Throws Failure if work on this stream is being captured into a graph: a call waits for results,
 /// which would end the capture. Leaves the capture intact.
 void refuse_capture(cudaStream_t stream);
 
-/// Its destructor waits for the stream, so that no copy is in flight afterwards, even after an
-/// exception.
+/// Its destructor waits for the stream unless wait() did, so that no copy is in flight afterwards,
+/// even after an exception.
 class Settled {
  public:
   explicit Settled(cudaStream_t stream) : stream_(stream) {}
-  ~Settled() { (void)cudaStreamSynchronize(stream_); }
+  ~Settled() {
+    if (!waited_) (void)cudaStreamSynchronize(stream_);
+  }
+  void wait(const char* doing) {
+    waited_ = true;
+    check(cudaStreamSynchronize(stream_), doing);
+  }
   Settled(const Settled&) = delete;
   Settled& operator=(const Settled&) = delete;
 
  private:
   cudaStream_t stream_;
+  bool waited_ = false;
 };
 
 /// Waits for all work of a stream, and throws if any of it failed.
@@ -211,22 +241,35 @@ std::shared_ptr<T> landing(std::size_t count) {
   }
 }
 
-/// download() of many items: by pinned memory, from which the threads of `run` copy, as the driver
-/// copies to other memory at a tenth of the link's rate.
-template <class T>
-void download_many(T* to, const T* from, std::size_t count, cudaStream_t stream, const Run& run) {
-  constexpr std::size_t piece = (std::size_t{4} << 20) / sizeof(T);
-  if (count == 0) return;
-  const std::shared_ptr<T> here = landing<T>(std::min(piece, count));
-  for (std::size_t first = 0; first < count; first += piece) {
-    run.check();
-    const std::size_t n = std::min(piece, count - first);
-    download(here.get(), from + first, n, stream);
-    run.each(n, light_grain, [&](std::uint64_t begin, std::uint64_t end) {
-      std::copy(here.get() + begin, here.get() + end, to + first + begin);
-    });
+/// Bytes on their way to the host, which may wait for them alone: what is submitted to the stream
+/// meanwhile goes on.
+class Look {
+ public:
+  Look(const void* from, std::size_t bytes, cudaStream_t stream)
+      : here_(landing<std::byte>(bytes)), bytes_(bytes) {
+    check(cudaMemcpyAsync(here_.get(), from, bytes, cudaMemcpyDeviceToHost, stream),
+          "copying from the device");
+    (void)cudaEventRecord(event_.get(), stream);  // what fails here fails when it is waited for
   }
-}
+  ~Look() { (void)cudaEventSynchronize(event_.get()); }  // no copy is in flight afterwards
+  Look(const Look&) = delete;
+  Look& operator=(const Look&) = delete;
+
+  std::size_t bytes() const { return bytes_; }
+  const std::byte* wait() const {
+    check(cudaEventSynchronize(event_.get()), "copying from the device");
+    return here_.get();
+  }
+
+ private:
+  std::shared_ptr<std::byte> here_;
+  std::size_t bytes_;
+  CudaEvent event_;
+};
+
+/// Copies from the device by pinned memory, from which the threads of `run` copy, as the driver
+/// copies to other memory at a tenth of the link's rate. Waits once for each 4 MiB.
+void download_many(const std::vector<Transfer>& transfers, cudaStream_t stream, const Run& run);
 
 /// Returns cudaSuccess if this build has code that the current device can run, else the error of
 /// looking for an empty kernel.

@@ -74,6 +74,7 @@ void keep_of_survivors(Filtered& result, unsigned d, std::span<const std::uint64
 
 struct DeviceRequest {
   bool hull = true;             ///< whether the hull is wanted, where the filter finds it
+  bool rows = true;             ///< whether the host has not the rows of a hull that it finds
   DeviceHull* there = nullptr;  ///< where the lists of that hull are left, without rows and ids
   std::shared_ptr<LastSurface>* last = nullptr;  ///< a tracker's: the surface of its last frame
 };

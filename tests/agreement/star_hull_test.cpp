@@ -47,7 +47,13 @@ Found found_by(StarHull<Executor, RowsInPlace<3, T>>& hull, const PointView& vie
   const Options options;
   StarResult<Executor, RowsInPlace<3, T>> result;
   if (result.compute(hull, points, count, found.counts))
-    found.triangles = result.fetch(hull.executor(), Run(options));
+    if (auto lists = result.fetch(hull.executor(), Run(options), StarWanted::vertices)) {
+      EXPECT_TRUE(std::ranges::equal(lists->rows, found.left));
+      for (std::size_t i = 0; i < lists->coordinates.size(); ++i)
+        EXPECT_EQ(lists->coordinates[i],
+                  view.at(found.left[i / 3], static_cast<std::uint32_t>(i % 3)));
+      found.triangles = std::move(lists->triangles);
+    }
   return found;
 }
 
@@ -236,6 +242,27 @@ TEST(StarHull, MovingPointsKeepTheSurface) {
     }
     // Frames 51, 52, and of 150 to 153 those that follow one of the same points.
     EXPECT_GE(moved, std::string_view(motion) == "teleport" ? 1U : 4U) << motion;
+  }
+}
+
+// Errors are bounded by the box of the frame before, unless this one is more than twice as long or
+// lies elsewhere.
+TEST(StarHull, AFrameFarFromTheLastBeginsAnew) {
+  const std::vector<double> ball = generate("ball", 2000, 3, 4);
+  StarHull<EmulatedExecutor, RowsInPlace<3, double>> hull(EmulatedExecutor(5, 32));
+  const std::tuple<double, double, bool> frames[] = {{1, 0, false}, {1.5, 0, true}, {6, 0, false},
+                                                     {7, 1, true},  {7, 20, false}, {7, 21, true}};
+  for (const auto& [factor, shift, moved] : frames) {
+    std::vector<double> points = ball;
+    for (double& x : points) x = factor * x + shift;
+    const PointView view = PointView::row_major(points.data(), 2000, 3);
+    std::vector<PseudoHullRound> rounds;
+    const Found found = found_by<double>(hull, view, rounds);
+    EXPECT_EQ(found.counts.moved, moved) << factor << ", " << shift;
+    ASSERT_TRUE(found.counts.whole()) << factor << ", " << shift;
+    EXPECT_EQ(canonical_hash(hull_of_left(view, found)),
+              canonical_hash(convex_hull(view, options_of(1, CullMethod::none))));
+    hull.keep(found.counts);
   }
 }
 

@@ -52,14 +52,18 @@ void expect_as_on_the_host(const std::vector<T>& points, const PointView& host,
   EXPECT_EQ(there.counts.end.reflex, counts.end.reflex) << name;
   EXPECT_EQ(there.counts.end.uncertain, counts.end.uncertain) << name;
   StarResult<SerialExecutor, RowsInPlace<3, T>> result;
-  TriangleLists triangles;
-  if (result.compute(here, in_place, count, counts)) triangles = result.fetch(here.executor(), run);
-  EXPECT_EQ(there.triangles.vertices, triangles.vertices) << name;
-  EXPECT_EQ(there.triangles.neighbours, triangles.neighbours) << name;
-  EXPECT_EQ(there.triangles.planes, triangles.planes) << name;
-  EXPECT_EQ(there.triangles.exponent, triangles.exponent) << name;
-  EXPECT_EQ(there.triangles.sums.volume.value(), triangles.sums.volume.value()) << name;
-  EXPECT_EQ(there.triangles.sums.area.value(), triangles.sums.area.value()) << name;
+  StarLists lists;
+  if (result.compute(here, in_place, count, counts))
+    lists = result.fetch(here.executor(), run, StarWanted::vertices).value_or(StarLists{});
+  const TriangleLists& triangles = lists.triangles;
+  EXPECT_EQ(there.lists.rows, lists.rows) << name;
+  EXPECT_EQ(there.lists.coordinates, lists.coordinates) << name;
+  EXPECT_EQ(there.lists.triangles.vertices, triangles.vertices) << name;
+  EXPECT_EQ(there.lists.triangles.neighbours, triangles.neighbours) << name;
+  EXPECT_EQ(there.lists.triangles.planes, triangles.planes) << name;
+  EXPECT_EQ(there.lists.triangles.exponent, triangles.exponent) << name;
+  EXPECT_EQ(there.lists.triangles.sums.volume.value(), triangles.sums.volume.value()) << name;
+  EXPECT_EQ(there.lists.triangles.sums.area.value(), triangles.sums.area.value()) << name;
   testing_support::expect_same_rounds(rounds, expected, name);
 }
 

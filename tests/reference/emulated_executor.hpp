@@ -79,7 +79,7 @@ class EmulatedExecutor : public HostExecutor<EmulatedExecutor> {
     return none;
   }
 
-  static constexpr std::uint32_t rounds_at_once = 3, few_items = 100;
+  static constexpr std::uint32_t rounds_at_once = 3, rounds_after_look = 2, few_items = 100;
   static void lower(std::uint32_t& target, std::uint32_t value) {
     DeviceAtomics::lower(target, value);
   }

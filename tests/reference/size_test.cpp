@@ -19,10 +19,10 @@ namespace fs = std::filesystem;
 /// The most lines of text that a folder may hold, all that is below it included.
 const std::map<std::string, std::size_t> budgets = {
     {"include", 3715},   {"src/batch", 670},     {"src/certify", 4170},  {"src/constrained", 600},
-    {"src/cuda", 5926},  {"src/delaunay", 4320}, {"src/diagrams", 6905}, {"src/distributed", 250},
-    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8815},
+    {"src/cuda", 5990},  {"src/delaunay", 4320}, {"src/diagrams", 6905}, {"src/distributed", 250},
+    {"src/exact", 4610}, {"src/extreme", 970},   {"src/few", 1850},      {"src/filter", 8895},
     {"src/flow", 1640},  {"src/generate", 660},  {"src/geometry", 1465}, {"src/hull", 6220},
-    {"src/io", 18500},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7605},
+    {"src/io", 18500},   {"src/parallel", 2910}, {"src/query", 3490},    {"src/result", 7620},
     {"src/shared", 40},  {"src/stream", 1295},   {"src/tracker", 870},   {"bindings", 30510},
     {"tests", 53620},    {"docs", 10190},         {"apps", 9510},         {"bench", 7560},
     {"viewer", 3430},    {"scripts", 3585},
@@ -106,7 +106,7 @@ TEST(Size, FoldersKeepTheirBudgets) {
 
 TEST(Size, TypesAreFew) {
   const fs::path root = CULLHULL_ROOT;
-  EXPECT_LE(files_with(root / "src", header, type).second, 562U);
+  EXPECT_LE(files_with(root / "src", header, type).second, 570U);
   EXPECT_LE(files_with(root / "include", header, type).second, 85U);
 }
 

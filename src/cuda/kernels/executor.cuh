@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
+#include <deque>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -67,18 +70,23 @@ __global__ void __launch_bounds__(block_size, resident_blocks<Body>())
   }
 }
 
-/// Rounds from `round` to `last` by one block, which waits for nobody else: for few items.
+/// Rounds from `first` to `last` by one block, which waits for nobody else: for few items.
 constexpr unsigned rounds_block_size = 512;
 template <class Steps>
 __global__ void __launch_bounds__(rounds_block_size, 1)
-    rounds_of_block(const __grid_constant__ Steps steps, std::uint32_t round, std::uint32_t last) {
+    rounds_of_block(const __grid_constant__ Steps steps, std::uint32_t first, std::uint32_t last,
+                    ItemCount listed, std::uint32_t* done) {
   const GridThread at = here();
+  if (at.thread == 0) steps.count[first] = listed.get();
+  __syncthreads();
+  std::uint32_t round = first;
   for (; round <= last && steps.items(round) != 0; ++round) {
     run_step<true>(steps, round, at);
     __syncthreads();
     run_step<false>(steps, round, at);
     __syncthreads();
   }
+  if (at.thread == 0) *done = round - first;
 }
 
 template <class T, class Map, class Combine>
@@ -192,13 +200,8 @@ class CudaExecutor {
   void fetch(const T* from, std::size_t count, T* to) {
     download(to, from, count, stream_);
   }
-  template <class T>
-  void fetch_many(const T* from, std::size_t count, T* to, const Run& run) {
-    download_many(to, from, count, stream_, run);
-  }
-  template <class T>
-  void upload(const T* from, std::size_t count, T* to) {
-    internal::upload(to, from, count, stream_);
+  void fetch_all(const std::vector<Transfer>& transfers, const Run& run) {
+    download_many(transfers, stream_, run);
   }
   template <class T>
   void zero(T* items, std::size_t count) {
@@ -206,22 +209,40 @@ class CudaExecutor {
     check(cudaMemsetAsync(items, 0, count * sizeof(T), stream_), "clearing device memory");
   }
 
+  /// What the blocks of a reduction found, on its way to the host.
+  template <class T, class Combine>
+  struct Later {
+    T identity;
+    Combine combine;
+    std::unique_ptr<const Look> parts;  ///< null: of no items
+
+    T get() const {
+      T sum = identity, part = identity;
+      const std::byte* from = parts == nullptr ? nullptr : parts->wait();
+      for (std::size_t at = 0; from != nullptr && at < parts->bytes(); at += sizeof(T)) {
+        std::memcpy(static_cast<void*>(&part), from + at, sizeof(T));
+        sum = combine(sum, part);
+      }
+      return sum;
+    }
+  };
   template <class T, class Map, class Combine>
-  T reduce(std::uint32_t count, T identity, const Map& map, const Combine& combine) {
-    if (count == 0) return identity;
+  Later<T, Combine> begin_reduce(std::uint32_t count, T identity, const Map& map,
+                                 const Combine& combine) {
     static_assert(std::is_trivially_copyable_v<T>);
+    if (count == 0) return {identity, combine, nullptr};
     constexpr unsigned size = cuda_kernels::reduce_block_size;
     const unsigned blocks = grid(count, size);
-    auto* partial =
-        reinterpret_cast<T*>(reserve(partial_, (std::size_t{blocks} * sizeof(T) + 7) / 8));
-    zero(partial, blocks);  // their padding is copied, too
+    const DeviceArray<T> partial(blocks, stream_);
+    zero(partial.data(), blocks);  // their padding is copied, too
     cuda_kernels::reduce<<<blocks, size, 0, stream_>>>(
-        ReduceKernel<T, Map, Combine>{map, combine, identity, count, partial});
+        ReduceKernel<T, Map, Combine>{map, combine, identity, count, partial.data()});
     launched();
-    std::vector<T> parts(blocks, identity);
-    fetch(partial, blocks, parts.data());
-    for (const T& p : parts) identity = combine(identity, p);
-    return identity;
+    return {identity, combine, std::make_unique<Look>(partial.data(), blocks * sizeof(T), stream_)};
+  }
+  template <class T, class Map, class Combine>
+  T reduce(std::uint32_t count, T identity, const Map& map, const Combine& combine) {
+    return begin_reduce(count, identity, map, combine).get();
   }
 
   /// A number of items, perhaps a multiple of one that a kernel writes to a word of the executor's.
@@ -245,12 +266,20 @@ class CudaExecutor {
     return count;
   }
   static std::uint32_t most(const Count& count) { return count.most_; }
+  static Count at_most(Count count, std::uint32_t most) {
+    count.most_ = std::min(count.most_, most);
+    return count;
+  }
+  void send_counts() {
+    if (words_.data() != nullptr && serial_ > (sent_.empty() ? read_ : sent_.back().serial))
+      sent_.emplace_back(serial_, words_.data(), word_count * sizeof(std::uint32_t), stream_);
+  }
   static ItemCount items(const Count& count) {
     if (count.owner_ == nullptr) return {nullptr, count.most_};
     return {count.owner_->word(count), count.each_};
   }
-  /// Copying the counters to the host costs half a round.
-  static constexpr std::uint32_t rounds_ahead = 4;
+  /// One round with nothing to do takes less time than waiting for the numbers of each.
+  static constexpr std::uint32_t rounds_ahead = 1;
 
   template <class Body>
   void for_each(const Count& count, const Body& body) {
@@ -331,29 +360,19 @@ class CudaExecutor {
     return sorted;
   }
 
-  /// A look takes as long as several rounds of few items.
-  static constexpr std::uint32_t rounds_at_once = 16;
+  /// Listing what to look at takes as long as a round, and the look no longer than the four rounds
+  /// after it, of two kernels each.
+  static constexpr std::uint32_t rounds_at_once = 16, rounds_after_look = 4;
   /// Rounds of so few items are one block's, which waits for nobody else and needs no host.
   static constexpr std::uint32_t few_items = 512;
   template <class Steps>
-  std::uint32_t rounds(const Steps& steps, std::uint32_t first, std::uint32_t last,
-                       std::uint32_t listed, const Control& control) {
-    constexpr std::uint32_t at_once = 256;
-    std::uint32_t round = first, counts[at_once];
-    upload(&listed, 1, steps.count + round);
-    while (listed != 0 && round <= last) {
-      control.check();
-      const std::uint32_t now = std::min(last + 1 - round, at_once);
-      cuda_kernels::rounds_of_block<<<1, cuda_kernels::rounds_block_size, 0, stream_>>>(
-          steps, round, round + now - 1);
-      launched();
-      fetch(steps.count + round + 1, now, counts);
-      const std::uint32_t done =
-          static_cast<std::uint32_t>(std::find(counts, counts + now - 1, 0U) - counts);
-      round += done + 1;
-      listed = counts[done];
-    }
-    return round - first;
+  Count rounds(const Steps& steps, std::uint32_t first, std::uint32_t last, const Count& listed,
+               const Control&) {
+    const Count done = next_count(last + 1 - first);
+    cuda_kernels::rounds_of_block<<<1, cuda_kernels::rounds_block_size, 0, stream_>>>(
+        steps, first, last, items(listed), word(done));
+    launched();
+    return done;
   }
 
   CULLHULL_HD static void lower(std::uint32_t& target, std::uint32_t value) {
@@ -405,12 +424,13 @@ class CudaExecutor {
     return words_.data() + (count.serial_ - 1) % word_count;
   }
   std::uint32_t number_at(std::uint64_t serial) {
-    if (serial > fetched_) {
+    if (serial > (sent_.empty() ? read_ : sent_.back().serial)) send_counts();
+    for (; serial > read_; sent_.pop_front()) {
       numbers_here_.resize(word_count);
-      fetch(words_.data(), word_count, numbers_here_.data());
-      fetched_ = serial_;
+      std::memcpy(numbers_here_.data(), sent_.front().look.wait(), sent_.front().look.bytes());
+      read_ = sent_.front().serial;
     }
-    if (serial + word_count / 2 <= fetched_)
+    if (serial + word_count / 2 <= read_)
       throw Error(ErrorCode::internal, "a number of the device is read too late");
     return numbers_here_[(serial - 1) % word_count];
   }
@@ -426,10 +446,17 @@ class CudaExecutor {
 
   cudaStream_t stream_;
   unsigned processors_;
-  std::uint64_t serial_ = 0, fetched_ = 0;  ///< of the last number asked for, and looked at
+  std::uint64_t serial_ = 0, read_ = 0;  ///< of the last number asked for, and that is here
+  struct Sent {
+    Sent(std::uint64_t last, const void* from, std::size_t bytes, cudaStream_t stream)
+        : serial(last), look(from, bytes, stream) {}
+    std::uint64_t serial;  ///< of its last number
+    Look look;
+  };
+  std::deque<Sent> sent_;
   std::vector<std::uint32_t> numbers_here_;
   CudaArray<std::uint32_t> words_, numbers_;
-  CudaArray<std::uint64_t> copies_, partial_, scratch_;
+  CudaArray<std::uint64_t> copies_, scratch_;
 };
 
 }  // namespace cullhull::internal

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "cuda/device_rows.hpp"
 #include "cuda/kernels/device_subset.hpp"
 #include "cuda/kernels/executor.cuh"
 #include "cuda/kernels/star_hull.hpp"
@@ -22,6 +23,35 @@ struct LastSurfaceOf final : LastSurface {
   StarHullOf<T> hull{CudaExecutor(stream.get())};
 };
 
+/// Writes the hull where it is wanted, if doubles decided it. What reads the points is done then.
+template <class T>
+void write_result(StarHullOf<T>& hull, const RowsInPlace<3, T>& rows, const Run& run,
+                  const StarRequest& request, StarHullThere& there) {
+  const auto result = std::make_shared<StarResult<CudaExecutor, RowsInPlace<3, T>>>();
+  if (!result->compute(hull, rows, static_cast<std::uint32_t>(rows.subset.total), there.counts))
+    return;
+  if (request.rows) require_room_for_survivors(there.counts.left, 3, run);
+  require_budget(run.budget, there.counts.end.facets * result_bytes_per_facet(3, 3),
+                 std::to_string(there.counts.end.facets) + " facets");
+  const auto fetch = [&](StarWanted wanted) {
+    std::optional<StarLists> lists = result->fetch(hull.executor(), run, wanted);
+    if (lists) there.lists = std::move(*lists);
+    return lists.has_value();
+  };
+  Hull measured;
+  if (request.place == HullPlace::device) {
+    if (!fetch(StarWanted::sums)) return;
+    if (write_measures(there.lists.triangles, measured)) {
+      there.vertices = result->vertices();
+      there.neighbours = result->neighbours();
+      there.planes = result->planes();
+      there.left = result;
+      return;
+    }
+  }
+  fetch(request.rows ? StarWanted::vertices : StarWanted::triangles);
+}
+
 template <class T>
 StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
                            const StarRequest& request, StarHullOf<T>& hull) {
@@ -37,32 +67,17 @@ StarHullThere star_hull_of(const DevicePointView& points, const Run& run,
                           request.rounds != nullptr ? *request.rounds : unread, request.begin);
   there.ids.count = there.counts.left;
   there.ids.ids = DeviceArray<std::uint64_t>(there.ids.count, hull.executor().stream());
-  const std::uint32_t listed =
+  const CudaExecutor::Count listed =
       hull.executor().select(count, NotCulled{hull.culled()}, EmitId{all, there.ids.ids.data()});
+  hull.executor().send_counts();
+  try {
+    if (request.place != HullPlace::nowhere) write_result(hull, rows, run, request, there);
+  } catch (const OutOfMemory&) {
+    const Settled settled(hull.executor().stream());  // what was begun reads the points
+    there.lists = {};                                 // what is left is hulled on the host
+  }
   if (listed != there.counts.left)
     throw Error(ErrorCode::internal, "the device lost count of the survivors");
-  try {
-    const auto result = std::make_shared<StarResult<CudaExecutor, RowsInPlace<3, T>>>();
-    if (request.place == HullPlace::nowhere || !result->compute(hull, rows, count, there.counts)) {
-      const Settled settled(hull.executor().stream());  // what was begun reads the points
-      return there;
-    }
-    require_budget(run.budget, there.counts.end.facets * result_bytes_per_facet(3, 3),
-                   std::to_string(there.counts.end.facets) + " facets");
-    Hull measured;
-    if (request.place == HullPlace::host || !write_measures(result->sums(), measured)) {
-      there.triangles = result->fetch(hull.executor(), run);
-      return there;
-    }
-    there.triangles = result->sums();
-    there.vertices = result->vertices();
-    there.neighbours = result->neighbours();
-    there.planes = result->planes();
-    there.left = result;
-  } catch (const OutOfMemory&) {
-    const Settled settled(hull.executor().stream());
-    there.triangles = {};  // what is left is hulled on the host
-  }
   return there;
 }
 
@@ -89,8 +104,8 @@ StarHullThere star_hull_after(const DevicePointView& points, const Run& run,
     surface->device = device;
     surface->scalar = points.scalar;
   }
-  check(cudaStreamSynchronize(static_cast<cudaStream_t>(points.stream)), "waiting for the points");
   StarHullOf<T>& hull = static_cast<LastSurfaceOf<T>&>(*surface).hull;
+  run_after(surface->stream.get(), static_cast<cudaStream_t>(points.stream));
   StarHullThere there;
   try {
     there = star_hull_of<T>(points, run, request, hull);

@@ -10,7 +10,7 @@
 #include "cullhull/device_hull.hpp"
 #include "cullhull/device_points.hpp"
 #include "filter/star_hull/star_hull.hpp"
-#include "result/write/triangle_lists.hpp"
+#include "result/write/star_result.hpp"
 
 namespace cullhull::internal {
 
@@ -20,7 +20,7 @@ enum class HullPlace { nowhere, host, device };
 struct StarHullThere {
   DeviceIds ids;  ///< of the points that are not culled, ascending, on the device
   /// Their hull, if asked for and decided by doubles; without its lists where they are `left`.
-  TriangleLists triangles;
+  StarLists lists;
   std::shared_ptr<const void> left;  ///< the lists on the device, if the hull is wanted there
   const std::uint32_t *vertices = nullptr, *neighbours = nullptr;
   const double* planes = nullptr;
@@ -45,6 +45,7 @@ struct LastSurface {
 
 struct StarRequest {
   HullPlace place = HullPlace::host;
+  bool rows = true;  ///< to the host, the vertices' rows as well
   StarBegin begin = StarBegin::any;
   std::shared_ptr<LastSurface>* last = nullptr;    ///< of a tracker's
   std::vector<PseudoHullRound>* rounds = nullptr;  ///< to report to

@@ -56,7 +56,7 @@ struct EmitLeader {
 template <unsigned D, class Executor, class Rows>
 bool leader_cells(Executor& executor, const Rows& rows, std::uint32_t count, const GaugeTable& map,
                   unsigned cells, GaugeTable& grid) {
-  const AxisExtremes<D> e = extremes_of<D>(executor, rows, count);
+  const AxisExtremes<D> e = extremes_of<D>(executor, rows, count).get();
   double centre[D], reach[D];
   for (unsigned j = 0; j < D; ++j) {
     centre[j] = map.offset[j] / map.scale[j];

@@ -1,9 +1,11 @@
 // What an algorithm that grows a surface round by round counts: facets that have points outside of
-// them, and these points. On a device the numbers stay there for several rounds, in which the host
-// knows the most that they may be.
+// them, and these points. A device's numbers are read a round late, so that it never waits for the
+// host; until then the host knows the most that they may be.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "filter/pseudo_hull/pseudo_hull.hpp"
@@ -15,9 +17,10 @@ class GrowthRounds {
  public:
   using Count = typename Executor::Count;
 
-  /// At first all points are outside.
-  void begin(std::uint32_t points) {
+  /// At first all points are outside. A facet is replaced by `fan` facets.
+  void begin(std::uint32_t points, std::uint32_t fan) {
     left_ = points;
+    fan_ = fan;
     exterior_ = points;
     facets_ = 0;
     replaced_ = 0;
@@ -36,29 +39,35 @@ class GrowthRounds {
     facets_ = facets;
     exterior_ = exterior;
   }
-  /// Whether to read(). Until then a round takes as much room as it may need, a multiple of that of
-  /// the round before: where that would be much, the numbers are read.
-  bool due() const {
-    constexpr std::uint32_t much = 1U << 15;
-    return unread_.size() >= Executor::rounds_ahead || Executor::most(facets_) > much;
-  }
-  /// Reads the numbers and adds those of each round to its report.
-  void read(std::vector<PseudoHullRound>& reports) {
-    for (const Round& r : unread_) {
-      const std::uint32_t before = r.before, culled = r.culled, facets = r.facets;
-      if (before == 0) break;
+  /// Reads the numbers of all rounds but the last `ahead`, 0 or 1, and adds those of each to its
+  /// report.
+  void read(std::vector<PseudoHullRound>& reports, std::size_t ahead) {
+    if (unread_.size() <= ahead) return;
+    std::uint32_t after = 0;
+    for (; unread_.size() > ahead; unread_.pop_front()) {
+      const Round& r = unread_.front();
+      const std::uint32_t before = r.before;
+      after = 0;
+      if (before == 0) continue;
+      const std::uint32_t culled = r.culled, facets = r.facets;
+      after = r.after;
       if (reports.size() <= r.number) reports.resize(r.number + 1);
       PseudoHullRound& report = reports[r.number];
       report.facets += facets;
       report.exterior += before;
       report.culled += culled;
-      report.kept += before - culled - r.after;
+      report.kept += before - culled - after;
       replaced_ += facets;
       left_ -= culled;
     }
-    unread_.clear();
-    exterior_ = std::uint32_t{exterior_};
-    facets_ = std::uint32_t{facets_};
+    exterior_ = Executor::at_most(exterior_, after);
+    // Each facet has a point outside of it.
+    facets_ = Executor::at_most(facets_, after);
+    if (after == 0) return;
+    if (unread_.empty())
+      facets_ = std::uint32_t{facets_};
+    else
+      facets_ = Executor::at_most(facets_, fan_ * std::uint32_t{unread_.front().facets});
   }
 
  private:
@@ -66,9 +75,9 @@ class GrowthRounds {
     std::uint32_t number;
     Count facets, before, culled, after;
   };
-  std::uint32_t left_ = 0, replaced_ = 0;
+  std::uint32_t left_ = 0, fan_ = 1, replaced_ = 0;
   Count exterior_ = 0, facets_ = 0;
-  std::vector<Round> unread_;
+  std::deque<Round> unread_;
 };
 
 }  // namespace cullhull::internal

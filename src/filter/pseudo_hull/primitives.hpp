@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <vector>
 
@@ -38,6 +39,28 @@ struct ItemCount {
   const std::uint32_t* there;
   std::uint32_t number;
   CULLHULL_HD std::uint32_t get() const { return there == nullptr ? number : *there * number; }
+};
+
+/// Bytes that an executor copies to the caller's memory.
+struct Transfer {
+  const void* from;
+  void* to;
+  std::size_t bytes;
+};
+
+/// Writes items that the caller knows into an executor's memory.
+template <class T, unsigned N>
+struct Put {
+  T items[N];
+  T* to;
+  CULLHULL_HD void operator()(std::uint32_t i) const { to[i] = items[i]; }
+};
+
+/// A result of a reduction, which a device may still be working on.
+template <class T>
+struct Known {
+  T value;
+  T get() const { return value; }
 };
 
 /// Memory of an executor on the host. Contents are lost when it grows.
@@ -81,13 +104,9 @@ struct HostMemory {
     std::copy_n(from, count, to);
   }
   /// The same for many items, where a device has its own way; with the threads of `run`.
-  template <class T>
-  static void fetch_many(const T* from, std::size_t count, T* to, const Run&) {
-    std::copy_n(from, count, to);
-  }
-  template <class T>
-  static void upload(const T* from, std::size_t count, T* to) {
-    std::copy_n(from, count, to);
+  static void fetch_all(const std::vector<Transfer>& transfers, const Run&) {
+    for (const Transfer& t : transfers)
+      if (t.bytes != 0) std::memcpy(t.to, t.from, t.bytes);
   }
   /// The items of [0, count) by ascending key(i), stably, in `out`; only the `bits` low bits of
   /// keys may be set.
@@ -106,15 +125,20 @@ struct HostMemory {
     std::fill_n(items, count, T{});
   }
   /// What primitives take and return as numbers of items: on a device one that may be still there.
-  /// It converts to the number, which waits for the device, once for all numbers that are there.
+  /// It converts to the number, which waits until the device has sent it.
   using Count = std::uint32_t;
-  /// `factor` times a number; the most that it may be; and the number for use in bodies.
+  /// Sends the numbers that are still there: reading them does not wait for what is started later.
+  static void send_counts() {}
+  /// `factor` times a number; the most that it may be, and a lower bound of that; and the number
+  /// for use in bodies.
   static Count times(Count count, std::uint32_t factor) { return count * factor; }
   static std::uint32_t most(Count count) { return count; }
+  static Count at_most(Count count, std::uint32_t most) { return std::min(count, most); }
   static ItemCount items(Count count) { return {nullptr, count}; }
-  /// How many rounds of an algorithm may be started before their numbers are looked at: of rounds
-  /// that take room for what may come, and of others.
-  static constexpr std::uint32_t rounds_ahead = 1, rounds_at_once = 1;
+  /// How many rounds of an algorithm are started before the numbers of the one before are read. Of
+  /// rounds that take no room, how many are started between two looks at a number, and how many of
+  /// them after the look.
+  static constexpr std::uint32_t rounds_ahead = 0, rounds_at_once = 1, rounds_after_look = 1;
   /// As many items, and fewer, are better listed than looked for among all.
   static constexpr std::uint32_t few_items = no_item;
 };
@@ -129,6 +153,12 @@ class HostExecutor : public HostMemory {
     executor().for_each(count, [&](std::uint32_t i) {
       if (keep(i)) body(i);
     });
+  }
+
+  /// As reduce(), for a caller that starts other work before it needs the result.
+  template <class T, class Map, class Combine>
+  Known<T> begin_reduce(std::uint32_t count, T identity, Map&& map, Combine&& combine) const {
+    return {executor().reduce(count, identity, map, combine)};
   }
 
   /// As select(), in any order of the k.

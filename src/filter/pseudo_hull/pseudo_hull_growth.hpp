@@ -39,7 +39,7 @@ class PseudoHullGrowth {
       control.check();
       round(r, rounds);
     }
-    growth_.read(rounds);
+    growth_.read(rounds, 0);
   }
   /// The number of rows that are not culled.
   std::uint32_t left() const { return growth_.left(); }
@@ -64,10 +64,10 @@ class PseudoHullGrowth {
   bool start(const Rows& rows, std::uint32_t count, std::vector<PseudoHullRound>& rounds) {
     rows_ = rows;
     count_ = count;
-    growth_.begin(count);
+    growth_.begin(count, D);
     corners_.clear();
     if (recording_) simplex_of_.assign(count, no_item);
-    const AxisExtremes<D> e = extremes_of<D>(executor_, rows_, count);
+    const AxisExtremes<D> e = extremes_of<D>(executor_, rows_, count).get();
     double scale[D];
     if (!axis_scales(e, scale)) return false;
     rows_.rescale(executor_, count, scale);
@@ -77,7 +77,7 @@ class PseudoHullGrowth {
     if (!first_facets(simplex, first)) return false;
     if (recording_) corners_.assign(simplex.row, simplex.row + D + 1);
     assign_first(first);
-    growth_.read(rounds);
+    growth_.read(rounds, 0);
     return true;
   }
 
@@ -106,7 +106,7 @@ class PseudoHullGrowth {
                               executor_.reserve(best_, cells));
     if (recording_) record_round();
     regroup(r, cells, points_.data(), culled);
-    if (growth_.due()) growth_.read(rounds);
+    growth_.read(rounds, Executor::rounds_ahead);
   }
 
  private:
@@ -122,7 +122,8 @@ class PseudoHullGrowth {
 
   /// Puts the D + 1 facets of the simplex into the facet stream and computes their planes.
   bool first_facets(const StartSimplex<D>& simplex, StartFacets<D>& first) {
-    PseudoFacet<D> facet[D + 1];
+    Put<PseudoFacet<D>, D + 1> put{};
+    auto& facet = put.items;
     for (unsigned f = 0; f <= D; ++f) {
       const double* corner[D];
       for (unsigned k = 0, v = 0; v <= D; ++v) {
@@ -133,7 +134,8 @@ class PseudoHullGrowth {
       std::copy_n(corner[0], D, first.base[f]);
       if (!make_plane<D>(corner, simplex.corner[f], first.plane[f])) return false;
     }
-    executor_.upload(facet, D + 1, executor_.reserve(cell_, D + 1));
+    put.to = executor_.reserve(cell_, D + 1);
+    executor_.for_each(D + 1, put);
     return true;
   }
 
@@ -169,6 +171,7 @@ class PseudoHullGrowth {
                          MovePoint<Executor>{cells, best_.data(), number, place_.data(),
                                              distance_.data(), from, to, apex});
     std::swap(points_, next_points_);
+    executor_.send_counts();
     growth_.add(r, culled, facets, exterior);
   }
 

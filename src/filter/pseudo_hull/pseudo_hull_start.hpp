@@ -85,11 +85,13 @@ struct ExtremesOfStep {
   }
 };
 
+/// The extremes, when the executor has found them: get().
 template <unsigned D, class Executor, class Rows>
-AxisExtremes<D> extremes_of(Executor& executor, const Rows& rows, std::uint32_t count) {
+auto extremes_of(Executor& executor, const Rows& rows, std::uint32_t count) {
   constexpr std::uint32_t grain = Executor::grain;
-  return executor.reduce(static_cast<std::uint32_t>(chunk_count(count, grain)), AxisExtremes<D>{},
-                         ExtremesOfStep<D, Rows>{rows, count, grain}, TakeExtremes<D>{});
+  return executor.begin_reduce(static_cast<std::uint32_t>(chunk_count(count, grain)),
+                               AxisExtremes<D>{}, ExtremesOfStep<D, Rows>{rows, count, grain},
+                               TakeExtremes<D>{});
 }
 
 // From h = fl(high / 2 - low / 2) < 2^e follows high - low <= 2^(e + 1): halving is exact but for

@@ -180,13 +180,14 @@ class StarGrowth {
       executor_.zero(executor_.reserve(culled_, count), count);
       return false;
     }
-    executor_.upload(&first_, 1, executor_.reserve(facets_before_, max_rounds + 2) + 1);
+    executor_.for_each(
+        1, Put<std::uint32_t, 1>{{first_}, executor_.reserve(facets_before_, max_rounds + 2) + 1});
     for (std::uint32_t r = 1; r <= max_rounds && !growth_.done(); ++r) {
       control.check();
       round(r);
-      if (growth_.due()) growth_.read(rounds);
+      growth_.read(rounds, Executor::rounds_ahead);
     }
-    growth_.read(rounds);
+    growth_.read(rounds, 0);
     return true;
   }
   /// Keeps the surface, of which `live` facets are left, for the next run() with as many rows: its
@@ -228,30 +229,39 @@ class StarGrowth {
     rows_ = rows;
     count_ = count;
     listed_ = false;
-    growth_.begin(count);
-    box_ = extremes_of<3>(executor_, rows_, count);
-    double scale[3];
-    if (!axis_scales(box_, scale)) return false;
-    rows_.rescale(executor_, count, scale);
-    LeaderFrame frame;
-    for (unsigned k = 0; k < 3; ++k) {
-      frame.centre[k] = 0.5 * scale[k] * box_.low[k] + 0.5 * scale[k] * box_.high[k];
-      frame.unit[k] = 2 / (scale[k] * box_.high[k] - scale[k] * box_.low[k]);
-    }
-    std::copy_n(frame.centre, 3, centre_);
+    growth_.begin(count, 3);
+    const auto box = extremes_of<3>(executor_, rows_, count);
     executor_.reserve(place_, count);
     executor_.reserve(distance_, count);
     executor_.reserve(culled_, count);
     executor_.reserve(facet_, 2 * std::size_t{count});
     executor_.reserve(number_, 2 * std::size_t{count});
-    moved_ = start_from_last(frame);
+    moved_ = start_from_last(box);
     if (moved_) return true;
+    rows_ = rows;
+    growth_.begin(count, 3);
+    box_ = box.get();
+    double scale[3];
+    if (!axis_scales(box_, scale)) return false;
+    const LeaderFrame frame = framed(scale);
     nodes_.m = leaders_.m = 0;
     if (start_from_leaders(frame)) return true;
     if (begin == StarBegin::leaders && !listed_) return false;
     StartSimplex<3> simplex;
     return choose_simplex(executor_, reader_, rows_, count, box_, simplex) &&
            start_from_simplex(simplex);
+  }
+
+  /// Scales the rows, and chooses the middle of the box as the centre.
+  LeaderFrame framed(const double* scale) {
+    rows_.rescale(executor_, count_, scale);
+    LeaderFrame frame;
+    for (unsigned k = 0; k < 3; ++k) {
+      frame.centre[k] = 0.5 * scale[k] * box_.low[k] + 0.5 * scale[k] * box_.high[k];
+      frame.unit[k] = 2 / (scale[k] * box_.high[k] - scale[k] * box_.low[k]);
+    }
+    std::copy_n(frame.centre, 3, centre_);
+    return frame;
   }
 
   // Leaders cut off what is inside in one pass, whatever the points are. Where most of them are
@@ -275,7 +285,7 @@ class StarGrowth {
       executor_.for_each(first_, JoinLeaders{grid, best_.data(), facet_.data()});
       const FromNearestNode from{grid, frame};
       constexpr std::uint32_t sample = 1024;  // at least 2^11 rows are there
-      const StarCheck found = make_cones(from, sample);
+      const StarCheck found = make_cones(from, sample).get();
       if (!found.good() && !refined) return false;
       if (!found.good()) {
         grid.m /= 2;  // which had no open facet
@@ -291,15 +301,31 @@ class StarGrowth {
     }
   }
 
-  /// Begins with the surface of the last frame, if there is one that is still star-shaped.
-  bool start_from_last(const LeaderFrame& frame) {
+  // Rows are placed before it is known whether the surface serves: a device need not wait for the
+  // host. Centre and scale are those of the last box, the scale half as large: errors are bounded
+  // for extents up to 1 and a centre in the box (docs/exactness.md, P1 and H7), and no axis is
+  // often twice as long as a frame ago.
+
+  /// Begins with the surface of the last frame, if there is one that is still star-shaped. `box`:
+  /// of the rows, when it is found.
+  template <class Box>
+  bool start_from_last(const Box& box) {
     first_ = kept_;
     kept_ = 0;
     if (first_ == 0 || kept_rows_ != count_) return false;
-    const FromNode from{{nodes_, frame}, facet_of_node_.data()};
-    if (!make_cones(from, 0).good()) return false;
+    double scale[3], now[3];
+    axis_scales(box_, scale);
+    for (double& s : scale) s *= 0.5;
+    const FromNode from{{nodes_, framed(scale)}, facet_of_node_.data()};
+    const auto check = make_cones(from, 0);
     executor_.for_each(nodes_.facets(), WalkNode{places(from), facet_of_node_.data()});
     place(from, true);
+    box_ = box.get();
+    if (!check.get().good() || !axis_scales(box_, now)) return false;
+    for (unsigned k = 0; k < 3; ++k)
+      if (scale[k] > now[k] || centre_[k] < scale[k] * box_.low[k] ||
+          centre_[k] > scale[k] * box_.high[k])
+        return false;
     return true;
   }
 
@@ -308,13 +334,13 @@ class StarGrowth {
     return {from, {centre_[0], centre_[1], centre_[2]}, facet_.data(), cone_.data()};
   }
 
-  /// Makes the cones of the first surface, and checks them, with so many of the rows.
+  /// Makes the cones of the first surface, and begins to check them, with so many of the rows.
   template <class From>
-  StarCheck make_cones(const From& from, std::uint32_t sample) {
+  auto make_cones(const From& from, std::uint32_t sample) {
     StarCone* cones = executor_.reserve(cone_, first_);
     const double* c = centre_;
     executor_.for_each(first_, MakeCone<Rows>{rows_, {c[0], c[1], c[2]}, facet_.data(), cones});
-    return executor_.reduce(
+    return executor_.begin_reduce(
         first_ + sample, StarCheck{},
         CheckStart<Rows, From>{rows_, places(from), first_, count_ / std::max(sample, 1U)},
         AddChecks{});
@@ -344,7 +370,8 @@ class StarGrowth {
     for (unsigned k = 0; k < 3; ++k)
       centre_[k] = 0.25 * (simplex.corner[0][k] + simplex.corner[1][k]) +
                    0.25 * (simplex.corner[2][k] + simplex.corner[3][k]);
-    StarFacet facet[4];
+    Put<StarFacet, 4> put{{}, facet_.data()};
+    StarFacet(&facet)[4] = put.items;
     for (unsigned f = 0; f < 4; ++f) {
       unsigned v[3];
       for (unsigned k = 0, c = 0; c < 4; ++c)
@@ -364,8 +391,8 @@ class StarGrowth {
     for (auto& f : facet)
       for (auto& v : f.vertex) v = simplex.row[v];
     first_ = 4;
-    executor_.upload(facet, 4, facet_.data());
-    if (!make_cones(FromFirstFacet{}, 0).good()) return false;
+    executor_.for_each(4, put);
+    if (!make_cones(FromFirstFacet{}, 0).get().good()) return false;
     place(FromFirstFacet{}, true);
     return true;
   }
@@ -416,6 +443,7 @@ class StarGrowth {
                                              distance_.data(), from, next_points, apex});
     std::swap(points_, next_points_);
     std::swap(active_, next_active_);
+    executor_.send_counts();
     growth_.add(r, culled, active, exterior);
   }
 

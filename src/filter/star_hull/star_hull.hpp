@@ -109,8 +109,10 @@ class StarHull {
     // marked for removal.
     constexpr unsigned most_dooms = 16;
     for (unsigned dooms = 0;; ++dooms) {
-      flip_while_sides_wait(rounds, facets, round, most_rounds, control);
+      const Count few = flip_while_sides_wait(rounds, facets, round, most_rounds, control);
+      executor.send_counts();
       done.end = executor.reduce(facets, StarReport{}, ReportFacet<Rows>{flips}, AddReports{});
+      round += few;  // sent before what was waited for
       done.dooms = dooms;
       if (done.end.reflex == 0 || dooms == most_dooms || round > most_rounds) break;
       if (dooms == 0) executor.zero(executor.reserve(doomed_, count_), count_);
@@ -125,38 +127,44 @@ class StarHull {
     if (rounds.flipped != nullptr) executor.fetch(rounds.flipped, 1, &done.flips);
   }
 
-  /// From `round` on: rounds for all sides while many wait, then by lists of the few.
+  using Count = typename Executor::Count;
+
+  /// From `round` on: rounds for all sides while many wait, then by lists of the few; returns the
+  /// number of these. A device that many sides wait for does not wait for the host.
   template <class Rounds>
-  void flip_while_sides_wait(Rounds& rounds, std::uint32_t facets, std::uint32_t& round,
-                             std::uint32_t most_rounds, const Control& control) {
+  Count flip_while_sides_wait(Rounds& rounds, std::uint32_t facets, std::uint32_t& round,
+                              std::uint32_t most_rounds, const Control& control) {
     Executor& executor = growth_.executor();
     const std::uint32_t sides = 3 * facets;
     std::uint32_t* const list[2] = {executor.reserve(listed_, std::size_t{facets} + 1),
                                     executor.reserve(order_, std::size_t{facets} + 1)};
-    // At first all sides wait, and a look would take as long as a round.
-    constexpr bool lists_all = Executor::few_items == no_item;
-    for (bool look = lists_all || round > 1; round <= most_rounds; look = true) {
+    const auto list_waiting = [&] {
+      return executor.append(facets, FacetWaits{rounds.waiting},
+                             ListForRound{list[round % 2], rounds.listed_for, round});
+    };
+    Count waiting = round == 1 ? Count(facets) : list_waiting();  // at first all sides wait
+    while (round <= most_rounds) {
       control.check();
-      const std::uint32_t waiting =
-          look ? std::uint32_t{executor.append(
-                     facets, FacetWaits{rounds.waiting},
-                     ListForRound{list[round % 2], rounds.listed_for, round})}
-               : no_item;
-      if (waiting == 0) break;
-      if (look && waiting <= Executor::few_items) {
+      const std::uint32_t seen = waiting;
+      if (seen == 0) break;
+      if (seen <= Executor::few_items) {
         Rounds listed = rounds;
         std::copy_n(list, 2, listed.listed);
-        round += executor.rounds(listed, round, most_rounds, waiting, control);
-        break;
+        return executor.rounds(listed, round, most_rounds, list_waiting(), control);
       }
       const std::uint32_t end = std::min(most_rounds + 1, round + Executor::rounds_at_once);
       for (; round < end; ++round) {
+        if (round + Executor::rounds_after_look == end) {
+          waiting = list_waiting();
+          executor.send_counts();
+        }
         executor.for_each_where(sides, SideIsMarked{rounds.waiting},
                                 FlipStep<Rounds, true>{rounds, round});
         executor.for_each_where(sides, SideIsMarked{rounds.proposal},
                                 FlipStep<Rounds, false>{rounds, round});
       }
     }
+    return 0;
   }
   template <class T>
   using Array = typename Executor::template Array<T>;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -132,19 +133,13 @@ struct SumChunk {
   }
 };
 
-/// Leaves vertex 0, as given, behind the chunks' sums: one copy to the host for both.
+/// Copies vertices, as given.
 template <class Rows>
-struct FirstVertex {
+struct CopyVertex {
   Rows rows;
   const std::uint32_t* row;
-  Share<3, DoubleDouble>* behind;
-  CULLHULL_HD void operator()(std::uint32_t) const {
-    double x[3];
-    rows.load(row[0], x);
-    Share<3, DoubleDouble> kept;
-    for (unsigned k = 0; k < 3; ++k) kept.moment[k] = DoubleDouble{x[k], 0};
-    *behind = kept;
-  }
+  double* to;
+  CULLHULL_HD void operator()(std::uint32_t i) const { rows.load(row[i], to + 3 * std::size_t{i}); }
 };
 
 /// The ids of corners, from their vertices' numbers.
@@ -157,17 +152,28 @@ struct NameCorner {
   }
 };
 
+/// What of a result the host wants: measures and vertex 0; the triangles as well; the rows and
+/// coordinates of the vertices as well.
+enum class StarWanted { sums, triangles, vertices };
+struct StarLists {
+  TriangleLists triangles;
+  Array<std::uint32_t> rows;
+  Array<double> coordinates;
+};
+
 /// Computes the result in the executor's memory. Reusable: memory is kept.
 template <class Executor, class Rows>
 class StarResult {
  public:
-  /// `rows`: the `count` rows as they were given to hull.run(). False unless they make a surface
-  /// that is whole(), and where a plane needs more than double-doubles or the coordinates span more
-  /// than 130 powers of two.
-  bool compute(StarHull<Executor, Rows>& hull, Rows rows, std::uint32_t count,
+  /// `rows`: the `count` rows as they were given to hull.run(). False, before anything is begun,
+  /// unless they make a surface that is whole(), and where the coordinates span more than 130
+  /// powers of two.
+  bool compute(StarHull<Executor, Rows>& hull, const Rows& rows, std::uint32_t count,
                const StarCounts& done) {
-    if (!done.whole()) return false;
     Executor& executor = hull.executor();
+    rows_ = rows;
+    Rows scaled = rows;
+    if (!done.whole() || !scale(executor, hull.box(), scaled, count)) return false;
     left_ = done.left;
     facets_ = done.end.facets;
     std::uint32_t* place = executor.reserve(place_, std::size_t{count} + 1);
@@ -175,39 +181,59 @@ class StarResult {
     (void)executor.enumerate(count, NotCulled{hull.culled()}, place,
                              RowOfVertex{hull.culled(), place, row});
     order(executor, hull);
-    auto* last = executor.reserve(chunks_, chunk_count(facets_, measure_chunk) + 1);
-    executor.for_each(1, FirstVertex<Rows>{rows, row, last + chunk_count(facets_, measure_chunk)});
-    return scale(executor, hull.box(), rows, count) && measure(executor, rows);
+    measure(executor, scaled);
+    return true;
   }
 
-  /// What is not a list, and the lists in the executor's memory.
-  const TriangleLists& sums() const { return sums_; }
+  /// Copies the sums to the host and, if wanted, the lists. Null where a plane needs more than
+  /// double-doubles.
+  std::optional<StarLists> fetch(Executor& executor, const Run& run, StarWanted wanted) {
+    StarLists lists;
+    TriangleLists& t = lists.triangles;
+    std::vector<Share<3, DoubleDouble>> parts(chunk_count(facets_, measure_chunk));
+    std::vector<Transfer> transfers;
+    const auto copy = [&](const auto& from, auto& list, std::size_t count) {
+      list.resize(count);
+      transfers.push_back({from.data(), list.data(), count * sizeof list[0]});
+    };
+    copy(chunks_, parts, parts.size());
+    const std::uint32_t vertices = wanted == StarWanted::vertices ? left_ : 1;
+    executor.reserve(coordinates_, 3 * std::size_t{vertices});
+    executor.for_each(vertices, CopyVertex<Rows>{rows_, row_.data(), coordinates_.data()});
+    copy(coordinates_, lists.coordinates, 3 * std::size_t{vertices});
+    if (wanted == StarWanted::vertices) copy(row_, lists.rows, left_);
+    if (wanted != StarWanted::sums) {
+      copy(vertices_, t.vertices, 3 * std::size_t{facets_});
+      copy(neighbours_, t.neighbours, 3 * std::size_t{facets_});
+      copy(planes_, t.planes, 4 * std::size_t{facets_});
+    }
+    executor.fetch_all(transfers, run);
+    t.exponent = exponent_;
+    std::copy_n(lists.coordinates.begin(), 3, t.first);
+    if (wanted != StarWanted::vertices) lists.coordinates = {};
+    for (const auto& part : parts) t.sums.add(part);
+    if (!std::isfinite(t.sums.error)) return {};
+    return lists;
+  }
+
+  /// The lists in the executor's memory.
   const std::uint32_t* vertices() const { return vertices_.data(); }
   const std::uint32_t* neighbours() const { return neighbours_.data(); }
   const double* planes() const { return planes_.data(); }
 
-  /// Copies the result to the host.
-  TriangleLists fetch(Executor& executor, const Run& run) const {
-    TriangleLists lists = sums_;
-    lists.vertices.resize(3 * std::size_t{facets_});
-    lists.neighbours.resize(3 * std::size_t{facets_});
-    lists.planes.resize(4 * std::size_t{facets_});
-    executor.fetch_many(vertices_.data(), lists.vertices.size(), lists.vertices.data(), run);
-    executor.fetch_many(neighbours_.data(), lists.neighbours.size(), lists.neighbours.data(), run);
-    executor.fetch_many(planes_.data(), lists.planes.size(), lists.planes.data(), run);
-    return lists;
-  }
-
  private:
+  template <class T>
+  using There = typename Executor::template Array<T>;
+
   /// Scales the rows as make_frame() does; false where that is far from 1 or the hull thin along an
   /// axis.
   bool scale(Executor& executor, const AxisExtremes<3>& box, Rows& rows, std::uint32_t count) {
     double largest = 0;
     for (unsigned k = 0; k < 3; ++k)
       largest = std::max({largest, std::fabs(box.low[k]), std::fabs(box.high[k])});
-    sums_.exponent = largest > 0 ? std::ilogb(largest) + 1 : 0;
-    if (std::abs(sums_.exponent) > 1000) return false;
-    const double factor = scale_by(1, -sums_.exponent), powers[3] = {factor, factor, factor};
+    exponent_ = largest > 0 ? std::ilogb(largest) + 1 : 0;
+    if (std::abs(exponent_) > 1000) return false;
+    const double factor = scale_by(1, -exponent_), powers[3] = {factor, factor, factor};
     rows.rescale(executor, count, powers);
     // A Frame wants extents above 2^(-400 / 3).
     for (unsigned k = 0; k < 3; ++k)
@@ -234,34 +260,24 @@ class StarResult {
                       executor.reserve(neighbours_, 3 * std::size_t{facets_})});
   }
 
-  bool measure(Executor& executor, const Rows& rows) {
+  void measure(Executor& executor, const Rows& rows) {
     const auto runs = static_cast<std::uint32_t>(chunk_count(facets_, measure_run));
     const auto chunks = static_cast<std::uint32_t>(chunk_count(facets_, measure_chunk));
     Share<3>* sums = executor.reserve(runs_, runs);
     executor.for_each(
-        runs,
-        MeasureRun<Rows>{rows, row_.data(), vertices_.data(), facets_, scale_by(1, sums_.exponent),
-                         executor.reserve(planes_, 4 * std::size_t{facets_}), sums});
-    executor.for_each(chunks, SumChunk{sums, runs, chunks_.data()});
-    std::vector<Share<3, DoubleDouble>> parts(chunks + std::size_t{1});
-    executor.fetch(chunks_.data(), parts.size(), parts.data());
-    for (unsigned k = 0; k < 3; ++k) sums_.first[k] = parts.back().moment[k].value();
-    parts.pop_back();
-    sums_.sums = {};
-    for (const auto& part : parts) sums_.sums.add(part);
-    return std::isfinite(sums_.sums.error);
+        runs, MeasureRun<Rows>{rows, row_.data(), vertices_.data(), facets_, scale_by(1, exponent_),
+                               executor.reserve(planes_, 4 * std::size_t{facets_}), sums});
+    executor.for_each(chunks, SumChunk{sums, runs, executor.reserve(chunks_, chunks)});
   }
 
-  template <class T>
-  using Array = typename Executor::template Array<T>;
-
   std::uint32_t left_ = 0, facets_ = 0;
-  TriangleLists sums_;  ///< without the lists
-  Array<std::uint32_t> place_, row_, listed_, by_second_, by_lowest_, slot_, number_;
-  Array<std::uint32_t> vertices_, neighbours_;
-  Array<double> planes_;
-  Array<Share<3>> runs_;
-  Array<Share<3, DoubleDouble>> chunks_;
+  Rows rows_{};  ///< as given
+  int exponent_ = 0;
+  There<std::uint32_t> place_, row_, listed_, by_second_, by_lowest_, slot_, number_;
+  There<std::uint32_t> vertices_, neighbours_;
+  There<double> planes_, coordinates_;
+  There<Share<3>> runs_;
+  There<Share<3, DoubleDouble>> chunks_;
 };
 
 }  // namespace cullhull::internal

@@ -23,6 +23,7 @@ struct CUstream_st {
   };
   bool blocking = true;
   int device = 0;
+  std::uint64_t launches = 0;
   std::deque<Work> queue;
 };
 
@@ -77,8 +78,9 @@ CUstream_st* resolve(cudaStream_t stream) {
   return stream;
 }
 
-void run_queue(CUstream_st* s) {
-  while (!s->queue.empty()) {
+/// `mark`: where to stop, if not null.
+void run_queue(CUstream_st* s, const Mark* mark = nullptr) {
+  while (!s->queue.empty() && (mark == nullptr || !mark->reached)) {
     const CUstream_st::Work work = std::move(s->queue.front());
     s->queue.pop_front();
     if (lasting != cudaSuccess) continue;
@@ -213,6 +215,10 @@ void count_wait() {
   ++the_counters.waits;
   about_to_wait();
 }
+void count_look() {
+  ++the_counters.looks;
+  about_to_wait();
+}
 void about_to_wait() {
   if (settings().at_wait) settings().at_wait();
 }
@@ -255,6 +261,20 @@ void drain_device() {
     if (s->device == device_now) run_queue(s);
 }
 
+std::shared_ptr<Mark> mark(cudaStream_t stream) {
+  auto made = std::make_shared<Mark>(Mark{resolve(stream), resolve(stream)->launches, false});
+  enqueue(
+      stream, [made] { made->reached = true; }, false);
+  return made;
+}
+
+bool is_last(const Mark& mark) { return mark.stream->launches == mark.launches; }
+
+void drain_to(const Mark& mark) {
+  if (!mark.reached) run_before(mark.stream);
+  run_queue(mark.stream, &mark);
+}
+
 bool idle(cudaStream_t stream) { return resolve(stream)->queue.empty(); }
 
 void forget_shared_limits() {
@@ -280,6 +300,7 @@ void submit(const Launch& launch, std::function<void()> body) {
   if (const cudaError_t error = check_stream(launch.stream); error != cudaSuccess)
     return set_last_error(error);
   ++the_counters.launches[launch.name];
+  ++resolve(launch.stream)->launches;
   if (++launches_since_restart == the_settings.failing_launch) {
     enqueue(launch.stream, [] { set_lasting_error(cudaErrorIllegalAddress); });
     return;

@@ -5,7 +5,9 @@
 #include <cuda_runtime_api.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 
 #include "emulation.hpp"
@@ -33,6 +35,7 @@ void count_copy();
 bool count_strided_copy();
 void count_trim();
 void count_wait();
+void count_look();
 /// What calls begin with that wait for work of a device: the test may want to know.
 void about_to_wait();
 
@@ -48,6 +51,17 @@ void enqueue(cudaStream_t stream, std::function<void()> work, bool touches_memor
 void drain(cudaStream_t stream);
 void drain_device();
 bool idle(cudaStream_t stream);
+/// A place in the order of a stream.
+struct Mark {
+  cudaStream_t stream;
+  std::uint64_t launches;  ///< of kernels, before it
+  bool reached;
+};
+std::shared_ptr<Mark> mark(cudaStream_t stream);
+/// Whether no kernel was launched after it.
+bool is_last(const Mark& mark);
+/// Does what is queued before it.
+void drain_to(const Mark& mark);
 
 struct Launch {
   unsigned grid, block;

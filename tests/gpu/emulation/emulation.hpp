@@ -57,8 +57,9 @@ void restart(std::uint64_t seed = 1);
 
 struct Counters {
   std::map<std::string, std::uint64_t> launches;  ///< by the kernel's name
-  std::uint64_t allocations = 0, pinned_allocations = 0, copies = 0, strided_copies = 0, waits = 0,
-                trims = 0;
+  std::uint64_t allocations = 0, pinned_allocations = 0, copies = 0, strided_copies = 0, trims = 0;
+  /// Waits for all that a stream has to do, and for a part of it.
+  std::uint64_t waits = 0, looks = 0;
   std::size_t live_bytes = 0, peak_bytes = 0;  ///< of device memory
 };
 Counters counters();

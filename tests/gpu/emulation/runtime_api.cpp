@@ -16,7 +16,7 @@ struct CUmemPoolHandle_st {
   int device;
 };
 struct CUevent_st {
-  cudaStream_t stream = nullptr;
+  std::shared_ptr<emulation::Mark> mark;  ///< null: not recorded
 };
 
 namespace {
@@ -332,10 +332,13 @@ cudaError_t cudaStreamQuery(cudaStream_t stream) {
 
 // -------------------------------------------------------------------------------- events
 
-// Time does not pass here: an event is the stream it was recorded on, to wait for.
+// Time does not pass here: an event is a place in the order of a stream, to wait for.
 cudaError_t cudaEventCreate(cudaEvent_t* event) {
   *event = new CUevent_st;
   return cudaSuccess;
+}
+cudaError_t cudaEventCreateWithFlags(cudaEvent_t* event, unsigned) {
+  return cudaEventCreate(event);
 }
 cudaError_t cudaEventDestroy(cudaEvent_t event) {
   delete event;
@@ -343,11 +346,30 @@ cudaError_t cudaEventDestroy(cudaEvent_t event) {
 }
 cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t stream) {
   return call_on(stream, [&] {
-    event->stream = stream;
+    event->mark = mark(stream);
     return cudaSuccess;
   });
 }
-cudaError_t cudaEventSynchronize(cudaEvent_t event) { return cudaStreamSynchronize(event->stream); }
+// Where nothing was submitted after the event, the device stops.
+cudaError_t cudaEventSynchronize(cudaEvent_t event) {
+  return call([&] {
+    if (event->mark == nullptr || event->mark->reached) return cudaSuccess;
+    if (is_last(*event->mark))
+      count_wait();
+    else
+      count_look();
+    drain_to(*event->mark);
+    return lasting_error();
+  });
+}
+cudaError_t cudaStreamWaitEvent(cudaStream_t stream, cudaEvent_t event, unsigned) {
+  return call_on(stream, [&] {
+    if (event->mark != nullptr)
+      enqueue(
+          stream, [mark = event->mark] { drain_to(*mark); }, false);
+    return cudaSuccess;
+  });
+}
 cudaError_t cudaEventElapsedTime(float* milliseconds, cudaEvent_t, cudaEvent_t) {
   *milliseconds = 1;
   return cudaSuccess;
